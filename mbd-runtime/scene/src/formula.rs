@@ -1,0 +1,132 @@
+//! Formulas: the expressions a declaration writes for a mass, a load, an output or an event.
+//!
+//! A formula is checked for shape and dimension when it is read; here it holds plain SI numbers and indices into the [`Scene`](crate::Scene).
+
+use serde::{Deserialize, Serialize};
+
+/// A place on a body, on the world or at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Place {
+    /// A frame fixed in the world: index into `Scene::world_frames`.
+    World(usize),
+    /// The origin of a body's frame: body index, frame index. Frame 0 of every body is `com`.
+    Body(usize, usize),
+    /// A point: index into `Scene::points`.
+    Point(usize),
+}
+
+/// A function of a formula.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Function {
+    /// a + b, of two scalars or two vectors.
+    Add,
+    /// a − b, of two scalars or two vectors.
+    Sub,
+    /// a · b, scalar times scalar, or scalar times vector in either order.
+    Mul,
+    /// a / b, b a scalar.
+    Div,
+    /// −a.
+    Neg,
+    /// a to the power n; the second argument is a whole [`Formula::Number`].
+    Power,
+    /// √(a·a) of a vector.
+    Norm,
+    /// a·b of two vectors.
+    Dot,
+    /// a × b.
+    Cross,
+    /// The smaller of two scalars.
+    Min,
+    /// The larger of two scalars.
+    Max,
+    /// |a| of a scalar.
+    Abs,
+    /// e to the power a; a has no dimension.
+    Exp,
+    /// √a of a scalar ≥ 0.
+    Sqrt,
+    /// Sine of an angle.
+    Sin,
+    /// Cosine of an angle.
+    Cos,
+    /// The angle between two vectors [rad], 0 … π.
+    Angle,
+}
+
+/// An expression over the scene, in SI units, world axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Formula {
+    /// A number.
+    Number(f64),
+    /// A declared `const`: index into `Scene::consts`. Folds into generated code.
+    Const(usize),
+    /// A declared `param`: index into `Scene::params`. Stays a live field.
+    Param(usize),
+    /// A declared `input`: index into `Scene::inputs`.
+    Input(usize),
+    /// Time [s].
+    Time,
+    /// Position of a place from the world origin [m].
+    Position(Place),
+    /// Velocity of a place [m/s].
+    Velocity(Place),
+    /// Unit vector along axis 0, 1 or 2 of a frame (rotation of the frame included; the axes of the world for a world frame).
+    Axis(Place, usize),
+    /// Angular velocity of a body [rad/s], in world axes.
+    AngularVelocityWorld(usize),
+    /// Angular velocity of a body [rad/s], in its own axes.
+    AngularVelocityBody(usize),
+    /// Tension of a line [N], ≥ 0 for a `line`, either sign for a `spring`.
+    Tension(usize),
+    /// Length of a line, from end to end [m].
+    Length(usize),
+    /// Length minus free length of a line [m].
+    Stretch(usize),
+    /// Rate of the length of a line [m/s].
+    StretchRate(usize),
+    /// A vector of three scalars.
+    Vector(Vec<Formula>),
+    /// Component 0, 1 or 2 of a vector; the list holds the one vector.
+    Component(Vec<Formula>, usize),
+    /// A function of its arguments.
+    Apply(Function, Vec<Formula>),
+    /// A table, linear between its rows and constant beyond them: index into `Scene::tables`; the list holds the one argument.
+    Lookup(usize, Vec<Formula>),
+}
+
+impl Formula {
+    /// Calls `visit` on this formula and on everything in it.
+    pub fn walk(&self, visit: &mut impl FnMut(&Formula)) {
+        visit(self);
+        match self {
+            Formula::Vector(parts)
+            | Formula::Apply(_, parts)
+            | Formula::Component(parts, _)
+            | Formula::Lookup(_, parts) => {
+                parts.iter().for_each(|part| part.walk(visit));
+            }
+            _ => {}
+        }
+    }
+
+    /// Whether anything in this formula satisfies `test`.
+    #[must_use]
+    pub fn contains(&self, test: impl Fn(&Formula) -> bool) -> bool {
+        let mut found = false;
+        self.walk(&mut |part| found |= test(part));
+        found
+    }
+
+    /// Whether this is the number zero, written as such or through a `const` expression the reader folded.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        matches!(self, Formula::Number(x) if *x == 0.0)
+    }
+}
+
+impl From<f64> for Formula {
+    fn from(value: f64) -> Self {
+        Formula::Number(value)
+    }
+}

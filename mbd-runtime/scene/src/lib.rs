@@ -1,0 +1,30 @@
+//! What a multibody scene is, and the laws of mechanics that hold in it.
+//!
+//! - [`Scene`] is everything a declaration says, resolved to indices and SI numbers.
+//! - [`Layout`] says where everything lives in the state and in the other lists of numbers.
+//! - [`Quantity`] is what a model can be asked for, [`At`] where.
+//! - [`Real`] is the scalar of every law: the same function runs on `f64`, on dual numbers and on symbols.
+//! - [`laws`] holds the laws, each written once.
+//!
+//! This crate knows no tokens and does no input or output.
+
+mod formula;
+pub mod laws;
+mod layout;
+mod model;
+mod quantity;
+mod real;
+mod scene;
+
+pub use formula::{Formula, Function, Place};
+pub use layout::{
+    Anchor, InputSlots, InputSource, Layout, LineEnd, LineSlots, Network, Node, PointSlots, Slots,
+};
+pub use model::Model;
+pub use quantity::{At, Differentiated, Quantity, Variable};
+pub use real::{Float, Real, TINY};
+pub use scene::{
+    AngularVelocity, Body, Clamp, Constant, Coordinates, Difference, Dimension, Direction, Event,
+    Frame, Gravity, Inertia, Input, Joint, JointLaw, Line, LineKind, Load, LoadKind, NodeModel,
+    Output, Parameter, Point, PointKind, Scene, Table, Triple, Unit,
+};

@@ -1,0 +1,98 @@
+//! What a model can be asked for, and where it is asked: the one interface that generic, interpreted and generated code share.
+
+/// A quantity of a scene. Its value is a flat list of numbers whose length is [`Layout::len`](crate::Layout::len).
+///
+/// Frames: world axes unless said otherwise. Signs: tension is positive in tension; forces act *on* the named thing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// Anchors of the node lines and loads of the nodes: per anchor position and velocity [m, m/s] (6 numbers, in the order of
+    /// `Layout::anchors`), then per node its load W (3 numbers) [N]. Reads time, state, inputs.
+    Ends,
+    /// Balance of one network (index) at trial node positions: the gradient g = −Σ T u − W of the line energy (3 per node) [N], the
+    /// blocks of H = ∂g/∂p (6 numbers each: xx xy xz yy yz zz, in the order of `Network::blocks`) [N/m], then three sums: ΣT [N], Σ K_e (d + |p|₁)
+    /// over taut lines [N], and the number of lines with positive stretch. Reads `ends`, `nodes` (positions), `effective`.
+    Equilibrium(usize),
+    /// ẋ of the state x = [q | v | z]. Reads everything but `ends`.
+    Derivative,
+    /// Balance of all nodes as a function of the state and the node unknowns: Σ T u + W (3 per node) [N]; the residual whose derivatives
+    /// carry the node into the linearisation. Reads what `Derivative` reads.
+    Balance,
+    /// Per line stretch s [m] and pull K s + C ṡ [N] (K_e (d − L_e) for lines of static and stepwise nodes), then one value an event.
+    Guards,
+    /// The declared outputs, component by component.
+    Outputs,
+    /// Kinetic, gravitational and elastic energy [J], power of the loads and power of the dampers on the bodies and points [W] (≤ 0 for a damper).
+    Energy,
+    /// Linear momentum [kg m/s] and angular momentum about the world origin [kg m²/s]; of bodies and points with mass.
+    Momentum,
+    /// The mass matrix M, dense, row by row (n_v × n_v); only structural non-zeros are written.
+    MassMatrix,
+    /// The bias force h (n_v): velocity terms and gravity, M v̇ + h = f.
+    BiasForce,
+    /// The applied forces f (n_v): lines and loads.
+    Forces,
+    /// Per line: tension [N], length [m], stretch [m], stretch rate [m/s] and the stiffness ∂(force on the `to` end)/∂(position of the `from`
+    /// end) = K u uᵀ + (T/d)(I − u uᵀ) (6 numbers: xx xy xz yy yz zz) [N/m].
+    Lines,
+    /// ∂p/∂(anchor positions) of one network, dense, row by row: (3 nodes) × (3 anchors). Σ over anchors of one node row = I.
+    NodeByAnchor(usize),
+    /// The stiffness the anchors of one network see through the nodes: −∂(force on anchor i)/∂(position of anchor j), dense, row by row,
+    /// (3 anchors) × (3 anchors), symmetric and positive semidefinite [N/m].
+    CondensedStiffness(usize),
+    /// The partial derivative of one quantity, dense, row by row; only structural non-zeros are written.
+    Partial(Differentiated, Variable),
+}
+
+/// The quantities that are differentiated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Differentiated {
+    /// [`Quantity::Derivative`].
+    Derivative,
+    /// [`Quantity::Balance`].
+    Balance,
+    /// [`Quantity::Outputs`].
+    Outputs,
+}
+
+/// What they are differentiated by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Variable {
+    /// The state [q | v | z], at fixed node unknowns.
+    State,
+    /// The node unknowns ([`At::nodes`]).
+    Node,
+    /// The live parameters.
+    Parameter,
+}
+
+impl Differentiated {
+    /// The quantity itself.
+    #[must_use]
+    pub fn quantity(self) -> Quantity {
+        match self {
+            Differentiated::Derivative => Quantity::Derivative,
+            Differentiated::Balance => Quantity::Balance,
+            Differentiated::Outputs => Quantity::Outputs,
+        }
+    }
+}
+
+/// Where a quantity is evaluated: everything it may depend on besides the parameters. A function called twice with the same `At`
+/// gives the same bits.
+#[derive(Clone, Copy, Debug)]
+pub struct At<'a, S> {
+    /// Time [s].
+    pub time: S,
+    /// The state x = [q | v | z].
+    pub state: &'a [S],
+    /// Node unknowns, 3 a node: position [m] (`static`, `stepwise`) or velocity [m/s] (`rate`, whose position is in z).
+    pub nodes: &'a [S],
+    /// Per line of a static or stepwise node: effective stiffness K_e [N/m] and effective free length L_e [m].
+    pub effective: &'a [S],
+    /// Per line: 0 the line decides by its own stretch and pull, +1 it carries K s + C ṡ whatever the sign, −1 it carries nothing.
+    pub hold: &'a [S],
+    /// The value of [`Quantity::Ends`], for [`Quantity::Equilibrium`], [`Quantity::NodeByAnchor`], [`Quantity::CondensedStiffness`].
+    pub ends: &'a [S],
+    /// Inputs, external loads and external gravity, in the order of `Layout::inputs`.
+    pub inputs: &'a [S],
+}

@@ -1,0 +1,150 @@
+//! The scalar of every law: one trait, run by numbers, lanes, dual numbers and symbols alike.
+//!
+//! A law is written once over [`Real`]. `f64` and `f32` run it, dual numbers differentiate it, the compiler's expression type turns it
+//! into equations. For that to work a law never branches on a value: it uses [`Real::select`], [`Real::min`] and [`Real::max`], and
+//! keeps **both** operands of a select finite for every input (guard the length or the root first, then select).
+
+use std::fmt::Debug;
+use std::ops::Neg;
+
+use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign, Scalar};
+use num_traits::{One, Zero};
+
+/// A length below this is treated as this when it divides [m]: far below any taut length, far above what squares to zero in `f32`.
+pub const TINY: f64 = 1e-18;
+
+/// What a law may do with a number.
+pub trait Real:
+    Scalar
+    + Copy
+    + Zero
+    + One
+    + ClosedAddAssign
+    + ClosedSubAssign
+    + ClosedMulAssign
+    + ClosedDivAssign
+    + Neg<Output = Self>
+{
+    /// The result of a comparison: `bool` for a number, a lane mask for lanes, a symbol for symbols.
+    type Mask: Copy + Debug;
+
+    /// The number nearest to `value`.
+    fn from_f64(value: f64) -> Self;
+    /// √self, for self ≥ 0. Its derivative is taken as dx / (2 max(√x, [`TINY`])): finite at zero.
+    fn sqrt(self) -> Self;
+    /// (sin self, cos self), self in radians.
+    fn sin_cos(self) -> (Self, Self);
+    /// e to the power self.
+    fn exp(self) -> Self;
+    /// The angle of the vector (`x`, self) [rad], in (−π, π].
+    fn atan2(self, x: Self) -> Self;
+    /// |self|.
+    fn abs(self) -> Self;
+    /// The smaller of two.
+    fn min(self, other: Self) -> Self;
+    /// The larger of two. At equality the derivative is that of `self`.
+    fn max(self, other: Self) -> Self;
+    /// self < other.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// self ≤ other.
+    fn le(self, other: Self) -> Self::Mask;
+    /// Both masks.
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// `a` where the mask holds, `b` elsewhere. Both are evaluated.
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
+    /// Whether every lane is finite.
+    fn is_finite_all(self) -> bool;
+
+    /// Names this term for the reader of generated code (`r12`, `u_x`); numbers ignore it.
+    #[must_use]
+    fn label(self, _name: &'static str) -> Self {
+        self
+    }
+
+    /// Says that the terms which follow belong to the body, line or node `_name`; numbers ignore it.
+    fn section(_name: &str) {}
+}
+
+/// A [`Real`] that is one plain machine number: what iterative solvers and step control need on top of a law.
+pub trait Float: Real<Mask = bool> + PartialOrd + Default + Send + Sync {
+    /// The distance from 1 to the next larger number.
+    const EPSILON: Self;
+    /// The value as `f64`, exactly.
+    fn to_f64(self) -> f64;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool {
+        self.is_finite_all()
+    }
+}
+
+macro_rules! machine_number {
+    ($t:ident) => {
+        impl Real for $t {
+            type Mask = bool;
+
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                value as $t
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $t::sqrt(self)
+            }
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                $t::sin_cos(self)
+            }
+            #[inline(always)]
+            fn exp(self) -> Self {
+                $t::exp(self)
+            }
+            #[inline(always)]
+            fn atan2(self, x: Self) -> Self {
+                $t::atan2(self, x)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                $t::abs(self)
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                if other < self { other } else { self }
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                if other > self { other } else { self }
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> bool {
+                self <= other
+            }
+            #[inline(always)]
+            fn both(a: bool, b: bool) -> bool {
+                a & b
+            }
+            #[inline(always)]
+            fn select(mask: bool, a: Self, b: Self) -> Self {
+                if mask { a } else { b }
+            }
+            #[inline(always)]
+            fn is_finite_all(self) -> bool {
+                self.is_finite()
+            }
+        }
+
+        impl Float for $t {
+            const EPSILON: Self = $t::EPSILON;
+
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+        }
+    };
+}
+
+machine_number!(f64);
+machine_number!(f32);

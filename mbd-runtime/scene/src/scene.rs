@@ -1,0 +1,396 @@
+//! What a scene is: everything a declaration says, resolved to indices and SI numbers, nothing derived.
+
+use serde::{Deserialize, Serialize};
+
+use crate::formula::{Formula, Place};
+
+/// Three scalar formulas: a vector known in components.
+pub type Triple = [Formula; 3];
+
+/// Everything one declaration says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// The name of the model.
+    pub name: String,
+    /// Its documentation.
+    pub doc: String,
+    /// The coordinates the equations are written in.
+    pub coordinates: Coordinates,
+    /// The components of angular velocities in the state.
+    pub angular_velocity: AngularVelocity,
+    /// The acceleration of gravity.
+    pub gravity: Gravity,
+    /// Numbers that fold into generated code, in declaration order.
+    pub consts: Vec<Constant>,
+    /// Numbers that stay live, in declaration order.
+    pub params: Vec<Parameter>,
+    /// Time-varying quantities that the caller supplies at each evaluation.
+    pub inputs: Vec<Input>,
+    /// Tables, linear between their rows.
+    pub tables: Vec<Table>,
+    /// Frames fixed in the world. Index 0 is the world itself: origin, axes, name `world`.
+    pub world_frames: Vec<Frame>,
+    /// Rigid bodies.
+    pub bodies: Vec<Body>,
+    /// Points, with mass or massless.
+    pub points: Vec<Point>,
+    /// Joints.
+    pub joints: Vec<Joint>,
+    /// Lines and springs.
+    pub lines: Vec<Line>,
+    /// Loads.
+    pub loads: Vec<Load>,
+    /// Outputs.
+    pub outputs: Vec<Output>,
+    /// Events.
+    pub events: Vec<Event>,
+}
+
+/// The family of coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Coordinates {
+    /// Every body carries position and quaternion; joints are rows.
+    #[default]
+    Absolute,
+    /// Joint coordinates of a spanning tree.
+    Relative,
+}
+
+/// The components in which the state carries angular velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum AngularVelocity {
+    /// Along the body's own axes: constant mass matrix.
+    #[default]
+    Body,
+    /// Along world axes: mass matrix R I′ Rᵀ.
+    World,
+}
+
+/// The acceleration of gravity at a position r, world axes [m/s²].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Gravity {
+    /// None.
+    #[default]
+    None,
+    /// The same everywhere.
+    Uniform {
+        /// Acceleration [m/s²].
+        acceleration: Triple,
+    },
+    /// A point mass: −μ d/|d|³, d = r − center. The offset keeps positions small: planet-centred ones cost digits.
+    PointMass {
+        /// Gravitational parameter [m³/s²].
+        mu: Formula,
+        /// Place of the mass in world coordinates [m], for example (0, 0, −3.4e6).
+        center: Triple,
+    },
+    /// A point mass with the J2 term of an oblate planet.
+    Oblate {
+        /// Gravitational parameter [m³/s²].
+        mu: Formula,
+        /// Place of the planet's centre in world coordinates [m].
+        center: Triple,
+        /// Equatorial radius [m].
+        radius: Formula,
+        /// J2 [1].
+        j2: Formula,
+        /// Unit vector along the planet's axis, world components.
+        axis: Triple,
+    },
+    /// Supplied by the caller for every body and point with mass (three input slots each).
+    Field,
+}
+
+/// A unit as written, with its meaning in SI.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Unit {
+    /// The text of the unit, `kN/m`; empty for a pure number.
+    pub text: String,
+    /// SI value of one such unit.
+    pub factor: f64,
+    /// What it measures.
+    pub dimension: Dimension,
+}
+
+/// Exponents of mass, length and time, **doubled** so that square roots stay whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Dimension {
+    /// Twice the exponent of mass.
+    pub mass: i8,
+    /// Twice the exponent of length.
+    pub length: i8,
+    /// Twice the exponent of time.
+    pub time: i8,
+}
+
+/// A number that folds into the code.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Constant {
+    /// Name.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// Value [SI].
+    pub value: f64,
+    /// Unit as declared.
+    pub unit: Unit,
+}
+
+/// A number that stays a live field.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// Name.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// Default [SI].
+    pub default: f64,
+    /// Smallest and largest accepted value [SI].
+    pub range: Option<[f64; 2]>,
+    /// Unit as declared.
+    pub unit: Unit,
+}
+
+/// A quantity the caller supplies at each evaluation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    /// Name.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// 1 or 3 components.
+    pub components: usize,
+    /// SI unit.
+    pub unit: Unit,
+}
+
+/// A table: `y` over strictly increasing `x`, linear between rows, constant beyond them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Name, used as a function of one argument.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// Arguments [SI].
+    pub x: Vec<f64>,
+    /// Values [SI].
+    pub y: Vec<f64>,
+    /// Unit of the argument.
+    pub x_unit: Unit,
+    /// Unit of the value.
+    pub y_unit: Unit,
+}
+
+/// A place and axes on a body or in the world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Name; repeated frames are `bridle[0]`, `bridle[1]`, ….
+    pub name: String,
+    /// Origin from the centre of mass, body axes (from the world origin, world axes) [m].
+    pub position: Triple,
+    /// Rotation from frame axes to body axes: rows of the matrix; columns are the frame's axes. `None`: parallel to the body.
+    pub rotation: Option<[Triple; 3]>,
+}
+
+/// A rigid body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Body {
+    /// Name.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// Mass [kg].
+    pub mass: Formula,
+    /// Inertia about the centre of mass along body axes [kg m²].
+    pub inertia: Inertia,
+    /// Frames; index 0 is `com`.
+    pub frames: Vec<Frame>,
+}
+
+/// Inertia about the centre of mass: elements of the symmetric matrix (xy = −∫xy dm) [kg m²].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Inertia {
+    /// Element xx.
+    pub xx: Formula,
+    /// Element yy.
+    pub yy: Formula,
+    /// Element zz.
+    pub zz: Formula,
+    /// Element xy.
+    pub xy: Formula,
+    /// Element xz.
+    pub xz: Formula,
+    /// Element yz.
+    pub yz: Formula,
+}
+
+/// A point where lines end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// Name.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// With mass, or an equilibrium point.
+    pub kind: PointKind,
+}
+
+/// What holds a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PointKind {
+    /// Newton's law: three coordinates, three speeds.
+    Mass(Formula),
+    /// The balance of its lines: a node.
+    Node(NodeModel),
+}
+
+/// How a node treats the damping of its lines (`static`, `stepwise`, `rate`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NodeModel {
+    /// Damping ignored: the node minimises the elastic energy of its lines at every stage.
+    Static,
+    /// Damping by differences against the last accepted step; fixed steps only.
+    Stepwise {
+        /// The difference formula.
+        formula: Difference,
+        /// What is clamped.
+        clamp: Clamp,
+    },
+    /// The node's velocity follows from the balance of the damped lines: three more states.
+    Rate,
+}
+
+/// A backward difference formula for the stretch rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Difference {
+    /// First order.
+    Euler,
+    /// Second order.
+    #[default]
+    Bdf2,
+}
+
+/// What the differenced damping acts on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Clamp {
+    /// The positive part of the stretch: monotone, zero when slack.
+    #[default]
+    Positive,
+    /// The length, as printed in AAS 03-163: lets slack lines pull; for comparison only.
+    Literal,
+}
+
+/// A joint between two places.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Joint {
+    /// Name.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// Its law.
+    pub law: JointLaw,
+    /// Place on the parent.
+    pub parent: Place,
+    /// Place on the child.
+    pub child: Place,
+}
+
+/// What a joint allows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum JointLaw {
+    /// Everything: six freedoms.
+    Free,
+}
+
+/// A line (tension only) or a spring (both ways) with damping.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// Name; repeated lines are `leg[0]`, `leg[1]`, ….
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// Tension only, or both ways.
+    pub kind: LineKind,
+    /// First end.
+    pub from: Place,
+    /// Second end.
+    pub to: Place,
+    /// Free length L0 [m], ≥ 0.
+    pub free_length: Formula,
+    /// Stiffness K [N/m], > 0.
+    pub stiffness: Formula,
+    /// Damping C [N s/m], ≥ 0; the number 0 when none is declared.
+    pub damping: Formula,
+}
+
+/// Which signs of tension a line carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LineKind {
+    /// Tension only: zero when slack.
+    Line,
+    /// Tension and compression.
+    Spring,
+}
+
+/// A load on a body or a point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Load {
+    /// Name.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// Where it acts: a frame of a body, or a point.
+    pub at: Place,
+    /// What acts.
+    pub kind: LoadKind,
+}
+
+/// What a load is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum LoadKind {
+    /// A force [N], world axes, at the place.
+    Force(Formula),
+    /// A couple [N m], world axes.
+    Torque(Formula),
+    /// A force at the place and a couple, world axes, from the caller: six input slots (three on a point).
+    External,
+}
+
+/// A named result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Output {
+    /// Name.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// Value [SI].
+    pub value: Formula,
+    /// 1 or 3 components.
+    pub components: usize,
+    /// SI unit.
+    pub unit: Unit,
+}
+
+/// An instant the runtime locates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// Name.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// A scalar that passes zero at the event.
+    pub guard: Formula,
+    /// The direction that counts.
+    pub direction: Direction,
+}
+
+/// Which zero passages of a guard count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Direction {
+    /// Both.
+    Crosses,
+    /// From negative to positive.
+    Rises,
+    /// From positive to negative.
+    Falls,
+}

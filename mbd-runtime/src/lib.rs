@@ -1,0 +1,3 @@
+//! Multibody dynamics compiled from a declaration: the runtime that users depend on.
+
+pub use mbd_scene as scene;
