@@ -31,9 +31,9 @@ pub fn jacobian(outputs: &[(usize, Expr)], by: &[By]) -> Vec<(usize, usize, Expr
         for &expr in &reached {
             let tangent = match expr.node() {
                 Node::Slot(slot) => (slot == variable.slot).then(Expr::one),
-                Node::Apply(op) => tangent(expr, op, |a| {
-                    tangents.get(a.index()).copied().flatten()
-                }),
+                Node::Apply(op) => {
+                    tangent(expr, op, |a| tangents.get(a.index()).copied().flatten())
+                }
                 Node::Constant(_) | Node::Truth(_) => None,
             };
             tangents[expr.index()] = tangent.filter(|t| !t.is_structural_zero());
@@ -94,14 +94,10 @@ fn tangent(value: Expr, op: Op<Expr>, of: impl Fn(Expr) -> Option<Expr>) -> Opti
                     let inverse = Expr::one() / b;
                     (da.unwrap_or(zero) - db.map_or(zero, |db| value * db)) * inverse
                 }
-                Binary::Min => {
-                    Expr::select(b.lt(a), db.unwrap_or(zero), da.unwrap_or(zero))
-                }
-                Binary::Max => {
-                    Expr::select(a.lt(b), db.unwrap_or(zero), da.unwrap_or(zero))
-                }
+                Binary::Min => Expr::select(b.lt(a), db.unwrap_or(zero), da.unwrap_or(zero)),
+                Binary::Max => Expr::select(a.lt(b), db.unwrap_or(zero), da.unwrap_or(zero)),
                 Binary::Atan2 => {
-                    let length = (a * a + b * b).max(Expr::from_f64(TINY * TINY));
+                    let length = (a * a + b * b).max(Expr::from_f64(TINY));
                     let turn = da.map_or(zero, |da| da * b) - db.map_or(zero, |db| a * db);
                     turn * (Expr::one() / length)
                 }

@@ -57,13 +57,19 @@ impl Equations {
             derived: Program::build(&graph, None, &outputs, outputs.len(), &asked, &nothing),
             programs: traced
                 .iter()
-                .map(|Traced { what, outputs, order }| {
-                    let len = layout.len(*what);
-                    let what = *what;
-                    let program =
-                        Program::build(&graph, Some(what), outputs, len, order, &places);
-                    (what, program)
-                })
+                .map(
+                    |Traced {
+                         what,
+                         outputs,
+                         order,
+                     }| {
+                        let len = layout.len(*what);
+                        let what = *what;
+                        let program =
+                            Program::build(&graph, Some(what), outputs, len, order, &places);
+                        (what, program)
+                    },
+                )
                 .collect(),
             scene: scene.clone(),
             layout,
@@ -84,7 +90,9 @@ impl Equations {
     pub fn cost(&self) -> Cost {
         self.programs
             .iter()
-            .fold(self.derived.cost(), |sum, (_, program)| sum + program.cost())
+            .fold(self.derived.cost(), |sum, (_, program)| {
+                sum + program.cost()
+            })
     }
 }
 
@@ -123,7 +131,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
         ends: &ends,
         inputs: &inputs,
     };
-    let mut scratch = Scratch::new(scene, layout);
+    let mut scratch = Scratch::new(scene);
     let mut law = |what: Quantity| {
         let mut out = vec![Expr::zero(); layout.len(what)];
         let ((), order) = recorded(|| {
@@ -131,7 +139,11 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
         });
         let keep = |&(_, expr): &(usize, Expr)| !is_matrix(what) || !expr.is_structural_zero();
         let outputs = out.into_iter().enumerate().filter(keep).collect();
-        Traced { what, outputs, order }
+        Traced {
+            what,
+            outputs,
+            order,
+        }
     };
     let mut traced: Vec<Traced> = Vec::new();
     for &what in wanted {
@@ -140,11 +152,14 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
             continue;
         };
         let known = traced.iter().position(|t| t.what == of.quantity());
-        let base = known.map_or_else(|| law(of.quantity()), |index| Traced {
-            what: of.quantity(),
-            outputs: traced[index].outputs.clone(),
-            order: traced[index].order.clone(),
-        });
+        let base = known.map_or_else(
+            || law(of.quantity()),
+            |index| Traced {
+                what: of.quantity(),
+                outputs: traced[index].outputs.clone(),
+                order: traced[index].order.clone(),
+            },
+        );
         traced.push(partial(scene, layout, what, by, base));
     }
     (constants, traced)
@@ -160,7 +175,10 @@ fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: T
                 Variable::Node => Slot::Node(index),
                 Variable::Parameter => Slot::Param(index),
             };
-            By { slot, name: names::slot(scene, layout, slot) }
+            By {
+                slot,
+                name: names::slot(scene, layout, slot),
+            }
         })
         .collect();
     let (entries, swept) = recorded(|| jacobian(&base.outputs, &variables));
@@ -170,7 +188,11 @@ fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: T
         .collect();
     let mut order = base.order;
     order.extend(swept);
-    Traced { what, outputs, order }
+    Traced {
+        what,
+        outputs,
+        order,
+    }
 }
 
 /// The terms of the parameters alone that live terms or results use, in the order of creation.

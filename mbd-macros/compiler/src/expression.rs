@@ -571,7 +571,11 @@ mod tests {
             assert_eq!(x + y, y + x);
             assert_eq!(x * y, y * x);
             assert_ne!(x - y, y - x);
-            assert_ne!(x.max(y), y.max(x), "at equality each takes its own derivative");
+            assert_ne!(
+                x.max(y),
+                y.max(x),
+                "at equality each takes its own derivative"
+            );
             assert_eq!(Expr::select(x.lt(y), x * y, y * x), x * y);
             assert_eq!(Expr::select(x.lt(x), x, y), y);
             assert_eq!(Expr::select(x.le(x), x, y), x);

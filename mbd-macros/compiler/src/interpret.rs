@@ -146,7 +146,12 @@ impl<T: Float> Model<T> for Interpreted<T> {
 
     fn work(&self) -> Registers<T> {
         let programs = self.equations.programs.iter();
-        Registers::new(programs.map(|(_, p)| p.registers()).max().unwrap_or_default())
+        Registers::new(
+            programs
+                .map(|(_, p)| p.registers())
+                .max()
+                .unwrap_or_default(),
+        )
     }
 
     fn scene(&self) -> &Scene {

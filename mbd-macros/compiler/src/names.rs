@@ -39,7 +39,10 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
             format!("{name}_{}{}", if rate { "w" } else { "p" }, axis(index))
         }
         Slot::Effective(index) => {
-            let line = layout.lines.iter().position(|l| l.effective == Some(index / 2));
+            let line = layout
+                .lines
+                .iter()
+                .position(|l| l.effective == Some(index / 2));
             let letter = if index % 2 == 0 { "k" } else { "l" };
             format!("{}_{letter}", line_name(scene, line.unwrap_or_default()))
         }
@@ -82,7 +85,10 @@ fn state(scene: &Scene, layout: &Layout, index: usize) -> String {
         {
             return format!("{}_{item}", body(scene, number));
         }
-        if let Some(item) = v.and_then(|v| v.checked_sub(slots.v)).and_then(|i| TWIST.get(i)) {
+        if let Some(item) = v
+            .and_then(|v| v.checked_sub(slots.v))
+            .and_then(|i| TWIST.get(i))
+        {
             return format!("{}_{item}", body(scene, number));
         }
     }
