@@ -34,6 +34,8 @@ pub(super) struct Axis {
 pub(super) enum Range {
     /// Exactly these ends.
     Fixed(f64, f64),
+    /// These data; an end that almost reaches a whole tick is moved to it.
+    Along(f64, f64),
     /// These data, rounded outwards to whole ticks; zero is included when it is near.
     Around(f64, f64),
 }
@@ -77,7 +79,7 @@ fn opened(low: f64, high: f64) -> (f64, f64) {
 
 fn linear(range: Range, count: usize) -> Axis {
     let (mut low, mut high) = match range {
-        Range::Fixed(low, high) => opened(low, high),
+        Range::Fixed(low, high) | Range::Along(low, high) => opened(low, high),
         Range::Around(low, high) => {
             let (low, high) = opened(low, high);
             let near = 0.3 * (high - low);
@@ -91,9 +93,21 @@ fn linear(range: Range, count: usize) -> Axis {
         }
     };
     let step = nice_step((high - low) / count as f64);
-    if matches!(range, Range::Around(..)) {
-        low = (low / step + 1e-9).floor() * step;
-        high = (high / step - 1e-9).ceil() * step;
+    // How much of a step may be added at an end.
+    let reach = match range {
+        Range::Fixed(..) => 0.0,
+        Range::Along(..) => 0.1,
+        Range::Around(..) => 1.0,
+    };
+    let (floor, ceiling) = (
+        (low / step + 1e-9).floor() * step,
+        (high / step - 1e-9).ceil() * step,
+    );
+    if low - floor < reach * step {
+        low = floor;
+    }
+    if ceiling - high < reach * step {
+        high = ceiling;
     }
     let exponent = common_exponent(low.abs().max(high.abs()));
     let scaled = step / 10f64.powi(exponent);
@@ -139,7 +153,7 @@ fn common_exponent(size: f64) -> i32 {
 
 /// A logarithmic axis always spans whole decades.
 fn logarithmic(range: Range, count: usize) -> Axis {
-    let (Range::Fixed(low, high) | Range::Around(low, high)) = range;
+    let (Range::Fixed(low, high) | Range::Along(low, high) | Range::Around(low, high)) = range;
     let decade = |x: f64| x.clamp(1.0 / HUGE, HUGE).log10();
     let low = (decade(low.min(high)) + 1e-9).floor();
     let high = (decade(low.max(high)) - 1e-9).ceil();
@@ -152,12 +166,14 @@ fn logarithmic(range: Range, count: usize) -> Axis {
     let mut ticks = Vec::new();
     for index in 0..=(high - low) as usize {
         let power = low + index as f64;
-        if index as f64 % stride == 0.0 {
-            ticks.push(Tick {
-                place: (power - low) / (high - low),
-                label: format!("10{}", superscript(power as i32)),
-            });
-        }
+        ticks.push(Tick {
+            place: (power - low) / (high - low),
+            label: if index as f64 % stride == 0.0 {
+                format!("10{}", superscript(power as i32))
+            } else {
+                String::new()
+            },
+        });
         if stride == 1.0 && power < high {
             ticks.extend((2..10).map(|factor| Tick {
                 place: (power + f64::from(factor).log10() - low) / (high - low),

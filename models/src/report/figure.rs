@@ -194,7 +194,12 @@ impl<'a> Figure<'a> {
             let down = 8.0 + 1.3 * TITLE * (row as f64 + 0.8);
             svg.text("", [left, down], TITLE, Anchor::Start, false, words);
         }
-        self.draw_legend(&mut svg, &legend, top - 12.0 - LINE * legend.len() as f64);
+        self.draw_legend(
+            &mut svg,
+            &legend,
+            top - 12.0 - LINE * legend.len() as f64,
+            &traces,
+        );
         self.draw_axes(&mut svg, &panel);
         self.draw_curves(&mut svg, &panel, &traces);
         for (row, words) in under.iter().enumerate() {
@@ -235,7 +240,7 @@ impl<'a> Figure<'a> {
             }
         }
         match (ends, axis, self.scales[axis]) {
-            (Some((low, high)), 0, Scale::Linear) => Range::Fixed(low, high),
+            (Some((low, high)), 0, Scale::Linear) => Range::Along(low, high),
             (Some((low, high)), ..) => Range::Around(low, high),
             (None, _, Scale::Linear) => Range::Fixed(0.0, 1.0),
             (None, _, Scale::Log) => Range::Fixed(0.1, 10.0),
@@ -246,7 +251,10 @@ impl<'a> Figure<'a> {
         self.series
             .get(index)
             .and_then(|series| series.look)
-            .unwrap_or_else(|| Look::of(index))
+            .unwrap_or_else(|| match self.series.len() {
+                1 => Look::Thin,
+                _ => Look::of(index),
+            })
     }
 
     /// The series of each row of the legend, with their left ends [px].
@@ -267,13 +275,14 @@ impl<'a> Figure<'a> {
         rows
     }
 
-    fn draw_legend(&self, svg: &mut Svg, rows: &[Vec<(usize, f64)>], top: f64) {
+    fn draw_legend(&self, svg: &mut Svg, rows: &[Vec<(usize, f64)>], top: f64, traces: &[Trace]) {
+        let marked: Vec<bool> = traces.iter().map(|trace| !trace.marks.is_empty()).collect();
         for (row, entries) in rows.iter().enumerate() {
             let middle = top + LINE * (row as f64 + 0.5);
             for &(index, left) in entries {
                 let class = format!("mbd-series {}", self.look(index).class());
                 svg.line(&class, [left, middle], [left + 36.0, middle]);
-                if self.series[index].samples().count() <= 40 {
+                if marked[index] {
                     self.draw_mark(svg, index, [left + 18.0, middle]);
                 }
                 let name = &self.series[index].name;
@@ -318,15 +327,14 @@ impl<'a> Figure<'a> {
 
     fn draw_curves(&self, svg: &mut Svg, panel: &Panel, traces: &[Trace]) {
         let ([left, top], [width, height]) = (panel.at, panel.size);
-        svg.clip(panel.at, panel.size);
+        // A curve that just touches an edge is not cut in half there.
+        let spill = if self.windows[1].is_some() { 0.0 } else { 2.0 };
+        svg.clip([left, top - spill], [width, height + 2.0 * spill]);
         for (index, trace) in traces.iter().enumerate() {
             svg.path(
                 &format!("mbd-series {}", self.look(index).class()),
                 &trace.path,
             );
-            for &mark in &trace.marks {
-                self.draw_mark(svg, index, mark);
-            }
         }
         for (name, value) in &self.levels {
             if let Some(place) = panel.y.place(*value)
@@ -353,6 +361,11 @@ impl<'a> Figure<'a> {
             );
         }
         svg.rect("mbd-frame", panel.at, panel.size);
+        for (index, trace) in traces.iter().enumerate() {
+            for &mark in &trace.marks {
+                self.draw_mark(svg, index, mark);
+            }
+        }
     }
 
     fn draw_mark(&self, svg: &mut Svg, index: usize, [x, y]: [f64; 2]) {
@@ -385,10 +398,13 @@ impl<'a> Figure<'a> {
                 note("no samples".to_string());
             }
             if trace.missing > 0 {
-                note(format!("{} samples cannot be drawn (gap)", trace.missing));
+                note(format!("{} cannot be drawn", samples(trace.missing)));
             }
             if trace.beyond > 0 {
-                note(format!("{} samples lie beyond this plot", trace.beyond));
+                note(format!(
+                    "{} above or below this plot",
+                    samples(trace.beyond)
+                ));
             }
         }
         if with_caption {
@@ -405,6 +421,13 @@ fn left_margin(y: &Axis) -> f64 {
         .map(|tick| text_width(&tick.label, TEXT))
         .fold(20.0, f64::max);
     34.0 + widest
+}
+
+fn samples(count: usize) -> String {
+    match count {
+        1 => "1 sample".to_string(),
+        count => format!("{count} samples"),
+    }
 }
 
 fn label(name: &str, unit: &str) -> String {
@@ -424,5 +447,65 @@ fn with_exponent(label: &str, exponent: i32) -> String {
     match label.split_once('[') {
         Some((name, unit)) => format!("{name}[{power} {unit}"),
         None => format!("{label} [{power}]"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_minute_of_ripple_makes_a_small_picture_twice_the_same() {
+        let t: Vec<f64> = (0..700_000).map(|k| f64::from(k) * 1e-4).collect();
+        let f: Vec<f64> = t
+            .iter()
+            .map(|t| 2810.0 * (t / 19.0).tanh() + 30.0 * (t * 1332.0).sin())
+            .collect();
+        let draw = || {
+            Figure::new("Riser force")
+                .x("time", "s")
+                .y("force", "N")
+                .series(Series::new("mass", &t, &f))
+                .series(Series::new("node", &t, &f))
+                .svg()
+        };
+        let svg = draw();
+        assert!(svg.len() < 300_000, "{}", svg.len());
+        assert_eq!(svg, draw());
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_said_under_the_picture() {
+        let (t, f) = ([0.0, 1.0, 2.0, 3.0], [1.0, f64::NAN, 1e9, 2.0]);
+        let svg = Figure::new("f")
+            .y_window(0.0, 5.0)
+            .series(Series::new("broken", &t, &f))
+            .series(Series::new("none", &[], &[]))
+            .svg();
+        assert!(svg.contains("broken: 1 sample cannot be drawn"));
+        assert!(svg.contains("broken: 1 sample above or below this plot"));
+        assert!(svg.contains("none: no samples"));
+    }
+
+    #[test]
+    fn a_figure_without_anything_is_still_a_figure() {
+        for figure in [
+            Figure::new(""),
+            Figure::new("x").log_x().log_y(),
+            Figure::new("x").window(1.0, 1.0).y_window(f64::NAN, 0.0),
+            Figure::new("x").series(Series::new("s", &[f64::NAN], &[f64::INFINITY])),
+        ] {
+            let svg = figure.svg();
+            assert!(svg.contains("nothing to draw here") && !svg.contains("NaN"));
+        }
+    }
+
+    #[test]
+    fn the_vertical_axis_follows_what_the_window_shows() {
+        let (t, f) = ([0.0, 1.0, 2.0, 70.0], [0.0, 37.6, 30.6, 2810.0]);
+        let figure = Figure::new("f").series(Series::new("node", &t, &f));
+        assert!(figure.svg().contains(">3000<"));
+        let start = figure.window(0.0, 2.0).svg();
+        assert!(!start.contains(">3000<") && start.contains(">40<"));
     }
 }
