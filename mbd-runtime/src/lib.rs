@@ -1,6 +1,7 @@
 //! Multibody dynamics compiled from a declaration: the runtime that users depend on.
 
 mod generic;
+pub mod node;
 
 pub use generic::{Generic, GenericWork};
 pub use mbd_scene as scene;
