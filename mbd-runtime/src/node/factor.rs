@@ -196,10 +196,12 @@ fn least_degree(size: usize, pattern: &[(usize, usize)]) -> Vec<usize> {
     let mut joined = adjacency(size, pattern);
     let mut left: Vec<usize> = (0..size).collect();
     let mut order = Vec::with_capacity(size);
-    while let Some(&next) = left
-        .iter()
-        .min_by_key(|&&row| (left.iter().filter(|&&other| joined[row][other]).count(), row))
-    {
+    while let Some(&next) = left.iter().min_by_key(|&&row| {
+        (
+            left.iter().filter(|&&other| joined[row][other]).count(),
+            row,
+        )
+    }) {
         left.retain(|&row| row != next);
         for &a in &left {
             for &b in &left {

@@ -400,7 +400,12 @@ impl<T: Float> Descent<T> {
                 trace += here.block(index)[0][0];
             }
         }
-        for ((delta, &g), &w) in self.delta.iter_mut().zip(here.gradient()).zip(balance.load()) {
+        for ((delta, &g), &w) in self
+            .delta
+            .iter_mut()
+            .zip(here.gradient())
+            .zip(balance.load())
+        {
             *delta = -(g + w);
         }
         if trace > T::zero() && self.factor.factor(T::EPSILON * trace, |k| here.block(k)) {
@@ -419,8 +424,7 @@ impl<T: Float> Descent<T> {
             return Err(Verdict::Slack);
         }
         let residual = norm(self.here.gradient());
-        let target =
-            limits.balanced.relative * (tension + load) + limits.balanced.absolute * floor;
+        let target = limits.balanced.relative * (tension + load) + limits.balanced.absolute * floor;
         if residual <= target {
             return Err(Verdict::Balanced(residual));
         }
