@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::balance::{Balance, Evaluation};
 use super::error::NodeError;
-use super::law;
+use mbd_scene::laws::line as law;
 use super::solver::{Outcome, Solver, Tolerance};
 
 /// Where a line of a [`Web`] ends.

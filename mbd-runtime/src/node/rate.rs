@@ -21,7 +21,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::balance::{Balance, Evaluation};
 use super::eigen::eigen;
-use super::law;
+use mbd_scene::laws::line as law;
 use super::solver::{Outcome, Solver, Tolerance};
 
 /// λ_min over λ_max below which a direction of D is missing.
