@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::balance::{Balance, Evaluation};
 use super::error::NodeError;
-use mbd_scene::laws::line as law;
 use super::solver::{Outcome, Solver, Tolerance};
+use mbd_scene::laws::line as law;
 
 /// Where a line of a [`Web`] ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,11 +74,7 @@ impl<T: Float> Confluence<T> {
         let n = self.anchors.len();
         NodeError::same_length("stiffness", self.stiffness.len(), n)?;
         NodeError::same_length("free_length", self.free_length.len(), n)?;
-        let lines = self
-            .stiffness
-            .iter()
-            .zip(&self.free_length)
-            .enumerate();
+        let lines = self.stiffness.iter().zip(&self.free_length).enumerate();
         Ok(Web {
             anchors: self.anchors.clone(),
             loads: vec![self.load],

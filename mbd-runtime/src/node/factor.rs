@@ -196,10 +196,12 @@ fn least_degree(size: usize, pattern: &[(usize, usize)]) -> Vec<usize> {
     let mut joined = adjacency(size, pattern);
     let mut left: Vec<usize> = (0..size).collect();
     let mut order = Vec::with_capacity(size);
-    while let Some(&next) = left
-        .iter()
-        .min_by_key(|&&row| (left.iter().filter(|&&other| joined[row][other]).count(), row))
-    {
+    while let Some(&next) = left.iter().min_by_key(|&&row| {
+        (
+            left.iter().filter(|&&other| joined[row][other]).count(),
+            row,
+        )
+    }) {
         left.retain(|&row| row != next);
         for &a in &left {
             for &b in &left {
@@ -251,8 +253,8 @@ fn triangle<T: Float, const B: usize>(a: &mut Block<T, B>) -> bool {
     for j in 0..B {
         for i in j..B {
             let mut sum = a[i][j];
-            for k in 0..j {
-                sum -= a[i][k] * a[j][k];
+            for (&x, &y) in a[i].iter().zip(&a[j]).take(j) {
+                sum -= x * y;
             }
             if i > j {
                 a[i][j] = sum / a[j][j];
@@ -270,8 +272,8 @@ fn triangle<T: Float, const B: usize>(a: &mut Block<T, B>) -> bool {
 fn forward<T: Float, const B: usize>(l: &Block<T, B>, x: &mut [T; B]) {
     for i in 0..B {
         let mut sum = x[i];
-        for k in 0..i {
-            sum -= l[i][k] * x[k];
+        for (&l, &x) in l[i].iter().zip(x.iter()).take(i) {
+            sum -= l * x;
         }
         x[i] = sum / l[i][i];
     }

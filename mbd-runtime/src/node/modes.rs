@@ -54,7 +54,10 @@ impl Mode {
 
 /// Whether a line has modes: damped, tension only, and not of a static or stepwise node.
 pub(crate) fn has_mode<T: Float, M: Model<T>>(model: &M, line: usize) -> bool {
-    let damped = model.lines().get(line).is_some_and(|n| n.damping > T::zero());
+    let damped = model
+        .lines()
+        .get(line)
+        .is_some_and(|n| n.damping > T::zero());
     let kind = model.scene().lines.get(line).map(|line| line.kind);
     let plain = model
         .layout()
@@ -146,7 +149,10 @@ impl<T: Float> Nodes<T> {
         self.hold_lines(model, memory);
         let mut plans = std::mem::take(&mut self.plans);
         let mut result = Ok(());
-        for plan in plans.iter_mut().filter(|plan| plan.model == NodeModel::Rate) {
+        for plan in plans
+            .iter_mut()
+            .filter(|plan| plan.model == NodeModel::Rate)
+        {
             self.place_rate(model, plan, state, memory);
             plan.rate.solve_frozen();
             let decided = !plan.rate.inconsistent() || plan.rate.decide();

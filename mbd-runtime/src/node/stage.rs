@@ -284,25 +284,14 @@ impl<T: Float> Nodes<T> {
     }
 
     /// The law of a step of length `span` from the stretches in `memory`, first order: the consistent start of damped networks.
-    pub(crate) fn first_law<M: Model<T>>(
-        model: &M,
-        plan: &mut Plan<T>,
-        span: T,
-        stretch: &[T],
-    ) {
+    pub(crate) fn first_law<M: Model<T>>(model: &M, plan: &mut Plan<T>, span: T, stretch: &[T]) {
         for ((line, k), l) in plan.lines.iter().zip(&mut plan.k).zip(&mut plan.l) {
             if let Some(numbers) = model.lines().get(line.line) {
                 let history = History {
                     last: stretch.get(line.line).copied().unwrap_or_default(),
                     before: None,
                 };
-                [*k, *l] = effective(
-                    numbers,
-                    Difference::Euler,
-                    Clamp::Positive,
-                    span,
-                    history,
-                );
+                [*k, *l] = effective(numbers, Difference::Euler, Clamp::Positive, span, history);
             }
         }
     }
