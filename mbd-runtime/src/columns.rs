@@ -34,11 +34,17 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
     };
     let masses = || {
         let points = scene.points.iter().zip(&layout.points);
-        points.filter(|(_, slots)| matches!(slots, PointSlots::Mass(_))).map(|(point, _)| point.name.as_str())
+        points
+            .filter(|(_, slots)| matches!(slots, PointSlots::Mass(_)))
+            .map(|(point, _)| point.name.as_str())
     };
     let mut names = Vec::with_capacity(layout.nx());
     let mut list = |owner: &str, components: &[&str], unit: &str| {
-        names.extend(components.iter().map(|component| Name::new(owner, component, unit)));
+        names.extend(
+            components
+                .iter()
+                .map(|component| Name::new(owner, component, unit)),
+        );
     };
     for body in &scene.bodies {
         list(&body.name, &["x", "y", "z"], "m");
@@ -58,22 +64,37 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
 
 /// The name of a point.
 pub(crate) fn node_name(scene: &Scene, point: usize) -> &str {
-    scene.points.get(point).map_or("point", |point| point.name.as_str())
+    scene
+        .points
+        .get(point)
+        .map_or("point", |point| point.name.as_str())
 }
 
 /// The name of a line.
 pub(crate) fn line_name(scene: &Scene, line: usize) -> &str {
-    scene.lines.get(line).map_or("line", |line| line.name.as_str())
+    scene
+        .lines
+        .get(line)
+        .map_or("line", |line| line.name.as_str())
 }
 
 /// The name of the input slot at an index of the list of inputs.
 pub(crate) fn input_name(scene: &Scene, layout: &Layout, index: usize) -> String {
-    let slots = layout.inputs.iter().find(|slots| (slots.at..slots.at + slots.len).contains(&index));
+    let slots = layout
+        .inputs
+        .iter()
+        .find(|slots| (slots.at..slots.at + slots.len).contains(&index));
     let name = slots.and_then(|slots| match slots.source {
         InputSource::Input(i) => scene.inputs.get(i).map(|input| input.name.clone()),
         InputSource::Load(i) => scene.loads.get(i).map(|load| load.name.clone()),
-        InputSource::BodyGravity(i) => scene.bodies.get(i).map(|body| format!("gravity at {}", body.name)),
-        InputSource::PointGravity(i) => scene.points.get(i).map(|point| format!("gravity at {}", point.name)),
+        InputSource::BodyGravity(i) => scene
+            .bodies
+            .get(i)
+            .map(|body| format!("gravity at {}", body.name)),
+        InputSource::PointGravity(i) => scene
+            .points
+            .get(i)
+            .map(|point| format!("gravity at {}", point.name)),
     });
     name.unwrap_or_else(|| format!("input {index}"))
 }

@@ -199,7 +199,10 @@ impl fmt::Display for StepError {
                     Source::State(name) => write!(f, "the rate of `{name}` is not a finite number"),
                     Source::Node(name) => write!(f, "the point `{name}` is not at a finite place"),
                     Source::Jacobian(row, column) => {
-                        write!(f, "the Jacobian is not finite in row {row}, column {column}")
+                        write!(
+                            f,
+                            "the Jacobian is not finite in row {row}, column {column}"
+                        )
                     }
                 }
             }
@@ -223,15 +226,24 @@ impl fmt::Display for StepError {
                     Collapse::Solve => "a stage could not be evaluated",
                     Collapse::Event => "an event could not be located",
                 };
-                write!(f, "at {time:.9} s the step shrank to {step_size:.3e} s: {why} (`{block}`)")
+                write!(
+                    f,
+                    "at {time:.9} s the step shrank to {step_size:.3e} s: {why} (`{block}`)"
+                )
             }
             StepError::EventChatter {
                 line,
                 count,
                 window,
-            } => write!(f, "line `{line}` switched between slack and taut {count} times in {window:.3e} s"),
+            } => write!(
+                f,
+                "line `{line}` switched between slack and taut {count} times in {window:.3e} s"
+            ),
             StepError::UnstableStep { step_size, rho, .. } => {
-                write!(f, "the fixed step {step_size:.3e} s is unstable: step times rate is {rho:.2}")
+                write!(
+                    f,
+                    "the fixed step {step_size:.3e} s is unstable: step times rate is {rho:.2}"
+                )
             }
             StepError::TooManySteps { steps } => write!(f, "{steps} steps were not enough"),
             StepError::Cancelled => write!(f, "the run was cancelled"),

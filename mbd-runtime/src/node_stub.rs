@@ -4,20 +4,31 @@ use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
+    Free,
     Slack,
-    Carries,
+    Active,
     Idle,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NodeMemory<T> {
-    pub modes: Vec<Mode>,
+    pub(crate) modes: Vec<Mode>,
     pub p: Vec<T>,
+}
+
+impl<T> NodeMemory<T> {
+    pub fn modes(&self) -> &[Mode] {
+        &self.modes
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum NodeError {
-    NotConverged { node: usize, residual_n: f64, iterations: usize },
+    NotConverged {
+        node: usize,
+        residual_n: f64,
+        iterations: usize,
+    },
 }
 
 #[derive(Clone, Debug)]
@@ -51,18 +62,30 @@ impl<T: Float> Nodes<T> {
     ) -> Result<(), NodeError> {
         let mut guards = vec![T::zero(); self.guards];
         self.hold.fill(T::zero());
-        let at = At { time, state, nodes: &[], effective: &[], hold: &self.hold, ends: &[], inputs };
+        let at = At {
+            time,
+            state,
+            nodes: &[],
+            effective: &[],
+            hold: &self.hold,
+            ends: &[],
+            inputs,
+        };
         model.evaluate(Quantity::Guards, &at, work, &mut guards);
         memory.modes.clear();
         for (pair, line) in guards.chunks_exact(2).zip(&model.scene().lines) {
             let [s, pull] = pair else { continue };
-            memory.modes.push(if line.kind == LineKind::Spring || *s > T::zero() && *pull >= T::zero() {
-                Mode::Carries
-            } else if *s > T::zero() {
-                Mode::Idle
-            } else {
-                Mode::Slack
-            });
+            memory.modes.push(
+                if line.kind == LineKind::Spring || model.scene().is_zero(&line.damping) {
+                    Mode::Free
+                } else if *s > T::zero() && *pull >= T::zero() {
+                    Mode::Active
+                } else if *s > T::zero() {
+                    Mode::Idle
+                } else {
+                    Mode::Slack
+                },
+            );
         }
         Ok(())
     }
@@ -80,11 +103,17 @@ impl<T: Float> Nodes<T> {
         for (hold, mode) in self.hold.iter_mut().zip(&memory.modes) {
             *hold = match mode {
                 _ if !self.frozen => T::zero(),
-                Mode::Carries => T::one(),
+                Mode::Free => T::zero(),
+                Mode::Active => T::one(),
                 _ => -T::one(),
             };
         }
         Ok(())
+    }
+    pub fn switch(&mut self, line: usize, mode: Mode, memory: &mut NodeMemory<T>) {
+        if let Some(old) = memory.modes.get_mut(line) {
+            *old = mode;
+        }
     }
     pub fn nodes(&self) -> &[T] {
         &[]

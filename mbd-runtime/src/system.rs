@@ -1,11 +1,11 @@
 //! One stage: inputs, then equilibrium points, then the state derivative.
 
-use mbd_scene::{At, Float, LineKind, Model, Quantity};
+use mbd_scene::{At, Float, Model, Quantity};
 
 use crate::columns::{input_name, line_name, node_name, state_names};
 use crate::error::{Source, Statistics, StepError};
 use crate::integrate::Rates;
-use crate::node::{NodeError, NodeMemory, Nodes};
+use crate::node::{Mode, NodeError, NodeMemory, Nodes};
 
 /// What the caller supplies at each evaluation: inputs, external loads, external gravity, in the order of `Layout::inputs`.
 ///
@@ -94,12 +94,25 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
     }
 
     /// Places the nodes and decides the modes of the lines, for the start of a run.
-    pub(crate) fn start(&mut self, time: f64, state: &mut [T], guess: Option<&[T]>) -> Result<(), StepError> {
+    pub(crate) fn start(
+        &mut self,
+        time: f64,
+        state: &mut [T],
+        guess: Option<&[T]>,
+    ) -> Result<(), StepError> {
         let state = state.get_mut(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         let t = T::from_f64(time);
         self.nodes
-            .start(self.model, t, state, &self.inputs, guess, &mut self.memory, &mut self.work)
+            .start(
+                self.model,
+                t,
+                state,
+                &self.inputs,
+                guess,
+                &mut self.memory,
+                &mut self.work,
+            )
             .map_err(|error| self.node_error(time, error))
     }
 
@@ -134,17 +147,52 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         self.model.evaluate(what, &at, &mut self.work, out);
     }
 
-    /// Whether any line is a one-way line, which may go slack.
-    pub(crate) fn one_way(&self, line: usize) -> bool {
-        let lines = &self.model.scene().lines;
-        lines.get(line).is_some_and(|line| line.kind == LineKind::Line)
+    /// Whether the modes of lines are kept between located events, or decided at every stage.
+    pub(crate) fn frozen(&mut self, frozen: bool) {
+        self.nodes.frozen(frozen);
+        self.probe.frozen(frozen);
+    }
+
+    /// The mode of every line.
+    pub(crate) fn modes(&self) -> &[Mode] {
+        self.memory.modes()
+    }
+
+    /// Changes the mode of a line at an accepted state, and of what hangs on it.
+    pub(crate) fn switch(&mut self, line: usize, mode: Mode) {
+        self.nodes.switch(line, mode, &mut self.memory);
+    }
+
+    /// The last solve was at the end of a step that is accepted.
+    pub(crate) fn commit(&mut self, step: f64) {
+        self.nodes.commit(T::from_f64(step), &mut self.memory);
+    }
+
+    /// Makes every quaternion a unit quaternion; returns the largest | |q| − 1 | there was. A zero quaternion stays.
+    pub(crate) fn normalise(&self, state: &mut [T]) -> f64 {
+        let mut drift: f64 = 0.0;
+        for &at in &self.quaternions {
+            let Some(quaternion) = state.get_mut(at..at + 4) else {
+                continue;
+            };
+            let square = quaternion.iter().fold(T::zero(), |sum, x| sum + *x * *x);
+            let norm = square.sqrt();
+            drift = drift.max((norm.to_f64() - 1.0).abs());
+            if norm > T::zero() && norm.is_finite() {
+                for x in quaternion {
+                    *x /= norm;
+                }
+            }
+        }
+        drift
     }
 
     fn supply(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
         if self.inputs.is_empty() {
             return Ok(());
         }
-        self.external.evaluate(T::from_f64(time), state, &mut self.inputs);
+        self.external
+            .evaluate(T::from_f64(time), state, &mut self.inputs);
         match self.inputs.iter().position(|x| !x.is_finite()) {
             None => Ok(()),
             Some(index) => Err(StepError::NonFinite {
@@ -190,7 +238,10 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
     #[cold]
     fn not_finite(&self, time: f64, index: usize) -> StepError {
         let names = state_names(self.model.scene(), self.model.layout());
-        let name = names.into_iter().nth(index).map_or_else(|| "work".into(), |name| name.name);
+        let name = names
+            .into_iter()
+            .nth(index)
+            .map_or_else(|| "work".into(), |name| name.name);
         StepError::NonFinite {
             time,
             source: Source::State(name),
@@ -230,9 +281,11 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
             inputs: &self.inputs,
         };
         let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
-        self.model.evaluate(Quantity::Derivative, &at, &mut self.work, derivative);
+        self.model
+            .evaluate(Quantity::Derivative, &at, &mut self.work, derivative);
         if !works.is_empty() {
-            self.model.evaluate(Quantity::Energy, &at, &mut self.work, &mut self.energy);
+            self.model
+                .evaluate(Quantity::Energy, &at, &mut self.work, &mut self.energy);
             for (work, power) in works.iter_mut().zip(self.energy.iter().skip(3)) {
                 *work = *power;
             }
@@ -244,20 +297,6 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
     }
 
     fn settle(&mut self, state: &mut [T]) {
-        let mut drift: f64 = 0.0;
-        for &at in &self.quaternions {
-            let Some(quaternion) = state.get_mut(at..at + 4) else {
-                continue;
-            };
-            let square = quaternion.iter().fold(T::zero(), |sum, x| sum + *x * *x);
-            let norm = square.sqrt();
-            if norm > T::zero() && norm.is_finite() {
-                for x in quaternion {
-                    *x /= norm;
-                }
-                drift = drift.max((norm.to_f64() - 1.0).abs());
-            }
-        }
-        self.drift = drift;
+        self.drift = self.normalise(state);
     }
 }

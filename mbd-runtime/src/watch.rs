@@ -9,8 +9,10 @@ const LIMIT: f64 = 2.5;
 const WINDOW: u32 = 50;
 const ALLOWED: u32 = 5;
 
+use serde::{Deserialize, Serialize};
+
 /// The last fifty steps of a fixed-step run, one bit each.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Watch {
     above: u64,
 }

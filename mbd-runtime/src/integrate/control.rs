@@ -5,6 +5,8 @@
 //!
 //! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.2.
 
+use serde::{Deserialize, Serialize};
+
 /// Rejections in a row after which a step has collapsed.
 const MOST_REJECTIONS: u32 = 10;
 /// Trials in a row that may fail to evaluate.
@@ -20,7 +22,7 @@ pub(crate) enum Verdict {
 }
 
 /// The controller's memory. All of it is part of a snapshot.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Control {
     /// The step to try next [s].
     pub step: f64,
@@ -48,18 +50,36 @@ impl Control {
     pub(crate) fn judge(&mut self, tried: f64, error: f64, smallest: f64) -> Verdict {
         if error <= 1.0 {
             let floored = error.max(1e-4);
-            let factor = 0.9 * floored.powf(-0.7 / self.exponent) * self.previous.powf(0.4 / self.exponent);
+            let factor =
+                0.9 * floored.powf(-0.7 / self.exponent) * self.previous.powf(0.4 / self.exponent);
             // A step that was cut short by an event or by the end says little about the next one: never shrink because of it.
             let grown = tried * factor.clamp(0.2, 5.0);
-            let proposed = if self.rejections > 0 { grown.min(tried) } else { grown };
-            self.step = if tried < self.step { proposed.max(self.step) } else { proposed }.min(self.largest);
+            let proposed = if self.rejections > 0 {
+                grown.min(tried)
+            } else {
+                grown
+            };
+            self.step = if tried < self.step {
+                proposed.max(self.step)
+            } else {
+                proposed
+            }
+            .min(self.largest);
             self.previous = floored;
             self.rejections = 0;
             self.failures = 0;
             return Verdict::Accepted;
         }
         let factor = 0.9 * error.powf(-1.0 / self.exponent);
-        self.reject(tried * if factor.is_finite() { factor.clamp(0.1, 0.9) } else { 0.1 }, smallest)
+        self.reject(
+            tried
+                * if factor.is_finite() {
+                    factor.clamp(0.1, 0.9)
+                } else {
+                    0.1
+                },
+            smallest,
+        )
     }
 
     /// A trial that could not be evaluated: the step shrinks tenfold; three in a row and the cause is final.

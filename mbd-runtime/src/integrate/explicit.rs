@@ -44,7 +44,11 @@ impl<T: Float> Explicit<T> {
             length,
             rows,
             error,
-            dense: tableau.dense.iter().map(|row| row.map(T::from_f64)).collect(),
+            dense: tableau
+                .dense
+                .iter()
+                .map(|row| row.map(T::from_f64))
+                .collect(),
             exponent: (tableau.embedded + 1) as f64,
             stages: vec![T::zero(); S * length],
             trial: vec![T::zero(); length],
@@ -53,7 +57,12 @@ impl<T: Float> Explicit<T> {
     }
 
     /// The first stage: the rates at the start of a step. Needed once, and again after anything jumped.
-    pub(crate) fn begin(&mut self, system: &mut impl Rates<T>, time: f64, state: &[T]) -> Result<(), StepError> {
+    pub(crate) fn begin(
+        &mut self,
+        system: &mut impl Rates<T>,
+        time: f64,
+        state: &[T],
+    ) -> Result<(), StepError> {
         match self.stages.get_mut(..self.length) {
             Some(first) => system.rates(time, 0.0, state, first),
             None => Ok(()),
@@ -96,17 +105,21 @@ impl<T: Float> Explicit<T> {
         self.stages.copy_within(last.., 0);
     }
 
-    /// The estimate h Σ (b_i − b̂_i) k_i of the error of the last attempt.
-    pub(crate) fn estimate(&mut self, step: f64) -> &[T] {
+    /// The estimate h Σ (b_i − b̂_i) k_i of the error of the last attempt, and the state at its end.
+    pub(crate) fn estimate(&mut self, step: f64) -> (&[T], &[T]) {
         self.trial.fill(T::zero());
         let h = T::from_f64(step);
-        for (weight, stage) in self.error.iter().zip(self.stages.chunks_exact(self.length.max(1))) {
+        for (weight, stage) in self
+            .error
+            .iter()
+            .zip(self.stages.chunks_exact(self.length.max(1)))
+        {
             let scaled = h * *weight;
             for (sum, rate) in self.trial.iter_mut().zip(stage) {
                 *sum += scaled * *rate;
             }
         }
-        &self.trial
+        (&self.trial, &self.next)
     }
 
     /// The state at `theta` (0 … 1) of the last attempt, which started at `state`.
@@ -133,7 +146,11 @@ impl<T: Float> Explicit<T> {
             above += second * second;
         }
         let (above, below) = (above.to_f64(), below.to_f64());
-        if below > 0.0 { 2.0 * (above / below).sqrt() } else { 0.0 }
+        if below > 0.0 {
+            2.0 * (above / below).sqrt()
+        } else {
+            0.0
+        }
     }
 
     /// The rates at the start of the step.
@@ -143,12 +160,20 @@ impl<T: Float> Explicit<T> {
 
     /// The rates at the end of the last attempt.
     pub(crate) fn last(&self) -> &[T] {
-        self.stages.get(self.stages.len() - self.length..).unwrap_or(&[])
+        self.stages
+            .get(self.stages.len() - self.length..)
+            .unwrap_or(&[])
     }
 }
 
 /// out = state + h Σ w_i k_i, stages one after the other.
-fn combine<T: Float>(state: &[T], h: T, weights: impl Iterator<Item = T>, stages: &[T], out: &mut [T]) {
+fn combine<T: Float>(
+    state: &[T],
+    h: T,
+    weights: impl Iterator<Item = T>,
+    stages: &[T],
+    out: &mut [T],
+) {
     out.copy_from_slice(state);
     for (weight, stage) in weights.zip(stages.chunks_exact(state.len().max(1))) {
         if weight == T::zero() {

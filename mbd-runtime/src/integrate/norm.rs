@@ -40,7 +40,11 @@ impl Scales {
             .iter()
             .map(|line| line.free_length.to_f64())
             .fold(0.0, f64::max);
-        let length = if longest > 0.0 && longest.is_finite() { longest } else { 1.0 };
+        let length = if longest > 0.0 && longest.is_finite() {
+            longest
+        } else {
+            1.0
+        };
         Scales {
             length,
             speed: length,
@@ -90,7 +94,11 @@ impl ErrorNorm {
             match slots {
                 PointSlots::Mass(slots) => {
                     block(Kind::Node, slots.q, point);
-                    block(Kind::Velocity, layout.nq + slots.v, layout.bodies.len() + point);
+                    block(
+                        Kind::Velocity,
+                        layout.nq + slots.v,
+                        layout.bodies.len() + point,
+                    );
                 }
                 PointSlots::Node(node) => {
                     if let Some(z) = layout.nodes.get(*node).and_then(|node| node.z) {
@@ -148,14 +156,20 @@ impl Block {
     fn measure<T: Float>(&self, scales: &Scales, error: &[T], old: &[T], new: &[T]) -> f64 {
         match self.kind {
             Kind::Position | Kind::Node => mean(triple(error, self.at)) / scales.length,
-            Kind::Rotation => tangent(quadruple(old, self.at), quadruple(error, self.at)) / scales.angle,
+            Kind::Rotation => {
+                tangent(quadruple(old, self.at), quadruple(error, self.at)) / scales.angle
+            }
             Kind::Velocity => self.speed(scales.speed, error, old, new),
             Kind::AngularVelocity => self.speed(scales.rate, error, old, new),
         }
     }
 
     fn speed<T: Float>(&self, scale: f64, error: &[T], old: &[T], new: &[T]) -> f64 {
-        let (error, old, new) = (triple(error, self.at), triple(old, self.at), triple(new, self.at));
+        let (error, old, new) = (
+            triple(error, self.at),
+            triple(old, self.at),
+            triple(new, self.at),
+        );
         // One size for the three components: the norm must not depend on the axes.
         let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         mean(error) / (scale + size(old).max(size(new)))

@@ -82,20 +82,32 @@ impl<const S: usize> Tableau<S> {
     /// claim, and that the interpolant ends at the step. A violation stops the build.
     pub(crate) const fn checked(self) -> Self {
         assert!(S >= 2 && self.order <= 5, "orders above 5 need more trees");
-        assert!(self.c[S - 1] == 1.0, "the last stage is the end of the step");
+        assert!(
+            self.c[S - 1] == 1.0,
+            "the last stage is the end of the step"
+        );
         let mut i = 0;
         while i < S {
             let mut j = i;
             while j < S {
-                assert!(self.a[i][j] == 0.0, "an explicit method uses earlier stages only");
+                assert!(
+                    self.a[i][j] == 0.0,
+                    "an explicit method uses earlier stages only"
+                );
                 j += 1;
             }
             let (sum, size) = weighted(&self.a[i], &[1.0; S]);
-            assert!(absolute(sum - self.c[i]) <= TOLERANCE * (1.0 + size), "a row does not sum to its c");
+            assert!(
+                absolute(sum - self.c[i]) <= TOLERANCE * (1.0 + size),
+                "a row does not sum to its c"
+            );
             i += 1;
         }
         let elementary = self.elementary();
-        assert!(meets(&self.a[S - 1], &elementary, self.order), "the step misses an order condition");
+        assert!(
+            meets(&self.a[S - 1], &elementary, self.order),
+            "the step misses an order condition"
+        );
         if self.embedded > 0 {
             let mut embedded = self.a[S - 1];
             let mut i = 0;
@@ -103,7 +115,10 @@ impl<const S: usize> Tableau<S> {
                 embedded[i] -= self.error[i];
                 i += 1;
             }
-            assert!(meets(&embedded, &elementary, self.embedded), "the embedded step misses an order condition");
+            assert!(
+                meets(&embedded, &elementary, self.embedded),
+                "the embedded step misses an order condition"
+            );
         }
         self.check_dense(&elementary);
         self
@@ -147,9 +162,16 @@ impl<const S: usize> Tableau<S> {
             }
             let mut t = 0;
             while t < 17 && TREES[t].order <= self.dense_order {
-                let expected = if TREES[t].order == power { 1.0 / TREES[t].density } else { 0.0 };
+                let expected = if TREES[t].order == power {
+                    1.0 / TREES[t].density
+                } else {
+                    0.0
+                };
                 let (sum, size) = weighted(&weights, &elementary[t]);
-                assert!(absolute(sum - expected) <= TOLERANCE * (1.0 + size), "the interpolant misses an order condition");
+                assert!(
+                    absolute(sum - expected) <= TOLERANCE * (1.0 + size),
+                    "the interpolant misses an order condition"
+                );
                 t += 1;
             }
             power += 1;
@@ -164,14 +186,21 @@ impl<const S: usize> Tableau<S> {
                 size += absolute(self.dense[i][power]);
                 power += 1;
             }
-            assert!(absolute(end - self.a[S - 1][i]) <= TOLERANCE * (1.0 + size), "the interpolant does not end at the step");
+            assert!(
+                absolute(end - self.a[S - 1][i]) <= TOLERANCE * (1.0 + size),
+                "the interpolant does not end at the step"
+            );
             i += 1;
         }
     }
 }
 
 /// Whether weights meet every condition up to an order.
-const fn meets<const S: usize>(weights: &[f64; S], elementary: &[[f64; S]; 17], order: usize) -> bool {
+const fn meets<const S: usize>(
+    weights: &[f64; S],
+    elementary: &[[f64; S]; 17],
+    order: usize,
+) -> bool {
     let mut t = 0;
     while t < 17 && TREES[t].order <= order {
         let (sum, size) = weighted(weights, &elementary[t]);
