@@ -80,16 +80,15 @@ impl Margins {
             });
             let located = declared.kind == LineKind::Line
                 && node.is_none_or(|node| node.model == NodeModel::Rate);
-            let stiffness = model
-                .lines()
-                .get(line)
-                .map_or(1.0, |line| line.stiffness.to_f64());
+            let Some(numbers) = model.lines().get(line) else {
+                continue;
+            };
             if locate && located {
-                watched.push(match scene.is_zero(&declared.damping) {
-                    true => Watched::Edge { line, taut: false },
-                    false => Watched::Line {
+                watched.push(match numbers.damping > T::zero() {
+                    false => Watched::Edge { line, taut: false },
+                    true => Watched::Line {
                         line,
-                        softness: 1.0 / stiffness,
+                        softness: 1.0 / numbers.stiffness.to_f64(),
                         rate: node.is_some(),
                     },
                 });

@@ -6,8 +6,7 @@ mod event;
 mod generic;
 mod integrate;
 mod locate;
-#[path = "node_stub.rs"]
-mod node;
+pub mod node;
 mod options;
 mod simulation;
 mod system;

@@ -3,9 +3,9 @@
 
 use mbd_scene::{Float, Model, Quantity};
 
-use crate::columns::line_name;
 use crate::error::StepError;
 use crate::event::Happening;
+use crate::node::Mode;
 use crate::simulation::Simulation;
 use crate::system::External;
 
@@ -157,7 +157,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     fn redo(&mut self, size: f64) -> Result<f64, StepError> {
         self.method
             .attempt(&mut self.system, self.time, size, &self.state)?;
-        let counters = &mut self.system.statistics;
+        let counters = &mut self.system.counters;
         counters.redone = counters.redone.saturating_add(1);
         self.inside.copy_from_slice(self.method.next());
         self.read_margins(self.time + size, size)?;
@@ -250,32 +250,18 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     /// Switches what was found, at the accepted state, and starts again from there.
     pub(crate) fn happen(&mut self) -> Result<(), StepError> {
         self.add_simultaneous()?;
-        let time = self.time;
-        for index in 0..self.chosen.len() {
-            if self.chosen.get(index) != Some(&true) {
-                continue;
-            }
-            let guards = self.scratch.get(..).unwrap_or(&[]);
-            let Some(Happening::Line(line, mode)) =
-                self.margins.happening(index, guards, self.system.modes())
-            else {
-                continue;
-            };
-            self.system.switch(line, mode);
-            self.margins.switch(line, mode);
-            self.note(Happening::Line(line, mode));
-            let counters = &mut self.system.statistics;
-            counters.switches = counters.switches.saturating_add(1);
-            if self.chatter.sees(time) {
-                return Err(StepError::EventChatter {
-                    line: line_name(self.system.model.scene(), line).to_owned(),
-                    count: MOST_SWITCHES,
-                    window: self.chatter.window,
-                });
+        let mut switches = std::mem::take(&mut self.switches);
+        switches.clear();
+        for (index, _) in self.chosen.iter().enumerate().filter(|(_, chosen)| **chosen) {
+            let happening = self.margins.happening(index, &self.scratch, self.system.modes());
+            if let Some(Happening::Line(line, mode)) = happening {
+                switches.push((line, mode));
             }
         }
-        self.method
-            .begin(&mut self.system, self.time, &self.state)?;
+        let switched = self.switch(&switches);
+        self.switches = switches;
+        switched?;
+        self.method.begin(&mut self.system, self.time, &self.state)?;
         let mut crossed = std::mem::take(&mut self.crossed);
         crossed.clear();
         let begun = self.begin_margins(&mut |event| crossed.push(event));
@@ -284,6 +270,27 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         }
         self.crossed = crossed;
         begun
+    }
+
+    fn switch(&mut self, switches: &[(usize, Mode)]) -> Result<(), StepError> {
+        if switches.is_empty() {
+            return Ok(());
+        }
+        self.system.switch(self.time, &self.state, switches)?;
+        for &(line, mode) in switches {
+            self.margins.switch(line, mode);
+            self.note(Happening::Line(line, mode));
+            let counters = &mut self.system.counters;
+            counters.switches = counters.switches.saturating_add(1);
+            if self.chatter.sees(self.time) {
+                return Err(StepError::EventChatter {
+                    line: self.system.line(line),
+                    count: MOST_SWITCHES,
+                    window: self.chatter.window,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Adds the margins that vanish within the next 1e-12 s to the chosen ones, and leaves the guards of the accepted state in `scratch`.

@@ -11,7 +11,7 @@ use crate::error::{Collapse, Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Rates, Scales, TSIT5, Verdict};
 use crate::locate::Chatter;
-use crate::node::NodeMemory;
+use crate::node::{Mode, NodeMemory};
 use crate::options::{Method, Options};
 use crate::system::{External, NoLoads, System};
 use crate::trajectory::{Trajectory, resolution};
@@ -61,6 +61,8 @@ pub struct Simulation<'m, T: Float, M: Model<T>, E = NoLoads> {
     pub(crate) inside: Vec<T>,
     /// Room for which margins are passed.
     pub(crate) chosen: Vec<bool>,
+    /// Room for the lines that switch together.
+    pub(crate) switches: Vec<(usize, Mode)>,
     /// Room for which declared events happened.
     pub(crate) crossed: Vec<usize>,
     pace: Pace,
@@ -138,6 +140,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
             scratch: vec![T::zero(); room.into_iter().max().unwrap_or(0)],
             inside: vec![T::zero(); length],
             chosen: vec![false; margins.now.len()],
+            switches: Vec::with_capacity(layout.lines.len()),
             crossed: Vec::with_capacity(layout.events),
             margins,
             pace,
@@ -301,7 +304,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
     /// Counters since creation.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
-        self.system.statistics
+        self.system.statistics()
     }
 
     /// Located events, in order.
@@ -429,8 +432,8 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         if !self.started {
             self.start()?;
         }
-        let steps = self.system.statistics.steps;
-        while self.system.statistics.steps == steps {
+        let steps = self.system.counters.steps;
+        while self.system.counters.steps == steps {
             let taken = self.advance(f64::INFINITY, &mut None);
             taken.map_err(|cause| self.failed(cause))?;
         }
@@ -455,7 +458,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         self.chatter.window = 1e-3 * (until - self.time);
         let outcome = self.drive_steps(until, &mut trajectory, go_on);
         if let Some(trajectory) = trajectory {
-            trajectory.statistics = self.system.statistics;
+            trajectory.statistics = self.system.statistics();
         }
         outcome.map_err(|cause| self.failed(cause))
     }
@@ -516,7 +519,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
                 Pace::Fixed(size) => self.origin + self.count as f64 * size,
                 Pace::Adaptive(..) => self.time + step,
             };
-            self.take(step, end);
+            self.take(step, end)?;
             self.record_step(trajectory)?;
             if lands && until.is_finite() {
                 self.regrid();
@@ -525,7 +528,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         };
         if found.step > 0.0 {
             self.record_inside(found.step, trajectory)?;
-            self.take(found.step, self.time + found.step);
+            self.take(found.step, self.time + found.step)?;
         }
         self.regrid();
         let before = self.events.len();
@@ -581,7 +584,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         if verdict == Verdict::Accepted {
             return Ok(true);
         }
-        let counters = &mut self.system.statistics;
+        let counters = &mut self.system.counters;
         counters.rejected = counters.rejected.saturating_add(1);
         match (verdict, failure) {
             (Verdict::Rejected, _) => Ok(false),
@@ -611,12 +614,16 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
     }
 
     /// Takes the last attempt: memory, state and time move on together.
-    fn take(&mut self, step: f64, end: f64) {
+    fn take(&mut self, step: f64, end: f64) -> Result<(), StepError> {
         self.system.commit(step);
         self.method.accept(&mut self.state);
         self.time = end;
-        let counters = &mut self.system.statistics;
+        let counters = &mut self.system.counters;
         counters.steps = counters.steps.saturating_add(1);
+        if self.system.project(&mut self.state) {
+            self.method.begin(&mut self.system, self.time, &self.state)?;
+        }
+        Ok(())
     }
 
     /// Rows due strictly inside the attempted step, or at its end.
@@ -697,7 +704,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
                     Pace::Fixed(step) => *step,
                     Pace::Adaptive(control, _) => control.step,
                 },
-                statistics: self.system.statistics,
+                statistics: self.system.statistics(),
             }),
         }
     }

@@ -5,7 +5,7 @@ use mbd_scene::{At, Float, Model, Quantity};
 use crate::columns::{input_name, line_name, node_name, state_names};
 use crate::error::{Source, Statistics, StepError};
 use crate::integrate::Rates;
-use crate::node::{Mode, NodeError, NodeMemory, Nodes};
+use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
 
 /// What the caller supplies at each evaluation: inputs, external loads, external gravity, in the order of `Layout::inputs`.
 ///
@@ -55,7 +55,8 @@ pub(crate) struct System<'m, T: Float, M: Model<T>, E> {
     pub probe: Nodes<T>,
     /// What the nodes and lines remember of the last accepted step.
     pub memory: NodeMemory<T>,
-    pub statistics: Statistics,
+    /// Counters but those of the nodes.
+    pub counters: Statistics,
     /// Largest | |q| − 1 | of a quaternion at the end of the last trial step, before it was normalised.
     pub drift: f64,
     /// Length of the state without the integrals behind it.
@@ -76,8 +77,8 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
             external,
             nodes: Nodes::new(layout),
             probe: Nodes::new(layout),
-            memory: NodeMemory::default(),
-            statistics: Statistics::default(),
+            memory: NodeMemory::new(layout),
+            counters: Statistics::default(),
             drift: 0.0,
             nx: layout.nx(),
             inputs: vec![T::zero(); layout.ni],
@@ -149,8 +150,8 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
 
     /// Whether the modes of lines are kept between located events, or decided at every stage.
     pub(crate) fn frozen(&mut self, frozen: bool) {
-        self.nodes.frozen(frozen);
-        self.probe.frozen(frozen);
+        self.nodes.freeze(frozen);
+        self.probe.freeze(frozen);
     }
 
     /// The mode of every line.
@@ -158,9 +159,19 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         self.memory.modes()
     }
 
-    /// Changes the mode of a line at an accepted state, and of what hangs on it.
-    pub(crate) fn switch(&mut self, line: usize, mode: Mode) {
-        self.nodes.switch(line, mode, &mut self.memory);
+    /// Changes the modes of lines at an accepted state, and of what hangs on them.
+    pub(crate) fn switch(&mut self, time: f64, state: &[T], switches: &[(usize, Mode)]) -> Result<(), StepError> {
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        let t = T::from_f64(time);
+        self.nodes
+            .switch(self.model, t, state, &self.inputs, switches, &mut self.memory, &mut self.work)
+            .map_err(|error| self.node_error(time, error))
+    }
+
+    /// Puts nodes back on the line or plane that balance keeps them on; true when the state changed.
+    pub(crate) fn project(&self, state: &mut [T]) -> bool {
+        self.nodes.project(state.get_mut(..self.nx).unwrap_or_default())
     }
 
     /// The last solve was at the end of a step that is accepted.
@@ -202,6 +213,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         }
     }
 
+    #[cold]
     fn node_error(&self, time: f64, error: NodeError) -> StepError {
         let (scene, layout) = (self.model.scene(), self.model.layout());
         let name = |node: usize| {
@@ -219,20 +231,40 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
                 residual_n,
                 iterations: iterations as u64,
             },
+            NodeError::InvalidLine { line, what, value } => StepError::InvalidInput {
+                slot: format!("{what} of line {}", line_name(scene, line)),
+                value,
+            },
+            NodeError::NotFinite { .. } => StepError::NonFinite {
+                time,
+                source: Source::Node(name(0)),
+            },
+            NodeError::Unsupported { node, why } => StepError::Unsupported {
+                what: format!("the node model of `{}`", name(node)),
+                instead: why.to_owned(),
+            },
+            NodeError::Shape { what, found, .. } => StepError::InvalidInput {
+                slot: format!("length of {what}"),
+                value: found as f64,
+            },
         }
     }
 
-    fn count(&mut self) {
-        let iterations = self.nodes.iterations() as u64;
-        let counters = &mut self.statistics;
-        counters.rhs = counters.rhs.saturating_add(1);
-        if self.nodes.nodes().is_empty() {
-            return;
+    /// Counters, those of the node solver included.
+    pub(crate) fn statistics(&self) -> Statistics {
+        let nodes = self.nodes.statistics();
+        Statistics {
+            node_solves: nodes.solves,
+            node_iterations: nodes.iterations,
+            node_iterations_max: nodes.most as u64,
+            node_rung: match nodes.rung {
+                _ if nodes.solves == 0 => 0,
+                Rung::Warm => 1,
+                Rung::Homotopy => 2,
+                Rung::Search => 3,
+            },
+            ..self.counters
         }
-        counters.node_solves = counters.node_solves.saturating_add(1);
-        counters.node_iterations = counters.node_iterations.saturating_add(iterations);
-        counters.node_iterations_max = counters.node_iterations_max.max(iterations);
-        counters.node_rung = counters.node_rung.max(self.nodes.rung() as u64);
     }
 
     #[cold]
@@ -270,7 +302,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
                 &mut self.work,
             )
             .map_err(|error| self.node_error(time, error))?;
-        self.count();
+        self.counters.rhs = self.counters.rhs.saturating_add(1);
         let at = At {
             time: t,
             state,

@@ -230,7 +230,7 @@ impl Trajectory {
             column.push(*value);
         }
         self.next += 1;
-        self.statistics = system.statistics;
+        self.statistics = system.statistics();
         Ok(())
     }
 }

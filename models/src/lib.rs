@@ -1,1 +1,3 @@
-//! Placeholder until the crate is filled.
+//! Ready scenes, reports and the command line `mbd`.
+
+pub mod report;

@@ -8,6 +8,7 @@
 //!
 //! This crate knows no tokens and does no input or output.
 
+mod cost;
 mod dual;
 mod formula;
 pub mod laws;
@@ -18,6 +19,7 @@ mod quantity;
 mod real;
 mod scene;
 
+pub use cost::Cost;
 pub use dual::Dual;
 pub use formula::{Formula, Function, Place};
 pub use layout::{
