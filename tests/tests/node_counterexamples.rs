@@ -21,7 +21,9 @@ fn near(found: &[f64], expected: &[f64], tolerance: f64) {
 
 #[track_caller]
 fn solve(problem: &Confluence<f64>, start: [f64; 3]) -> Equilibrium<f64> {
-    problem.solve(start).expect("a convex problem has a balance")
+    problem
+        .solve(start)
+        .expect("a convex problem has a balance")
 }
 
 #[test]
@@ -34,5 +36,9 @@ fn newton_cycles_at_stiffness_ratio_1000_but_the_ladder_balances() {
     let found = solve(&problem, [0.9, 2.7, 0.0]);
     println!("{:?}", found);
     near(&found.nodes[0], &[0.20081493867, 0.86765607085, 0.0], 1e-10);
-    near(&found.tensions, &[80.323645030, 36.954277503, 47.274491396], 1e-8);
+    near(
+        &found.tensions,
+        &[80.323645030, 36.954277503, 47.274491396],
+        1e-8,
+    );
 }
