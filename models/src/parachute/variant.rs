@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Instant as Clock;
 
-use mbd_runtime::{Model, Options, ParamError, RunError, Sampling, Simulation, Statistics, Trajectory, trajectory::Content};
+use mbd_runtime::{Content, Model, Options, ParamError, RunError, Sampling, Simulation, Statistics, Trajectory};
 
 use super::scene::{
     Instant, ParachuteEuler, ParachuteEulerParams, ParachuteLiteral, ParachuteLiteralParams, ParachuteMass, ParachuteMassParams,
