@@ -157,13 +157,6 @@ impl<T: Float> Explicit<T> {
     pub(crate) fn first(&self) -> &[T] {
         self.stages.get(..self.length).unwrap_or(&[])
     }
-
-    /// The rates at the end of the last attempt.
-    pub(crate) fn last(&self) -> &[T] {
-        self.stages
-            .get(self.stages.len() - self.length..)
-            .unwrap_or(&[])
-    }
 }
 
 /// out = state + h Σ w_i k_i, stages one after the other.
