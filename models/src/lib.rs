@@ -1,3 +1,5 @@
-//! Ready scenes, reports and the command line `mbd`.
+//! Ready scenes, reports and what the command line `mbd` is made of.
 
+pub mod describe;
+pub mod progress;
 pub mod report;

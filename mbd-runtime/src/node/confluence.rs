@@ -7,8 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::balance::{Balance, Evaluation};
 use super::error::NodeError;
-use super::law;
 use super::solver::{Outcome, Solver, Tolerance};
+use mbd_scene::laws::line as law;
 
 /// Where a line of a [`Web`] ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

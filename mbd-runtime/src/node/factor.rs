@@ -253,8 +253,8 @@ fn triangle<T: Float, const B: usize>(a: &mut Block<T, B>) -> bool {
     for j in 0..B {
         for i in j..B {
             let mut sum = a[i][j];
-            for k in 0..j {
-                sum -= a[i][k] * a[j][k];
+            for (&x, &y) in a[i].iter().zip(&a[j]).take(j) {
+                sum -= x * y;
             }
             if i > j {
                 a[i][j] = sum / a[j][j];
@@ -272,8 +272,8 @@ fn triangle<T: Float, const B: usize>(a: &mut Block<T, B>) -> bool {
 fn forward<T: Float, const B: usize>(l: &Block<T, B>, x: &mut [T; B]) {
     for i in 0..B {
         let mut sum = x[i];
-        for k in 0..i {
-            sum -= l[i][k] * x[k];
+        for (&l, &x) in l[i].iter().zip(x.iter()).take(i) {
+            sum -= l * x;
         }
         x[i] = sum / l[i][i];
     }

@@ -81,11 +81,23 @@ impl<T: Float> NodeMemory<T> {
     pub(crate) fn check(&self, layout: &Layout) -> Result<(), NodeError> {
         let same = NodeError::same_length;
         same("memory of nodes", self.nodes.len(), 3 * layout.nodes.len())?;
-        same("memory of anchors", self.anchors.len(), 3 * layout.anchors.len())?;
+        same(
+            "memory of anchors",
+            self.anchors.len(),
+            3 * layout.anchors.len(),
+        )?;
         same("memory of stretch", self.stretch.len(), layout.lines.len())?;
         same("memory of stretch", self.previous.len(), layout.lines.len())?;
-        same("memory of forces", self.effective.len(), 2 * layout.effective_lines)?;
-        same("memory of networks", self.smooth.len(), layout.networks.len())?;
+        same(
+            "memory of forces",
+            self.effective.len(),
+            2 * layout.effective_lines,
+        )?;
+        same(
+            "memory of networks",
+            self.smooth.len(),
+            layout.networks.len(),
+        )?;
         same("memory of modes", self.modes.len(), layout.lines.len())
     }
 }

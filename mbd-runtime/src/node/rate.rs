@@ -21,8 +21,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::balance::{Balance, Evaluation};
 use super::eigen::eigen;
-use super::law;
 use super::solver::{Outcome, Solver, Tolerance};
+use mbd_scene::laws::line as law;
 
 /// λ_min over λ_max below which a direction of D is missing.
 const RANK: f64 = 1e-6;
@@ -235,9 +235,9 @@ impl<T: Float> RateNode<T> {
             legs: &self.legs,
             load: [self.load.x, self.load.y, self.load.z],
         };
-        let outcome = self
-            .solver
-            .search(&mut problem, &[], &[], &mut slip, Tolerance::inside_step());
+        let outcome =
+            self.solver
+                .search(&mut problem, &[], &[], &mut slip, Tolerance::inside_step());
         self.slip = Vector3::from(slip);
         self.find_pulls();
         let zero = T::zero();
@@ -414,8 +414,18 @@ impl<T: Float> Balance<T> for RateProblem<'_, T> {
             }
         }
         let values = [
-            gradient.x, gradient.y, gradient.z, h[(0, 0)], h[(0, 1)], h[(0, 2)], h[(1, 1)],
-            h[(1, 2)], h[(2, 2)], sums[0], sums[1], sums[2],
+            gradient.x,
+            gradient.y,
+            gradient.z,
+            h[(0, 0)],
+            h[(0, 1)],
+            h[(0, 2)],
+            h[(1, 1)],
+            h[(1, 2)],
+            h[(2, 2)],
+            sums[0],
+            sums[1],
+            sums[2],
         ];
         for (target, value) in out.values_mut().iter_mut().zip(values) {
             *target = value;

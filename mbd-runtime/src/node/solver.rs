@@ -275,7 +275,7 @@ impl<T: Float> Solver<T> {
         for &k in k {
             largest = largest.max(k);
         }
-        self.descent.to_centroid(balance, k, &self.zero);
+        self.descent.go_to_centroid(balance, k, &self.zero);
         for (eighth, &k) in self.eighth.iter_mut().zip(k) {
             *eighth = (k / largest).sqrt().sqrt().sqrt();
         }
@@ -391,7 +391,7 @@ impl<T: Float> Descent<T> {
     }
 
     /// Moves to the point where the lines with free length zero balance without load: the mean of the anchors weighted by stiffness.
-    fn to_centroid<B: Balance<T>>(&mut self, balance: &mut B, k: &[T], zero: &[T]) {
+    fn go_to_centroid<B: Balance<T>>(&mut self, balance: &mut B, k: &[T], zero: &[T]) {
         balance.evaluate(&self.p, k, zero, &mut self.here);
         let here = &self.here;
         let mut trace = T::zero();

@@ -206,20 +206,34 @@ pub fn confluence_start() -> [f64; 3] {
     [0.0, 0.0, straight_bridle() - 0.001]
 }
 
-/// The state [q | v | z] at the start; `mass` and `rate` models carry the confluence as a further position (and speed).
-#[must_use]
-pub fn start(case: TestCase, has_mass: bool, has_rate: bool) -> Vec<f64> {
-    let chute_height = straight_bridle() + 4.0 - 0.01 + 22.0;
-    let mut q = vec![0.0, 0.0, chute_height, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
-    let mut v = vec![0.0; 12];
-    v[6] = case.speed();
-    if has_mass {
-        q.extend(confluence_start());
-        v.extend([case.speed(), 0.0, 0.0]);
+/// The scene at an instant, whatever the model of the confluence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instant {
+    /// Time [s].
+    pub time: f64,
+    /// Coordinates of chute and capsule.
+    pub q: [f64; 14],
+    /// Speeds of chute and capsule.
+    pub v: [f64; 12],
+    /// Position of the confluence [m].
+    pub point: [f64; 3],
+    /// Velocity of the confluence [m/s].
+    pub velocity: [f64; 3],
+}
+
+impl Instant {
+    /// The start of a test case: attitudes along the world axes, the capsule's centre of mass at the origin, 1 cm of slack in the riser.
+    #[must_use]
+    pub fn start(case: TestCase) -> Self {
+        let chute = straight_bridle() + 4.0 - 0.01 + 22.0;
+        let mut v = [0.0; 12];
+        v[6] = case.speed();
+        Instant {
+            time: 0.0,
+            q: [0.0, 0.0, chute, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+            v,
+            point: confluence_start(),
+            velocity: [case.speed(), 0.0, 0.0],
+        }
     }
-    q.append(&mut v);
-    if has_rate {
-        q.extend(confluence_start());
-    }
-    q
 }

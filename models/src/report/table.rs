@@ -116,6 +116,12 @@ impl Table {
         self
     }
 
+    /// Whether there are no rows.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
     /// The title.
     #[must_use]
     pub fn title(&self) -> &str {
