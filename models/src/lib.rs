@@ -1,1 +1,5 @@
-//! Placeholder until the crate is filled.
+//! Ready scenes, reports and what the command line `mbd` is made of.
+
+pub mod describe;
+pub mod progress;
+pub mod report;

@@ -117,12 +117,6 @@ impl Formula {
         self.walk(&mut |part| found |= test(part));
         found
     }
-
-    /// Whether this is the number zero, written as such or through a `const` expression the reader folded.
-    #[must_use]
-    pub fn is_zero(&self) -> bool {
-        matches!(self, Formula::Number(x) if *x == 0.0)
-    }
 }
 
 impl From<f64> for Formula {

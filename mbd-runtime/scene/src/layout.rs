@@ -342,8 +342,8 @@ impl Layout {
                 break;
             }
         }
-        for node in 0..self.nodes.len() {
-            let network = if leader[node] == node {
+        for (node, &first) in leader.iter().enumerate() {
+            let network = if first == node {
                 self.networks.push(Network {
                     nodes: Vec::new(),
                     lines: Vec::new(),
@@ -353,7 +353,7 @@ impl Layout {
                 });
                 self.networks.len() - 1
             } else {
-                self.nodes[leader[node]].network
+                self.nodes[first].network
             };
             self.nodes[node].network = network;
             self.nodes[node].local = self.networks[network].nodes.len();

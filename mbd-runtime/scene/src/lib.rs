@@ -8,19 +8,25 @@
 //!
 //! This crate knows no tokens and does no input or output.
 
+mod cost;
+mod dual;
 mod formula;
 pub mod laws;
 mod layout;
 mod model;
+mod params;
 mod quantity;
 mod real;
 mod scene;
 
+pub use cost::Cost;
+pub use dual::Dual;
 pub use formula::{Formula, Function, Place};
 pub use layout::{
     Anchor, InputSlots, InputSource, Layout, LineEnd, LineSlots, Network, Node, PointSlots, Slots,
 };
 pub use model::Model;
+pub use params::{ParamError, check_params};
 pub use quantity::{At, Differentiated, Quantity, Variable};
 pub use real::{Float, Real, TINY};
 pub use scene::{

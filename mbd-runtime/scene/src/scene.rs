@@ -46,6 +46,21 @@ pub struct Scene {
     pub events: Vec<Event>,
 }
 
+impl Scene {
+    /// Whether a formula is zero by declaration: the number 0, or a `const` of value 0.
+    #[must_use]
+    pub fn is_zero(&self, formula: &Formula) -> bool {
+        match formula {
+            Formula::Number(value) => *value == 0.0,
+            Formula::Const(index) => self
+                .consts
+                .get(*index)
+                .is_some_and(|constant| constant.value == 0.0),
+            _ => false,
+        }
+    }
+}
+
 /// The family of coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Coordinates {

@@ -1,32 +1,49 @@
-//! The laws of mechanics, each written once over [`Real`].
+//! The laws of mechanics, each written once over [`Real`]: numbers run them, dual numbers differentiate them, symbols record them.
 
-use crate::{At, Layout, Quantity, Real, Scene};
-
+mod algebra;
+mod body;
+mod evaluation;
+mod forces;
+mod formula;
+mod gravity;
+pub mod line;
+mod node;
 mod numbers;
 
-pub use numbers::{BodyNumbers, LineNumbers, Numbers};
+use algebra::{elements, vector, write};
+use body::Motion;
+use evaluation::Evaluation;
+use forces::Assembly;
+use nalgebra::Vector3;
+
+pub use algebra::{inverse, solve_positive, symmetric};
+pub use formula::norm;
+pub use numbers::{BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers};
+
+use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 
 /// Scratch of one evaluation: carries nothing from call to call.
 #[derive(Clone, Debug)]
-pub struct Scratch<S> {
-    /// Placeholder of the lists the laws fill.
-    pub forces: Vec<S>,
+pub struct Scratch<S: Real> {
+    motions: Vec<Motion<S>>,
+    assembly: Assembly<S>,
 }
 
 impl<S: Real> Scratch<S> {
     /// Room for one scene.
     #[must_use]
-    pub fn new(_scene: &Scene, layout: &Layout) -> Self {
+    pub fn new(scene: &Scene) -> Self {
         Scratch {
-            forces: vec![S::zero(); layout.nv],
+            motions: vec![Motion::unknown(); scene.bodies.len()],
+            assembly: Assembly::new(scene.bodies.len(), scene.points.len()),
         }
     }
 }
 
 /// Evaluates a quantity by running the laws on the scalar `S`.
 ///
-/// `out` has the length [`Layout::len`] and **starts at zero**: only structural non-zeros are written.
-/// [`Quantity::Partial`] is not a law: symbols differentiate their trace, numbers use [`crate::Real`] duals.
+/// Lists are written whole; of matrices only structural non-zeros are written, so `out` **starts at zero** there.
+/// [`Quantity::Partial`] is not a law: symbols differentiate their trace, numbers run on duals. A slice of a wrong length leaves `out` untouched.
 pub fn evaluate<S: Real>(
     what: Quantity,
     scene: &Scene,
@@ -36,5 +53,334 @@ pub fn evaluate<S: Real>(
     scratch: &mut Scratch<S>,
     out: &mut [S],
 ) {
-    let _ = (what, scene, layout, numbers, at, scratch, out);
+    if out.len() != layout.len(what) {
+        return;
+    }
+    match what {
+        Quantity::Equilibrium(network) => {
+            return node::equilibrium(layout, at, network, |line| line_name(scene, line), out);
+        }
+        Quantity::NodeByAnchor(network) => return node::node_by_anchor(layout, at, network, out),
+        Quantity::CondensedStiffness(network) => {
+            return node::condensed_stiffness(layout, at, network, out);
+        }
+        Quantity::Partial(..) => return,
+        _ => {}
+    }
+    for (motion, (body, slots)) in scratch
+        .motions
+        .iter_mut()
+        .zip(scene.bodies.iter().zip(&layout.bodies))
+    {
+        S::section(&body.name);
+        *motion = Motion::read(at.state, *slots, layout.nq, scene.angular_velocity);
+    }
+    let evaluation = Evaluation {
+        scene,
+        layout,
+        numbers,
+        at,
+        motions: &scratch.motions,
+    };
+    match what {
+        Quantity::Ends => ends(&evaluation, out),
+        Quantity::Derivative => {
+            scratch.assembly.collect(&evaluation);
+            derivative(&evaluation, &scratch.assembly, out);
+        }
+        Quantity::Balance => {
+            scratch.assembly.collect(&evaluation);
+            for (node, declared) in layout.nodes.iter().enumerate() {
+                if let Some(force) = scratch.assembly.points.get(declared.point) {
+                    write(out, 3 * node, force);
+                }
+            }
+        }
+        Quantity::Forces => {
+            scratch.assembly.collect(&evaluation);
+            applied_forces(&evaluation, &scratch.assembly, out);
+        }
+        Quantity::Guards => guards(&evaluation, out),
+        Quantity::Outputs => outputs(&evaluation, out),
+        Quantity::Energy => energy(&evaluation, out),
+        Quantity::Momentum => momentum(&evaluation, out),
+        Quantity::MassMatrix => mass_matrix(&evaluation, out),
+        Quantity::BiasForce => bias_force(&evaluation, out),
+        Quantity::Lines => lines(&evaluation, out),
+        Quantity::Equilibrium(_)
+        | Quantity::NodeByAnchor(_)
+        | Quantity::CondensedStiffness(_)
+        | Quantity::Partial(..) => {}
+    }
+}
+
+fn line_name(scene: &Scene, line: usize) -> &str {
+    scene
+        .lines
+        .get(line)
+        .map_or("line", |line| line.name.as_str())
+}
+
+fn ends<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let layout = evaluation.layout;
+    for (index, anchor) in layout.anchors.iter().enumerate() {
+        S::section(line_name(evaluation.scene, anchor.line));
+        if let (Some(p), Some(v)) = (
+            evaluation.position_of(anchor.place),
+            evaluation.velocity_of(anchor.place),
+        ) {
+            write(out, 6 * index, &p);
+            write(out, 6 * index + 3, &v);
+        }
+    }
+    for (index, node) in layout.nodes.iter().enumerate() {
+        write(
+            out,
+            6 * layout.anchors.len() + 3 * index,
+            &forces::node_load(evaluation, node.point),
+        );
+    }
+}
+
+/// Gravity at a body [m/s²].
+fn body_gravity<S: Real>(evaluation: &Evaluation<'_, S>, body: usize) -> Vector3<S> {
+    let given = evaluation.given(InputSource::BodyGravity(body), 0);
+    gravity::acceleration(
+        &evaluation.numbers.gravity,
+        &evaluation.motions[body].position,
+        &given,
+    )
+}
+
+/// Gravity at a point with mass [m/s²].
+fn point_gravity<S: Real>(evaluation: &Evaluation<'_, S>, point: usize, q: usize) -> Vector3<S> {
+    let given = evaluation.given(InputSource::PointGravity(point), 0);
+    gravity::acceleration(
+        &evaluation.numbers.gravity,
+        &vector(evaluation.at.state, q),
+        &given,
+    )
+}
+
+/// ẋ: q̇ = N(q) v, v̇ = M⁻¹ (f − h), ż = w.
+fn derivative<S: Real>(evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>, out: &mut [S]) {
+    let (layout, numbers) = (evaluation.layout, evaluation.numbers);
+    let components = evaluation.scene.angular_velocity;
+    for (index, slots) in layout.bodies.iter().enumerate() {
+        S::section(&evaluation.scene.bodies[index].name);
+        let (motion, body, (force, torque)) = (
+            &evaluation.motions[index],
+            &numbers.bodies[index],
+            &assembly.bodies[index],
+        );
+        write(out, slots.q, &motion.velocity);
+        let [w, x, y, z] = motion.quaternion_rate(components);
+        out[slots.q + 3] = w;
+        write(out, slots.q + 4, &Vector3::new(x, y, z));
+        let acceleration = force.map(|f| f * body.inverse_mass) + body_gravity(evaluation, index);
+        write(out, layout.nq + slots.v, &acceleration);
+        let spin = motion.angular_acceleration(body, torque, components);
+        write(out, layout.nq + slots.v + 3, &spin);
+    }
+    for (index, slots) in layout.points.iter().enumerate() {
+        if let PointSlots::Mass(slots) = slots {
+            S::section(&evaluation.scene.points[index].name);
+            let velocity: Vector3<S> = vector(evaluation.at.state, layout.nq + slots.v);
+            write(out, slots.q, &velocity);
+            let inverse_mass = numbers.points[index].1;
+            let acceleration = assembly.points[index].map(|f| f * inverse_mass)
+                + point_gravity(evaluation, index, slots.q);
+            write(out, layout.nq + slots.v, &acceleration);
+        }
+    }
+    for (index, node) in layout.nodes.iter().enumerate() {
+        if let Some(z) = node.z {
+            write(
+                out,
+                layout.nq + layout.nv + z,
+                &vector(evaluation.at.nodes, 3 * index),
+            );
+        }
+    }
+}
+
+fn applied_forces<S: Real>(evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>, out: &mut [S]) {
+    for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
+        let (force, torque) = assembly.bodies[index];
+        write(out, slots.v, &force);
+        let torque = match evaluation.scene.angular_velocity {
+            crate::AngularVelocity::Body => evaluation.motions[index].rotation.transpose() * torque,
+            crate::AngularVelocity::World => torque,
+        };
+        write(out, slots.v + 3, &torque);
+    }
+    for (index, slots) in evaluation.layout.points.iter().enumerate() {
+        if let PointSlots::Mass(slots) = slots {
+            write(out, slots.v, &assembly.points[index]);
+        }
+    }
+}
+
+fn bias_force<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
+        S::section(&evaluation.scene.bodies[index].name);
+        let (motion, body) = (
+            &evaluation.motions[index],
+            &evaluation.numbers.bodies[index],
+        );
+        write(
+            out,
+            slots.v,
+            &body_gravity(evaluation, index).map(|g| -(body.mass * g)),
+        );
+        let gyroscopic = motion.gyroscopic(body);
+        let gyroscopic = match evaluation.scene.angular_velocity {
+            crate::AngularVelocity::Body => gyroscopic,
+            crate::AngularVelocity::World => motion.rotation * gyroscopic,
+        };
+        write(out, slots.v + 3, &gyroscopic);
+    }
+    for (index, slots) in evaluation.layout.points.iter().enumerate() {
+        if let PointSlots::Mass(slots) = slots {
+            let mass = evaluation.numbers.points[index].0;
+            write(
+                out,
+                slots.v,
+                &point_gravity(evaluation, index, slots.q).map(|g| -(mass * g)),
+            );
+        }
+    }
+}
+
+fn mass_matrix<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let n = evaluation.layout.nv;
+    for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
+        S::section(&evaluation.scene.bodies[index].name);
+        let body = &evaluation.numbers.bodies[index];
+        evaluation.motions[index].mass_block(
+            body,
+            evaluation.scene.angular_velocity,
+            out,
+            n,
+            slots.v,
+        );
+    }
+    for (index, slots) in evaluation.layout.points.iter().enumerate() {
+        if let PointSlots::Mass(slots) = slots {
+            for i in slots.v..slots.v + 3 {
+                out[i * n + i] = evaluation.numbers.points[index].0;
+            }
+        }
+    }
+}
+
+fn guards<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let lines = evaluation.scene.lines.len();
+    for index in 0..lines {
+        if let Some(motion) = evaluation.line_motion(index) {
+            out[2 * index] = motion.geometry.length - evaluation.numbers.lines[index].free_length;
+            out[2 * index + 1] = motion.pull;
+        }
+    }
+    for (index, event) in evaluation.scene.events.iter().enumerate() {
+        out[2 * lines + index] = formula::scalar(&event.guard, evaluation);
+    }
+}
+
+fn outputs<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let mut column = 0;
+    for output in &evaluation.scene.outputs {
+        S::section(&output.name);
+        match formula::value(&output.value, evaluation) {
+            formula::Value::Scalar(a) => write(&mut out[..column + 1], column, &Vector3::repeat(a)),
+            formula::Value::Vector(a) => write(out, column, &a),
+        }
+        column += output.components;
+    }
+}
+
+/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − K s₊) ṡ.
+fn energy<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let numbers = evaluation.numbers;
+    let (mut kinetic, mut potential, mut elastic, mut damping) =
+        (S::zero(), S::zero(), S::zero(), S::zero());
+    let half = S::from_f64(0.5);
+    for (motion, body) in evaluation.motions.iter().zip(&numbers.bodies) {
+        kinetic += motion.kinetic_energy(body);
+        potential += gravity::energy(&numbers.gravity, body.mass, &motion.position);
+    }
+    for (slots, &(mass, _)) in evaluation.layout.points.iter().zip(&numbers.points) {
+        if let PointSlots::Mass(slots) = slots {
+            let velocity: Vector3<S> = vector(evaluation.at.state, evaluation.layout.nq + slots.v);
+            kinetic += half * (mass * velocity.dot(&velocity));
+            potential += gravity::energy(
+                &numbers.gravity,
+                mass,
+                &vector(evaluation.at.state, slots.q),
+            );
+        }
+    }
+    for (index, line) in evaluation.scene.lines.iter().enumerate() {
+        let Some([tension, _, stretch, rate]) = formula::Context::line(evaluation, index) else {
+            continue;
+        };
+        let taut = if line.kind == crate::LineKind::Spring {
+            stretch
+        } else {
+            stretch.max(S::zero())
+        };
+        let stiffness = numbers.lines[index].stiffness;
+        elastic += half * (stiffness * (taut * taut));
+        if evaluation.damped(index) {
+            damping -= (tension - stiffness * taut) * rate;
+        }
+    }
+    out.copy_from_slice(&[
+        kinetic,
+        potential,
+        elastic,
+        forces::load_power(evaluation),
+        damping,
+    ]);
+}
+
+fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
+    for (motion, body) in evaluation.motions.iter().zip(&evaluation.numbers.bodies) {
+        let p = motion.velocity.map(|v| body.mass * v);
+        linear += p;
+        angular += motion.position.cross(&p) + motion.rotation * (body.inertia * motion.omega_body);
+    }
+    for (slots, &(mass, _)) in evaluation
+        .layout
+        .points
+        .iter()
+        .zip(&evaluation.numbers.points)
+    {
+        if let PointSlots::Mass(slots) = slots {
+            let velocity: Vector3<S> = vector(evaluation.at.state, evaluation.layout.nq + slots.v);
+            let p = velocity.map(|v| mass * v);
+            linear += p;
+            angular += vector(evaluation.at.state, slots.q).cross(&p);
+        }
+    }
+    write(out, 0, &linear);
+    write(out, 3, &angular);
+}
+
+fn lines<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    for (index, out) in out.chunks_exact_mut(10).enumerate() {
+        let state = formula::Context::line(evaluation, index).zip(evaluation.line_motion(index));
+        let Some((numbers, motion)) = state else {
+            continue;
+        };
+        let block = line::stiffness(
+            &motion.geometry,
+            motion.law[0],
+            motion.law[1],
+            motion.tension,
+        );
+        out[..4].copy_from_slice(&numbers);
+        out[4..].copy_from_slice(&elements(&block));
+    }
 }

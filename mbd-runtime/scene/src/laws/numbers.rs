@@ -2,7 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{Real, Scene};
+use super::algebra::{inverse, symmetric};
+use super::formula::{Context, scalar, triple};
+use crate::{Formula, Frame, Gravity, PointKind, Real, Scene};
 
 /// The constants of a body.
 #[derive(Clone, Debug)]
@@ -15,10 +17,17 @@ pub struct BodyNumbers<S> {
     pub inertia: Matrix3<S>,
     /// Its inverse [1/(kg m²)].
     pub inverse_inertia: Matrix3<S>,
-    /// Origins of its frames from the centre of mass, body axes [m].
-    pub frames: Vec<Vector3<S>>,
-    /// Rotations of its frames, frame axes to body axes; `None`: parallel.
-    pub rotations: Vec<Option<Matrix3<S>>>,
+    /// Its frames.
+    pub frames: Vec<FrameNumbers<S>>,
+}
+
+/// The constants of a frame.
+#[derive(Clone, Debug)]
+pub struct FrameNumbers<S> {
+    /// Origin from the centre of mass, body axes (from the world origin, world axes) [m].
+    pub position: Vector3<S>,
+    /// Rotation, frame axes to body axes; `None`: parallel.
+    pub rotation: Option<Matrix3<S>>,
 }
 
 /// The constants of a line.
@@ -32,6 +41,39 @@ pub struct LineNumbers<S> {
     pub free_length: S,
 }
 
+/// The constants of gravity.
+#[derive(Clone, Debug)]
+pub enum GravityNumbers<S> {
+    /// No gravity.
+    None,
+    /// Acceleration [m/s²].
+    Uniform(Vector3<S>),
+    /// A point mass, or an oblate planet.
+    Central {
+        /// Gravitational parameter [m³/s²].
+        mu: S,
+        /// Centre in world coordinates [m].
+        center: Vector3<S>,
+        /// Whether the centre is the world origin by declaration.
+        at_origin: bool,
+        /// The J2 term, if declared.
+        oblate: Option<OblateNumbers<S>>,
+    },
+    /// From the caller.
+    Field,
+}
+
+/// The constants of the J2 term.
+#[derive(Clone, Debug)]
+pub struct OblateNumbers<S> {
+    /// Equatorial radius [m].
+    pub radius: S,
+    /// J2 [1].
+    pub j2: S,
+    /// Unit vector along the axis, world components.
+    pub axis: Vector3<S>,
+}
+
 /// Every constant of a scene, evaluated for given parameters.
 #[derive(Clone, Debug)]
 pub struct Numbers<S> {
@@ -39,25 +81,121 @@ pub struct Numbers<S> {
     pub params: Vec<S>,
     /// Per body.
     pub bodies: Vec<BodyNumbers<S>>,
-    /// Mass of each point; zero for a node [kg].
-    pub points: Vec<S>,
+    /// Mass and its inverse of each point; zero for a node [kg, 1/kg].
+    pub points: Vec<(S, S)>,
     /// Per line.
     pub lines: Vec<LineNumbers<S>>,
-    /// Origins of the world frames [m].
-    pub world_frames: Vec<Vector3<S>>,
+    /// The world frames.
+    pub world_frames: Vec<FrameNumbers<S>>,
+    /// Gravity.
+    pub gravity: GravityNumbers<S>,
+}
+
+/// The only things a constant may depend on.
+struct Constants<'a, S> {
+    scene: &'a Scene,
+    params: &'a [S],
+}
+
+impl<S: Real> Context<S> for Constants<'_, S> {
+    fn scene(&self) -> &Scene {
+        self.scene
+    }
+
+    fn param(&self, index: usize) -> Option<S> {
+        self.params.get(index).copied()
+    }
 }
 
 impl<S: Real> Numbers<S> {
     /// Evaluates the constants of `scene` for `params` (SI, declaration order).
     #[must_use]
     pub fn new(scene: &Scene, params: &[S]) -> Self {
-        let _ = scene;
+        let constants = Constants { scene, params };
+        let of = |formula: &Formula| scalar(formula, &constants);
+        let frames = |frames: &[Frame]| {
+            frames
+                .iter()
+                .map(|frame| FrameNumbers {
+                    position: triple(&frame.position, &constants),
+                    rotation: frame.rotation.as_ref().map(|rows| {
+                        let rows = rows
+                            .each_ref()
+                            .map(|row| triple(row, &constants).transpose());
+                        Matrix3::from_rows(&rows)
+                    }),
+                })
+                .collect::<Vec<_>>()
+        };
+        let bodies = scene.bodies.iter().map(|body| {
+            S::section(&body.name);
+            let i = &body.inertia;
+            let inertia = symmetric([
+                of(&i.xx),
+                of(&i.xy),
+                of(&i.xz),
+                of(&i.yy),
+                of(&i.yz),
+                of(&i.zz),
+            ]);
+            let mass = of(&body.mass);
+            BodyNumbers {
+                mass,
+                inverse_mass: (S::one() / mass).label("inverse_mass"),
+                inertia,
+                inverse_inertia: inverse(&inertia),
+                frames: frames(&body.frames),
+            }
+        });
+        let points = scene.points.iter().map(|point| match &point.kind {
+            PointKind::Mass(mass) => {
+                S::section(&point.name);
+                let mass = of(mass);
+                (mass, (S::one() / mass).label("inverse_mass"))
+            }
+            PointKind::Node(_) => (S::zero(), S::zero()),
+        });
+        let lines = scene.lines.iter().map(|line| LineNumbers {
+            stiffness: of(&line.stiffness),
+            damping: of(&line.damping),
+            free_length: of(&line.free_length),
+        });
+        let gravity = match &scene.gravity {
+            Gravity::None => GravityNumbers::None,
+            Gravity::Uniform { acceleration } => {
+                GravityNumbers::Uniform(triple(acceleration, &constants))
+            }
+            Gravity::PointMass { mu, center } => GravityNumbers::Central {
+                mu: of(mu),
+                center: triple(center, &constants),
+                at_origin: center.iter().all(|c| scene.is_zero(c)),
+                oblate: None,
+            },
+            Gravity::Oblate {
+                mu,
+                center,
+                radius,
+                j2,
+                axis,
+            } => GravityNumbers::Central {
+                mu: of(mu),
+                center: triple(center, &constants),
+                at_origin: center.iter().all(|c| scene.is_zero(c)),
+                oblate: Some(OblateNumbers {
+                    radius: of(radius),
+                    j2: of(j2),
+                    axis: triple(axis, &constants),
+                }),
+            },
+            Gravity::Field => GravityNumbers::Field,
+        };
         Numbers {
             params: params.to_vec(),
-            bodies: Vec::new(),
-            points: Vec::new(),
-            lines: Vec::new(),
-            world_frames: Vec::new(),
+            bodies: bodies.collect(),
+            points: points.collect(),
+            lines: lines.collect(),
+            world_frames: frames(&scene.world_frames),
+            gravity,
         }
     }
 }

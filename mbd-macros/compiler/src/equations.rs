@@ -1,0 +1,221 @@
+//! The equations of a scene: its laws run on symbols, quantity by quantity, and put in order as programs.
+
+use std::collections::HashMap;
+
+use mbd_scene::laws::{self, Numbers, Scratch};
+use mbd_scene::{At, Cost, Layout, Quantity, Scene, Variable};
+use num_traits::Zero;
+
+use crate::differentiate::{By, jacobian};
+use crate::expression::{Expr, Graph, Node, Slot, Term, recorded, session};
+use crate::names;
+use crate::operation::Op;
+use crate::program::Program;
+
+/// The equations of one scene.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    /// The declaration.
+    pub scene: Scene,
+    /// Where everything lives.
+    pub layout: Layout,
+    /// The terms of the parameters alone: run once per set of parameters, its results are the slots [`Slot::Derived`].
+    pub derived: Program,
+    /// One program a quantity, in the order of [`Layout::quantities`].
+    pub programs: Vec<(Quantity, Program)>,
+}
+
+/// A traced quantity: its non-zeros and the terms it asked for.
+struct Traced {
+    what: Quantity,
+    outputs: Vec<(usize, Expr)>,
+    order: Vec<Term>,
+}
+
+impl Equations {
+    /// Traces every quantity the scene has a use for.
+    #[must_use]
+    pub fn trace(scene: &Scene) -> Self {
+        let wanted = Layout::new(scene).quantities();
+        Self::trace_only(scene, &wanted)
+    }
+
+    /// Traces some quantities.
+    #[must_use]
+    pub fn trace_only(scene: &Scene, wanted: &[Quantity]) -> Self {
+        let layout = Layout::new(scene);
+        let ((constants, traced), graph) = session(|| trace(scene, &layout, wanted));
+        let derived = derived(&graph, &traced);
+        let outputs: Vec<(usize, Expr)> = derived.iter().copied().enumerate().collect();
+        let places: HashMap<Expr, usize> = derived.iter().copied().zip(0..).collect();
+        let asked: Vec<Term> = traced.iter().fold(constants, |mut all, quantity| {
+            all.extend(&quantity.order);
+            all
+        });
+        let nothing = HashMap::new();
+        Equations {
+            derived: Program::build(&graph, None, &outputs, outputs.len(), &asked, &nothing),
+            programs: traced
+                .iter()
+                .map(
+                    |Traced {
+                         what,
+                         outputs,
+                         order,
+                     }| {
+                        let len = layout.len(*what);
+                        let what = *what;
+                        let program =
+                            Program::build(&graph, Some(what), outputs, len, order, &places);
+                        (what, program)
+                    },
+                )
+                .collect(),
+            scene: scene.clone(),
+            layout,
+        }
+    }
+
+    /// The program of a quantity.
+    #[must_use]
+    pub fn program(&self, what: Quantity) -> Option<&Program> {
+        self.programs
+            .iter()
+            .find(|(known, _)| *known == what)
+            .map(|(_, program)| program)
+    }
+
+    /// Operations of all quantities together.
+    #[must_use]
+    pub fn cost(&self) -> Cost {
+        self.programs
+            .iter()
+            .fold(self.derived.cost(), |sum, (_, program)| {
+                sum + program.cost()
+            })
+    }
+}
+
+/// Whether a quantity is a matrix of which only the structural non-zeros are written.
+#[must_use]
+pub fn is_matrix(what: Quantity) -> bool {
+    matches!(
+        what,
+        Quantity::MassMatrix
+            | Quantity::NodeByAnchor(_)
+            | Quantity::CondensedStiffness(_)
+            | Quantity::Partial(..)
+    )
+}
+
+fn slots(count: usize, slot: impl Fn(usize) -> Slot) -> Vec<Expr> {
+    (0..count).map(|index| Expr::slot(slot(index))).collect()
+}
+
+/// Runs the laws on symbols. The first list holds the terms of the constants.
+fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec<Traced>) {
+    let params = slots(layout.np, Slot::Param);
+    let (numbers, constants) = recorded(|| Numbers::new(scene, &params));
+    let state = slots(layout.nx(), Slot::State);
+    let nodes = slots(3 * layout.nodes.len(), Slot::Node);
+    let effective = slots(2 * layout.effective_lines, Slot::Effective);
+    let hold = slots(layout.lines.len(), Slot::Hold);
+    let ends = slots(layout.len(Quantity::Ends), Slot::Ends);
+    let inputs = slots(layout.ni, Slot::Input);
+    let at = At {
+        time: Expr::slot(Slot::Time),
+        state: &state,
+        nodes: &nodes,
+        effective: &effective,
+        hold: &hold,
+        ends: &ends,
+        inputs: &inputs,
+    };
+    let mut scratch = Scratch::new(scene);
+    let mut law = |what: Quantity| {
+        let mut out = vec![Expr::zero(); layout.len(what)];
+        let ((), order) = recorded(|| {
+            laws::evaluate(what, scene, layout, &numbers, &at, &mut scratch, &mut out);
+        });
+        let keep = |&(_, expr): &(usize, Expr)| !is_matrix(what) || !expr.is_structural_zero();
+        let outputs = out.into_iter().enumerate().filter(keep).collect();
+        Traced {
+            what,
+            outputs,
+            order,
+        }
+    };
+    let mut traced: Vec<Traced> = Vec::new();
+    for &what in wanted {
+        let Quantity::Partial(of, by) = what else {
+            traced.push(law(what));
+            continue;
+        };
+        let known = traced.iter().position(|t| t.what == of.quantity());
+        let base = known.map_or_else(
+            || law(of.quantity()),
+            |index| Traced {
+                what: of.quantity(),
+                outputs: traced[index].outputs.clone(),
+                order: traced[index].order.clone(),
+            },
+        );
+        traced.push(partial(scene, layout, what, by, base));
+    }
+    (constants, traced)
+}
+
+/// Differentiates a traced quantity. Its own terms come first, then the sweep of each variable.
+fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: Traced) -> Traced {
+    let count = layout.variables(by);
+    let variables: Vec<By> = (0..count)
+        .map(|index| {
+            let slot = match by {
+                Variable::State => Slot::State(index),
+                Variable::Node => Slot::Node(index),
+                Variable::Parameter => Slot::Param(index),
+            };
+            By {
+                slot,
+                name: names::slot(scene, layout, slot),
+            }
+        })
+        .collect();
+    let (entries, swept) = recorded(|| jacobian(&base.outputs, &variables));
+    let outputs = entries
+        .into_iter()
+        .map(|(row, column, expr)| (row * count + column, expr))
+        .collect();
+    let mut order = base.order;
+    order.extend(swept);
+    Traced {
+        what,
+        outputs,
+        order,
+    }
+}
+
+/// The terms of the parameters alone that live terms or results use, in the order of creation.
+fn derived(graph: &Graph, traced: &[Traced]) -> Vec<Expr> {
+    let mut found = Vec::new();
+    let mut seen = vec![false; graph.len()];
+    for quantity in traced {
+        let mut open: Vec<Expr> = quantity.outputs.iter().map(|&(_, expr)| expr).collect();
+        while let Some(expr) = open.pop() {
+            let Node::Apply(op) = graph.node(expr) else {
+                continue;
+            };
+            if std::mem::replace(&mut seen[expr.index()], true) {
+                continue;
+            }
+            // A mask is no number: it is compared again where it is used.
+            if graph.is_live(expr) || matches!(op, Op::Compare(..)) {
+                open.extend(op.arguments());
+            } else {
+                found.push(expr);
+            }
+        }
+    }
+    found.sort_unstable_by_key(|expr| expr.index());
+    found
+}

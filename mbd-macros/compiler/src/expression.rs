@@ -1,0 +1,606 @@
+//! Symbols: a scalar that records what a law does with it.
+//!
+//! An [`Expr`] is an index into a graph that belongs to the current thread. Equal operations on equal arguments are the same node, so
+//! running a law on symbols shares every common term by itself. Each node is simplified when it is made; sums and products are never
+//! re-associated, so the value keeps the rounding of the law as written (signs apart, which are exact).
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use mbd_scene::Real;
+use num_traits::{One, Zero};
+
+use crate::operation::{Binary, Comparison, Op, Unary};
+
+/// A number that enters an evaluation from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Slot {
+    /// Time.
+    Time,
+    /// A number of the state x = [q | v | z].
+    State(usize),
+    /// A node unknown.
+    Node(usize),
+    /// An effective stiffness or free length.
+    Effective(usize),
+    /// The hold flag of a line.
+    Hold(usize),
+    /// A number of the anchors' list.
+    Ends(usize),
+    /// An input.
+    Input(usize),
+    /// A live parameter.
+    Param(usize),
+    /// A term of the parameters alone, computed once per set of parameters.
+    Derived(usize),
+}
+
+/// A symbol: a term of the current graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Expr(u32);
+
+/// A symbol that holds or does not hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mask(Expr);
+
+/// What a term is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// A number, by its bits.
+    Constant(u64),
+    /// A mask known beforehand.
+    Truth(bool),
+    /// A number from outside.
+    Slot(Slot),
+    /// An operation on earlier terms.
+    Apply(Op<Expr>),
+}
+
+/// All terms of a trace, in the order of their creation.
+#[derive(Debug, Default)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    found: HashMap<Node, Expr>,
+    names: HashMap<Expr, &'static str>,
+    /// Whether a term depends on anything but constants and parameters.
+    live: Vec<bool>,
+    /// The last epoch in which a term was asked for.
+    epochs: Vec<u32>,
+    epoch: u32,
+    order: Vec<Term>,
+    sections: Vec<String>,
+    section: usize,
+}
+
+/// A term at its place in the trace of one quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Term {
+    /// The term.
+    pub expr: Expr,
+    /// What it belongs to: index into [`Graph::sections`].
+    pub section: usize,
+}
+
+thread_local! {
+    static GRAPH: RefCell<Graph> = RefCell::new(Graph::default());
+}
+
+fn with<R>(body: impl FnOnce(&mut Graph) -> R) -> R {
+    GRAPH.with(|graph| body(&mut graph.borrow_mut()))
+}
+
+/// Runs `body` on a fresh graph and hands back what it returns together with the graph.
+pub fn session<R>(body: impl FnOnce() -> R) -> (R, Graph) {
+    let outer = with(std::mem::take);
+    let result = body();
+    let graph = with(|graph| std::mem::replace(graph, outer));
+    (result, graph)
+}
+
+/// Runs `body` and hands back what it returns together with the terms it asked for, in the order of asking.
+pub fn recorded<R>(body: impl FnOnce() -> R) -> (R, Vec<Term>) {
+    with(Graph::begin);
+    let result = body();
+    (result, with(|graph| std::mem::take(&mut graph.order)))
+}
+
+impl Graph {
+    fn begin(&mut self) {
+        self.epoch += 1;
+        self.order.clear();
+        self.section = self.named("");
+    }
+
+    fn named(&mut self, name: &str) -> usize {
+        match self.sections.iter().position(|known| known == name) {
+            Some(index) => index,
+            None => {
+                self.sections.push(name.to_owned());
+                self.sections.len() - 1
+            }
+        }
+    }
+
+    /// What a term is.
+    #[must_use]
+    pub fn node(&self, expr: Expr) -> Node {
+        self.nodes[expr.0 as usize]
+    }
+
+    /// The name a law gave to a term.
+    #[must_use]
+    pub fn name(&self, expr: Expr) -> Option<&'static str> {
+        self.names.get(&expr).copied()
+    }
+
+    /// Whether a term depends on anything but constants and parameters.
+    #[must_use]
+    pub fn is_live(&self, expr: Expr) -> bool {
+        self.live[expr.0 as usize]
+    }
+
+    /// The names of bodies, lines and nodes that terms belong to.
+    #[must_use]
+    pub fn sections(&self) -> &[String] {
+        &self.sections
+    }
+
+    /// How many terms there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there is no term at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The value of a term that is a constant.
+    #[must_use]
+    pub fn constant(&self, expr: Expr) -> Option<f64> {
+        match self.node(expr) {
+            Node::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    fn negated(&self, expr: Expr) -> Option<Expr> {
+        match self.node(expr) {
+            Node::Apply(Op::Unary(Unary::Neg, a)) => Some(a),
+            _ => None,
+        }
+    }
+
+    fn truth(&self, expr: Expr) -> Option<bool> {
+        match self.node(expr) {
+            Node::Truth(value) => Some(value),
+            _ => None,
+        }
+    }
+
+    fn add_node(&mut self, node: Node) -> Expr {
+        let expr = match self.found.get(&node) {
+            Some(&expr) => expr,
+            None => {
+                let expr = Expr(self.nodes.len() as u32);
+                let live = match node {
+                    Node::Constant(_) | Node::Truth(_) | Node::Slot(Slot::Param(_)) => false,
+                    Node::Slot(_) => true,
+                    Node::Apply(op) => op.arguments().any(|a| self.is_live(a)),
+                };
+                self.nodes.push(node);
+                self.live.push(live);
+                self.epochs.push(0);
+                self.found.insert(node, expr);
+                expr
+            }
+        };
+        let seen = &mut self.epochs[expr.0 as usize];
+        if *seen != self.epoch {
+            *seen = self.epoch;
+            self.order.push(Term {
+                expr,
+                section: self.section,
+            });
+        }
+        expr
+    }
+
+    fn number(&mut self, value: f64) -> Expr {
+        // The two zeros are one: a sign of zero is no structure.
+        let value = if value == 0.0 { 0.0 } else { value };
+        self.add_node(Node::Constant(value.to_bits()))
+    }
+
+    fn unary(&mut self, kind: Unary, a: Expr) -> Expr {
+        if let Some(x) = self.constant(a) {
+            let value = kind.value(x);
+            if value.is_finite() {
+                return self.number(value);
+            }
+        }
+        match (kind, self.node(a)) {
+            (Unary::Neg, Node::Apply(Op::Unary(Unary::Neg, inner))) => inner,
+            (Unary::Neg, Node::Apply(Op::Binary(Binary::Sub, x, y))) => {
+                self.binary(Binary::Sub, y, x)
+            }
+            (Unary::Abs, Node::Apply(Op::Unary(Unary::Neg, inner))) => {
+                self.unary(Unary::Abs, inner)
+            }
+            (Unary::Abs, Node::Apply(Op::Unary(Unary::Abs | Unary::Sqrt | Unary::Exp, _))) => a,
+            _ => self.add_node(Node::Apply(Op::Unary(kind, a))),
+        }
+    }
+
+    fn binary(&mut self, kind: Binary, a: Expr, b: Expr) -> Expr {
+        if let (Some(x), Some(y)) = (self.constant(a), self.constant(b)) {
+            let value = kind.value(x, y);
+            if value.is_finite() {
+                return self.number(value);
+            }
+        }
+        let simpler = match kind {
+            Binary::Add => self.simpler_sum(a, b),
+            Binary::Sub => self.simpler_difference(a, b),
+            Binary::Mul => self.simpler_product(a, b),
+            Binary::Div => self.simpler_quotient(a, b),
+            Binary::Min | Binary::Max => (a == b).then_some(a),
+            Binary::Atan2 => None,
+        };
+        if let Some(simpler) = simpler {
+            return simpler;
+        }
+        let (a, b) = if kind.commutes() && b.0 < a.0 {
+            (b, a)
+        } else {
+            (a, b)
+        };
+        self.add_node(Node::Apply(Op::Binary(kind, a, b)))
+    }
+
+    fn simpler_sum(&mut self, a: Expr, b: Expr) -> Option<Expr> {
+        if self.constant(a) == Some(0.0) {
+            return Some(b);
+        }
+        if self.constant(b) == Some(0.0) {
+            return Some(a);
+        }
+        match (self.negated(a), self.negated(b)) {
+            (_, Some(b)) => Some(self.binary(Binary::Sub, a, b)),
+            (Some(a), None) => Some(self.binary(Binary::Sub, b, a)),
+            (None, None) => None,
+        }
+    }
+
+    fn simpler_difference(&mut self, a: Expr, b: Expr) -> Option<Expr> {
+        if a == b {
+            return Some(self.number(0.0));
+        }
+        if self.constant(b) == Some(0.0) {
+            return Some(a);
+        }
+        if self.constant(a) == Some(0.0) {
+            return Some(self.unary(Unary::Neg, b));
+        }
+        match (self.negated(a), self.negated(b)) {
+            (_, Some(b)) => Some(self.binary(Binary::Add, a, b)),
+            (Some(a), None) => {
+                let sum = self.binary(Binary::Add, a, b);
+                Some(self.unary(Unary::Neg, sum))
+            }
+            (None, None) => None,
+        }
+    }
+
+    fn simpler_product(&mut self, a: Expr, b: Expr) -> Option<Expr> {
+        for (x, y) in [(a, b), (b, a)] {
+            let c = self.constant(x);
+            if c == Some(0.0) {
+                return Some(x);
+            }
+            if c == Some(1.0) {
+                return Some(y);
+            }
+            if c == Some(-1.0) {
+                return Some(self.unary(Unary::Neg, y));
+            }
+            if let Some(inner) = self.negated(x) {
+                return Some(match self.constant(y) {
+                    Some(c) => {
+                        let c = self.number(-c);
+                        self.binary(Binary::Mul, inner, c)
+                    }
+                    None => {
+                        let product = self.binary(Binary::Mul, inner, y);
+                        self.unary(Unary::Neg, product)
+                    }
+                });
+            }
+        }
+        None
+    }
+
+    fn simpler_quotient(&mut self, a: Expr, b: Expr) -> Option<Expr> {
+        if self.constant(a) == Some(0.0) && self.constant(b) != Some(0.0) {
+            return Some(a);
+        }
+        if self.constant(b) == Some(1.0) {
+            return Some(a);
+        }
+        if self.constant(b) == Some(-1.0) {
+            return Some(self.unary(Unary::Neg, a));
+        }
+        let (x, y) = match (self.negated(a), self.negated(b)) {
+            (Some(x), Some(y)) => return Some(self.binary(Binary::Div, x, y)),
+            (Some(x), None) => (x, b),
+            (None, Some(y)) => (a, y),
+            (None, None) => return None,
+        };
+        let quotient = self.binary(Binary::Div, x, y);
+        Some(self.unary(Unary::Neg, quotient))
+    }
+
+    fn compare(&mut self, kind: Comparison, a: Expr, b: Expr) -> Expr {
+        if let (Some(x), Some(y)) = (self.constant(a), self.constant(b)) {
+            let value = match kind {
+                Comparison::Lt => x < y,
+                _ => x <= y,
+            };
+            return self.add_node(Node::Truth(value));
+        }
+        if a == b {
+            return self.add_node(Node::Truth(kind == Comparison::Le));
+        }
+        self.add_node(Node::Apply(Op::Compare(kind, a, b)))
+    }
+
+    fn both(&mut self, a: Expr, b: Expr) -> Expr {
+        match (self.truth(a), self.truth(b)) {
+            (Some(true), _) => b,
+            (_, Some(true)) => a,
+            (Some(false), _) => a,
+            (_, Some(false)) => b,
+            _ if a == b => a,
+            _ => self.add_node(Node::Apply(Op::Compare(Comparison::Both, a, b))),
+        }
+    }
+
+    fn select(&mut self, mask: Expr, a: Expr, b: Expr) -> Expr {
+        match self.truth(mask) {
+            Some(true) => a,
+            Some(false) => b,
+            None if a == b => a,
+            None => self.add_node(Node::Apply(Op::Select(mask, a, b))),
+        }
+    }
+}
+
+impl Expr {
+    /// The symbol of a number from outside.
+    #[must_use]
+    pub fn slot(slot: Slot) -> Self {
+        with(|graph| graph.add_node(Node::Slot(slot)))
+    }
+
+    /// What this term is.
+    #[must_use]
+    pub fn node(self) -> Node {
+        with(|graph| graph.node(self))
+    }
+
+    /// Its place in the order of creation.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// Whether this is the number zero.
+    #[must_use]
+    pub fn is_structural_zero(self) -> bool {
+        self.node() == Node::Constant(0)
+    }
+
+    /// The symbol of a mask of this graph, for the differentiation of a select.
+    #[must_use]
+    pub fn as_mask(self) -> Mask {
+        Mask(self)
+    }
+
+    fn unary(self, kind: Unary) -> Self {
+        with(|graph| graph.unary(kind, self))
+    }
+
+    fn binary(self, kind: Binary, other: Self) -> Self {
+        with(|graph| graph.binary(kind, self, other))
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident $method:ident $assign_trait:ident $assign:ident) => {
+        impl $trait for Expr {
+            type Output = Expr;
+            fn $method(self, other: Expr) -> Expr {
+                self.binary(Binary::$trait, other)
+            }
+        }
+        impl $assign_trait for Expr {
+            fn $assign(&mut self, other: Expr) {
+                *self = self.binary(Binary::$trait, other);
+            }
+        }
+    };
+}
+
+operator!(Add add AddAssign add_assign);
+operator!(Sub sub SubAssign sub_assign);
+operator!(Mul mul MulAssign mul_assign);
+operator!(Div div DivAssign div_assign);
+
+impl Neg for Expr {
+    type Output = Expr;
+    fn neg(self) -> Expr {
+        self.unary(Unary::Neg)
+    }
+}
+
+impl Zero for Expr {
+    fn zero() -> Self {
+        Expr::from_f64(0.0)
+    }
+    fn is_zero(&self) -> bool {
+        self.is_structural_zero()
+    }
+}
+
+impl One for Expr {
+    fn one() -> Self {
+        Expr::from_f64(1.0)
+    }
+}
+
+impl Real for Expr {
+    type Mask = Mask;
+
+    fn from_f64(value: f64) -> Self {
+        with(|graph| graph.number(value))
+    }
+    fn sqrt(self) -> Self {
+        self.unary(Unary::Sqrt)
+    }
+    fn sin_cos(self) -> (Self, Self) {
+        (self.unary(Unary::Sin), self.unary(Unary::Cos))
+    }
+    fn exp(self) -> Self {
+        self.unary(Unary::Exp)
+    }
+    fn atan2(self, x: Self) -> Self {
+        self.binary(Binary::Atan2, x)
+    }
+    fn abs(self) -> Self {
+        self.unary(Unary::Abs)
+    }
+    fn min(self, other: Self) -> Self {
+        self.binary(Binary::Min, other)
+    }
+    fn max(self, other: Self) -> Self {
+        self.binary(Binary::Max, other)
+    }
+    fn lt(self, other: Self) -> Mask {
+        Mask(with(|graph| graph.compare(Comparison::Lt, self, other)))
+    }
+    fn le(self, other: Self) -> Mask {
+        Mask(with(|graph| graph.compare(Comparison::Le, self, other)))
+    }
+    fn both(a: Mask, b: Mask) -> Mask {
+        Mask(with(|graph| graph.both(a.0, b.0)))
+    }
+    fn select(mask: Mask, a: Self, b: Self) -> Self {
+        with(|graph| graph.select(mask.0, a, b))
+    }
+    fn is_finite_all(self) -> bool {
+        true
+    }
+    fn label(self, name: &'static str) -> Self {
+        with(|graph| {
+            if matches!(graph.node(self), Node::Apply(_)) {
+                graph.names.entry(self).or_insert(name);
+            }
+        });
+        self
+    }
+    fn section(name: &str) {
+        with(|graph| graph.section = graph.named(name));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn symbols<R>(body: impl FnOnce(Expr, Expr) -> R) -> R {
+        session(|| body(Expr::slot(Slot::State(0)), Expr::slot(Slot::State(1)))).0
+    }
+
+    #[test]
+    fn nothing_is_added_and_nothing_multiplied_by_one() {
+        symbols(|x, y| {
+            let (zero, one) = (Expr::zero(), Expr::one());
+            assert_eq!(x + zero, x);
+            assert_eq!(zero + x, x);
+            assert_eq!(x - zero, x);
+            assert_eq!(zero - x, -x);
+            assert_eq!(x - x, zero);
+            assert_eq!(x * one, x);
+            assert_eq!(one * x, x);
+            assert_eq!(x * zero, zero);
+            assert_eq!(x / one, x);
+            assert_eq!(zero / x, zero);
+            assert_eq!(x * -one, -x);
+            assert_eq!(-(-x), x);
+            assert_eq!(x + -y, x - y);
+            assert_eq!(x - -y, x + y);
+            assert_eq!(-x * y, -(x * y));
+            assert_eq!(-x * -y, x * y);
+            assert_eq!(-x / -y, x / y);
+            assert_eq!(-(x - y), y - x);
+            assert_eq!(-x - y, -(x + y));
+        });
+    }
+
+    #[test]
+    fn constants_fold_and_a_fold_that_is_not_finite_waits() {
+        symbols(|x, _| {
+            let number = Expr::from_f64;
+            assert_eq!(number(2.0) * number(3.0), number(6.0));
+            assert_eq!(number(9.0).sqrt(), number(3.0));
+            assert_eq!(number(-0.0), number(0.0));
+            assert_eq!(-x * number(2.0), x * number(-2.0));
+            let quotient = number(1.0) / number(0.0);
+            assert!(matches!(quotient.node(), Node::Apply(_)));
+            assert_eq!(number(1.0).max(number(2.0)), number(2.0));
+            assert_eq!(Expr::select(number(1.0).lt(number(2.0)), x, quotient), x);
+        });
+    }
+
+    #[test]
+    fn equal_terms_are_one_term_in_either_order_of_a_sum_or_product() {
+        symbols(|x, y| {
+            assert_eq!(x + y, y + x);
+            assert_eq!(x * y, y * x);
+            assert_ne!(x - y, y - x);
+            assert_ne!(
+                x.max(y),
+                y.max(x),
+                "at equality each takes its own derivative"
+            );
+            assert_eq!(Expr::select(x.lt(y), x * y, y * x), x * y);
+            assert_eq!(Expr::select(x.lt(x), x, y), y);
+            assert_eq!(Expr::select(x.le(x), x, y), x);
+        });
+    }
+
+    #[test]
+    fn the_first_name_of_a_term_wins_and_numbers_have_none() {
+        let ((product, zero), graph) = session(|| {
+            let x = Expr::slot(Slot::Time);
+            let product = (x * x).label("square").label("again");
+            (product, Expr::zero().label("nothing"))
+        });
+        assert_eq!(graph.name(product), Some("square"));
+        assert_eq!(graph.name(zero), None);
+    }
+
+    #[test]
+    fn a_rotation_by_nalgebra_gives_the_nodes_of_hand_written_rows() {
+        use nalgebra::{Matrix3, Vector3};
+        session(|| {
+            let r = Matrix3::from_fn(|i, j| Expr::slot(Slot::State(3 * i + j)));
+            let p = Vector3::from_fn(|i, _| Expr::slot(Slot::State(9 + i)));
+            let by_hand = r[(0, 0)] * p[0] + r[(0, 1)] * p[1] + r[(0, 2)] * p[2];
+            assert_eq!((r * p)[0], by_hand);
+        });
+    }
+}

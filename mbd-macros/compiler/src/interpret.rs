@@ -1,0 +1,180 @@
+//! Running a program: the second of the three ways to execute a scene.
+
+use mbd_scene::laws::{LineNumbers, Numbers};
+use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Real, Scene, check_params};
+
+use crate::equations::Equations;
+use crate::expression::Slot;
+use crate::operation::{Comparison, Op};
+use crate::program::Program;
+
+/// Registers of a run: carries nothing from call to call.
+#[derive(Clone, Debug)]
+pub struct Registers<T: Real> {
+    numbers: Vec<T>,
+    masks: Vec<T::Mask>,
+}
+
+impl<T: Real> Registers<T> {
+    /// Room for a program of so many registers.
+    #[must_use]
+    pub fn new(count: usize) -> Self {
+        let nothing = T::zero().lt(T::zero());
+        Registers {
+            numbers: vec![T::zero(); count],
+            masks: vec![nothing; count],
+        }
+    }
+}
+
+impl Program {
+    /// Runs the program at `at` for given parameters and derived terms, and writes its results to `out`.
+    ///
+    /// If `out`, the registers or a list of `at` is shorter than the program needs, nothing is written.
+    pub fn run<T: Real>(
+        &self,
+        at: &At<'_, T>,
+        params: &[T],
+        derived: &[T],
+        registers: &mut Registers<T>,
+        out: &mut [T],
+    ) {
+        let Registers { numbers, masks } = registers;
+        if out.len() < self.len || numbers.len() < self.registers() {
+            return;
+        }
+        for (register, &value) in numbers.iter_mut().zip(&self.constants) {
+            *register = T::from_f64(value);
+        }
+        let first = self.constants.len();
+        for (register, &slot) in numbers.iter_mut().skip(first).zip(&self.slots) {
+            let value = match slot {
+                Slot::Time => Some(&at.time),
+                Slot::State(i) => at.state.get(i),
+                Slot::Node(i) => at.nodes.get(i),
+                Slot::Effective(i) => at.effective.get(i),
+                Slot::Hold(i) => at.hold.get(i),
+                Slot::Ends(i) => at.ends.get(i),
+                Slot::Input(i) => at.inputs.get(i),
+                Slot::Param(i) => params.get(i),
+                Slot::Derived(i) => derived.get(i),
+            };
+            match value {
+                Some(&value) => *register = value,
+                None => return,
+            }
+        }
+        let first = first + self.slots.len();
+        for (index, instruction) in self.instructions.iter().enumerate() {
+            let number = |register: crate::program::Register| numbers[register.index()];
+            let value = match instruction.op {
+                Op::Unary(kind, a) => kind.value(number(a)),
+                Op::Binary(kind, a, b) => kind.value(number(a), number(b)),
+                Op::Select(mask, a, b) => T::select(masks[mask.index()], number(a), number(b)),
+                Op::Compare(kind, a, b) => {
+                    masks[first + index] = match kind {
+                        Comparison::Lt => number(a).lt(number(b)),
+                        Comparison::Le => number(a).le(number(b)),
+                        Comparison::Both => T::both(masks[a.index()], masks[b.index()]),
+                    };
+                    continue;
+                }
+            };
+            numbers[first + index] = value;
+        }
+        for &(place, register) in &self.outputs {
+            out[place] = numbers[register.index()];
+        }
+    }
+}
+
+/// A scene run by interpreting its programs: same operations in the same order as generated code, without a compiler.
+#[derive(Clone, Debug)]
+pub struct Interpreted<T> {
+    equations: Equations,
+    params: Vec<T>,
+    derived: Vec<T>,
+    lines: Vec<LineNumbers<T>>,
+}
+
+impl<T: Float> Interpreted<T> {
+    /// Traces a scene and evaluates its constants for `params` (SI, declaration order).
+    ///
+    /// # Errors
+    /// A parameter out of its range, not finite or missing; a mass or an inertia that no body has.
+    pub fn new(scene: Scene, params: &[T]) -> Result<Self, ParamError> {
+        Self::from_equations(Equations::trace(&scene), params)
+    }
+
+    /// The same for equations already traced.
+    ///
+    /// # Errors
+    /// As [`Interpreted::new`].
+    pub fn from_equations(equations: Equations, params: &[T]) -> Result<Self, ParamError> {
+        check_params(&equations.scene, params)?;
+        let mut derived = vec![T::zero(); equations.derived.len];
+        let mut registers = Registers::new(equations.derived.registers());
+        let nowhere = At {
+            time: T::zero(),
+            state: &[],
+            nodes: &[],
+            effective: &[],
+            hold: &[],
+            ends: &[],
+            inputs: &[],
+        };
+        equations
+            .derived
+            .run(&nowhere, params, &[], &mut registers, &mut derived);
+        Ok(Interpreted {
+            lines: Numbers::new(&equations.scene, params).lines,
+            params: params.to_vec(),
+            derived,
+            equations,
+        })
+    }
+
+    /// Its equations.
+    #[must_use]
+    pub fn equations(&self) -> &Equations {
+        &self.equations
+    }
+}
+
+impl<T: Float> Model<T> for Interpreted<T> {
+    type Work = Registers<T>;
+
+    fn work(&self) -> Registers<T> {
+        let programs = self.equations.programs.iter();
+        Registers::new(
+            programs
+                .map(|(_, p)| p.registers())
+                .max()
+                .unwrap_or_default(),
+        )
+    }
+
+    fn scene(&self) -> &Scene {
+        &self.equations.scene
+    }
+
+    fn layout(&self) -> &Layout {
+        &self.equations.layout
+    }
+
+    fn params(&self) -> &[T] {
+        &self.params
+    }
+
+    fn lines(&self) -> &[LineNumbers<T>] {
+        &self.lines
+    }
+
+    fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Registers<T>, out: &mut [T]) {
+        if let Some(program) = self.equations.program(what)
+            && out.len() == program.len
+        {
+            program.run(at, &self.params, &self.derived, work, out);
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! What the reader of generated code calls a number: names of the declaration, made into identifiers.
+
+use mbd_scene::{InputSource, Layout, Place, PointSlots, Scene};
+
+use crate::expression::Slot;
+
+const POSE: [&str; 7] = ["x", "y", "z", "qw", "qx", "qy", "qz"];
+const TWIST: [&str; 6] = ["vx", "vy", "vz", "wx", "wy", "wz"];
+
+/// A name of the declaration as part of an identifier: `bridle[2]` becomes `bridle_2`.
+#[must_use]
+pub fn identifier(name: &str) -> String {
+    let mut text = String::new();
+    for character in name.chars() {
+        if character.is_alphanumeric() || character == '_' {
+            text.extend(character.to_lowercase());
+        } else if !text.ends_with('_') {
+            text.push('_');
+        }
+    }
+    let text = text.trim_end_matches('_');
+    match text.chars().next() {
+        Some(first) if first.is_ascii_digit() => format!("n{text}"),
+        Some(_) => text.to_owned(),
+        None => "unnamed".to_owned(),
+    }
+}
+
+/// The name of a number from outside.
+#[must_use]
+pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
+    match slot {
+        Slot::Time => "time".to_owned(),
+        Slot::State(index) => state(scene, layout, index),
+        Slot::Node(index) => {
+            let node = layout.nodes.get(index / 3);
+            let rate = node.is_some_and(|node| node.z.is_some());
+            let name = node.map_or_else(String::new, |node| point(scene, node.point));
+            format!("{name}_{}{}", if rate { "w" } else { "p" }, axis(index))
+        }
+        Slot::Effective(index) => {
+            let line = layout
+                .lines
+                .iter()
+                .position(|l| l.effective == Some(index / 2));
+            let letter = if index % 2 == 0 { "k" } else { "l" };
+            format!("{}_{letter}", line_name(scene, line.unwrap_or_default()))
+        }
+        Slot::Hold(index) => format!("{}_hold", line_name(scene, index)),
+        Slot::Ends(index) => end(scene, layout, index),
+        Slot::Input(index) => input(scene, layout, index),
+        Slot::Param(index) => scene
+            .params
+            .get(index)
+            .map_or_else(|| format!("param_{index}"), |p| identifier(&p.name)),
+        Slot::Derived(index) => format!("derived_{index}"),
+    }
+}
+
+fn axis(index: usize) -> &'static str {
+    ["x", "y", "z"][index % 3]
+}
+
+fn point(scene: &Scene, index: usize) -> String {
+    let found = scene.points.get(index);
+    found.map_or_else(|| format!("point_{index}"), |p| identifier(&p.name))
+}
+
+fn body(scene: &Scene, index: usize) -> String {
+    let found = scene.bodies.get(index);
+    found.map_or_else(|| format!("body_{index}"), |b| identifier(&b.name))
+}
+
+fn line_name(scene: &Scene, index: usize) -> String {
+    let found = scene.lines.get(index);
+    found.map_or_else(|| format!("line_{index}"), |l| identifier(&l.name))
+}
+
+/// The name of a number of the state.
+fn state(scene: &Scene, layout: &Layout, index: usize) -> String {
+    let v = index.checked_sub(layout.nq);
+    for (number, slots) in layout.bodies.iter().enumerate() {
+        if let Some(item) = index.checked_sub(slots.q).and_then(|i| POSE.get(i))
+            && v.is_none()
+        {
+            return format!("{}_{item}", body(scene, number));
+        }
+        if let Some(item) = v
+            .and_then(|v| v.checked_sub(slots.v))
+            .and_then(|i| TWIST.get(i))
+        {
+            return format!("{}_{item}", body(scene, number));
+        }
+    }
+    for (number, slots) in layout.points.iter().enumerate() {
+        let PointSlots::Mass(slots) = slots else {
+            continue;
+        };
+        if v.is_none() && (slots.q..slots.q + 3).contains(&index) {
+            return format!("{}_{}", point(scene, number), axis(index - slots.q));
+        }
+        if let Some(v) = v.filter(|v| (slots.v..slots.v + 3).contains(v)) {
+            return format!("{}_v{}", point(scene, number), axis(v - slots.v));
+        }
+    }
+    let z = index.saturating_sub(layout.nq + layout.nv);
+    let node = layout.nodes.iter().find(|n| n.z == Some(z / 3 * 3));
+    node.map_or_else(
+        || format!("x_{index}"),
+        |node| format!("{}_{}", point(scene, node.point), axis(z)),
+    )
+}
+
+/// The name of a number of [`mbd_scene::Quantity::Ends`].
+fn end(scene: &Scene, layout: &Layout, index: usize) -> String {
+    match layout.anchors.get(index / 6) {
+        Some(anchor) => {
+            let line = line_name(scene, anchor.line);
+            let place = match anchor.place {
+                Place::World(_) => "world".to_owned(),
+                Place::Body(number, _) => body(scene, number),
+                Place::Point(number) => point(scene, number),
+            };
+            let letter = if index % 6 < 3 { "p" } else { "v" };
+            format!("{line}_{place}_{letter}{}", axis(index % 6))
+        }
+        None => {
+            let load = index.saturating_sub(6 * layout.anchors.len());
+            let node = layout.nodes.get(load / 3);
+            let name = node.map_or_else(String::new, |node| point(scene, node.point));
+            format!("{name}_load_{}", axis(load))
+        }
+    }
+}
+
+/// The name of an input number.
+fn input(scene: &Scene, layout: &Layout, index: usize) -> String {
+    let Some(slots) = layout
+        .inputs
+        .iter()
+        .find(|slots| (slots.at..slots.at + slots.len).contains(&index))
+    else {
+        return format!("input_{index}");
+    };
+    let item = index - slots.at;
+    let name = match slots.source {
+        InputSource::Input(number) => scene.inputs.get(number).map(|i| identifier(&i.name)),
+        InputSource::Load(number) => scene.loads.get(number).map(|l| identifier(&l.name)),
+        InputSource::BodyGravity(number) => Some(format!("{}_gravity", body(scene, number))),
+        InputSource::PointGravity(number) => Some(format!("{}_gravity", point(scene, number))),
+    }
+    .unwrap_or_else(|| "input".to_owned());
+    match (slots.len, item) {
+        (1, _) => name,
+        (6, 3..) => format!("{name}_couple_{}", axis(item)),
+        _ => format!("{name}_{}", axis(item)),
+    }
+}

@@ -1,0 +1,122 @@
+//! The operations of an expression, of a program and of generated code: one list for all three.
+
+use mbd_scene::Real;
+
+/// An operation of one argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Unary {
+    /// −a.
+    Neg,
+    /// √a.
+    Sqrt,
+    /// sin a.
+    Sin,
+    /// cos a.
+    Cos,
+    /// e to the power a.
+    Exp,
+    /// |a|.
+    Abs,
+}
+
+/// An operation of two arguments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Binary {
+    /// a + b.
+    Add,
+    /// a − b.
+    Sub,
+    /// a · b.
+    Mul,
+    /// a / b.
+    Div,
+    /// The angle of the vector (b, a).
+    Atan2,
+    /// The smaller of two.
+    Min,
+    /// The larger of two.
+    Max,
+}
+
+/// An operation that gives a mask.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Comparison {
+    /// a < b of two numbers.
+    Lt,
+    /// a ≤ b of two numbers.
+    Le,
+    /// Both of two masks.
+    Both,
+}
+
+/// One operation on arguments of type `R`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Op<R> {
+    /// Of one number.
+    Unary(Unary, R),
+    /// Of two numbers.
+    Binary(Binary, R, R),
+    /// Gives a mask.
+    Compare(Comparison, R, R),
+    /// The second where the first, a mask, holds; the third elsewhere.
+    Select(R, R, R),
+}
+
+impl<R: Copy> Op<R> {
+    /// Its arguments, in order.
+    pub fn arguments(self) -> impl Iterator<Item = R> {
+        let (a, b, c) = match self {
+            Op::Unary(_, a) => (a, None, None),
+            Op::Binary(_, a, b) | Op::Compare(_, a, b) => (a, Some(b), None),
+            Op::Select(a, b, c) => (a, Some(b), Some(c)),
+        };
+        [Some(a), b, c].into_iter().flatten()
+    }
+
+    /// The same operation on other arguments.
+    pub fn map<Q>(self, mut to: impl FnMut(R) -> Q) -> Op<Q> {
+        match self {
+            Op::Unary(kind, a) => Op::Unary(kind, to(a)),
+            Op::Binary(kind, a, b) => Op::Binary(kind, to(a), to(b)),
+            Op::Compare(kind, a, b) => Op::Compare(kind, to(a), to(b)),
+            Op::Select(mask, a, b) => Op::Select(to(mask), to(a), to(b)),
+        }
+    }
+}
+
+impl Unary {
+    /// Its value.
+    #[inline]
+    pub fn value<T: Real>(self, a: T) -> T {
+        match self {
+            Unary::Neg => -a,
+            Unary::Sqrt => a.sqrt(),
+            Unary::Sin => a.sin_cos().0,
+            Unary::Cos => a.sin_cos().1,
+            Unary::Exp => a.exp(),
+            Unary::Abs => a.abs(),
+        }
+    }
+}
+
+impl Binary {
+    /// Its value.
+    #[inline]
+    pub fn value<T: Real>(self, a: T, b: T) -> T {
+        match self {
+            Binary::Add => a + b,
+            Binary::Sub => a - b,
+            Binary::Mul => a * b,
+            Binary::Div => a / b,
+            Binary::Atan2 => a.atan2(b),
+            Binary::Min => a.min(b),
+            Binary::Max => a.max(b),
+        }
+    }
+
+    /// Whether the arguments may change places without changing a bit of the value.
+    #[must_use]
+    pub fn commutes(self) -> bool {
+        matches!(self, Binary::Add | Binary::Mul)
+    }
+}

@@ -1,0 +1,244 @@
+//! A program: the terms of one quantity in the order they are computed, one operation each, nothing that is not needed.
+
+use std::collections::{HashMap, HashSet};
+
+use mbd_scene::{Cost, Quantity};
+
+use crate::expression::{Expr, Graph, Node, Slot, Term};
+use crate::operation::{Binary, Op, Unary};
+
+/// A place in the register file of a program: constants first, then slots, then one register an instruction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Register(pub u32);
+
+impl Register {
+    /// Its place in the file.
+    #[must_use]
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// One operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Instruction {
+    /// What it does to which registers.
+    pub op: Op<Register>,
+    /// The name the law gave to its value.
+    pub name: Option<&'static str>,
+    /// The body, line, node or variable it belongs to: index into [`Program::sections`].
+    pub section: usize,
+}
+
+/// The straight-line computation of one list of numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Program {
+    /// The quantity; `None` for the terms of the parameters alone.
+    pub what: Option<Quantity>,
+    /// Registers 0…: numbers known at build time.
+    pub constants: Vec<f64>,
+    /// The registers after them: numbers from outside, sorted.
+    pub slots: Vec<Slot>,
+    /// The registers after them: one operation each.
+    pub instructions: Vec<Instruction>,
+    /// Which register goes to which place of the result, by place.
+    pub outputs: Vec<(usize, Register)>,
+    /// Length of the result.
+    pub len: usize,
+    /// Names of bodies, lines, nodes and variables.
+    pub sections: Vec<String>,
+}
+
+/// What a register holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Operand {
+    /// A number known at build time.
+    Constant(f64),
+    /// A number from outside.
+    Slot(Slot),
+    /// The value of an instruction, by index.
+    Value(usize),
+}
+
+impl Program {
+    /// Puts the terms that `outputs` need in order. `derived` says which terms of the parameters alone are already computed.
+    #[must_use]
+    pub fn build(
+        graph: &Graph,
+        what: Option<Quantity>,
+        outputs: &[(usize, Expr)],
+        len: usize,
+        order: &[Term],
+        derived: &HashMap<Expr, usize>,
+    ) -> Self {
+        let scheduled = schedule(graph, outputs, order, derived);
+        let mut constants: Vec<Expr> = Vec::new();
+        let mut slots: Vec<(Slot, Expr)> = Vec::new();
+        let mut entered = HashSet::new();
+        let mut enter = |expr: Expr| match leaf(graph, expr, derived) {
+            Some(leaf) if entered.insert(expr) => match leaf {
+                Leaf::Constant => constants.push(expr),
+                Leaf::Slot(slot) => slots.push((slot, expr)),
+            },
+            _ => {}
+        };
+        for term in &scheduled {
+            if let Node::Apply(op) = graph.node(term.expr) {
+                op.arguments().for_each(&mut enter);
+            }
+        }
+        outputs.iter().for_each(|&(_, expr)| enter(expr));
+        slots.sort_unstable_by_key(|(slot, _)| *slot);
+
+        let mut registers: HashMap<Expr, Register> = HashMap::new();
+        let file = constants
+            .iter()
+            .copied()
+            .chain(slots.iter().map(|(_, expr)| *expr))
+            .chain(scheduled.iter().map(|term| term.expr));
+        for (index, expr) in file.enumerate() {
+            registers.insert(expr, Register(index as u32));
+        }
+        let instructions = scheduled
+            .iter()
+            .filter_map(|term| match graph.node(term.expr) {
+                Node::Apply(op) => Some(Instruction {
+                    op: op.map(|a| registers[&a]),
+                    name: graph.name(term.expr),
+                    section: term.section,
+                }),
+                _ => None,
+            })
+            .collect();
+        let mut outputs: Vec<(usize, Register)> = outputs
+            .iter()
+            .map(|&(place, expr)| (place, registers[&expr]))
+            .collect();
+        outputs.sort_unstable();
+        Program {
+            what,
+            constants: constants
+                .iter()
+                .filter_map(|&expr| graph.constant(expr))
+                .collect(),
+            slots: slots.into_iter().map(|(slot, _)| slot).collect(),
+            instructions,
+            outputs,
+            len,
+            sections: graph.sections().to_vec(),
+        }
+    }
+
+    /// Length of the register file.
+    #[must_use]
+    pub fn registers(&self) -> usize {
+        self.constants.len() + self.slots.len() + self.instructions.len()
+    }
+
+    /// What a register holds.
+    #[must_use]
+    pub fn operand(&self, register: Register) -> Operand {
+        let mut index = register.index();
+        if let Some(&value) = self.constants.get(index) {
+            return Operand::Constant(value);
+        }
+        index -= self.constants.len();
+        match self.slots.get(index) {
+            Some(&slot) => Operand::Slot(slot),
+            None => Operand::Value(index - self.slots.len()),
+        }
+    }
+
+    /// How many operations of each kind it takes.
+    #[must_use]
+    pub fn cost(&self) -> Cost {
+        let mut cost = Cost::default();
+        for instruction in &self.instructions {
+            match instruction.op {
+                Op::Unary(Unary::Neg, _) | Op::Binary(Binary::Add | Binary::Sub, ..) => {
+                    cost.adds += 1;
+                }
+                Op::Binary(Binary::Mul, ..) => cost.muls += 1,
+                Op::Binary(Binary::Div, ..) => cost.divs += 1,
+                Op::Unary(Unary::Sqrt, _) => cost.sqrts += 1,
+                Op::Unary(Unary::Sin | Unary::Cos | Unary::Exp, _)
+                | Op::Binary(Binary::Atan2, ..) => cost.trigs += 1,
+                Op::Unary(Unary::Abs, _)
+                | Op::Binary(Binary::Min | Binary::Max, ..)
+                | Op::Compare(..)
+                | Op::Select(..) => cost.selects += 1,
+            }
+        }
+        cost
+    }
+}
+
+enum Leaf {
+    Constant,
+    Slot(Slot),
+}
+
+/// What a term is when it need not be computed here.
+fn leaf(graph: &Graph, expr: Expr, derived: &HashMap<Expr, usize>) -> Option<Leaf> {
+    match graph.node(expr) {
+        Node::Constant(_) => Some(Leaf::Constant),
+        Node::Slot(slot) => Some(Leaf::Slot(slot)),
+        Node::Truth(_) => None,
+        Node::Apply(_) => derived.get(&expr).map(|&i| Leaf::Slot(Slot::Derived(i))),
+    }
+}
+
+/// The operations that `outputs` need, in the order the law asked for them, arguments always before their use.
+fn schedule(
+    graph: &Graph,
+    outputs: &[(usize, Expr)],
+    order: &[Term],
+    derived: &HashMap<Expr, usize>,
+) -> Vec<Term> {
+    let needed = needed(graph, outputs, derived);
+    let sections: HashMap<Expr, usize> = order.iter().map(|t| (t.expr, t.section)).collect();
+    let mut placed = vec![false; graph.len()];
+    let mut scheduled = Vec::new();
+    let asked = order.iter().map(|term| term.expr);
+    for root in asked.chain(outputs.iter().map(|&(_, expr)| expr)) {
+        if !needed[root.index()] {
+            continue;
+        }
+        let mut open = vec![root];
+        while let Some(&expr) = open.last() {
+            if placed[expr.index()] {
+                open.pop();
+                continue;
+            }
+            let before = open.len();
+            if let Node::Apply(op) = graph.node(expr) {
+                let waiting = |a: &Expr| needed[a.index()] && !placed[a.index()];
+                open.extend(op.arguments().filter(waiting));
+            }
+            if open.len() == before {
+                placed[expr.index()] = true;
+                let section = sections.get(&expr).copied().unwrap_or_default();
+                scheduled.push(Term { expr, section });
+                open.pop();
+            }
+        }
+    }
+    scheduled
+}
+
+/// Which terms must be computed: operations that the outputs reach without passing a derived term.
+fn needed(graph: &Graph, outputs: &[(usize, Expr)], derived: &HashMap<Expr, usize>) -> Vec<bool> {
+    let mut needed = vec![false; graph.len()];
+    let mut open: Vec<Expr> = outputs.iter().map(|&(_, expr)| expr).collect();
+    while let Some(expr) = open.pop() {
+        let Node::Apply(op) = graph.node(expr) else {
+            continue;
+        };
+        if !needed[expr.index()] && !derived.contains_key(&expr) {
+            needed[expr.index()] = true;
+            open.extend(op.arguments());
+        }
+    }
+    needed
+}

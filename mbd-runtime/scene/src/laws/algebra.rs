@@ -1,0 +1,122 @@
+//! The few matrices every law needs.
+
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+use crate::Real;
+
+/// The symmetric matrix with elements xx xy xz yy yz zz.
+pub fn symmetric<S: Real>([xx, xy, xz, yy, yz, zz]: [S; 6]) -> Matrix3<S> {
+    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+}
+
+/// The elements xx xy xz yy yz zz of a symmetric matrix.
+pub fn elements<S: Real>(m: &Matrix3<S>) -> [S; 6] {
+    [
+        m[(0, 0)],
+        m[(0, 1)],
+        m[(0, 2)],
+        m[(1, 1)],
+        m[(1, 2)],
+        m[(2, 2)],
+    ]
+}
+
+/// Inverse of a symmetric 3 × 3 matrix by cofactors, symmetric to the bit. A diagonal matrix costs three divisions on symbols.
+pub fn inverse<S: Real>(m: &Matrix3<S>) -> Matrix3<S> {
+    let [xx, xy, xz, yy, yz, zz] = elements(m);
+    let zero = S::zero();
+    if xy == zero && xz == zero && yz == zero {
+        // A structural fact of the declaration, not a branch on the state: inertia is constant.
+        return Matrix3::from_diagonal(&Vector3::new(S::one() / xx, S::one() / yy, S::one() / zz));
+    }
+    let (a, b, c) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);
+    let scale = S::one() / (xx * a + xy * b + xz * c);
+    symmetric([
+        a * scale,
+        b * scale,
+        c * scale,
+        (xx * zz - xz * xz) * scale,
+        (xy * xz - xx * yz) * scale,
+        (xx * yy - xy * xy) * scale,
+    ])
+}
+
+/// Rotation body → world of a unit quaternion w x y z.
+pub fn rotation<S: Real>([w, x, y, z]: [S; 4]) -> Matrix3<S> {
+    let two = S::from_f64(2.0);
+    let (xx, yy, zz) = (two * (x * x), two * (y * y), two * (z * z));
+    let (xy, xz, yz) = (two * (x * y), two * (x * z), two * (y * z));
+    let (wx, wy, wz) = (two * (w * x), two * (w * y), two * (w * z));
+    let one = S::one();
+    Matrix3::new(
+        (one - (yy + zz)).label("r11"),
+        (xy - wz).label("r12"),
+        (xz + wy).label("r13"),
+        (xy + wz).label("r21"),
+        (one - (xx + zz)).label("r22"),
+        (yz - wx).label("r23"),
+        (xz - wy).label("r31"),
+        (yz + wx).label("r32"),
+        (one - (xx + yy)).label("r33"),
+    )
+}
+
+/// Names the three components of a vector.
+pub fn labelled<S: Real>(v: Vector3<S>, names: [&'static str; 3]) -> Vector3<S> {
+    Vector3::new(
+        v.x.label(names[0]),
+        v.y.label(names[1]),
+        v.z.label(names[2]),
+    )
+}
+
+/// A vector from the first three numbers of a slice from `at`; NaN where the slice is too short.
+pub fn vector<S: Real>(slice: &[S], at: usize) -> Vector3<S> {
+    let read = |i: usize| {
+        slice
+            .get(at + i)
+            .copied()
+            .unwrap_or_else(|| S::from_f64(f64::NAN))
+    };
+    Vector3::new(read(0), read(1), read(2))
+}
+
+/// Writes three numbers into a slice from `at`, as far as it is long enough.
+pub fn write<S: Real>(out: &mut [S], at: usize, v: &Vector3<S>) {
+    for (i, &component) in v.iter().enumerate() {
+        if let Some(slot) = out.get_mut(at + i) {
+            *slot = component;
+        }
+    }
+}
+
+/// Solves A X = B in place for a symmetric positive definite A, by LDLᵀ without pivoting; on symbols, structural zeros stay zero.
+///
+/// `a` and `b` are square n × n and n × k. A singular A gives numbers that are not finite, never a panic.
+pub fn solve_positive<S: Real>(a: &mut DMatrix<S>, b: &mut DMatrix<S>) {
+    let n = a.nrows().min(a.ncols()).min(b.nrows());
+    for pivot in 0..n {
+        let inverse = S::one() / a[(pivot, pivot)];
+        for row in pivot + 1..n {
+            let factor = a[(row, pivot)] * inverse;
+            for column in pivot + 1..=row {
+                let shared = a[(column, pivot)];
+                a[(row, column)] -= factor * shared;
+            }
+            for column in 0..b.ncols() {
+                let shared = b[(pivot, column)];
+                b[(row, column)] -= factor * shared;
+            }
+        }
+    }
+    for pivot in (0..n).rev() {
+        let inverse = S::one() / a[(pivot, pivot)];
+        for column in 0..b.ncols() {
+            let mut total = b[(pivot, column)];
+            for row in pivot + 1..n {
+                total -= a[(row, pivot)] * b[(row, column)];
+            }
+            b[(pivot, column)] = total * inverse;
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! One evaluation: the scene at a state, seen by every law and every formula.
+
+use nalgebra::Vector3;
+
+use super::body::Motion;
+use super::formula::{Context, Value};
+use super::line;
+use super::node;
+use super::numbers::{FrameNumbers, Numbers};
+use crate::laws::algebra::vector;
+use crate::{At, InputSource, Layout, LineKind, NodeModel, Place, PointSlots, Real, Scene};
+
+/// The scene at a state. Bodies are read once; everything else is computed where it is asked for.
+pub struct Evaluation<'a, S: Real> {
+    pub scene: &'a Scene,
+    pub layout: &'a Layout,
+    pub numbers: &'a Numbers<S>,
+    pub at: &'a At<'a, S>,
+    pub motions: &'a [Motion<S>],
+}
+
+/// A line in motion.
+#[derive(Clone, Copy, Debug)]
+pub struct LineMotion<S: Real> {
+    pub geometry: line::Geometry<S>,
+    /// Rate of its length [m/s].
+    pub rate: S,
+    /// Tension [N].
+    pub tension: S,
+    /// K s + C ṡ, or K_e (d − L_e) for a line of a static or stepwise node [N].
+    pub pull: S,
+    /// Stiffness and free length of the law that gave the tension [N/m, m].
+    pub law: [S; 2],
+}
+
+impl<'a, S: Real> Evaluation<'a, S> {
+    /// Position of a place [m], world axes.
+    pub fn position_of(&self, place: Place) -> Option<Vector3<S>> {
+        match place {
+            Place::World(frame) => self
+                .numbers
+                .world_frames
+                .get(frame)
+                .map(|frame| frame.position),
+            Place::Body(body, frame) => {
+                let (motion, frame) = self.frame(body, frame)?;
+                Some(motion.position + motion.arm(&frame.position))
+            }
+            Place::Point(point) => match *self.layout.points.get(point)? {
+                PointSlots::Mass(slots) => Some(vector(self.at.state, slots.q)),
+                PointSlots::Node(node) => Some(self.node_position(node)),
+            },
+        }
+    }
+
+    /// Velocity of a place [m/s], world axes. The velocity of a `static` or `stepwise` node is Σ H⁻¹ J_i v_i.
+    pub fn velocity_of(&self, place: Place) -> Option<Vector3<S>> {
+        match place {
+            Place::World(_) => Some(Vector3::zeros()),
+            Place::Body(body, frame) => {
+                let (motion, frame) = self.frame(body, frame)?;
+                Some(motion.velocity_of(&frame.position))
+            }
+            Place::Point(point) => match *self.layout.points.get(point)? {
+                PointSlots::Mass(slots) => Some(vector(self.at.state, self.layout.nq + slots.v)),
+                PointSlots::Node(node) => self.node_velocity(node),
+            },
+        }
+    }
+
+    /// Position of a node [m].
+    pub fn node_position(&self, node: usize) -> Vector3<S> {
+        match self.layout.nodes.get(node).and_then(|node| node.z) {
+            Some(z) => vector(self.at.state, self.layout.nq + self.layout.nv + z),
+            None => vector(self.at.nodes, 3 * node),
+        }
+    }
+
+    fn node_velocity(&self, node: usize) -> Option<Vector3<S>> {
+        let declared = self.layout.nodes.get(node)?;
+        if declared.model == NodeModel::Rate {
+            return Some(vector(self.at.nodes, 3 * node));
+        }
+        node::velocities(self, declared.network)
+            .get(declared.local)
+            .copied()
+    }
+
+    fn frame(&self, body: usize, frame: usize) -> Option<(&Motion<S>, &FrameNumbers<S>)> {
+        Some((
+            self.motions.get(body)?,
+            self.numbers.bodies.get(body)?.frames.get(frame)?,
+        ))
+    }
+
+    /// Whether a line has damping by declaration.
+    pub fn damped(&self, line: usize) -> bool {
+        self.scene
+            .lines
+            .get(line)
+            .is_some_and(|line| !self.scene.is_zero(&line.damping))
+    }
+
+    /// Length, rate and tension of a line at this state.
+    pub fn line_motion(&self, index: usize) -> Option<LineMotion<S>> {
+        let declared = self.scene.lines.get(index)?;
+        let slots = self.layout.lines.get(index)?;
+        let numbers = self.numbers.lines.get(index)?;
+        S::section(&declared.name);
+        let vector = self.position_of(declared.to)? - self.position_of(declared.from)?;
+        S::section(&declared.name);
+        if let Some(effective) = slots.effective {
+            let read = |item: usize| self.at.effective.get(2 * effective + item).copied();
+            let (stiffness, free_length) = (read(0)?, read(1)?);
+            let geometry = line::geometry(&vector, free_length);
+            let pull = (stiffness * geometry.stretch).label("pull");
+            let tension = line::effective_tension(stiffness, geometry.stretch);
+            return Some(LineMotion {
+                geometry,
+                rate: S::zero(),
+                tension,
+                pull,
+                law: [stiffness, free_length],
+            });
+        }
+        let geometry = line::geometry(&vector, numbers.free_length);
+        let damped = self.damped(index);
+        let rate = if damped {
+            self.rate(index, &geometry.direction)?
+        } else {
+            S::zero()
+        };
+        let hold = self.at.hold.get(index).copied()?;
+        let tension = line::tension(declared.kind, numbers, geometry.stretch, rate, damped, hold);
+        let pull = line::pull(numbers, geometry.stretch, rate, damped);
+        Some(LineMotion {
+            geometry,
+            rate,
+            tension,
+            pull,
+            law: [numbers.stiffness, numbers.free_length],
+        })
+    }
+
+    /// Rate of a line's length [m/s].
+    pub fn rate(&self, index: usize, direction: &Vector3<S>) -> Option<S> {
+        let declared = self.scene.lines.get(index)?;
+        let velocity = self.velocity_of(declared.to)? - self.velocity_of(declared.from)?;
+        S::section(&declared.name);
+        Some(direction.dot(&velocity).label("rate"))
+    }
+
+    /// Three input numbers of a source; zero where the scene has none.
+    pub fn given(&self, source: InputSource, offset: usize) -> Vector3<S> {
+        match self.layout.input_at(source) {
+            Some(at) => vector(self.at.inputs, at + offset),
+            None => Vector3::zeros(),
+        }
+    }
+}
+
+impl<S: Real> Context<S> for Evaluation<'_, S> {
+    fn scene(&self) -> &Scene {
+        self.scene
+    }
+
+    fn param(&self, index: usize) -> Option<S> {
+        self.numbers.params.get(index).copied()
+    }
+
+    fn input(&self, index: usize) -> Option<Value<S>> {
+        let at = self.layout.input_at(InputSource::Input(index))?;
+        Some(match self.scene.inputs.get(index)?.components {
+            1 => Value::Scalar(self.at.inputs.get(at).copied()?),
+            _ => Value::Vector(vector(self.at.inputs, at)),
+        })
+    }
+
+    fn time(&self) -> Option<S> {
+        Some(self.at.time)
+    }
+
+    fn position(&self, place: Place) -> Option<Vector3<S>> {
+        self.position_of(place)
+    }
+
+    fn velocity(&self, place: Place) -> Option<Vector3<S>> {
+        self.velocity_of(place)
+    }
+
+    fn axis(&self, place: Place, axis: usize) -> Option<Vector3<S>> {
+        if axis > 2 {
+            return None;
+        }
+        let unit = Vector3::from_fn(|i, _| if i == axis { S::one() } else { S::zero() });
+        let of = |frame: &FrameNumbers<S>| {
+            frame
+                .rotation
+                .map_or(unit, |rotation| rotation.column(axis).into_owned())
+        };
+        match place {
+            Place::World(frame) => self.numbers.world_frames.get(frame).map(of),
+            Place::Body(body, frame) => {
+                let (motion, frame) = self.frame(body, frame)?;
+                Some(motion.rotation * of(frame))
+            }
+            Place::Point(_) => None,
+        }
+    }
+
+    fn omega_world(&self, body: usize) -> Option<Vector3<S>> {
+        self.motions.get(body).map(|motion| motion.omega_world)
+    }
+
+    fn omega_body(&self, body: usize) -> Option<Vector3<S>> {
+        self.motions.get(body).map(|motion| motion.omega_body)
+    }
+
+    fn line(&self, index: usize) -> Option<[S; 4]> {
+        let motion = self.line_motion(index)?;
+        let free_length = self.numbers.lines.get(index)?.free_length;
+        // A static or stepwise node has no rate of its own; the rate is that of the moving balance.
+        let rate = match self.scene.lines.get(index)?.kind {
+            LineKind::Line
+                if self.layout.lines.get(index)?.effective.is_none() && self.damped(index) =>
+            {
+                motion.rate
+            }
+            _ => self.rate(index, &motion.geometry.direction)?,
+        };
+        let length = motion.geometry.length;
+        Some([motion.tension, length, length - free_length, rate])
+    }
+}

@@ -1,0 +1,151 @@
+//! Assembly: what lines and loads do to bodies, points and nodes.
+
+use nalgebra::Vector3;
+
+use super::evaluation::Evaluation;
+use super::formula;
+use crate::{InputSource, LoadKind, Place, PointSlots, Real};
+
+/// Force and torque on everything that moves, world axes; torque about the centre of mass.
+#[derive(Clone, Debug)]
+pub struct Assembly<S: Real> {
+    /// Per body: force [N] and torque [N m].
+    pub bodies: Vec<(Vector3<S>, Vector3<S>)>,
+    /// Per point: force [N].
+    pub points: Vec<Vector3<S>>,
+}
+
+impl<S: Real> Assembly<S> {
+    /// Room for one scene.
+    pub fn new(bodies: usize, points: usize) -> Self {
+        Assembly {
+            bodies: vec![(Vector3::zeros(), Vector3::zeros()); bodies],
+            points: vec![Vector3::zeros(); points],
+        }
+    }
+
+    fn clear(&mut self) {
+        self.bodies.fill((Vector3::zeros(), Vector3::zeros()));
+        self.points.fill(Vector3::zeros());
+    }
+
+    /// Adds a force at a place.
+    fn push(&mut self, evaluation: &Evaluation<'_, S>, place: Place, force: &Vector3<S>) {
+        match place {
+            Place::World(_) => {}
+            Place::Body(body, frame) => {
+                let arm = evaluation
+                    .motions
+                    .get(body)
+                    .zip(evaluation.numbers.bodies.get(body))
+                    .and_then(|(motion, numbers)| {
+                        let frame = numbers.frames.get(frame)?;
+                        Some(motion.arm(&frame.position))
+                    });
+                if let (Some(wrench), Some(arm)) = (self.bodies.get_mut(body), arm) {
+                    wrench.0 += force;
+                    wrench.1 += arm.cross(force);
+                }
+            }
+            Place::Point(point) => {
+                if let Some(total) = self.points.get_mut(point) {
+                    *total += force;
+                }
+            }
+        }
+    }
+
+    /// Collects every line and every load.
+    pub fn collect(&mut self, evaluation: &Evaluation<'_, S>) {
+        self.clear();
+        self.collect_lines(evaluation);
+        for load in 0..evaluation.scene.loads.len() {
+            self.collect_load(evaluation, load);
+        }
+    }
+
+    fn collect_lines(&mut self, evaluation: &Evaluation<'_, S>) {
+        for (index, declared) in evaluation.scene.lines.iter().enumerate() {
+            if let Some(motion) = evaluation.line_motion(index) {
+                let force = super::algebra::labelled(
+                    motion.geometry.direction.map(|u| motion.tension * u),
+                    ["force_x", "force_y", "force_z"],
+                );
+                self.push(evaluation, declared.from, &force);
+                self.push(evaluation, declared.to, &-force);
+            }
+        }
+    }
+
+    fn collect_load(&mut self, evaluation: &Evaluation<'_, S>, index: usize) {
+        let Some(load) = evaluation.scene.loads.get(index) else {
+            return;
+        };
+        let (force, torque) = wrench(evaluation, index);
+        if let Some(force) = force {
+            self.push(evaluation, load.at, &force);
+        }
+        if let (Place::Body(body, _), Some(torque)) = (load.at, torque)
+            && let Some(total) = self.bodies.get_mut(body)
+        {
+            total.1 += torque;
+        }
+    }
+}
+
+/// Force at its place [N] and couple [N m] of a load, world axes.
+fn wrench<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    index: usize,
+) -> (Option<Vector3<S>>, Option<Vector3<S>>) {
+    let Some(load) = evaluation.scene.loads.get(index) else {
+        return (None, None);
+    };
+    S::section(&load.name);
+    match &load.kind {
+        LoadKind::Force(formula) => (Some(formula::vector(formula, evaluation)), None),
+        LoadKind::Torque(formula) => (None, Some(formula::vector(formula, evaluation))),
+        LoadKind::External => {
+            let source = InputSource::Load(index);
+            let couple = matches!(load.at, Place::Body(..)).then(|| evaluation.given(source, 3));
+            (Some(evaluation.given(source, 0)), couple)
+        }
+    }
+}
+
+/// Load W on a node [N]: the sum of its declared loads.
+pub fn node_load<S: Real>(evaluation: &Evaluation<'_, S>, point: usize) -> Vector3<S> {
+    let mut total = Vector3::zeros();
+    for (index, load) in evaluation.scene.loads.iter().enumerate() {
+        if load.at == Place::Point(point)
+            && let (Some(force), _) = wrench(evaluation, index)
+        {
+            total += force;
+        }
+    }
+    total
+}
+
+/// Power of the loads on bodies and points with mass [W]; loads on nodes do work on the bodies through the lines and are not counted here.
+pub fn load_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
+    let mut power = S::zero();
+    for (index, load) in evaluation.scene.loads.iter().enumerate() {
+        let is_node = matches!(load.at, Place::Point(p) if !matches!(evaluation.layout.points.get(p), Some(PointSlots::Mass(_))));
+        let velocity = evaluation.velocity_of(load.at).filter(|_| !is_node);
+        let spin = match load.at {
+            Place::Body(body, _) => evaluation
+                .motions
+                .get(body)
+                .map(|motion| motion.omega_world),
+            _ => None,
+        };
+        let (force, torque) = wrench(evaluation, index);
+        if let (Some(force), Some(velocity)) = (force, velocity) {
+            power += force.dot(&velocity);
+        }
+        if let (Some(torque), Some(spin)) = (torque, spin) {
+            power += torque.dot(&spin);
+        }
+    }
+    power
+}

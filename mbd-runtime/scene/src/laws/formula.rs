@@ -1,0 +1,214 @@
+//! Formulas, evaluated: the expressions of a declaration on any scalar.
+
+use nalgebra::Vector3;
+
+use crate::{Formula, Function, Place, Real, Scene, Table, Triple};
+
+/// What the leaves of a formula are worth. Whatever a context does not know is NaN; the reader of a declaration has refused it before.
+pub trait Context<S: Real> {
+    /// The declaration.
+    fn scene(&self) -> &Scene;
+    /// A live parameter.
+    fn param(&self, index: usize) -> Option<S>;
+    /// Components of a declared input.
+    fn input(&self, _index: usize) -> Option<Value<S>> {
+        None
+    }
+    /// Time [s].
+    fn time(&self) -> Option<S> {
+        None
+    }
+    /// Position of a place [m].
+    fn position(&self, _place: Place) -> Option<Vector3<S>> {
+        None
+    }
+    /// Velocity of a place [m/s].
+    fn velocity(&self, _place: Place) -> Option<Vector3<S>> {
+        None
+    }
+    /// Unit vector along an axis of a frame, world components.
+    fn axis(&self, _place: Place, _axis: usize) -> Option<Vector3<S>> {
+        None
+    }
+    /// Angular velocity of a body in world axes [rad/s].
+    fn omega_world(&self, _body: usize) -> Option<Vector3<S>> {
+        None
+    }
+    /// Angular velocity of a body in body axes [rad/s].
+    fn omega_body(&self, _body: usize) -> Option<Vector3<S>> {
+        None
+    }
+    /// Tension [N], length [m], stretch [m] and stretch rate [m/s] of a line.
+    fn line(&self, _line: usize) -> Option<[S; 4]> {
+        None
+    }
+}
+
+/// A scalar or a vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value<S> {
+    /// A scalar.
+    Scalar(S),
+    /// A vector, world components.
+    Vector(Vector3<S>),
+}
+
+use Value::{Scalar, Vector};
+
+impl<S: Real> Value<S> {
+    fn unknown() -> Self {
+        Scalar(S::from_f64(f64::NAN))
+    }
+
+    fn map(self, f: impl Fn(S) -> S) -> Self {
+        match self {
+            Scalar(a) => Scalar(f(a)),
+            Vector(a) => Vector(a.map(f)),
+        }
+    }
+}
+
+/// The value of a formula that was checked to be a scalar.
+pub fn scalar<S: Real>(formula: &Formula, context: &impl Context<S>) -> S {
+    match value(formula, context) {
+        Scalar(a) => a,
+        Vector(_) => S::from_f64(f64::NAN),
+    }
+}
+
+/// The value of a formula that was checked to be a vector.
+pub fn vector<S: Real>(formula: &Formula, context: &impl Context<S>) -> Vector3<S> {
+    match value(formula, context) {
+        Vector(a) => a,
+        Scalar(_) => Vector3::repeat(S::from_f64(f64::NAN)),
+    }
+}
+
+/// Three scalar formulas as a vector.
+pub fn triple<S: Real>(formulas: &Triple, context: &impl Context<S>) -> Vector3<S> {
+    let [x, y, z] = formulas.each_ref().map(|formula| scalar(formula, context));
+    Vector3::new(x, y, z)
+}
+
+/// The value of a formula.
+pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> {
+    let line = |index: usize, item: usize| context.line(index).map(|numbers| Scalar(numbers[item]));
+    let known = match formula {
+        Formula::Number(x) => Some(Scalar(S::from_f64(*x))),
+        Formula::Const(i) => context
+            .scene()
+            .consts
+            .get(*i)
+            .map(|c| Scalar(S::from_f64(c.value))),
+        Formula::Param(i) => context.param(*i).map(Scalar),
+        Formula::Input(i) => context.input(*i),
+        Formula::Time => context.time().map(Scalar),
+        Formula::Position(place) => context.position(*place).map(Vector),
+        Formula::Velocity(place) => context.velocity(*place).map(Vector),
+        Formula::Axis(place, axis) => context.axis(*place, *axis).map(Vector),
+        Formula::AngularVelocityWorld(body) => context.omega_world(*body).map(Vector),
+        Formula::AngularVelocityBody(body) => context.omega_body(*body).map(Vector),
+        Formula::Tension(i) => line(*i, 0),
+        Formula::Length(i) => line(*i, 1),
+        Formula::Stretch(i) => line(*i, 2),
+        Formula::StretchRate(i) => line(*i, 3),
+        Formula::Vector(parts) => match parts.as_slice() {
+            [x, y, z] => Some(Vector(Vector3::new(
+                scalar(x, context),
+                scalar(y, context),
+                scalar(z, context),
+            ))),
+            _ => None,
+        },
+        Formula::Component(of, axis) => match (of.first().map(|of| value(of, context)), axis) {
+            (Some(Vector(a)), 0..3) => Some(Scalar(a[*axis])),
+            _ => None,
+        },
+        Formula::Apply(function, arguments) => match arguments.as_slice() {
+            [a] => unary(*function, value(a, context)),
+            [a, Formula::Number(n)] if *function == Function::Power => power(value(a, context), *n),
+            [a, b] => binary(*function, value(a, context), value(b, context)),
+            _ => None,
+        },
+        Formula::Lookup(table, argument) => {
+            match (context.scene().tables.get(*table), argument.as_slice()) {
+                (Some(table), [x]) => Some(Scalar(lookup(table, scalar(x, context)))),
+                _ => None,
+            }
+        }
+    };
+    known.unwrap_or_else(Value::unknown)
+}
+
+fn unary<S: Real>(function: Function, a: Value<S>) -> Option<Value<S>> {
+    Some(match (function, a) {
+        (Function::Neg, a) => a.map(|x| -x),
+        (Function::Norm, Vector(a)) => Scalar(norm(&a)),
+        (Function::Abs, Scalar(a)) => Scalar(a.abs()),
+        (Function::Exp, Scalar(a)) => Scalar(a.exp()),
+        (Function::Sqrt, Scalar(a)) => Scalar(a.sqrt()),
+        (Function::Sin, Scalar(a)) => Scalar(a.sin_cos().0),
+        (Function::Cos, Scalar(a)) => Scalar(a.sin_cos().1),
+        _ => return None,
+    })
+}
+
+fn binary<S: Real>(function: Function, a: Value<S>, b: Value<S>) -> Option<Value<S>> {
+    Some(match (function, a, b) {
+        (Function::Add, Scalar(a), Scalar(b)) => Scalar(a + b),
+        (Function::Add, Vector(a), Vector(b)) => Vector(a + b),
+        (Function::Sub, Scalar(a), Scalar(b)) => Scalar(a - b),
+        (Function::Sub, Vector(a), Vector(b)) => Vector(a - b),
+        (Function::Mul, Scalar(a), Scalar(b)) => Scalar(a * b),
+        (Function::Mul, Scalar(a), Vector(b)) | (Function::Mul, Vector(b), Scalar(a)) => {
+            Vector(b.map(|x| a * x))
+        }
+        (Function::Div, a, Scalar(b)) => a.map(|x| x / b),
+        (Function::Dot, Vector(a), Vector(b)) => Scalar(a.dot(&b)),
+        (Function::Cross, Vector(a), Vector(b)) => Vector(a.cross(&b)),
+        (Function::Min, Scalar(a), Scalar(b)) => Scalar(a.min(b)),
+        (Function::Max, Scalar(a), Scalar(b)) => Scalar(a.max(b)),
+        (Function::Angle, Vector(a), Vector(b)) => Scalar(norm(&a.cross(&b)).atan2(a.dot(&b))),
+        _ => return None,
+    })
+}
+
+/// √(a·a); its derivative at zero is zero by the rule of [`Real::sqrt`].
+pub fn norm<S: Real>(a: &Vector3<S>) -> S {
+    a.dot(a).sqrt()
+}
+
+/// a to a whole power, by squaring.
+fn power<S: Real>(a: Value<S>, exponent: f64) -> Option<Value<S>> {
+    let Scalar(a) = a else { return None };
+    if exponent.fract() != 0.0 || exponent.abs() > 64.0 {
+        return None;
+    }
+    let mut left = exponent.abs() as u32;
+    let (mut result, mut square) = (S::one(), a);
+    while left > 0 {
+        if left % 2 == 1 {
+            result *= square;
+        }
+        left /= 2;
+        if left > 0 {
+            square = square * square;
+        }
+    }
+    Some(Scalar(if exponent < 0.0 {
+        S::one() / result
+    } else {
+        result
+    }))
+}
+
+/// y₀ + Σ slope_k · (clamp(x, x_k, x_{k+1}) − x_k): linear between rows, constant beyond them, no branch.
+fn lookup<S: Real>(table: &Table, x: S) -> S {
+    let mut y = S::from_f64(table.y.first().copied().unwrap_or(f64::NAN));
+    for (xs, ys) in table.x.windows(2).zip(table.y.windows(2)) {
+        let (low, high) = (S::from_f64(xs[0]), S::from_f64(xs[1]));
+        let slope = S::from_f64((ys[1] - ys[0]) / (xs[1] - xs[0]));
+        y += slope * (x.max(low).min(high) - low);
+    }
+    y
+}

@@ -1,0 +1,87 @@
+//! Gravity: the acceleration it gives and the energy it stores.
+//!
+//! ```text
+//! uniform      a = g                                          U = −m g·r                                             (1)
+//! point mass   a = −μ d/|d|³,  d = r − c                      U = μ m r·(r − 2c) / (|d| |c| (|d| + |c|))              (2)
+//! oblate       a = −(μ/|d|³) { d [1 + k (1 − 5 σ²)] + 2 k |d| σ ẑ },  k = 3/2 J2 (R/|d|)²,  σ = ẑ·d/|d|               (3)
+//!              U = (2) + μ m J2 R²/(2 |d|³) (3 σ² − 1)
+//! ```
+//!
+//! U of (2) is measured from the world origin, −μ m (1/|d| − 1/|c|) without its cancellation: 1 ulp of μ m/|c| is 1e-6 J for a capsule on Mars.
+//! The centre is an offset in local coordinates because planet-centred positions cost digits in every line (`2.8e-5 N` in a 60 kN/m riser).
+//! At the centre itself (2) is singular and the result is not finite.
+
+use nalgebra::Vector3;
+
+use super::formula::norm;
+use super::numbers::GravityNumbers;
+use crate::Real;
+
+/// Acceleration at `r` [m/s²], world axes. A field supplied by the caller is `given`.
+pub fn acceleration<S: Real>(
+    gravity: &GravityNumbers<S>,
+    r: &Vector3<S>,
+    given: &Vector3<S>,
+) -> Vector3<S> {
+    match gravity {
+        GravityNumbers::None => Vector3::zeros(),
+        GravityNumbers::Uniform(g) => *g,
+        GravityNumbers::Field => *given,
+        GravityNumbers::Central {
+            mu, center, oblate, ..
+        } => {
+            let d = r - center;
+            let squared = d.dot(&d);
+            let distance = squared.sqrt();
+            let pull = *mu / (squared * distance);
+            match oblate {
+                None => d.map(|x| -(pull * x)),
+                Some(planet) => {
+                    let ratio = planet.radius / distance;
+                    let k = S::from_f64(1.5) * planet.j2 * (ratio * ratio);
+                    let height = planet.axis.dot(&d);
+                    let sine = height / distance;
+                    let along = S::one() + k * (S::one() - S::from_f64(5.0) * (sine * sine));
+                    let polar = S::from_f64(2.0) * k * height;
+                    (d.map(|x| along * x) + planet.axis.map(|x| polar * x)).map(|x| -(pull * x))
+                }
+            }
+        }
+    }
+}
+
+/// Potential energy of a mass at `r`, zero at the world origin where that is finite [J]; zero for a field supplied by the caller.
+pub fn energy<S: Real>(gravity: &GravityNumbers<S>, mass: S, r: &Vector3<S>) -> S {
+    match gravity {
+        GravityNumbers::None | GravityNumbers::Field => S::zero(),
+        GravityNumbers::Uniform(g) => -(mass * g.dot(r)),
+        GravityNumbers::Central {
+            mu,
+            center,
+            at_origin,
+            oblate,
+        } => {
+            let d = r - center;
+            let distance = norm(&d);
+            let sphere = if *at_origin {
+                -(*mu * mass / distance)
+            } else {
+                let offset = norm(center);
+                let rise = r.dot(&(r - center.map(|x| S::from_f64(2.0) * x)));
+                *mu * mass * (rise / (distance * offset * (distance + offset)))
+            };
+            match oblate {
+                None => sphere,
+                Some(planet) => {
+                    let sine = planet.axis.dot(&d) / distance;
+                    let ratio = planet.radius / distance;
+                    let bulge = planet.j2
+                        * (ratio * ratio)
+                        * S::from_f64(0.5)
+                        * (S::from_f64(3.0) * (sine * sine) - S::one());
+                    sphere + *mu * mass / distance * bulge
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! A line: a massless, tension-only spring-damper between two places; a spring: the same, both ways.
+//!
+//! ```text
+//! e = p_to − p_from,  d = |e|,  u = e/d,  s = d − L0,  ṡ = u·(v_to − v_from)                                     (1)
+//! line      T = max(0, K s + C ṡ)  if s > 0, else 0                                                             (2)
+//! spring    T = K s + C ṡ                                                                                       (3)
+//! node line T = K_e max(0, d − L_e)         statics, Euler and BDF2 alike (equilibrium point, AAS 03-163)         (4)
+//! stiffness J = K u uᵀ + (T/d)(I − u uᵀ) = τ I + (K − τ) u uᵀ,  τ = T/d  (K if L = 0)                             (5)
+//! ```
+//!
+//! The force on the `from` end is +T u, on the `to` end −T u. Row units N, N/m.
+//! Singular case d = 0: only an L = 0 line is taut there; it is linear, J = K I, and u is never needed: d is guarded by [`TINY`] where it
+//! divides and τ is selected. The kink s = 0 counts as taut in (5): a Newton step with one taut line lands exactly on that line's kink,
+//! and would cycle otherwise (`equilibrium.md` §8, 3).
+//! Rejected: damping that acts on the length while slack (it lets slack lines pull), and damping that jumps at L0 (no root in 2–3.5 % of scenes).
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::numbers::LineNumbers;
+use crate::{LineKind, Real, TINY};
+
+/// Length, direction and stretch of a line, equation (1).
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<S: Real> {
+    /// Length d [m].
+    pub length: S,
+    /// 1/d, guarded at zero length [1/m].
+    pub inverse_length: S,
+    /// Unit vector u from the `from` end to the `to` end; zero at zero length.
+    pub direction: Vector3<S>,
+    /// Stretch s = d − L0 [m].
+    pub stretch: S,
+}
+
+/// Geometry of a line whose ends are `vector` = p_to − p_from apart.
+pub fn geometry<S: Real>(vector: &Vector3<S>, free_length: S) -> Geometry<S> {
+    let length = vector.dot(vector).sqrt().label("length");
+    let inverse_length = (S::one() / length.max(S::from_f64(TINY))).label("inverse_length");
+    let direction = Vector3::new(
+        (vector.x * inverse_length).label("u_x"),
+        (vector.y * inverse_length).label("u_y"),
+        (vector.z * inverse_length).label("u_z"),
+    );
+    Geometry {
+        length,
+        inverse_length,
+        direction,
+        stretch: (length - free_length).label("stretch"),
+    }
+}
+
+/// Pull K s + C ṡ [N] whatever its sign; `rate` is not used where the line has no damping by declaration.
+pub fn pull<S: Real>(numbers: &LineNumbers<S>, stretch: S, rate: S, damped: bool) -> S {
+    let elastic = numbers.stiffness * stretch;
+    (if damped {
+        elastic + numbers.damping * rate
+    } else {
+        elastic
+    })
+    .label("pull")
+}
+
+/// Tension [N] by (2) or (3). `hold`: 0 the line decides by itself, +1 it carries its pull, −1 it carries nothing.
+///
+/// Without damping a line is continuous at the slack edge and needs no hold.
+pub fn tension<S: Real>(
+    kind: LineKind,
+    numbers: &LineNumbers<S>,
+    stretch: S,
+    rate: S,
+    damped: bool,
+    hold: S,
+) -> S {
+    let pull = pull(numbers, stretch, rate, damped);
+    let zero = S::zero();
+    let tension = match (kind, damped) {
+        (LineKind::Spring, _) => pull,
+        (LineKind::Line, false) => numbers.stiffness * stretch.max(zero),
+        (LineKind::Line, true) => {
+            let by_itself = S::select(zero.lt(stretch), pull.max(zero), zero);
+            S::select(
+                zero.lt(hold),
+                pull,
+                S::select(hold.lt(zero), zero, by_itself),
+            )
+        }
+    };
+    tension.label("tension")
+}
+
+/// Tension of a node line [N] by (4).
+pub fn effective_tension<S: Real>(stiffness: S, stretch: S) -> S {
+    (stiffness * stretch.max(S::zero())).label("tension")
+}
+
+/// Stiffness J of a taut line by (5), zero when slack [N/m]. `stiffness` and `free_length` are those of the law that gave `tension`.
+pub fn stiffness<S: Real>(
+    geometry: &Geometry<S>,
+    stiffness: S,
+    free_length: S,
+    tension: S,
+) -> Matrix3<S> {
+    let zero = S::zero();
+    let taut = zero.le(geometry.stretch);
+    let across = S::select(
+        zero.lt(free_length),
+        tension * geometry.inverse_length,
+        stiffness,
+    );
+    let across = S::select(taut, across, zero).label("across");
+    let along = (S::select(taut, stiffness, zero) - across).label("along");
+    let u = &geometry.direction;
+    let weighted = u.map(|x| along * x);
+    Matrix3::from_diagonal_element(across) + weighted * u.transpose()
+}

@@ -1,0 +1,314 @@
+//! The equilibrium point: where the forces of its lines balance (B. Raiszadeh, AAS 03-163).
+//!
+//! ```text
+//! E(p) = Σ ½ K_e (d − L_e)₊² − W·p,   g = ∂E/∂p = −Σ T u − W,   H = Σ J                                          (1)
+//! ∂p/∂p_i = H⁻¹ J_i,   Σ ∂p/∂p_i = I                                                                            (2)
+//! B_ij = J_i δ_ij − J_i H⁻¹ J_j                                                                                 (3)
+//! w = H⁻¹ Σ J_i v_i                                                                                             (4)
+//! ```
+//!
+//! E is convex, so every minimiser is global; tensions are unique, the node is unique unless every line is slack and W = 0. Nodes joined by
+//! lines share one H, a block Laplacian. Units N, N/m.
+//! Singular case: all slack, H = 0. Then (2)–(4) use H + r I and J_i + (r/n) I with r = 1e-15 tr H + 1e-30 N/m: the node follows the mean
+//! of its anchors (the slack rule), and taut results change by 1e-15.
+
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+use super::algebra::{elements, labelled, vector, write};
+use super::evaluation::Evaluation;
+use super::line;
+use crate::{At, Layout, LineEnd, Network, Real};
+
+/// A line of a network in its trial configuration.
+struct Pulled<S: Real> {
+    ends: [LineEnd; 2],
+    geometry: line::Geometry<S>,
+    stiffness: S,
+    tension: S,
+    /// J, zero when slack.
+    block: Matrix3<S>,
+    /// Σ over the line's nodes of |p|₁.
+    reach: S,
+}
+
+fn pulled<S: Real>(layout: &Layout, at: &At<'_, S>, index: usize) -> Option<Pulled<S>> {
+    let slots = layout.lines.get(index)?;
+    let effective = slots.effective?;
+    let stiffness = at.effective.get(2 * effective).copied()?;
+    let free_length = at.effective.get(2 * effective + 1).copied()?;
+    let mut reach = S::zero();
+    let mut place = |end: LineEnd| match end {
+        LineEnd::Anchor(anchor) => vector(at.ends, 6 * anchor),
+        LineEnd::Node(node) => {
+            let p: Vector3<S> = vector(at.nodes, 3 * node);
+            reach += p.x.abs() + p.y.abs() + p.z.abs();
+            p
+        }
+        LineEnd::Plain => Vector3::zeros(),
+    };
+    let [from, to] = slots.ends.map(&mut place);
+    let geometry = line::geometry(&(to - from), free_length);
+    let tension = line::effective_tension(stiffness, geometry.stretch);
+    let block = line::stiffness(&geometry, stiffness, free_length, tension);
+    Some(Pulled {
+        ends: slots.ends,
+        geometry,
+        stiffness,
+        tension,
+        block,
+        reach,
+    })
+}
+
+/// Writes [`Quantity::Equilibrium`](crate::Quantity::Equilibrium) of one network by (1).
+///
+/// `name` gives each line's name to the reader of generated code.
+pub fn equilibrium<'s, S: Real>(
+    layout: &Layout,
+    at: &At<'_, S>,
+    network: usize,
+    name: impl Fn(usize) -> &'s str,
+    out: &mut [S],
+) {
+    let Some(network) = layout.networks.get(network) else {
+        return;
+    };
+    let (blocks, sums) = (
+        3 * network.nodes.len(),
+        3 * network.nodes.len() + 6 * network.blocks.len(),
+    );
+    out.fill(S::zero());
+    for (local, &node) in network.nodes.iter().enumerate() {
+        let load: Vector3<S> = vector(at.ends, 6 * layout.anchors.len() + 3 * node);
+        write(out, 3 * local, &-load);
+    }
+    let zero = S::zero();
+    for &index in &network.lines {
+        S::section(name(index));
+        let Some(line) = pulled(layout, at, index) else {
+            continue;
+        };
+        let force = labelled(
+            line.geometry.direction.map(|u| line.tension * u),
+            ["force_x", "force_y", "force_z"],
+        );
+        for (end, force) in line.ends.iter().zip([-force, force]) {
+            if let LineEnd::Node(node) = end {
+                let local = layout.nodes[*node].local;
+                let sum = vector(out, 3 * local) + force;
+                write(out, 3 * local, &sum);
+            }
+        }
+        for (pair, &(row, column)) in network.blocks.iter().enumerate() {
+            if let Some(sign) = share(layout, &line.ends, row, column) {
+                for (slot, element) in out[blocks + 6 * pair..]
+                    .iter_mut()
+                    .zip(elements(&line.block))
+                {
+                    *slot = if sign {
+                        *slot + element
+                    } else {
+                        *slot - element
+                    };
+                }
+            }
+        }
+        let taut = zero.le(line.geometry.stretch);
+        out[sums] += line.tension;
+        out[sums + 1] += S::select(
+            taut,
+            line.stiffness * (line.geometry.length + line.reach),
+            zero,
+        );
+        out[sums + 2] += S::select(zero.lt(line.geometry.stretch), S::one(), zero);
+    }
+}
+
+/// How a line with these ends enters block (row, column) of H: added, subtracted or not at all.
+fn share(layout: &Layout, ends: &[LineEnd; 2], row: usize, column: usize) -> Option<bool> {
+    let local = ends.map(|end| match end {
+        LineEnd::Node(node) => layout.nodes.get(node).map(|node| node.local),
+        _ => None,
+    });
+    if row == column {
+        (local[0] == Some(row) || local[1] == Some(row)).then_some(true)
+    } else {
+        (local == [Some(row), Some(column)] || local == [Some(column), Some(row)]).then_some(false)
+    }
+}
+
+/// H + r I of a network and r.
+fn regularised<S: Real>(
+    layout: &Layout,
+    network: &Network,
+    lines: &[(usize, [LineEnd; 2], Matrix3<S>)],
+) -> (DMatrix<S>, S) {
+    let n = network.nodes.len();
+    let mut h = DMatrix::from_element(3 * n, 3 * n, S::zero());
+    for (_, ends, block) in lines {
+        for &(row, column) in &network.blocks {
+            let Some(sign) = share(layout, ends, row, column) else {
+                continue;
+            };
+            for i in 0..3 {
+                for j in 0..3 {
+                    let element = block[(i.min(j), i.max(j))];
+                    let slot = &mut h[(3 * row + i, 3 * column + j)];
+                    *slot = if sign {
+                        *slot + element
+                    } else {
+                        *slot - element
+                    };
+                }
+            }
+        }
+    }
+    let trace = (0..3 * n).fold(S::zero(), |sum, i| sum + h[(i, i)]);
+    let r = S::from_f64(1e-15) * trace + S::from_f64(1e-30);
+    for i in 0..3 * n {
+        h[(i, i)] += r;
+    }
+    (h, r)
+}
+
+/// The lines of a network with their stiffness at the trial positions in `at`.
+fn stiffnesses<S: Real>(
+    layout: &Layout,
+    at: &At<'_, S>,
+    network: &Network,
+) -> Vec<(usize, [LineEnd; 2], Matrix3<S>)> {
+    let of = |&index: &usize| pulled(layout, at, index).map(|line| (index, line.ends, line.block));
+    network.lines.iter().filter_map(of).collect()
+}
+
+/// Right-hand sides J_i + (r/n) I, three columns an anchor of the network; n counts the anchors of the anchor's node.
+fn anchor_columns<S: Real>(
+    layout: &Layout,
+    network: &Network,
+    lines: &[(usize, [LineEnd; 2], Matrix3<S>)],
+    r: S,
+) -> DMatrix<S> {
+    let mut b = DMatrix::from_element(
+        3 * network.nodes.len(),
+        3 * network.anchors.len(),
+        S::zero(),
+    );
+    for (column, &anchor) in network.anchors.iter().enumerate() {
+        let anchor = &layout.anchors[anchor];
+        let siblings = network
+            .anchors
+            .iter()
+            .filter(|&&other| layout.anchors[other].node == anchor.node)
+            .count();
+        let follow = r * S::from_f64(1.0 / siblings.max(1) as f64);
+        let local = layout.nodes[anchor.node].local;
+        let Some((_, _, block)) = lines.iter().find(|(line, ..)| *line == anchor.line) else {
+            continue;
+        };
+        for i in 0..3 {
+            for j in 0..3 {
+                let element = block[(i.min(j), i.max(j))];
+                b[(3 * local + i, 3 * column + j)] =
+                    if i == j { element + follow } else { element };
+            }
+        }
+    }
+    b
+}
+
+/// ∂p/∂p_i of a network, 3 nodes × 3 anchors, by (2).
+fn by_anchor<S: Real>(
+    layout: &Layout,
+    network: &Network,
+    lines: &[(usize, [LineEnd; 2], Matrix3<S>)],
+) -> DMatrix<S> {
+    let (mut h, r) = regularised(layout, network, lines);
+    let mut b = anchor_columns(layout, network, lines, r);
+    super::algebra::solve_positive(&mut h, &mut b);
+    b
+}
+
+/// Writes [`Quantity::NodeByAnchor`](crate::Quantity::NodeByAnchor) of one network.
+pub fn node_by_anchor<S: Real>(layout: &Layout, at: &At<'_, S>, network: usize, out: &mut [S]) {
+    let Some(network) = layout.networks.get(network) else {
+        return;
+    };
+    let w = by_anchor(layout, network, &stiffnesses(layout, at, network));
+    for (slot, &element) in out.iter_mut().zip(w.transpose().iter()) {
+        *slot = element;
+    }
+}
+
+/// Writes [`Quantity::CondensedStiffness`](crate::Quantity::CondensedStiffness) of one network by (3).
+pub fn condensed_stiffness<S: Real>(
+    layout: &Layout,
+    at: &At<'_, S>,
+    network: usize,
+    out: &mut [S],
+) {
+    let Some(network) = layout.networks.get(network) else {
+        return;
+    };
+    let lines = stiffnesses(layout, at, network);
+    let w = by_anchor(layout, network, &lines);
+    let width = 3 * network.anchors.len();
+    for (i, &anchor) in network.anchors.iter().enumerate() {
+        let anchor = &layout.anchors[anchor];
+        let local = layout.nodes[anchor.node].local;
+        let Some((_, _, block)) = lines.iter().find(|(line, ..)| *line == anchor.line) else {
+            continue;
+        };
+        let element = |row: usize, column: usize| block[(row.min(column), row.max(column))];
+        for row in 0..3 {
+            for column in 0..width {
+                let mut sum = if column / 3 == i {
+                    element(row, column % 3)
+                } else {
+                    S::zero()
+                };
+                for k in 0..3 {
+                    sum -= element(row, k) * w[(3 * local + k, column)];
+                }
+                if let Some(slot) = out.get_mut((3 * i + row) * width + column) {
+                    *slot = sum;
+                }
+            }
+        }
+    }
+}
+
+/// Velocities of the nodes of a static or stepwise network at a state, by (4) [m/s].
+pub fn velocities<S: Real>(evaluation: &Evaluation<'_, S>, network: usize) -> Vec<Vector3<S>> {
+    let layout = evaluation.layout;
+    let Some(network) = layout.networks.get(network) else {
+        return Vec::new();
+    };
+    let stiffness_of = |&index: &usize| {
+        let motion = evaluation.line_motion(index)?;
+        let block = line::stiffness(
+            &motion.geometry,
+            motion.law[0],
+            motion.law[1],
+            motion.tension,
+        );
+        Some((index, layout.lines.get(index)?.ends, block))
+    };
+    let lines: Vec<_> = network.lines.iter().filter_map(stiffness_of).collect();
+    let (mut h, r) = regularised(layout, network, &lines);
+    let columns = anchor_columns(layout, network, &lines, r);
+    let mut b = DMatrix::from_element(3 * network.nodes.len(), 1, S::zero());
+    for (column, &anchor) in network.anchors.iter().enumerate() {
+        let velocity = evaluation
+            .velocity_of(layout.anchors[anchor].place)
+            .unwrap_or_else(Vector3::zeros);
+        for row in 0..b.nrows() {
+            for k in 0..3 {
+                b[(row, 0)] += columns[(row, 3 * column + k)] * velocity[k];
+            }
+        }
+    }
+    super::algebra::solve_positive(&mut h, &mut b);
+    (0..network.nodes.len())
+        .map(|node| Vector3::new(b[(3 * node, 0)], b[(3 * node + 1, 0)], b[(3 * node + 2, 0)]))
+        .collect()
+}

@@ -1,0 +1,163 @@
+//! What is demanded of parameter values: said once, asked by every way to run a scene.
+
+use std::fmt;
+
+use crate::laws::Numbers;
+use crate::{Float, PointKind, Scene};
+
+/// A parameter value that cannot be run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ParamError {
+    /// The number of values is not the number of declared params.
+    Count {
+        /// Declared.
+        expected: usize,
+        /// Given.
+        found: usize,
+    },
+    /// A value is infinite or NaN.
+    NotFinite {
+        /// The param.
+        param: String,
+        /// The value [SI].
+        value: f64,
+    },
+    /// A value lies outside the declared range.
+    OutOfRange {
+        /// The param.
+        param: String,
+        /// The value [SI].
+        value: f64,
+        /// The declared range [SI].
+        range: [f64; 2],
+    },
+    /// A number that the params give is not physical.
+    NotPhysical {
+        /// The body, point or line and its field, `capsule.mass`.
+        what: String,
+        /// The value [SI].
+        value: f64,
+        /// What it must be.
+        rule: &'static str,
+    },
+}
+
+impl fmt::Display for ParamError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ParamError::Count { expected, found } => {
+                write!(f, "this model has {expected} params, found {found} values")
+            }
+            ParamError::NotFinite { param, value } => {
+                write!(f, "param `{param}` is {value}: give it a finite value")
+            }
+            ParamError::OutOfRange {
+                param,
+                value,
+                range: [low, high],
+            } => write!(
+                f,
+                "param `{param}` is {value}, outside its declared range {low} ..= {high} (SI units): change the value or widen the range in the declaration"
+            ),
+            ParamError::NotPhysical { what, value, rule } => write!(
+                f,
+                "`{what}` is {value} with these params; it must be {rule}"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for ParamError {}
+
+/// Checks values for the params of a scene (declaration order, SI): number, finiteness, range, and that masses, inertias, stiffnesses,
+/// dampings and free lengths which depend on them are physical.
+///
+/// # Errors
+/// The first value that cannot be run, by name.
+pub fn check_params<T: Float>(scene: &Scene, params: &[T]) -> Result<(), ParamError> {
+    if params.len() != scene.params.len() {
+        return Err(ParamError::Count {
+            expected: scene.params.len(),
+            found: params.len(),
+        });
+    }
+    for (declared, value) in scene.params.iter().zip(params) {
+        let (param, value) = (declared.name.clone(), value.to_f64());
+        if !value.is_finite() {
+            return Err(ParamError::NotFinite { param, value });
+        }
+        // A range is given in f64; in f32 its ends themselves are accepted.
+        let inside = |[low, high]: &[f64; 2]| {
+            T::from_f64(*low).to_f64().min(*low) <= value
+                && value <= T::from_f64(*high).to_f64().max(*high)
+        };
+        if let Some(range) = declared.range.filter(|range| !inside(range)) {
+            return Err(ParamError::OutOfRange {
+                param,
+                value,
+                range,
+            });
+        }
+    }
+    check_numbers(scene, &Numbers::new(scene, params))
+}
+
+fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), ParamError> {
+    let demand = |holds: bool, what: String, value: T, rule: &'static str| {
+        if holds {
+            Ok(())
+        } else {
+            Err(ParamError::NotPhysical {
+                what,
+                value: value.to_f64(),
+                rule,
+            })
+        }
+    };
+    let positive = |value: T| value.is_finite() && value > T::zero();
+    for (body, numbers) in scene.bodies.iter().zip(&numbers.bodies) {
+        demand(
+            positive(numbers.mass),
+            format!("{}.mass", body.name),
+            numbers.mass,
+            "positive [kg]",
+        )?;
+        let inertia = numbers.inertia.map(Float::to_f64);
+        let moments = inertia.symmetric_eigenvalues();
+        let (smallest, largest) = (moments.min(), moments.max());
+        let rule = "positive definite, and its largest principal moment at most the sum of the other two [kg m²]";
+        let realisable = smallest > 0.0 && 2.0 * largest <= moments.sum() * (1.0 + 1e-6);
+        demand(
+            realisable,
+            format!("{}.inertia", body.name),
+            T::from_f64(smallest),
+            rule,
+        )?;
+    }
+    for (point, &(mass, _)) in scene.points.iter().zip(&numbers.points) {
+        let holds = matches!(point.kind, PointKind::Node(_)) || positive(mass);
+        demand(holds, format!("{}.mass", point.name), mass, "positive [kg]")?;
+    }
+    for (line, numbers) in scene.lines.iter().zip(&numbers.lines) {
+        let (k, c, l) = (numbers.stiffness, numbers.damping, numbers.free_length);
+        demand(
+            positive(k),
+            format!("{}.stiffness", line.name),
+            k,
+            "positive [N/m]",
+        )?;
+        demand(
+            c.is_finite() && c >= T::zero(),
+            format!("{}.damping", line.name),
+            c,
+            "zero or positive [N s/m]",
+        )?;
+        demand(
+            l.is_finite() && l >= T::zero(),
+            format!("{}.free_length", line.name),
+            l,
+            "zero or positive [m]",
+        )?;
+    }
+    Ok(())
+}

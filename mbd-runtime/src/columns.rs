@@ -1,0 +1,100 @@
+//! Names and units of the numbers in a state, a list of inputs and a trajectory.
+
+use mbd_scene::{AngularVelocity, InputSource, Layout, PointSlots, Scene};
+
+/// A named quantity.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Name {
+    /// Owner and component: `capsule.qw`, `riser.tension`.
+    pub name: String,
+    /// SI unit; empty for a pure number.
+    pub unit: String,
+}
+
+impl Name {
+    pub(crate) fn new(owner: &str, component: &str, unit: &str) -> Self {
+        let name = if component.is_empty() {
+            owner.to_owned()
+        } else {
+            format!("{owner}.{component}")
+        };
+        Name {
+            name,
+            unit: unit.to_owned(),
+        }
+    }
+}
+
+/// The coordinates of the state x = [q | v | z], in order: `capsule.x` … `capsule.qz`, `capsule.vx`, `capsule.omega_body_x`, `swivel.x`, ….
+#[must_use]
+pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
+    let turn = match scene.angular_velocity {
+        AngularVelocity::Body => ["omega_body_x", "omega_body_y", "omega_body_z"],
+        AngularVelocity::World => ["omega_world_x", "omega_world_y", "omega_world_z"],
+    };
+    let masses = || {
+        let points = scene.points.iter().zip(&layout.points);
+        points
+            .filter(|(_, slots)| matches!(slots, PointSlots::Mass(_)))
+            .map(|(point, _)| point.name.as_str())
+    };
+    let mut names = Vec::with_capacity(layout.nx());
+    let mut list = |owner: &str, components: &[&str], unit: &str| {
+        names.extend(
+            components
+                .iter()
+                .map(|component| Name::new(owner, component, unit)),
+        );
+    };
+    for body in &scene.bodies {
+        list(&body.name, &["x", "y", "z"], "m");
+        list(&body.name, &["qw", "qx", "qy", "qz"], "");
+    }
+    masses().for_each(|point| list(point, &["x", "y", "z"], "m"));
+    for body in &scene.bodies {
+        list(&body.name, &["vx", "vy", "vz"], "m/s");
+        list(&body.name, &turn, "rad/s");
+    }
+    masses().for_each(|point| list(point, &["vx", "vy", "vz"], "m/s"));
+    for node in layout.nodes.iter().filter(|node| node.z.is_some()) {
+        list(node_name(scene, node.point), &["x", "y", "z"], "m");
+    }
+    names
+}
+
+/// The name of a point.
+pub(crate) fn node_name(scene: &Scene, point: usize) -> &str {
+    scene
+        .points
+        .get(point)
+        .map_or("point", |point| point.name.as_str())
+}
+
+/// The name of a line.
+pub(crate) fn line_name(scene: &Scene, line: usize) -> &str {
+    scene
+        .lines
+        .get(line)
+        .map_or("line", |line| line.name.as_str())
+}
+
+/// The name of the input slot at an index of the list of inputs.
+pub(crate) fn input_name(scene: &Scene, layout: &Layout, index: usize) -> String {
+    let slots = layout
+        .inputs
+        .iter()
+        .find(|slots| (slots.at..slots.at + slots.len).contains(&index));
+    let name = slots.and_then(|slots| match slots.source {
+        InputSource::Input(i) => scene.inputs.get(i).map(|input| input.name.clone()),
+        InputSource::Load(i) => scene.loads.get(i).map(|load| load.name.clone()),
+        InputSource::BodyGravity(i) => scene
+            .bodies
+            .get(i)
+            .map(|body| format!("gravity at {}", body.name)),
+        InputSource::PointGravity(i) => scene
+            .points
+            .get(i)
+            .map(|point| format!("gravity at {}", point.name)),
+    });
+    name.unwrap_or_else(|| format!("input {index}"))
+}

@@ -1,0 +1,305 @@
+//! Slack/taut switches and declared events: which quantity must keep its sign inside a step, and where it loses it.
+//!
+//! With the modes of all lines frozen a step is smooth. Every line that can switch has one **margin** [m], not negative while its mode holds;
+//! s is the stretch, e = (K s + C ṡ)/K the pull in metres (`equilibrium.md` §11, `numerics.md` §2.5):
+//!
+//! ```text
+//! undamped line              taut: s                   slack: −s
+//! damped, without a node     active: min(s, e)         otherwise: −min(s, e)
+//! damped, of a `rate` node   active: min(s, e)         slack: −s                   idle (taut without force): min(s, −e)
+//! declared event             its guard times the sign it has now
+//! ```
+//!
+//! Rejected: taking the start of a step as a sign change (just after a switch a margin is ±0 there, and the search would stand still), and looking at
+//! the end of a step only (a margin can leave and return inside it).
+
+use mbd_scene::{Direction, Float, LineEnd, LineKind, Model, NodeModel};
+
+use crate::node::Mode;
+
+/// What can happen inside a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Happening {
+    /// A line goes taut, slack, or idle (taut without force).
+    Line(usize, Mode),
+    /// A declared event, by index.
+    Declared(usize),
+}
+
+/// A located event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Occurrence {
+    /// When [s].
+    pub time: f64,
+    /// What.
+    pub what: Happening,
+}
+
+/// What is looked at inside a step.
+#[derive(Clone, Copy, Debug)]
+enum Watched {
+    /// A damped line, 1/K [m/N], and whether it ends at a `rate` node.
+    Line {
+        line: usize,
+        softness: f64,
+        rate: bool,
+    },
+    /// An undamped line, whose force is continuous: its mode is only the sign of its stretch.
+    Edge { line: usize, taut: bool },
+    /// A declared event: its index and its place in the guards.
+    Declared {
+        event: usize,
+        at: usize,
+        direction: Direction,
+    },
+}
+
+/// The margins of one scene.
+#[derive(Clone, Debug)]
+pub(crate) struct Margins {
+    watched: Vec<Watched>,
+    /// Whether each declared event's guard is positive now.
+    pub sides: Vec<bool>,
+    /// How far a line's margin must be passed to count [m].
+    pub tolerance: f64,
+    /// Margins at the start of the step, at the last two looks.
+    pub start: Vec<f64>,
+    pub before: Vec<f64>,
+    pub now: Vec<f64>,
+}
+
+impl Margins {
+    /// The margins of a model; none when nothing is to be located.
+    pub(crate) fn new<T: Float, M: Model<T>>(model: &M, locate: bool, tolerance: f64) -> Self {
+        let (scene, layout) = (model.scene(), model.layout());
+        let mut watched = Vec::new();
+        for (line, (declared, slots)) in scene.lines.iter().zip(&layout.lines).enumerate() {
+            let node = slots.ends.iter().find_map(|end| match end {
+                LineEnd::Node(node) => layout.nodes.get(*node),
+                _ => None,
+            });
+            let located = declared.kind == LineKind::Line
+                && node.is_none_or(|node| node.model == NodeModel::Rate);
+            let Some(numbers) = model.lines().get(line) else {
+                continue;
+            };
+            if locate && located {
+                watched.push(match numbers.damping > T::zero() {
+                    false => Watched::Edge { line, taut: false },
+                    true => Watched::Line {
+                        line,
+                        softness: 1.0 / numbers.stiffness.to_f64(),
+                        rate: node.is_some(),
+                    },
+                });
+            }
+        }
+        let events = scene.events.iter().enumerate();
+        watched.extend(
+            events
+                .filter(|_| locate)
+                .map(|(event, declared)| Watched::Declared {
+                    event,
+                    at: 2 * scene.lines.len() + event,
+                    direction: declared.direction,
+                }),
+        );
+        let count = watched.len();
+        Margins {
+            watched,
+            sides: vec![false; scene.events.len()],
+            tolerance,
+            start: vec![0.0; count],
+            before: vec![0.0; count],
+            now: vec![0.0; count],
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.watched.is_empty()
+    }
+
+    /// Whether a line that is watched does not carry: then a step is looked into.
+    pub(crate) fn restless(&self, modes: &[Mode]) -> bool {
+        self.watched.iter().any(|watched| match watched {
+            Watched::Line { line, .. } => modes.get(*line) != Some(&Mode::Active),
+            Watched::Edge { taut, .. } => !taut,
+            Watched::Declared { .. } => false,
+        })
+    }
+
+    /// Reads the margins from the value of `Quantity::Guards`.
+    pub(crate) fn read<T: Float>(&mut self, guards: &[T], modes: &[Mode]) {
+        let guard = |index: usize| guards.get(index).map_or(f64::NAN, |x| x.to_f64());
+        for (margin, watched) in self.now.iter_mut().zip(&self.watched) {
+            *margin = match *watched {
+                Watched::Line {
+                    line,
+                    softness,
+                    rate,
+                } => {
+                    let stretch = guard(2 * line);
+                    let pull = guard(2 * line + 1) * softness;
+                    match (modes.get(line).copied().unwrap_or(Mode::Slack), rate) {
+                        (Mode::Active, _) => stretch.min(pull),
+                        (_, false) => -stretch.min(pull),
+                        (Mode::Idle, true) => stretch.min(-pull),
+                        (Mode::Slack | Mode::Free, true) => -stretch,
+                    }
+                }
+                Watched::Edge { line, taut } => {
+                    let stretch = guard(2 * line);
+                    if taut { stretch } else { -stretch }
+                }
+                Watched::Declared { event, at, .. } => {
+                    let positive = self.sides.get(event).copied().unwrap_or(false);
+                    side_margin(guard(at), positive)
+                }
+            };
+        }
+    }
+
+    /// Whether a watched margin is passed: by more than the tolerance for a line, at all for a declared event.
+    pub(crate) fn passed(&self, index: usize, margin: f64) -> bool {
+        match self.watched.get(index) {
+            Some(Watched::Line { .. } | Watched::Edge { .. }) => margin < -self.tolerance,
+            Some(Watched::Declared { .. }) => margin < 0.0,
+            None => false,
+        }
+    }
+
+    /// The smallest margin among those in `chosen`.
+    pub(crate) fn smallest(&self, chosen: &[bool]) -> f64 {
+        let margins = self.now.iter().zip(chosen).filter(|(_, chosen)| **chosen);
+        margins
+            .map(|(margin, _)| *margin)
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// What the passing of a margin means, given stretch and mode now.
+    pub(crate) fn happening<T: Float>(
+        &self,
+        index: usize,
+        guards: &[T],
+        modes: &[Mode],
+    ) -> Option<Happening> {
+        match *self.watched.get(index)? {
+            Watched::Declared { event, .. } => Some(Happening::Declared(event)),
+            Watched::Edge { line, taut } => Some(Happening::Line(
+                line,
+                if taut { Mode::Slack } else { Mode::Active },
+            )),
+            Watched::Line { line, softness, .. } => {
+                let stretch = guards.get(2 * line)?.to_f64();
+                let pull = guards.get(2 * line + 1)?.to_f64() * softness;
+                let next = match modes.get(line)? {
+                    Mode::Slack | Mode::Free => Mode::Active,
+                    Mode::Active if stretch <= self.tolerance && stretch <= pull => Mode::Slack,
+                    Mode::Active => Mode::Idle,
+                    Mode::Idle if pull >= -self.tolerance && stretch > 0.0 => Mode::Active,
+                    Mode::Idle => Mode::Slack,
+                };
+                Some(Happening::Line(line, next))
+            }
+        }
+    }
+
+    /// Whether a margin is that of a line.
+    pub(crate) fn is_line(&self, index: usize) -> bool {
+        !matches!(
+            self.watched.get(index),
+            Some(Watched::Declared { .. }) | None
+        )
+    }
+
+    /// Follows a switch of an undamped line.
+    pub(crate) fn switch(&mut self, line: usize, mode: Mode) {
+        for watched in &mut self.watched {
+            if let Watched::Edge { line: edge, taut } = watched
+                && *edge == line
+            {
+                *taut = mode != Mode::Slack;
+            }
+        }
+    }
+
+    /// Decides from the guards whether each undamped line is taut, at the start of a run.
+    pub(crate) fn take_edges<T: Float>(&mut self, guards: &[T]) {
+        for watched in &mut self.watched {
+            if let Watched::Edge { line, taut } = watched {
+                *taut = guards
+                    .get(2 * *line)
+                    .is_some_and(|stretch| *stretch > T::zero());
+            }
+        }
+    }
+
+    /// The sides of the declared events and of the undamped lines: what the margins remember between steps.
+    pub(crate) fn flags(&self) -> impl Iterator<Item = bool> {
+        let edges = self.watched.iter().filter_map(|watched| match watched {
+            Watched::Edge { taut, .. } => Some(*taut),
+            _ => None,
+        });
+        self.sides.iter().copied().chain(edges)
+    }
+
+    /// Takes back what [`Margins::flags`] gave.
+    pub(crate) fn set_flags(&mut self, flags: &[bool]) {
+        let mut flags = flags.iter();
+        let edges = self.watched.iter_mut().filter_map(|watched| match watched {
+            Watched::Edge { taut, .. } => Some(taut),
+            _ => None,
+        });
+        for (flag, saved) in self.sides.iter_mut().chain(edges).zip(&mut flags) {
+            *flag = *saved;
+        }
+    }
+
+    /// Sets the side of every declared event from the guards, and reports through `crossed` those that changed in a direction that counts.
+    pub(crate) fn take_sides<T: Float>(&mut self, guards: &[T], mut crossed: impl FnMut(usize)) {
+        for watched in &self.watched {
+            let Watched::Declared {
+                event,
+                at,
+                direction,
+            } = *watched
+            else {
+                continue;
+            };
+            let positive = guards.get(at).is_some_and(|guard| guard.to_f64() > 0.0);
+            let Some(side) = self.sides.get_mut(event) else {
+                continue;
+            };
+            if *side != positive {
+                *side = positive;
+                let counts = match direction {
+                    Direction::Crosses => true,
+                    Direction::Rises => positive,
+                    Direction::Falls => !positive,
+                };
+                if counts {
+                    crossed(event);
+                }
+            }
+        }
+    }
+}
+
+/// The distance to the other side; a guard at zero is on the negative side.
+fn side_margin(guard: f64, positive: bool) -> f64 {
+    match positive {
+        true if guard > 0.0 => guard,
+        // Zero is already the other side: just passed.
+        true => guard.min(-f64::MIN_POSITIVE),
+        false => -guard,
+    }
+}
+
+/// A mode in one word.
+pub(crate) fn word(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Free | Mode::Active => "taut",
+        Mode::Slack => "slack",
+        Mode::Idle => "idle",
+    }
+}

@@ -1,0 +1,106 @@
+//! The step size of an adaptive run: a proportional–integral controller.
+//!
+//! After an accepted step with error E (1: exactly at the tolerance) h ← h · clamp(0.9 E^(−0.7/k) E_prev^(0.4/k), 0.2, 5), after a rejected one
+//! h ← h · max(0.1, 0.9 E^(−1/k)); k is the order of the error estimate plus one. E_prev is floored at 1e-4.
+//!
+//! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.2.
+
+use serde::{Deserialize, Serialize};
+
+/// Rejections in a row after which a step has collapsed.
+const MOST_REJECTIONS: u32 = 10;
+/// Trials in a row that may fail to evaluate.
+const MOST_FAILURES: u32 = 3;
+
+/// What becomes of a trial step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    Accepted,
+    Rejected,
+    /// Ten rejections in a row, or below the smallest step.
+    Collapsed,
+}
+
+/// The controller's memory. All of it is part of a snapshot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Control {
+    /// The step to try next [s].
+    pub step: f64,
+    /// The largest step [s].
+    pub largest: f64,
+    previous: f64,
+    rejections: u32,
+    failures: u32,
+    exponent: f64,
+}
+
+impl Control {
+    pub(crate) fn new(step: f64, largest: f64, exponent: f64) -> Self {
+        Control {
+            step,
+            largest,
+            previous: 1.0,
+            rejections: 0,
+            failures: 0,
+            exponent,
+        }
+    }
+
+    /// Judges a trial of size `tried` with error `error`, and sets the step to try next. `smallest` is what time resolves here.
+    pub(crate) fn judge(&mut self, tried: f64, error: f64, smallest: f64) -> Verdict {
+        if error <= 1.0 {
+            let floored = error.max(1e-4);
+            let factor =
+                0.9 * floored.powf(-0.7 / self.exponent) * self.previous.powf(0.4 / self.exponent);
+            // A step that was cut short by an event or by the end says little about the next one: never shrink because of it.
+            let grown = tried * factor.clamp(0.2, 5.0);
+            let proposed = if self.rejections > 0 {
+                grown.min(tried)
+            } else {
+                grown
+            };
+            self.step = if tried < self.step {
+                proposed.max(self.step)
+            } else {
+                proposed
+            }
+            .min(self.largest);
+            self.previous = floored;
+            self.rejections = 0;
+            self.failures = 0;
+            return Verdict::Accepted;
+        }
+        let factor = 0.9 * error.powf(-1.0 / self.exponent);
+        self.reject(
+            tried
+                * if factor.is_finite() {
+                    factor.clamp(0.1, 0.9)
+                } else {
+                    0.1
+                },
+            smallest,
+        )
+    }
+
+    /// A trial that could not be evaluated: the step shrinks tenfold; three in a row and the cause is final.
+    pub(crate) fn fail(&mut self, tried: f64, smallest: f64) -> Verdict {
+        self.failures += 1;
+        match self.reject(0.1 * tried, smallest) {
+            Verdict::Rejected if self.failures >= MOST_FAILURES => Verdict::Collapsed,
+            verdict => verdict,
+        }
+    }
+
+    fn reject(&mut self, step: f64, smallest: f64) -> Verdict {
+        self.rejections += 1;
+        self.step = step;
+        if self.rejections >= MOST_REJECTIONS || step < smallest {
+            // A later call starts with a clean count.
+            self.rejections = 0;
+            self.failures = 0;
+            Verdict::Collapsed
+        } else {
+            Verdict::Rejected
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! One step of an explicit Runge–Kutta method.
+
+use mbd_scene::Float;
+
+use super::Rates;
+use super::tableau::{DEGREE, Tableau};
+use crate::error::StepError;
+
+/// A method with the storage of its stages. The rates at the new state are the last stage of a step and the first of the next.
+#[derive(Clone, Debug)]
+pub(crate) struct Explicit<T> {
+    length: usize,
+    /// Per stage: its time c and the weights of the stages before it.
+    rows: Vec<(f64, Vec<T>)>,
+    /// Weights b − b̂, empty for a method without an estimate.
+    error: Vec<T>,
+    /// Coefficients of b_i(θ).
+    dense: Vec<[T; DEGREE]>,
+    /// Order of the error estimate plus one.
+    pub exponent: f64,
+    /// Stages, one after the other.
+    stages: Vec<T>,
+    trial: Vec<T>,
+    next: Vec<T>,
+}
+
+impl<T: Float> Explicit<T> {
+    /// Storage for states of a given length.
+    pub(crate) fn new<const S: usize>(tableau: &Tableau<S>, length: usize) -> Self {
+        let number = |x: &f64| T::from_f64(*x);
+        let rows = tableau
+            .a
+            .iter()
+            .zip(&tableau.c)
+            .enumerate()
+            .map(|(i, (row, &c))| (c, row.iter().take(i).map(number).collect()))
+            .collect();
+        let error = if tableau.embedded > 0 {
+            tableau.error.iter().map(number).collect()
+        } else {
+            Vec::new()
+        };
+        Explicit {
+            length,
+            rows,
+            error,
+            dense: tableau
+                .dense
+                .iter()
+                .map(|row| row.map(T::from_f64))
+                .collect(),
+            exponent: (tableau.embedded + 1) as f64,
+            stages: vec![T::zero(); S * length],
+            trial: vec![T::zero(); length],
+            next: vec![T::zero(); length],
+        }
+    }
+
+    /// The first stage: the rates at the start of a step. Needed once, and again after anything jumped.
+    pub(crate) fn begin(
+        &mut self,
+        system: &mut impl Rates<T>,
+        time: f64,
+        state: &[T],
+    ) -> Result<(), StepError> {
+        match self.stages.get_mut(..self.length) {
+            Some(first) => system.rates(time, 0.0, state, first),
+            None => Ok(()),
+        }
+    }
+
+    /// Tries a step from `state`; the result is [`Explicit::next`], and `state` is untouched.
+    pub(crate) fn attempt(
+        &mut self,
+        system: &mut impl Rates<T>,
+        time: f64,
+        step: f64,
+        state: &[T],
+    ) -> Result<(), StepError> {
+        let h = T::from_f64(step);
+        let last = self.rows.len() - 1;
+        for (i, (c, row)) in self.rows.iter().enumerate().skip(1) {
+            let (done, rest) = self.stages.split_at_mut(i * self.length);
+            combine(state, h, row.iter().copied(), done, &mut self.trial);
+            if i == last {
+                system.settle(&mut self.trial);
+                self.next.copy_from_slice(&self.trial);
+            }
+            let span = c * step;
+            let (stage, _) = rest.split_at_mut(self.length);
+            system.rates(time + span, span, &self.trial, stage)?;
+        }
+        Ok(())
+    }
+
+    /// The state at the end of the last attempt.
+    pub(crate) fn next(&self) -> &[T] {
+        &self.next
+    }
+
+    /// Takes the last attempt: its last stage becomes the first of the next step.
+    pub(crate) fn accept(&mut self, state: &mut [T]) {
+        state.copy_from_slice(&self.next);
+        let last = self.stages.len() - self.length;
+        self.stages.copy_within(last.., 0);
+    }
+
+    /// The estimate h Σ (b_i − b̂_i) k_i of the error of the last attempt, and the state at its end.
+    pub(crate) fn estimate(&mut self, step: f64) -> (&[T], &[T]) {
+        self.trial.fill(T::zero());
+        let h = T::from_f64(step);
+        for (weight, stage) in self
+            .error
+            .iter()
+            .zip(self.stages.chunks_exact(self.length.max(1)))
+        {
+            let scaled = h * *weight;
+            for (sum, rate) in self.trial.iter_mut().zip(stage) {
+                *sum += scaled * *rate;
+            }
+        }
+        (&self.trial, &self.next)
+    }
+
+    /// The state at `theta` (0 … 1) of the last attempt, which started at `state`.
+    pub(crate) fn interpolate(&self, theta: f64, step: f64, state: &[T], out: &mut [T]) {
+        let t = T::from_f64(theta);
+        let weights = self
+            .dense
+            .iter()
+            .map(|[a, b, c, d]| (((*d * t + *c) * t + *b) * t + *a) * t);
+        combine(state, T::from_f64(step), weights, &self.stages, out);
+    }
+
+    /// 2 |k₃ − k₂| / |k₂ − k₁|: step times the largest rate of the system, as the stages of RK4 show it.
+    pub(crate) fn stiffness(&self) -> f64 {
+        let mut stages = self.stages.chunks_exact(self.length.max(1));
+        let (Some(k1), Some(k2), Some(k3)) = (stages.next(), stages.next(), stages.next()) else {
+            return 0.0;
+        };
+        let mut above = T::zero();
+        let mut below = T::zero();
+        for ((a, b), c) in k1.iter().zip(k2).zip(k3) {
+            let (first, second) = (*b - *a, *c - *b);
+            below += first * first;
+            above += second * second;
+        }
+        let (above, below) = (above.to_f64(), below.to_f64());
+        if below > 0.0 {
+            2.0 * (above / below).sqrt()
+        } else {
+            0.0
+        }
+    }
+
+    /// The rates at the start of the step.
+    pub(crate) fn first(&self) -> &[T] {
+        self.stages.get(..self.length).unwrap_or(&[])
+    }
+}
+
+/// out = state + h Σ w_i k_i, stages one after the other.
+fn combine<T: Float>(
+    state: &[T],
+    h: T,
+    weights: impl Iterator<Item = T>,
+    stages: &[T],
+    out: &mut [T],
+) {
+    out.copy_from_slice(state);
+    for (weight, stage) in weights.zip(stages.chunks_exact(state.len().max(1))) {
+        if weight == T::zero() {
+            continue;
+        }
+        let scaled = h * weight;
+        for (sum, rate) in out.iter_mut().zip(stage) {
+            *sum += scaled * *rate;
+        }
+    }
+}

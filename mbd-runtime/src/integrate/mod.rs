@@ -1,0 +1,26 @@
+//! Integrators: a method is one tableau, everything else is shared.
+
+mod control;
+mod explicit;
+mod norm;
+mod rk4;
+mod tableau;
+mod tsit5;
+
+use crate::error::StepError;
+
+pub(crate) use control::{Control, Verdict};
+pub(crate) use explicit::Explicit;
+pub(crate) use norm::ErrorNorm;
+pub use norm::Scales;
+pub(crate) use rk4::RK4;
+pub(crate) use tsit5::TSIT5;
+
+/// A system of ordinary differential equations ẋ = f(t, x), as an integrator sees it.
+pub(crate) trait Rates<T> {
+    /// Writes ẋ. `span` is the time since the last accepted step: models that difference against it need it.
+    fn rates(&mut self, time: f64, span: f64, state: &[T], out: &mut [T]) -> Result<(), StepError>;
+
+    /// Puts a new state back on its manifold (unit quaternions).
+    fn settle(&mut self, state: &mut [T]);
+}

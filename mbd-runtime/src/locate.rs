@@ -1,0 +1,358 @@
+//! Finding the first event inside a step, to the last digits of time: a bracket from the interpolant, then false position on **redone steps**, so that
+//! the accepted state is a step of the method and keeps its order.
+
+use mbd_scene::{Float, Model, Quantity};
+
+use crate::error::StepError;
+use crate::event::Happening;
+use crate::node::Mode;
+use crate::simulation::Simulation;
+use crate::system::External;
+
+/// Interior looks at a step while a watched line does not carry.
+const LOOKS: u32 = 16;
+/// Looks for an excursion of a margin that starts a step at zero.
+const FINE_LOOKS: u32 = 16;
+/// Events closer than this happen together [s].
+const TOGETHER: f64 = 1e-12;
+/// A bracket below this is a point [s].
+const POINT: f64 = 1e-14;
+/// Most redone steps for one event.
+const MOST_TRIALS: u32 = 100;
+/// Switches allowed in one thousandth of a run.
+const MOST_SWITCHES: usize = 200;
+
+/// A located event: the step that ends on it. Which margins are passed stands in `Simulation::chosen`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    /// Its size [s]; zero: it happens at the start.
+    pub step: f64,
+}
+
+/// The times of the last switches, to tell chatter.
+#[derive(Clone, Debug)]
+pub(crate) struct Chatter {
+    /// One thousandth of the run [s].
+    pub window: f64,
+    times: [f64; MOST_SWITCHES],
+    next: usize,
+}
+
+impl Chatter {
+    pub(crate) fn new() -> Self {
+        Chatter {
+            window: f64::INFINITY,
+            times: [f64::NEG_INFINITY; MOST_SWITCHES],
+            next: 0,
+        }
+    }
+
+    /// Records a switch; true when two hundred fell into one window.
+    fn sees(&mut self, time: f64) -> bool {
+        let Some(slot) = self.times.get_mut(self.next) else {
+            return false;
+        };
+        let oldest = std::mem::replace(slot, time);
+        self.next = (self.next + 1) % MOST_SWITCHES;
+        self.window.is_finite() && time - oldest < self.window
+    }
+}
+
+impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
+    /// Looks into the attempted step. With an event, the attempt is redone so that it ends there.
+    pub(crate) fn find_event(&mut self, step: f64) -> Result<Option<Found>, StepError> {
+        if self.margins.is_empty() {
+            return Ok(None);
+        }
+        let looks = if self.margins.restless(self.system.modes()) {
+            LOOKS
+        } else {
+            1
+        };
+        let mut low = 0.0;
+        let start = &self.margins.start;
+        self.margins.before.copy_from_slice(start);
+        for look in 1..=looks {
+            let high = f64::from(look) / f64::from(looks);
+            self.look(high, step)?;
+            if self.choose_passed() {
+                return self.narrow(low, high, step);
+            }
+            self.margins.before.copy_from_slice(&self.margins.now);
+            low = high;
+        }
+        self.margins.start.copy_from_slice(&self.margins.now);
+        Ok(None)
+    }
+
+    /// Reads the margins at `theta` of the attempted step.
+    fn look(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
+        self.inside_state(theta, step);
+        self.read_margins(self.time + theta * step, theta * step)
+    }
+
+    /// Reads the margins at the state in `inside`.
+    fn read_margins(&mut self, time: f64, span: f64) -> Result<(), StepError> {
+        self.system.look(time, span, &self.inside)?;
+        let length = self.system.model.layout().len(Quantity::Guards);
+        let guards = self.scratch.get_mut(..length).unwrap_or_default();
+        self.system
+            .seen(Quantity::Guards, time, &self.inside, guards);
+        self.margins.read(guards, self.system.modes());
+        Ok(())
+    }
+
+    /// Marks the margins that are passed now.
+    fn choose_passed(&mut self) -> bool {
+        for (index, (chosen, margin)) in self.chosen.iter_mut().zip(&self.margins.now).enumerate() {
+            *chosen = self.margins.passed(index, *margin);
+        }
+        self.chosen.contains(&true)
+    }
+
+    /// The chosen margins were not passed at `low` and are at `high`: makes sure that they were positive in between, and locates.
+    fn narrow(&mut self, low: f64, high: f64, step: f64) -> Result<Option<Found>, StepError> {
+        let mut low = low;
+        if self.chosen_before() <= 0.0 {
+            // Just after a switch a margin is ±0: the excursion lies later in the step, unless no look finds it positive.
+            let mut positive = None;
+            for look in 1..FINE_LOOKS {
+                let theta = low + (high - low) * f64::from(look) / f64::from(FINE_LOOKS);
+                self.look(theta, step)?;
+                if self.margins.smallest(&self.chosen) > 0.0 {
+                    positive = Some(theta);
+                    break;
+                }
+            }
+            match positive {
+                Some(theta) => {
+                    self.margins.before.copy_from_slice(&self.margins.now);
+                    low = theta;
+                }
+                None => {
+                    for (chosen, before) in self.chosen.iter_mut().zip(&self.margins.before) {
+                        *chosen &= *before <= 0.0;
+                    }
+                    if low > 0.0 {
+                        self.redo(low * step)?;
+                    }
+                    return Ok(Some(Found { step: low * step }));
+                }
+            }
+        }
+        let above = self.chosen_before();
+        self.locate(low * step, above, high * step, step)
+    }
+
+    /// The smallest chosen margin at the last look before.
+    fn chosen_before(&self) -> f64 {
+        let margins = self.margins.before.iter().zip(&self.chosen);
+        margins
+            .filter(|(_, chosen)| **chosen)
+            .map(|(margin, _)| *margin)
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Redoes the step with another size and returns the smallest chosen margin at its end.
+    fn redo(&mut self, size: f64) -> Result<f64, StepError> {
+        self.method
+            .attempt(&mut self.system, self.time, size, &self.state)?;
+        let counters = &mut self.system.counters;
+        counters.redone = counters.redone.saturating_add(1);
+        self.inside.copy_from_slice(self.method.next());
+        self.read_margins(self.time + size, size)?;
+        Ok(self.margins.smallest(&self.chosen))
+    }
+
+    /// False position on redone steps between `low`, where the chosen margins are positive, and `high`. Ends on the far side.
+    fn locate(
+        &mut self,
+        low: f64,
+        above: f64,
+        high: f64,
+        step: f64,
+    ) -> Result<Option<Found>, StepError> {
+        let (mut low, mut above) = (low, above);
+        let mut high = high;
+        // The bracket comes from the interpolant, which differs from a redone step by its own error: check both ends.
+        let stride = step / f64::from(LOOKS);
+        let mut below = self.redo(high)?;
+        while below >= 0.0 {
+            if high >= step {
+                self.margins.start.copy_from_slice(&self.margins.now);
+                return Ok(None);
+            }
+            (low, above) = (high, below);
+            high = (high + stride).min(step);
+            below = self.redo(high)?;
+        }
+        while low > 0.0 {
+            above = self.redo(low)?;
+            if above > 0.0 {
+                break;
+            }
+            (high, below) = (low, above);
+            low = (low - stride).max(0.0);
+            above = f64::MIN_POSITIVE;
+        }
+        let resolved = POINT
+            .max(4.0 * f64::EPSILON * (self.time.abs() + step))
+            .max(T::EPSILON.to_f64() * step);
+        let exact = if self.only_lines() {
+            (1e-3 * self.margins.tolerance).min(1e-12)
+        } else {
+            0.0
+        };
+        let mut side = 0;
+        for trial in 0..MOST_TRIALS {
+            if high - low <= resolved || -below <= exact && below < 0.0 {
+                break;
+            }
+            let falsi = low + (high - low) * above / (above - below);
+            let inside = falsi > low && falsi < high;
+            // Every third trial halves the bracket, so that a margin which jumps or is flat still ends.
+            let middle = if trial % 3 == 2 || !inside {
+                0.5 * (low + high)
+            } else {
+                falsi
+            };
+            if middle <= low || middle >= high {
+                break;
+            }
+            let margin = self.redo(middle)?;
+            if margin < 0.0 {
+                (high, below) = (middle, margin);
+                above *= if side > 0 { 0.5 } else { 1.0 };
+                side = 1;
+            } else {
+                (low, above) = (middle, margin);
+                below *= if side < 0 { 0.5 } else { 1.0 };
+                side = -1;
+            }
+        }
+        // The accepted attempt is the last one made.
+        self.redo(high)?;
+        for (chosen, margin) in self.chosen.iter_mut().zip(&self.margins.now) {
+            *chosen &= *margin < 0.0;
+        }
+        Ok(Some(Found { step: high }))
+    }
+
+    fn only_lines(&self) -> bool {
+        let chosen = self
+            .chosen
+            .iter()
+            .enumerate()
+            .filter(|(_, chosen)| **chosen);
+        chosen.fold(true, |all, (index, _)| all && self.margins.is_line(index))
+    }
+
+    /// Switches what was found, at the accepted state, and starts again from there.
+    pub(crate) fn happen(&mut self) -> Result<(), StepError> {
+        self.add_simultaneous()?;
+        let mut switches = std::mem::take(&mut self.switches);
+        switches.clear();
+        for (index, _) in self
+            .chosen
+            .iter()
+            .enumerate()
+            .filter(|(_, chosen)| **chosen)
+        {
+            let happening = self
+                .margins
+                .happening(index, &self.scratch, self.system.modes());
+            if let Some(Happening::Line(line, mode)) = happening {
+                switches.push((line, mode));
+            }
+        }
+        let switched = self.switch(&switches);
+        self.switches = switches;
+        switched?;
+        self.method
+            .begin(&mut self.system, self.time, &self.state)?;
+        let mut crossed = std::mem::take(&mut self.crossed);
+        crossed.clear();
+        let begun = self.begin_margins(&mut |event| crossed.push(event));
+        for event in &crossed {
+            self.note(Happening::Declared(*event));
+        }
+        self.crossed = crossed;
+        begun
+    }
+
+    fn switch(&mut self, switches: &[(usize, Mode)]) -> Result<(), StepError> {
+        if switches.is_empty() {
+            return Ok(());
+        }
+        self.system.switch(self.time, &self.state, switches)?;
+        for &(line, mode) in switches {
+            self.margins.switch(line, mode);
+            self.note(Happening::Line(line, mode));
+            let counters = &mut self.system.counters;
+            counters.switches = counters.switches.saturating_add(1);
+            if self.chatter.sees(self.time) {
+                return Err(StepError::EventChatter {
+                    line: self.system.line(line),
+                    count: MOST_SWITCHES,
+                    window: self.chatter.window,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the margins that vanish within the next 1e-12 s to the chosen ones, and leaves the guards of the accepted state in `scratch`.
+    fn add_simultaneous(&mut self) -> Result<(), StepError> {
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        self.margins.before.copy_from_slice(&self.margins.now);
+        let ahead = T::from_f64(TOGETHER);
+        for (x, rate) in self.inside.iter_mut().zip(self.method.first()) {
+            *x += ahead * *rate;
+        }
+        self.read_margins(self.time + TOGETHER, TOGETHER)?;
+        for (index, chosen) in self.chosen.iter_mut().enumerate() {
+            let (Some(now), Some(then)) =
+                (self.margins.before.get(index), self.margins.now.get(index))
+            else {
+                continue;
+            };
+            // A margin that only hovers at zero in rounding is not falling.
+            let falls = now - then > 1e-3 * self.margins.tolerance.min(1e-10);
+            *chosen |= self.margins.is_line(index) && *then < 0.0 && falls;
+        }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)
+    }
+
+    /// Decides which undamped lines are taut, at the start of a run.
+    pub(crate) fn begin_edges(&mut self) -> Result<(), StepError> {
+        if self.margins.is_empty() {
+            return Ok(());
+        }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        self.margins.take_edges(&self.scratch);
+        Ok(())
+    }
+
+    /// Margins and sides at the accepted state, in the modes of now.
+    pub(crate) fn begin_margins(
+        &mut self,
+        crossed: &mut dyn FnMut(usize),
+    ) -> Result<(), StepError> {
+        if self.margins.is_empty() {
+            return Ok(());
+        }
+        self.inside.copy_from_slice(&self.state);
+        self.read_margins(self.time, 0.0)?;
+        let length = self.system.model.layout().len(Quantity::Guards);
+        self.margins
+            .take_sides(self.scratch.get(..length).unwrap_or(&[]), crossed);
+        // The sides are part of the margins of declared events.
+        let guards = self.scratch.get(..length).unwrap_or(&[]);
+        self.margins.read(guards, self.system.modes());
+        self.margins.start.copy_from_slice(&self.margins.now);
+        Ok(())
+    }
+}

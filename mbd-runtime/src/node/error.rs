@@ -1,0 +1,134 @@
+//! What can go wrong at a node: typed, with the place and the numbers.
+
+use std::error::Error;
+use std::fmt;
+
+use mbd_scene::Float;
+
+/// Why a node could not be placed. No force may be taken from the solver after one of these.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NodeError {
+    /// A constant of a line is not one: K ≤ 0, L < 0, C < 0, or not finite; or its ends are no ends.
+    InvalidLine {
+        /// Index of the line.
+        line: usize,
+        /// The constant.
+        what: &'static str,
+        /// Its value [SI].
+        value: f64,
+    },
+    /// A number is infinite or NaN.
+    NotFinite {
+        /// The list it stands in.
+        what: &'static str,
+        /// Its index there.
+        index: usize,
+    },
+    /// A list has a wrong length.
+    Shape {
+        /// The list.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length it must have.
+        expected: usize,
+    },
+    /// The node model cannot hold this scene.
+    Unsupported {
+        /// Index of the node.
+        node: usize,
+        /// Why, and what to declare instead.
+        why: &'static str,
+    },
+    /// No balance was found within the cap of iterations.
+    NotConverged {
+        /// Index of the (first) node.
+        node: usize,
+        /// Smallest residual seen [N].
+        residual_n: f64,
+        /// Newton steps in all rungs.
+        iterations: usize,
+    },
+}
+
+impl NodeError {
+    /// Checks the constants of one line.
+    pub(crate) fn check_line<T: Float>(
+        line: usize,
+        stiffness: T,
+        damping: T,
+        free_length: T,
+    ) -> Result<(), NodeError> {
+        let bad = |what, value: T| {
+            Err(NodeError::InvalidLine {
+                line,
+                what,
+                value: value.to_f64(),
+            })
+        };
+        if !stiffness.is_finite() || stiffness <= T::zero() {
+            return bad("stiffness", stiffness);
+        }
+        if !damping.is_finite() || damping < T::zero() {
+            return bad("damping", damping);
+        }
+        if !free_length.is_finite() || free_length < T::zero() {
+            return bad("free length", free_length);
+        }
+        Ok(())
+    }
+
+    /// Checks that every number of a list is finite.
+    pub(crate) fn check_finite<T: Float>(what: &'static str, list: &[T]) -> Result<(), NodeError> {
+        match list.iter().position(|x| !x.is_finite()) {
+            Some(index) => Err(NodeError::NotFinite { what, index }),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks a length.
+    pub(crate) fn same_length(
+        what: &'static str,
+        found: usize,
+        expected: usize,
+    ) -> Result<(), NodeError> {
+        if found == expected {
+            Ok(())
+        } else {
+            Err(NodeError::Shape {
+                what,
+                found,
+                expected,
+            })
+        }
+    }
+}
+
+impl fmt::Display for NodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NodeError::InvalidLine { line, what, value } => {
+                write!(f, "line {line}: {what} is {value}")
+            }
+            NodeError::NotFinite { what, index } => {
+                write!(f, "{what}: number {index} is not finite")
+            }
+            NodeError::Shape {
+                what,
+                found,
+                expected,
+            } => write!(f, "{what}: {found} numbers, expected {expected}"),
+            NodeError::Unsupported { node, why } => write!(f, "node {node}: {why}"),
+            NodeError::NotConverged {
+                node,
+                residual_n,
+                iterations,
+            } => write!(
+                f,
+                "node {node}: no balance after {iterations} iterations, residual {residual_n} N"
+            ),
+        }
+    }
+}
+
+impl Error for NodeError {}

@@ -1,0 +1,103 @@
+//! What the nodes carry from one accepted step to the next: written on accept, untouched by rejected steps and trial stages.
+
+use mbd_scene::{Float, Layout};
+use serde::{Deserialize, Serialize};
+
+use super::error::NodeError;
+
+/// What a damped line does between two located events.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Mode {
+    /// Decides by itself at every evaluation: undamped lines, springs, lines of static and stepwise nodes.
+    #[default]
+    Free,
+    /// Shorter than its free length: nothing.
+    Slack,
+    /// Taut, carries K s + C ṡ ≥ 0.
+    Active,
+    /// Taut, but K s + C ṡ would push: carries nothing.
+    Idle,
+}
+
+/// The memory of all nodes and damped lines of one run.
+///
+/// A value of this type, the state and the time are everything a run needs to continue: two runs from equal triples are equal bit by bit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NodeMemory<T> {
+    /// Nodes p_n, 3 a node [m].
+    pub(crate) nodes: Vec<T>,
+    /// Anchors P_n, 3 an anchor [m].
+    pub(crate) anchors: Vec<T>,
+    /// Stretch s_n of each line, either sign [m].
+    pub(crate) stretch: Vec<T>,
+    /// Stretch s_{n−1} of each line [m].
+    pub(crate) previous: Vec<T>,
+    /// The accepted K_e, L_e of each line with effective numbers: they give back T_n at p_n.
+    pub(crate) effective: Vec<T>,
+    /// The last step h_prev [s].
+    pub(crate) step: T,
+    /// Per network: s_{n−1} may be used (no line changed between slack and taut in the last step).
+    pub(crate) smooth: Vec<bool>,
+    /// Mode of each line.
+    pub(crate) modes: Vec<Mode>,
+}
+
+impl<T: Float> NodeMemory<T> {
+    /// An empty memory; [`Nodes::start`](super::Nodes::start) fills it.
+    #[must_use]
+    pub fn new(layout: &Layout) -> Self {
+        let list = |n: usize| vec![T::zero(); n];
+        NodeMemory {
+            nodes: list(3 * layout.nodes.len()),
+            anchors: list(3 * layout.anchors.len()),
+            stretch: list(layout.lines.len()),
+            previous: list(layout.lines.len()),
+            effective: list(2 * layout.effective_lines),
+            step: T::zero(),
+            smooth: vec![false; layout.networks.len()],
+            modes: vec![Mode::Free; layout.lines.len()],
+        }
+    }
+
+    /// The accepted node positions p_n, 3 a node [m].
+    #[must_use]
+    pub fn nodes(&self) -> &[T] {
+        &self.nodes
+    }
+
+    /// The accepted stretch s_n of each line, either sign [m]; zero for lines without a node.
+    #[must_use]
+    pub fn stretch(&self) -> &[T] {
+        &self.stretch
+    }
+
+    /// The mode of each line.
+    #[must_use]
+    pub fn modes(&self) -> &[Mode] {
+        &self.modes
+    }
+
+    /// Whether this memory belongs to that layout (it may have been read from a file).
+    pub(crate) fn check(&self, layout: &Layout) -> Result<(), NodeError> {
+        let same = NodeError::same_length;
+        same("memory of nodes", self.nodes.len(), 3 * layout.nodes.len())?;
+        same(
+            "memory of anchors",
+            self.anchors.len(),
+            3 * layout.anchors.len(),
+        )?;
+        same("memory of stretch", self.stretch.len(), layout.lines.len())?;
+        same("memory of stretch", self.previous.len(), layout.lines.len())?;
+        same(
+            "memory of forces",
+            self.effective.len(),
+            2 * layout.effective_lines,
+        )?;
+        same(
+            "memory of networks",
+            self.smooth.len(),
+            layout.networks.len(),
+        )?;
+        same("memory of modes", self.modes.len(), layout.lines.len())
+    }
+}

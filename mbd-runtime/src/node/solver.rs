@@ -1,0 +1,535 @@
+//! The solver of equilibrium points: warm Newton, then stiffness homotopy, then slope search; never a force from an unsolved balance.
+//!
+//! ```text
+//! balanced     |g| ≤ rel (ΣT + |W|) + abs Σ K (d + |p|₁)            relative, plus the rounding of the lengths
+//! direction    (H + r 1) δ = −g,  r = 4.5 ε tr H, × 100 until every pivot is positive
+//! search       ψ(t) = g(p + t δ)·δ rises with t; accept |ψ(t)| ≤ |ψ(0)|/10
+//! rung 1       Newton from the given start, at most 12 steps
+//! rung 2       from the stiffness-weighted mean of the anchors through K_max (K/K_max)^a, a = 1/8 … 1
+//! rung 3       slope search to a cap of 300
+//! ```
+//!
+//! Rung 3 descends a convex function with Lipschitz gradient and compact level sets, so it converges from everywhere; the slope and not
+//! the energy decides the step, because the energy cannot resolve the last digits. Plain Newton alone cycles (`tests/node_counterexamples.rs`).
+
+use mbd_scene::Float;
+
+use super::balance::{Balance, Evaluation, inner, norm};
+use super::factor::BlockCholesky;
+
+/// When a balance counts as solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance<T> {
+    /// Residual over ΣT + |W|.
+    pub relative: T,
+    /// Residual over Σ K (d + |p|₁): the rounding floor of the lengths.
+    pub absolute: T,
+}
+
+impl<T: Float> Tolerance<T> {
+    /// For a problem of its own: 1e-10 and 1e-14, not below a few roundings of `T`.
+    #[must_use]
+    pub fn alone() -> Self {
+        Tolerance::floored(1e-10, 1e-14)
+    }
+
+    /// Inside an integration step: 1e-12 and 1e-15, not below a few roundings of `T`.
+    #[must_use]
+    pub fn inside_step() -> Self {
+        Tolerance::floored(1e-12, 1e-15)
+    }
+
+    fn floored(relative: f64, absolute: f64) -> Self {
+        let rounding = T::EPSILON.to_f64();
+        Tolerance {
+            relative: T::from_f64(relative.max(64.0 * rounding)),
+            absolute: T::from_f64(absolute.max(4.0 * rounding)),
+        }
+    }
+}
+
+/// The rung of the ladder that found the balance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rung {
+    /// Newton from the given start.
+    #[default]
+    Warm,
+    /// Stiffness homotopy.
+    Homotopy,
+    /// Slope search.
+    Search,
+}
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome<T> {
+    /// The lines balance and at least one pulls, or a load acts.
+    Taut {
+        /// Newton steps in all rungs.
+        iterations: usize,
+        /// |g| at the end [N].
+        residual: T,
+        /// The rung that found it.
+        rung: Rung,
+    },
+    /// Nothing pulls: zero force, zero stiffness; the node is one of many.
+    Slack {
+        /// Newton steps in all rungs.
+        iterations: usize,
+    },
+    /// No balance was found: no force may be taken from it.
+    NotConverged {
+        /// The smallest |g| seen [N].
+        residual: T,
+        /// Newton steps in all rungs.
+        iterations: usize,
+    },
+}
+
+impl<T> Outcome<T> {
+    /// Newton steps in all rungs.
+    #[must_use]
+    pub fn iterations(&self) -> usize {
+        match self {
+            Outcome::Taut { iterations, .. }
+            | Outcome::Slack { iterations }
+            | Outcome::NotConverged { iterations, .. } => *iterations,
+        }
+    }
+}
+
+/// The ladder, with room for one pattern of coupled nodes. Holds no memory of earlier solves.
+#[derive(Clone, Debug)]
+pub struct Solver<T> {
+    descent: Descent<T>,
+    stiffness: Vec<T>,
+    eighth: Vec<T>,
+    zero: Vec<T>,
+}
+
+/// Newton's method with its scratch; `p` is the current point.
+#[derive(Clone, Debug)]
+struct Descent<T> {
+    factor: BlockCholesky<T, 3>,
+    here: Evaluation<T>,
+    there: Evaluation<T>,
+    p: Vec<T>,
+    best: Vec<T>,
+    delta: Vec<T>,
+    trial: Vec<T>,
+    taken: usize,
+    smallest: T,
+}
+
+/// How one descent ended.
+enum Verdict<T> {
+    Balanced(T),
+    Slack,
+    Stopped,
+}
+
+/// The limits of one descent.
+#[derive(Clone, Copy)]
+struct Limits<T> {
+    balanced: Tolerance<T>,
+    /// ΣT below this part of the floor is slack.
+    slack: T,
+    /// Plain Newton steps before the search begins.
+    plain: usize,
+    cap: usize,
+}
+
+const WARM_STEPS: usize = 12;
+const HOMOTOPY_STAGES: usize = 8;
+const HOMOTOPY_PLAIN: usize = 15;
+const HOMOTOPY_CAP: usize = 40;
+const SEARCH_CAP: usize = 300;
+const SEARCH_EVALUATIONS: usize = 40;
+
+impl<T: Float> Solver<T> {
+    /// A solver for `nodes` nodes and `lines` lines; `blocks` are the structural non-zero blocks of H (row ≥ column, local indices).
+    #[must_use]
+    pub fn new(nodes: usize, lines: usize, blocks: &[(usize, usize)]) -> Self {
+        let list = |n: usize| vec![T::zero(); n];
+        Solver {
+            descent: Descent {
+                factor: BlockCholesky::new(nodes, blocks),
+                here: Evaluation::new(nodes, blocks.len()),
+                there: Evaluation::new(nodes, blocks.len()),
+                p: list(3 * nodes),
+                best: list(3 * nodes),
+                delta: list(3 * nodes),
+                trial: list(3 * nodes),
+                taken: 0,
+                smallest: T::zero(),
+            },
+            stiffness: list(lines),
+            eighth: list(lines),
+            zero: list(lines),
+        }
+    }
+
+    /// The evaluation at the last point of the last solve.
+    #[must_use]
+    pub fn evaluation(&self) -> &Evaluation<T> {
+        &self.descent.here
+    }
+
+    /// Solves g(p) = 0 from `p` with stiffness `k` > 0 [N/m] and free length `l` ≥ 0 [m]; `p` holds the balance if one was found and is
+    /// unchanged otherwise. At most 12 + 8·40 + 300 Newton steps.
+    pub fn solve<B: Balance<T>>(
+        &mut self,
+        balance: &mut B,
+        k: &[T],
+        l: &[T],
+        p: &mut [T],
+        tolerance: Tolerance<T>,
+    ) -> Outcome<T> {
+        self.descent.begin(p);
+        let (rung, verdict) = self.climb(balance, k, l, tolerance);
+        let iterations = self.descent.taken;
+        match verdict {
+            Verdict::Stopped => Outcome::NotConverged {
+                residual: self.descent.smallest,
+                iterations,
+            },
+            Verdict::Slack => {
+                p.copy_from_slice(&self.descent.p);
+                Outcome::Slack { iterations }
+            }
+            Verdict::Balanced(residual) => {
+                p.copy_from_slice(&self.descent.p);
+                Outcome::Taut {
+                    iterations,
+                    residual,
+                    rung,
+                }
+            }
+        }
+    }
+
+    /// Slope search alone, from `p`: rung 3 as a solver of its own, for problems that are convex but not made of lengths.
+    pub fn search<B: Balance<T>>(
+        &mut self,
+        balance: &mut B,
+        k: &[T],
+        l: &[T],
+        p: &mut [T],
+        tolerance: Tolerance<T>,
+    ) -> Outcome<T> {
+        self.descent.begin(p);
+        let verdict = self
+            .descent
+            .newton(balance, k, l, Limits::search(tolerance));
+        let iterations = self.descent.taken;
+        match verdict {
+            Verdict::Stopped => Outcome::NotConverged {
+                residual: self.descent.smallest,
+                iterations,
+            },
+            Verdict::Slack => {
+                p.copy_from_slice(&self.descent.p);
+                Outcome::Slack { iterations }
+            }
+            Verdict::Balanced(residual) => {
+                p.copy_from_slice(&self.descent.p);
+                Outcome::Taut {
+                    iterations,
+                    residual,
+                    rung: Rung::Search,
+                }
+            }
+        }
+    }
+
+    fn climb<B: Balance<T>>(
+        &mut self,
+        balance: &mut B,
+        k: &[T],
+        l: &[T],
+        tolerance: Tolerance<T>,
+    ) -> (Rung, Verdict<T>) {
+        let warm = self.descent.newton(balance, k, l, Limits::warm(tolerance));
+        if !matches!(warm, Verdict::Stopped) {
+            return (Rung::Warm, warm);
+        }
+        let homotopy = self.homotopy(balance, k, l, tolerance);
+        if !matches!(homotopy, Verdict::Stopped) {
+            return (Rung::Homotopy, homotopy);
+        }
+        let search = self
+            .descent
+            .newton(balance, k, l, Limits::search(tolerance));
+        (Rung::Search, search)
+    }
+
+    /// Rung 2: equal stiffnesses first, where the problem is well conditioned, then step by step the true ones.
+    fn homotopy<B: Balance<T>>(
+        &mut self,
+        balance: &mut B,
+        k: &[T],
+        l: &[T],
+        tolerance: Tolerance<T>,
+    ) -> Verdict<T> {
+        let mut largest = T::zero();
+        for &k in k {
+            largest = largest.max(k);
+        }
+        self.descent.go_to_centroid(balance, k, &self.zero);
+        for (eighth, &k) in self.eighth.iter_mut().zip(k) {
+            *eighth = (k / largest).sqrt().sqrt().sqrt();
+        }
+        for stiffness in &mut self.stiffness {
+            *stiffness = largest;
+        }
+        for stage in 1..=HOMOTOPY_STAGES {
+            let last = stage == HOMOTOPY_STAGES;
+            for (stiffness, &factor) in self.stiffness.iter_mut().zip(&self.eighth) {
+                *stiffness *= factor;
+            }
+            let stiffness = if last { k } else { &self.stiffness };
+            let limits = Limits::homotopy(tolerance, last);
+            let verdict = self.descent.newton(balance, stiffness, l, limits);
+            if last || matches!(verdict, Verdict::Slack) {
+                return verdict;
+            }
+        }
+        Verdict::Stopped
+    }
+}
+
+impl<T: Float> Limits<T> {
+    fn warm(balanced: Tolerance<T>) -> Self {
+        Limits {
+            balanced,
+            slack: balanced.absolute,
+            plain: WARM_STEPS,
+            cap: WARM_STEPS,
+        }
+    }
+
+    fn homotopy(target: Tolerance<T>, last: bool) -> Self {
+        let loose = Tolerance {
+            relative: T::from_f64(1e-4),
+            absolute: T::from_f64(1e-10).max(target.absolute),
+        };
+        Limits {
+            balanced: if last { target } else { loose },
+            slack: target.absolute,
+            plain: HOMOTOPY_PLAIN,
+            cap: HOMOTOPY_CAP,
+        }
+    }
+
+    fn search(balanced: Tolerance<T>) -> Self {
+        Limits {
+            balanced,
+            slack: balanced.absolute,
+            plain: 0,
+            cap: SEARCH_CAP,
+        }
+    }
+}
+
+impl<T: Float> Descent<T> {
+    fn begin(&mut self, p: &[T]) {
+        self.p.copy_from_slice(p);
+        self.taken = 0;
+        self.smallest = T::from_f64(f64::MAX);
+    }
+
+    /// `plain` Newton steps, then steps by search from the point with the smallest residual, `cap` in all.
+    fn newton<B: Balance<T>>(
+        &mut self,
+        balance: &mut B,
+        k: &[T],
+        l: &[T],
+        limits: Limits<T>,
+    ) -> Verdict<T> {
+        let load = norm(balance.load());
+        let mut smallest = None;
+        let mut searching = limits.plain == 0;
+        for step in 0..=limits.cap {
+            balance.evaluate(&self.p, k, l, &mut self.here);
+            let residual = match self.judge(load, limits) {
+                Ok(residual) => residual,
+                Err(verdict) => return verdict,
+            };
+            if residual.is_finite() && smallest.is_none_or(|least| residual < least) {
+                smallest = Some(residual);
+                self.best.copy_from_slice(&self.p);
+            }
+            if step == limits.cap {
+                break;
+            }
+            if smallest.is_none() {
+                break;
+            }
+            if !searching && (step >= limits.plain || !residual.is_finite()) {
+                searching = true;
+                self.p.copy_from_slice(&self.best);
+                balance.evaluate(&self.p, k, l, &mut self.here);
+            }
+            let Some(must_search) = self.direction(balance, l) else {
+                break;
+            };
+            self.taken += 1;
+            let t = if searching || must_search {
+                self.search(balance, k, l)
+            } else {
+                T::one()
+            };
+            for (p, &delta) in self.p.iter_mut().zip(&self.delta) {
+                *p += t * delta;
+            }
+        }
+        if let Some(smallest) = smallest {
+            self.smallest = self.smallest.min(smallest);
+            self.p.copy_from_slice(&self.best);
+        }
+        Verdict::Stopped
+    }
+
+    /// Moves to the point where the lines with free length zero balance without load: the mean of the anchors weighted by stiffness.
+    fn go_to_centroid<B: Balance<T>>(&mut self, balance: &mut B, k: &[T], zero: &[T]) {
+        balance.evaluate(&self.p, k, zero, &mut self.here);
+        let here = &self.here;
+        let mut trace = T::zero();
+        for (index, &(row, column)) in self.factor.pattern().iter().enumerate() {
+            if row == column {
+                trace += here.block(index)[0][0];
+            }
+        }
+        for ((delta, &g), &w) in self
+            .delta
+            .iter_mut()
+            .zip(here.gradient())
+            .zip(balance.load())
+        {
+            *delta = -(g + w);
+        }
+        if trace > T::zero() && self.factor.factor(T::EPSILON * trace, |k| here.block(k)) {
+            self.factor.solve(&mut self.delta);
+            for (p, &delta) in self.p.iter_mut().zip(&self.delta) {
+                *p += delta;
+            }
+        }
+    }
+
+    /// The residual |g|, or the end of the descent.
+    fn judge(&self, load: T, limits: Limits<T>) -> Result<T, Verdict<T>> {
+        let (tension, floor) = (self.here.tension(), self.here.floor());
+        let unloaded = load == T::zero();
+        if unloaded && (self.here.stretched() == T::zero() || tension <= limits.slack * floor) {
+            return Err(Verdict::Slack);
+        }
+        let residual = norm(self.here.gradient());
+        let target = limits.balanced.relative * (tension + load) + limits.balanced.absolute * floor;
+        if residual <= target {
+            return Err(Verdict::Balanced(residual));
+        }
+        Ok(residual)
+    }
+
+    /// The Newton direction δ. `Some(true)`: a loaded node without a taut line moves along its load, and the step must be searched.
+    fn direction<B: Balance<T>>(&mut self, balance: &B, l: &[T]) -> Option<bool> {
+        let (nodes, here) = (balance.nodes(), &self.here);
+        let diagonal = |node: usize| {
+            let block = here.block(node);
+            block[0][0] + block[1][1] + block[2][2]
+        };
+        let mut trace = T::zero();
+        for node in 0..nodes {
+            trace += diagonal(node);
+        }
+        for (delta, &g) in self.delta.iter_mut().zip(here.gradient()) {
+            *delta = -g;
+        }
+        if !trace.is_finite() {
+            return None;
+        }
+        if trace > T::zero() {
+            let mut shift = T::from_f64(4.5) * T::EPSILON * trace;
+            while !self.factor.factor(shift, |k| here.block(k)) {
+                shift *= T::from_f64(100.0);
+                if shift > trace * T::from_f64(1e3) {
+                    return None;
+                }
+            }
+            self.factor.solve(&mut self.delta);
+        }
+        let mut must_search = false;
+        for node in 0..nodes {
+            if diagonal(node) > T::zero() {
+                continue;
+            }
+            let load = balance.load().get(3 * node..3 * node + 3).unwrap_or(&[]);
+            let size = norm(load);
+            let reach = if size > T::zero() {
+                must_search = true;
+                reach(balance, &self.p, l) / size
+            } else {
+                T::zero()
+            };
+            for (delta, &w) in self.delta[3 * node..].iter_mut().zip(load) {
+                *delta = w * reach;
+            }
+        }
+        norm(&self.delta).is_finite().then_some(must_search)
+    }
+
+    /// A step length t at which the slope g(p + t δ)·δ has fallen to a tenth.
+    fn search<B: Balance<T>>(&mut self, balance: &mut B, k: &[T], l: &[T]) -> T {
+        let start = inner(self.here.gradient(), &self.delta).abs();
+        let (mut t, mut low, mut high) = (T::one(), T::zero(), None);
+        let (tenth, half, four) = (T::from_f64(0.1), T::from_f64(0.5), T::from_f64(4.0));
+        for _ in 0..SEARCH_EVALUATIONS {
+            for ((x, &p), &delta) in self.trial.iter_mut().zip(&self.p).zip(&self.delta) {
+                *x = p + t * delta;
+            }
+            balance.evaluate(&self.trial, k, l, &mut self.there);
+            let slope = inner(self.there.gradient(), &self.delta);
+            if slope.abs() <= tenth * start {
+                break;
+            }
+            if slope < T::zero() {
+                low = t;
+            } else {
+                high = Some(t);
+            }
+            let next = t - slope / self.curvature();
+            t = match high {
+                None if next > low && next <= four * t => next,
+                None => four * t,
+                Some(high) if next > low && next < high => next,
+                Some(high) => half * (low + high),
+            };
+        }
+        t
+    }
+
+    /// δᵀ H δ at the trial point.
+    fn curvature(&self) -> T {
+        let mut sum = T::zero();
+        for (k, &(row, column)) in self.factor.pattern().iter().enumerate() {
+            let (a, b) = (&self.delta[3 * row..], &self.delta[3 * column..]);
+            let mut term = T::zero();
+            for (values, &x) in self.there.block(k).iter().zip(a) {
+                term += x * inner(values, b);
+            }
+            sum += if row == column { term } else { term + term };
+        }
+        sum
+    }
+}
+
+/// How far a node without a taut line is sent along its load [m].
+fn reach<T: Float, B: Balance<T>>(balance: &B, p: &[T], l: &[T]) -> T {
+    let mut longest = T::zero();
+    for &l in l {
+        longest = longest.max(l);
+    }
+    balance
+        .smallest_slack(p, l)
+        .max(T::from_f64(1e-3) * longest)
+}

@@ -1,0 +1,418 @@
+//! The nodes of a model at one stage of an integration step.
+
+use mbd_scene::laws::line;
+use mbd_scene::{At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel, Quantity};
+
+use super::error::NodeError;
+use super::memory::{Mode, NodeMemory};
+use super::scene::{Plan, PlanLine, SceneBalance, triple, vector};
+use super::solver::{Outcome, Rung, Tolerance};
+use super::stepwise::{History, effective};
+
+/// The node unknowns, effective line numbers and line modes of one stage, with all the room their solve needs.
+///
+/// Carries nothing from stage to stage: what must persist is in [`NodeMemory`], so a rejected step cannot corrupt anything.
+#[derive(Clone, Debug)]
+pub struct Nodes<T: Float> {
+    pub(crate) layout: Layout,
+    pub(crate) plans: Vec<Plan<T>>,
+    pub(crate) ends: Vec<T>,
+    pub(crate) nodes: Vec<T>,
+    pub(crate) effective: Vec<T>,
+    pub(crate) hold: Vec<T>,
+    /// Stretch of each node line at the last solve.
+    pub(crate) stretch: Vec<T>,
+    /// Mode of each line at the last solve.
+    pub(crate) modes: Vec<Mode>,
+    /// `Quantity::Guards` of the last request.
+    pub(crate) guards: Vec<T>,
+    pub(crate) frozen: bool,
+    pub(crate) statistics: Statistics,
+}
+
+/// When and where a model is evaluated.
+pub(crate) struct Stage<'a, T, M> {
+    pub model: &'a M,
+    pub time: T,
+    pub state: &'a [T],
+    pub inputs: &'a [T],
+}
+
+/// Work of the solves since the last [`Nodes::reset_statistics`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Networks solved.
+    pub solves: u64,
+    /// Newton steps in all rungs.
+    pub iterations: u64,
+    /// The most Newton steps of one solve.
+    pub most: usize,
+    /// The highest rung needed.
+    pub rung: Rung,
+    /// Solves that ended with every line slack.
+    pub slack: u64,
+}
+
+impl<T: Float> Nodes<T> {
+    /// Room for the nodes of a layout; the only allocation.
+    #[must_use]
+    pub fn new(layout: &Layout) -> Self {
+        let list = |n: usize| vec![T::zero(); n];
+        Nodes {
+            plans: Plan::of(layout),
+            ends: list(layout.len(Quantity::Ends)),
+            nodes: list(3 * layout.nodes.len()),
+            effective: list(2 * layout.effective_lines),
+            hold: list(layout.lines.len()),
+            stretch: list(layout.lines.len()),
+            modes: vec![Mode::Free; layout.lines.len()],
+            guards: list(layout.len(Quantity::Guards)),
+            frozen: false,
+            statistics: Statistics::default(),
+            layout: layout.clone(),
+        }
+    }
+
+    /// The node unknowns of the last solve, for [`At::nodes`]: 3 a node, position [m], or velocity [m/s] of a `rate` node.
+    #[must_use]
+    pub fn nodes(&self) -> &[T] {
+        &self.nodes
+    }
+
+    /// K_e [N/m] and L_e [m] of the last solve, for [`At::effective`]. All zero for a slack network: no force, no stiffness.
+    #[must_use]
+    pub fn effective(&self) -> &[T] {
+        &self.effective
+    }
+
+    /// Modes of the last solve as numbers, for [`At::hold`].
+    #[must_use]
+    pub fn hold(&self) -> &[T] {
+        &self.hold
+    }
+
+    /// `Quantity::Ends` of the last solve, for [`At::ends`].
+    #[must_use]
+    pub fn ends(&self) -> &[T] {
+        &self.ends
+    }
+
+    /// Everything a model may read, with the unknowns of the last solve.
+    #[must_use]
+    pub fn at<'a>(&'a self, time: T, state: &'a [T], inputs: &'a [T]) -> At<'a, T> {
+        At {
+            time,
+            state,
+            nodes: &self.nodes,
+            effective: &self.effective,
+            hold: &self.hold,
+            ends: &self.ends,
+            inputs,
+        }
+    }
+
+    /// Work since the last reset.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// Forgets the statistics.
+    pub fn reset_statistics(&mut self) {
+        self.statistics = Statistics::default();
+    }
+
+    /// Whether the modes of damped lines stay as the memory holds them (`true`: runs with located events) or every stage decides anew.
+    pub fn freeze(&mut self, frozen: bool) {
+        self.frozen = frozen;
+    }
+
+    /// Places the nodes at a stage: `span` is the time since the last accepted step, 0 at its start [s].
+    ///
+    /// # Errors
+    /// [`NodeError`] for numbers that are not finite, lists of wrong length, or a network without a balance. The memory is only read.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the arguments of a pure evaluation: when, where, what is carried, scratch"
+    )]
+    pub fn solve<M: Model<T>>(
+        &mut self,
+        model: &M,
+        time: T,
+        span: T,
+        state: &[T],
+        inputs: &[T],
+        memory: &NodeMemory<T>,
+        work: &mut M::Work,
+    ) -> Result<(), NodeError> {
+        memory.check(&self.layout)?;
+        self.read_ends(model, time, state, inputs, work)?;
+        self.hold_lines(model, memory);
+        let stage = Stage {
+            model,
+            time,
+            state,
+            inputs,
+        };
+        let mut plans = std::mem::take(&mut self.plans);
+        let mut result = Ok(());
+        for plan in &mut plans {
+            let solved = match plan.model {
+                NodeModel::Rate => self.solve_rate(model, plan, state, memory),
+                NodeModel::Stepwise { .. } if span <= T::zero() => self.restore(plan, memory),
+                _ => {
+                    self.law(model, plan, span, memory);
+                    self.carry(plan, memory);
+                    self.balance(&stage, plan, work)
+                }
+            };
+            if solved.is_err() {
+                result = solved;
+                break;
+            }
+        }
+        self.plans = plans;
+        self.find_stretches(model);
+        result
+    }
+
+    /// Writes the memory after an accepted step of length `h` [s] whose last solve was at its end.
+    pub fn commit(&mut self, h: T, memory: &mut NodeMemory<T>) {
+        if memory.check(&self.layout).is_err() {
+            return;
+        }
+        let zero = T::zero();
+        for (plan, smooth) in self.plans.iter().zip(&mut memory.smooth) {
+            let taut = |stretch: &[T], line: &PlanLine| {
+                stretch.get(line.line).copied().unwrap_or_default() > zero
+            };
+            *smooth = plan
+                .lines
+                .iter()
+                .all(|line| taut(&self.stretch, line) == taut(&memory.stretch, line));
+        }
+        memory.previous.copy_from_slice(&memory.stretch);
+        memory.step = h;
+        self.record(memory);
+    }
+
+    /// Writes everything but the previous step into the memory.
+    pub(crate) fn record(&mut self, memory: &mut NodeMemory<T>) {
+        memory.stretch.copy_from_slice(&self.stretch);
+        memory.nodes.copy_from_slice(&self.nodes);
+        for plan in self.plans.iter().filter(|plan| plan.z.is_some()) {
+            for (&node, p) in plan.nodes.iter().zip(plan.p.chunks_exact(3)) {
+                memory.nodes[3 * node..3 * node + 3].copy_from_slice(p);
+            }
+        }
+        memory.effective.copy_from_slice(&self.effective);
+        memory.modes.copy_from_slice(&self.modes);
+        for (carried, now) in memory
+            .anchors
+            .chunks_exact_mut(3)
+            .zip(self.ends.chunks_exact(6))
+        {
+            carried.copy_from_slice(&now[..3]);
+        }
+    }
+
+    /// Reads the anchors and loads of this stage.
+    pub(crate) fn read_ends<M: Model<T>>(
+        &mut self,
+        model: &M,
+        time: T,
+        state: &[T],
+        inputs: &[T],
+        work: &mut M::Work,
+    ) -> Result<(), NodeError> {
+        NodeError::same_length("state", state.len(), self.layout.nx())?;
+        NodeError::same_length("inputs", inputs.len(), self.layout.ni)?;
+        NodeError::same_length("lines", model.lines().len(), self.layout.lines.len())?;
+        if self.plans.is_empty() {
+            return Ok(());
+        }
+        let mut ends = std::mem::take(&mut self.ends);
+        let at = self.at(time, state, inputs);
+        model.evaluate(Quantity::Ends, &at, work, &mut ends);
+        self.ends = ends;
+        NodeError::check_finite("anchors and loads of the nodes", &self.ends)?;
+        for plan in &mut self.plans {
+            plan.read_loads(&self.ends, self.layout.anchors.len());
+        }
+        Ok(())
+    }
+
+    /// Holds the damped lines outside nodes in their modes, if modes are frozen.
+    pub(crate) fn hold_lines<M: Model<T>>(&mut self, model: &M, memory: &NodeMemory<T>) {
+        for (index, (hold, mode)) in self.hold.iter_mut().zip(&mut self.modes).enumerate() {
+            *mode = Mode::Free;
+            *hold = T::zero();
+            if super::modes::has_mode(model, index)
+                && !super::modes::is_node_line(&self.layout, index)
+            {
+                *mode = memory.modes.get(index).copied().unwrap_or_default();
+                *hold = if self.frozen { mode.hold() } else { T::zero() };
+            }
+        }
+    }
+
+    /// The line law of a static or stepwise network at `span` after the last accepted step.
+    pub(crate) fn law<M: Model<T>>(
+        &self,
+        model: &M,
+        plan: &mut Plan<T>,
+        span: T,
+        memory: &NodeMemory<T>,
+    ) {
+        let smooth = memory.smooth.get(plan.index).copied().unwrap_or_default();
+        for ((line, k), l) in plan.lines.iter().zip(&mut plan.k).zip(&mut plan.l) {
+            let Some(numbers) = model.lines().get(line.line) else {
+                continue;
+            };
+            [*k, *l] = match plan.model {
+                NodeModel::Stepwise { formula, clamp } => {
+                    let of = |list: &[T]| list.get(line.line).copied().unwrap_or_default();
+                    let history = History {
+                        last: of(&memory.stretch),
+                        before: smooth.then(|| (of(&memory.previous), memory.step)),
+                    };
+                    effective(numbers, formula, clamp, span, history)
+                }
+                NodeModel::Static | NodeModel::Rate => [numbers.stiffness, numbers.free_length],
+            };
+        }
+    }
+
+    /// The law of a step of length `span` from the stretches in `memory`, first order: the consistent start of damped networks.
+    pub(crate) fn first_law<M: Model<T>>(model: &M, plan: &mut Plan<T>, span: T, stretch: &[T]) {
+        for ((line, k), l) in plan.lines.iter().zip(&mut plan.k).zip(&mut plan.l) {
+            if let Some(numbers) = model.lines().get(line.line) {
+                let history = History {
+                    last: stretch.get(line.line).copied().unwrap_or_default(),
+                    before: None,
+                };
+                [*k, *l] = effective(numbers, Difference::Euler, Clamp::Positive, span, history);
+            }
+        }
+    }
+
+    /// The start of a solve: the accepted node, carried with the mean displacement of its anchors.
+    fn carry(&self, plan: &mut Plan<T>, memory: &NodeMemory<T>) {
+        for ((&node, carriers), p) in plan
+            .nodes
+            .iter()
+            .zip(&plan.carriers)
+            .zip(plan.p.chunks_exact_mut(3))
+        {
+            let mut moved = triple(&memory.nodes, 3 * node);
+            let share = T::one() / T::from_f64(carriers.len().max(1) as f64);
+            for &anchor in carriers {
+                let step = triple(&self.ends, 6 * anchor) - triple(&memory.anchors, 3 * anchor);
+                moved += step.map(|x| share * x);
+            }
+            p.copy_from_slice(moved.as_slice());
+        }
+    }
+
+    /// The accepted node and forces again: the first stage of a step.
+    fn restore(&mut self, plan: &mut Plan<T>, memory: &NodeMemory<T>) -> Result<(), NodeError> {
+        for &node in &plan.nodes {
+            let slots = 3 * node..3 * node + 3;
+            self.nodes[slots.clone()].copy_from_slice(&memory.nodes[slots]);
+        }
+        for at in plan.lines.iter().filter_map(|line| line.effective) {
+            let slots = 2 * at..2 * at + 2;
+            self.effective[slots.clone()].copy_from_slice(&memory.effective[slots]);
+        }
+        Ok(())
+    }
+
+    /// Solves the balance of a static or stepwise network from `plan.p` with the law in `plan.k`, `plan.l`.
+    pub(crate) fn balance<M: Model<T>>(
+        &mut self,
+        stage: &Stage<'_, T, M>,
+        plan: &mut Plan<T>,
+        work: &mut M::Work,
+    ) -> Result<(), NodeError> {
+        let mut balance = SceneBalance {
+            model: stage.model,
+            work,
+            network: plan.index,
+            members: &plan.nodes,
+            lines: &plan.lines,
+            load: &plan.load,
+            time: stage.time,
+            state: stage.state,
+            inputs: stage.inputs,
+            ends: &self.ends,
+            hold: &self.hold,
+            nodes: &mut self.nodes,
+            effective: &mut self.effective,
+        };
+        let outcome = plan.solver.solve(
+            &mut balance,
+            &plan.k,
+            &plan.l,
+            &mut plan.p,
+            Tolerance::inside_step(),
+        );
+        balance.scatter(&plan.p, &plan.k, &plan.l);
+        self.statistics.count(&outcome);
+        match outcome {
+            Outcome::Taut { .. } => Ok(()),
+            Outcome::Slack { .. } => {
+                for at in plan.lines.iter().filter_map(|line| line.effective) {
+                    self.effective[2 * at..2 * at + 2].fill(T::zero());
+                }
+                Ok(())
+            }
+            Outcome::NotConverged {
+                residual,
+                iterations,
+            } => Err(NodeError::NotConverged {
+                node: plan.nodes.first().copied().unwrap_or_default(),
+                residual_n: residual.to_f64(),
+                iterations,
+            }),
+        }
+    }
+
+    /// Stretches of the node lines with the nodes where the last solve put them.
+    pub(crate) fn find_stretches<M: Model<T>>(&mut self, model: &M) {
+        let plans = std::mem::take(&mut self.plans);
+        for plan in &plans {
+            self.stretch_of(model, plan);
+        }
+        self.plans = plans;
+    }
+
+    /// Stretches of the lines of one network.
+    pub(crate) fn stretch_of<M: Model<T>>(&mut self, model: &M, plan: &Plan<T>) {
+        for line in &plan.lines {
+            let Some(numbers) = model.lines().get(line.line) else {
+                continue;
+            };
+            let vector = match (plan.z, line.ends) {
+                (Some(_), [LineEnd::Anchor(a), _] | [_, LineEnd::Anchor(a)]) => {
+                    triple(&self.ends, 6 * a) - triple(&plan.p, 0)
+                }
+                _ => vector(&line.ends, &self.ends, &self.nodes),
+            };
+            self.stretch[line.line] = line::geometry(&vector, numbers.free_length).stretch;
+        }
+    }
+}
+
+impl Statistics {
+    /// Counts one solve.
+    pub(crate) fn count<T>(&mut self, outcome: &Outcome<T>) {
+        self.solves += 1;
+        self.iterations += outcome.iterations() as u64;
+        self.most = self.most.max(outcome.iterations());
+        match outcome {
+            Outcome::Taut { rung, .. } => self.rung = self.rung.max(*rung),
+            Outcome::Slack { .. } => self.slack += 1,
+            Outcome::NotConverged { .. } => {}
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! How a simulation runs.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::StepError;
+use crate::integrate::Scales;
+
+/// The integrator and its step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Method {
+    /// Classical Runge–Kutta of order 4 at a fixed step.
+    Rk4 {
+        /// The step [s].
+        step: f64,
+    },
+    /// Tsitouras' pair of orders 5(4), adaptive.
+    Tsit5 {
+        /// Relative tolerance; absolute tolerances are this times [`Options::scales`].
+        rtol: f64,
+        /// The largest step [s]; infinite for none.
+        max_step: f64,
+    },
+}
+
+/// How a simulation runs. Start from [`Options::rk4`] or [`Options::tsit5`] and change fields.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Options {
+    /// The integrator.
+    pub method: Method,
+    /// Whether slack/taut switches and declared events are located: steps end on them, and the mode of every line is frozen inside a step. Without,
+    /// each line decides by itself at every stage and declared events are not looked for. Lines of static and stepwise nodes are never located.
+    pub locate: bool,
+    /// Whether a fixed step is watched for instability.
+    pub watch: bool,
+    /// The most accepted and rejected steps of one call.
+    pub max_steps: u64,
+    /// Whether the work of loads and dampers is integrated along with the run.
+    pub work: bool,
+    /// Whether a run stops on a declared event.
+    pub stop_at_events: bool,
+    /// What one unit of error is; by itself [`Scales::of`] the model.
+    pub scales: Option<Scales>,
+    /// How far a line must pass its switch to count as switching [m]; by itself 1e-10 of the length scale at fixed steps, the relative tolerance times
+    /// the length scale in adaptive runs. It must exceed the error of a step.
+    pub guard_tolerance: Option<f64>,
+}
+
+impl Options {
+    /// Fixed steps of RK4 [s]: switches located, stability watched.
+    #[must_use]
+    pub fn rk4(step: f64) -> Self {
+        Options {
+            method: Method::Rk4 { step },
+            locate: true,
+            watch: true,
+            max_steps: 10_000_000,
+            work: false,
+            stop_at_events: false,
+            scales: None,
+            guard_tolerance: None,
+        }
+    }
+
+    /// Adaptive steps at a relative tolerance: switches located.
+    #[must_use]
+    pub fn tsit5(rtol: f64) -> Self {
+        Options {
+            method: Method::Tsit5 {
+                rtol,
+                max_step: f64::INFINITY,
+            },
+            max_steps: 1_000_000,
+            ..Options::rk4(0.0)
+        }
+    }
+
+    /// Refuses numbers that cannot be used.
+    pub(crate) fn check(&self) -> Result<(), StepError> {
+        let positive = |slot: &str, value: f64, finite: bool| {
+            if value > 0.0 && (value.is_finite() || !finite) {
+                Ok(())
+            } else {
+                Err(StepError::InvalidInput {
+                    slot: slot.into(),
+                    value,
+                })
+            }
+        };
+        match self.method {
+            Method::Rk4 { step } => positive("step", step, true)?,
+            Method::Tsit5 { rtol, max_step } => {
+                positive("max_step", max_step, false)?;
+                positive("rtol", rtol, true)?;
+                // Above this nothing is resolved; below, a double cannot hold the answer: the run would only report a collapse of the step.
+                if rtol > 0.1 {
+                    return positive("rtol", -rtol, true);
+                }
+            }
+        }
+        if let Some(scales) = self.scales {
+            positive("scales.length", scales.length, true)?;
+            positive("scales.angle", scales.angle, true)?;
+            positive("scales.speed", scales.speed, true)?;
+            positive("scales.rate", scales.rate, true)?;
+        }
+        match self.guard_tolerance {
+            Some(tolerance) => positive("guard_tolerance", tolerance, true),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,348 @@
+//! One stage: inputs, then equilibrium points, then the state derivative.
+
+use mbd_scene::{At, Float, Model, Quantity};
+
+use crate::columns::{input_name, line_name, node_name, state_names};
+use crate::error::{Source, Statistics, StepError};
+use crate::integrate::Rates;
+use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
+
+/// What the caller supplies at each evaluation: inputs, external loads, external gravity, in the order of `Layout::inputs`.
+///
+/// A pure function of time and state: it is called at trial states which may be rejected.
+pub trait External<T> {
+    /// Writes every number of `out` (SI, world axes).
+    fn evaluate(&self, time: T, state: &[T], out: &mut [T]);
+
+    /// False when there is nothing to supply; a scene with inputs then refuses to run.
+    fn supplies(&self) -> bool {
+        true
+    }
+}
+
+/// No inputs and no external loads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NoLoads;
+
+impl<T> External<T> for NoLoads {
+    fn evaluate(&self, _time: T, _state: &[T], _out: &mut [T]) {}
+
+    fn supplies(&self) -> bool {
+        false
+    }
+}
+
+impl<T, E: External<T>> External<T> for &E {
+    fn evaluate(&self, time: T, state: &[T], out: &mut [T]) {
+        (**self).evaluate(time, state, out);
+    }
+
+    fn supplies(&self) -> bool {
+        (**self).supplies()
+    }
+}
+
+/// Integrals carried along behind the state: work of the loads and of the dampers [J].
+pub(crate) const WORKS: usize = 2;
+
+/// A model with everything it needs to be a right-hand side.
+pub(crate) struct System<'m, T: Float, M: Model<T>, E> {
+    pub model: &'m M,
+    pub external: E,
+    /// Node unknowns of the stage that was evaluated last.
+    pub nodes: Nodes<T>,
+    /// The same for looking inside a step, so that the end of the step stays untouched.
+    pub probe: Nodes<T>,
+    /// What the nodes and lines remember of the last accepted step.
+    pub memory: NodeMemory<T>,
+    /// Counters but those of the nodes.
+    pub counters: Statistics,
+    /// Largest | |q| − 1 | of a quaternion at the end of the last trial step, before it was normalised.
+    pub drift: f64,
+    /// Length of the state without the integrals behind it.
+    pub nx: usize,
+    inputs: Vec<T>,
+    quaternions: Vec<usize>,
+    energy: [T; 5],
+    work: M::Work,
+    /// Whether the work of loads and dampers is integrated along.
+    works: bool,
+}
+
+impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
+    pub(crate) fn new(model: &'m M, external: E, works: bool) -> Self {
+        let layout = model.layout();
+        System {
+            model,
+            external,
+            nodes: Nodes::new(layout),
+            probe: Nodes::new(layout),
+            memory: NodeMemory::new(layout),
+            counters: Statistics::default(),
+            drift: 0.0,
+            nx: layout.nx(),
+            inputs: vec![T::zero(); layout.ni],
+            quaternions: layout.bodies.iter().map(|slots| slots.q + 3).collect(),
+            energy: [T::zero(); 5],
+            work: model.work(),
+            works,
+        }
+    }
+
+    /// Length of the state with the integrals behind it.
+    pub(crate) fn length(&self) -> usize {
+        self.nx + if self.works { WORKS } else { 0 }
+    }
+
+    /// Places the nodes and decides the modes of the lines, for the start of a run.
+    pub(crate) fn start(
+        &mut self,
+        time: f64,
+        state: &mut [T],
+        guess: Option<&[T]>,
+    ) -> Result<(), StepError> {
+        let state = state.get_mut(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        let t = T::from_f64(time);
+        self.nodes
+            .start(
+                self.model,
+                t,
+                state,
+                &self.inputs,
+                guess,
+                &mut self.memory,
+                &mut self.work,
+            )
+            .map_err(|error| self.node_error(time, error))
+    }
+
+    /// Reads the inputs and solves the nodes at a state inside a step, without touching the stage that was evaluated last.
+    pub(crate) fn look(&mut self, time: f64, span: f64, state: &[T]) -> Result<(), StepError> {
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        self.probe
+            .solve(
+                self.model,
+                T::from_f64(time),
+                T::from_f64(span),
+                state,
+                &self.inputs,
+                &self.memory,
+                &mut self.work,
+            )
+            .map_err(|error| self.node_error(time, error))
+    }
+
+    /// A quantity at the state that [`System::look`] saw last.
+    pub(crate) fn seen(&mut self, what: Quantity, time: f64, state: &[T], out: &mut [T]) {
+        let at = At {
+            time: T::from_f64(time),
+            state: state.get(..self.nx).unwrap_or_default(),
+            nodes: self.probe.nodes(),
+            effective: self.probe.effective(),
+            hold: self.probe.hold(),
+            ends: &[],
+            inputs: &self.inputs,
+        };
+        self.model.evaluate(what, &at, &mut self.work, out);
+    }
+
+    /// Whether the modes of lines are kept between located events, or decided at every stage.
+    pub(crate) fn frozen(&mut self, frozen: bool) {
+        self.nodes.freeze(frozen);
+        self.probe.freeze(frozen);
+    }
+
+    /// The mode of every line.
+    pub(crate) fn modes(&self) -> &[Mode] {
+        self.memory.modes()
+    }
+
+    /// Changes the modes of lines at an accepted state, and of what hangs on them.
+    pub(crate) fn switch(
+        &mut self,
+        time: f64,
+        state: &[T],
+        switches: &[(usize, Mode)],
+    ) -> Result<(), StepError> {
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        let t = T::from_f64(time);
+        self.nodes
+            .switch(
+                self.model,
+                t,
+                state,
+                &self.inputs,
+                switches,
+                &mut self.memory,
+                &mut self.work,
+            )
+            .map_err(|error| self.node_error(time, error))
+    }
+
+    /// Puts nodes back on the line or plane that balance keeps them on; true when the state changed.
+    pub(crate) fn project(&self, state: &mut [T]) -> bool {
+        self.nodes
+            .project(state.get_mut(..self.nx).unwrap_or_default())
+    }
+
+    /// The last solve was at the end of a step that is accepted.
+    pub(crate) fn commit(&mut self, step: f64) {
+        self.nodes.commit(T::from_f64(step), &mut self.memory);
+    }
+
+    /// Makes every quaternion a unit quaternion; returns the largest | |q| − 1 | there was. A zero quaternion stays.
+    pub(crate) fn normalise(&self, state: &mut [T]) -> f64 {
+        let mut drift: f64 = 0.0;
+        for &at in &self.quaternions {
+            let Some(quaternion) = state.get_mut(at..at + 4) else {
+                continue;
+            };
+            let square = quaternion.iter().fold(T::zero(), |sum, x| sum + *x * *x);
+            let norm = square.sqrt();
+            drift = drift.max((norm.to_f64() - 1.0).abs());
+            if norm > T::zero() && norm.is_finite() {
+                for x in quaternion {
+                    *x /= norm;
+                }
+            }
+        }
+        drift
+    }
+
+    fn supply(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        if self.inputs.is_empty() {
+            return Ok(());
+        }
+        self.external
+            .evaluate(T::from_f64(time), state, &mut self.inputs);
+        match self.inputs.iter().position(|x| !x.is_finite()) {
+            None => Ok(()),
+            Some(index) => Err(StepError::NonFinite {
+                time,
+                source: Source::Load(input_name(self.model.scene(), self.model.layout(), index)),
+            }),
+        }
+    }
+
+    #[cold]
+    fn node_error(&self, time: f64, error: NodeError) -> StepError {
+        let (scene, layout) = (self.model.scene(), self.model.layout());
+        let name = |node: usize| {
+            let point = layout.nodes.get(node).map_or(usize::MAX, |node| node.point);
+            node_name(scene, point).to_owned()
+        };
+        match error {
+            NodeError::NotConverged {
+                node,
+                residual_n,
+                iterations,
+            } => StepError::NoEquilibrium {
+                point: name(node),
+                time,
+                residual_n,
+                iterations: iterations as u64,
+            },
+            NodeError::InvalidLine { line, what, value } => StepError::InvalidInput {
+                slot: format!("{what} of line {}", line_name(scene, line)),
+                value,
+            },
+            NodeError::NotFinite { .. } => StepError::NonFinite {
+                time,
+                source: Source::Node(name(0)),
+            },
+            NodeError::Unsupported { node, why } => StepError::Unsupported {
+                what: format!("the node model of `{}`", name(node)),
+                instead: why.to_owned(),
+            },
+            NodeError::Shape { what, found, .. } => StepError::InvalidInput {
+                slot: format!("length of {what}"),
+                value: found as f64,
+            },
+        }
+    }
+
+    /// Counters, those of the node solver included.
+    pub(crate) fn statistics(&self) -> Statistics {
+        let nodes = self.nodes.statistics();
+        Statistics {
+            node_solves: nodes.solves,
+            node_iterations: nodes.iterations,
+            node_iterations_max: nodes.most as u64,
+            node_rung: match nodes.rung {
+                _ if nodes.solves == 0 => 0,
+                Rung::Warm => 1,
+                Rung::Homotopy => 2,
+                Rung::Search => 3,
+            },
+            ..self.counters
+        }
+    }
+
+    #[cold]
+    fn not_finite(&self, time: f64, index: usize) -> StepError {
+        let names = state_names(self.model.scene(), self.model.layout());
+        let name = names
+            .into_iter()
+            .nth(index)
+            .map_or_else(|| "work".into(), |name| name.name);
+        StepError::NonFinite {
+            time,
+            source: Source::State(name),
+        }
+    }
+
+    /// The name of a line.
+    pub(crate) fn line(&self, line: usize) -> String {
+        line_name(self.model.scene(), line).to_owned()
+    }
+}
+
+impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
+    fn rates(&mut self, time: f64, span: f64, state: &[T], out: &mut [T]) -> Result<(), StepError> {
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        let t = T::from_f64(time);
+        self.nodes
+            .solve(
+                self.model,
+                t,
+                T::from_f64(span),
+                state,
+                &self.inputs,
+                &self.memory,
+                &mut self.work,
+            )
+            .map_err(|error| self.node_error(time, error))?;
+        self.counters.rhs = self.counters.rhs.saturating_add(1);
+        let at = At {
+            time: t,
+            state,
+            nodes: self.nodes.nodes(),
+            effective: self.nodes.effective(),
+            hold: self.nodes.hold(),
+            ends: &[],
+            inputs: &self.inputs,
+        };
+        let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
+        self.model
+            .evaluate(Quantity::Derivative, &at, &mut self.work, derivative);
+        if !works.is_empty() {
+            self.model
+                .evaluate(Quantity::Energy, &at, &mut self.work, &mut self.energy);
+            for (work, power) in works.iter_mut().zip(self.energy.iter().skip(3)) {
+                *work = *power;
+            }
+        }
+        match out.iter().position(|x| !x.is_finite()) {
+            None => Ok(()),
+            Some(index) => Err(self.not_finite(time, index)),
+        }
+    }
+
+    fn settle(&mut self, state: &mut [T]) {
+        self.drift = self.normalise(state);
+    }
+}

@@ -1,0 +1,323 @@
+//! The history of a run: named columns with units.
+
+use std::io::{self, Write};
+
+use mbd_scene::{Dimension, Float, Layout, Model, Quantity, Scene};
+
+use crate::columns::{Name, line_name, node_name, state_names};
+use crate::error::{Statistics, StepError};
+use crate::system::{External, System, WORKS};
+
+/// When a row is written.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sampling {
+    /// At the start and after every accepted step, located events included.
+    Steps,
+    /// Every so many seconds from the first row on, by the interpolant of the method.
+    Every(f64),
+    /// At these times, increasing [s].
+    At(Vec<f64>),
+}
+
+/// What a row holds besides the time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Content {
+    /// All coordinates of the state.
+    pub state: bool,
+    /// Positions of nodes that are not part of the state, velocities of `rate` nodes.
+    pub nodes: bool,
+    /// Tension [N] and stretch [m] of every line.
+    pub lines: bool,
+    /// The declared outputs.
+    pub outputs: bool,
+    /// Kinetic, gravitational and elastic energy and their sum [J], power of loads and dampers [W], and their work [J] when the run integrates it.
+    pub energy: bool,
+}
+
+impl Content {
+    /// Everything.
+    pub const ALL: Content = Content {
+        state: true,
+        nodes: true,
+        lines: true,
+        outputs: true,
+        energy: true,
+    };
+    /// Line tensions and declared outputs only.
+    pub const RESULTS: Content = Content {
+        state: false,
+        nodes: false,
+        lines: true,
+        outputs: true,
+        energy: false,
+    };
+}
+
+/// Named columns over time. Angular velocities, positions and forces are those of the state and the declaration: world axes unless named `body`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trajectory {
+    names: Vec<Name>,
+    columns: Vec<Vec<f64>>,
+    row: Vec<f64>,
+    content: Content,
+    sampling: Sampling,
+    first: f64,
+    /// Rows written, and the index of the next grid time.
+    next: usize,
+    /// Located events: time [s] and name (`chute_open`, `riser: taut`).
+    pub events: Vec<(f64, String)>,
+    /// Counters of the run at its last row.
+    pub statistics: Statistics,
+}
+
+impl Trajectory {
+    /// An empty history of a model.
+    #[must_use]
+    pub fn new<T: Float, M: Model<T>>(model: &M, sampling: Sampling, content: Content) -> Self {
+        let (scene, layout) = (model.scene(), model.layout());
+        let names = names(scene, layout, content);
+        Trajectory {
+            columns: vec![Vec::new(); names.len()],
+            row: Vec::with_capacity(names.len()),
+            names,
+            content,
+            sampling,
+            first: f64::NAN,
+            next: 0,
+            events: Vec::new(),
+            statistics: Statistics::default(),
+        }
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    /// Whether nothing was recorded yet.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The column `time`, or any other by name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        let index = self.names.iter().position(|column| column.name == name)?;
+        self.columns.get(index).map(Vec::as_slice)
+    }
+
+    /// Names and units of the columns, in order.
+    #[must_use]
+    pub fn names(&self) -> &[Name] {
+        &self.names
+    }
+
+    /// The time of every row [s].
+    #[must_use]
+    pub fn times(&self) -> &[f64] {
+        self.columns.first().map_or(&[], Vec::as_slice)
+    }
+
+    /// Writes comma-separated values; the header holds names with units, `riser.tension [N]`.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn to_csv(&self, mut to: impl Write) -> io::Result<()> {
+        for (index, column) in self.names.iter().enumerate() {
+            let comma = if index == 0 { "" } else { "," };
+            match column.unit.as_str() {
+                "" => write!(to, "{comma}{}", column.name)?,
+                unit => write!(to, "{comma}{} [{unit}]", column.name)?,
+            }
+        }
+        writeln!(to)?;
+        for row in 0..self.len() {
+            for (index, column) in self.columns.iter().enumerate() {
+                if index > 0 {
+                    write!(to, ",")?;
+                }
+                let value = column.get(row).copied().unwrap_or(f64::NAN);
+                let size = value.abs();
+                if value == 0.0 {
+                    write!(to, "0")?;
+                } else if (1e-4..1e15).contains(&size) {
+                    write!(to, "{value}")?;
+                } else {
+                    write!(to, "{value:e}")?;
+                }
+            }
+            writeln!(to)?;
+        }
+        to.flush()
+    }
+
+    /// The next time a row is due, if rows follow a grid.
+    pub(crate) fn due(&self) -> Option<f64> {
+        match &self.sampling {
+            Sampling::Steps => None,
+            Sampling::Every(interval) => Some(self.first + self.next as f64 * interval),
+            Sampling::At(times) => Some(times.get(self.next).copied().unwrap_or(f64::INFINITY)),
+        }
+    }
+
+    /// Prepares for a run that starts at `time`; grid times before it are skipped. True when a row is due at the start.
+    pub(crate) fn open(&mut self, time: f64) -> Result<bool, StepError> {
+        if let Sampling::Every(interval) = self.sampling
+            && !(interval > 0.0 && interval.is_finite())
+        {
+            return Err(StepError::InvalidInput {
+                slot: "sampling interval".into(),
+                value: interval,
+            });
+        }
+        if self.first.is_nan() {
+            self.first = time;
+        }
+        while self.due().is_some_and(|due| due < time - resolution(time)) {
+            self.next += 1;
+        }
+        Ok(match self.due() {
+            Some(due) => due <= time + resolution(time),
+            None => self.times().last() != Some(&time),
+        })
+    }
+
+    /// Adds a row at the state that `system` looks at.
+    pub(crate) fn push<T: Float, M: Model<T>, E: External<T>>(
+        &mut self,
+        system: &mut System<'_, T, M, E>,
+        time: f64,
+        span: f64,
+        state: &[T],
+        scratch: &mut [T],
+    ) -> Result<(), StepError> {
+        system.look(time, span, state)?;
+        let layout = system.model.layout();
+        self.row.clear();
+        self.row.push(time);
+        if self.content.state {
+            self.row
+                .extend(state.iter().take(layout.nx()).map(|x| x.to_f64()));
+            self.row.push(system.drift);
+        }
+        if self.content.nodes {
+            self.row
+                .extend(system.probe.nodes().iter().map(|x| x.to_f64()));
+        }
+        if self.content.lines {
+            let lines = read(system, Quantity::Lines, time, state, scratch);
+            for line in lines.chunks_exact(10) {
+                self.row
+                    .extend(line.iter().step_by(2).take(2).map(|x| x.to_f64()));
+            }
+        }
+        if self.content.outputs {
+            let outputs = read(system, Quantity::Outputs, time, state, scratch);
+            self.row.extend(outputs.iter().map(|x| x.to_f64()));
+        }
+        if self.content.energy {
+            let energy = read(system, Quantity::Energy, time, state, scratch);
+            self.row.extend(energy.iter().take(3).map(|x| x.to_f64()));
+            self.row
+                .push(energy.iter().take(3).map(|x| x.to_f64()).sum());
+            self.row.extend(energy.iter().skip(3).map(|x| x.to_f64()));
+            let works = state.iter().skip(layout.nx()).map(|x| x.to_f64());
+            self.row.extend(works.chain([f64::NAN; WORKS]).take(WORKS));
+        }
+        for (column, value) in self.columns.iter_mut().zip(&self.row) {
+            column.push(*value);
+        }
+        self.next += 1;
+        self.statistics = system.statistics();
+        Ok(())
+    }
+}
+
+/// A quantity at the state that `system` looked at last.
+fn read<'s, T: Float, M: Model<T>, E: External<T>>(
+    system: &mut System<'_, T, M, E>,
+    what: Quantity,
+    time: f64,
+    state: &[T],
+    scratch: &'s mut [T],
+) -> &'s [T] {
+    let list = scratch
+        .get_mut(..system.model.layout().len(what))
+        .unwrap_or_default();
+    system.seen(what, time, state, list);
+    list
+}
+
+/// Times closer than this are the same time.
+pub(crate) fn resolution(time: f64) -> f64 {
+    16.0 * f64::EPSILON * time.abs().max(1e-6)
+}
+
+fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
+    let mut names = vec![Name::new("time", "", "s")];
+    if content.state {
+        names.extend(state_names(scene, layout));
+        names.push(Name::new("quaternion_drift", "", ""));
+    }
+    if content.nodes {
+        for node in &layout.nodes {
+            let (components, unit) = match node.z {
+                None => (["x", "y", "z"], "m"),
+                Some(_) => (["vx", "vy", "vz"], "m/s"),
+            };
+            let owner = node_name(scene, node.point);
+            names.extend(components.map(|component| Name::new(owner, component, unit)));
+        }
+    }
+    if content.lines {
+        for line in 0..scene.lines.len() {
+            names.push(Name::new(line_name(scene, line), "tension", "N"));
+            names.push(Name::new(line_name(scene, line), "stretch", "m"));
+        }
+    }
+    if content.outputs {
+        for output in &scene.outputs {
+            let unit = si_text(output.unit.dimension, &output.unit.text, output.unit.factor);
+            match output.components {
+                1 => names.push(Name::new(&output.name, "", &unit)),
+                _ => names.extend(["x", "y", "z"].map(|c| Name::new(&output.name, c, &unit))),
+            }
+        }
+    }
+    if content.energy {
+        names.extend(
+            ["kinetic", "gravitational", "elastic", "total"]
+                .map(|kind| Name::new("energy", kind, "J")),
+        );
+        names.extend(["loads", "dampers"].map(|kind| Name::new("power", kind, "W")));
+        names.extend(["loads", "dampers"].map(|kind| Name::new("work", kind, "J")));
+    }
+    names
+}
+
+/// The SI unit of a dimension: the declared text where it is SI already, else the base units.
+fn si_text(dimension: Dimension, text: &str, factor: f64) -> String {
+    if factor == 1.0 {
+        return text.to_owned();
+    }
+    let base = [
+        ("kg", dimension.mass),
+        ("m", dimension.length),
+        ("s", dimension.time),
+    ];
+    let mut unit = String::new();
+    for (symbol, twice) in base.into_iter().filter(|(_, twice)| *twice != 0) {
+        if !unit.is_empty() {
+            unit.push('*');
+        }
+        unit.push_str(symbol);
+        match twice {
+            2 => {}
+            _ if twice % 2 == 0 => unit.push_str(&format!("^{}", twice / 2)),
+            _ => unit.push_str(&format!("^({twice}/2)")),
+        }
+    }
+    unit
+}

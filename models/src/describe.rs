@@ -1,0 +1,344 @@
+//! What a scene contains, as tables: for `mbd check` and for the first page of a report.
+
+use mbd_compiler::Equations;
+use mbd_runtime::scene::laws::Numbers;
+use mbd_runtime::scene::{
+    Clamp, Cost, Difference, Differentiated, Gravity, Layout, LineKind, NodeModel, Place,
+    PointKind, Quantity, Scene, Variable,
+};
+
+use crate::report::{Cell, Table};
+
+/// How many of each thing the scene has.
+#[must_use]
+pub fn counts(scene: &Scene) -> Table {
+    let layout = Layout::new(scene);
+    let kind = |kind: LineKind| scene.lines.iter().filter(|line| line.kind == kind).count();
+    let rows: [(&str, usize); 14] = [
+        ("bodies", scene.bodies.len()),
+        ("points with mass", scene.points.len() - layout.nodes.len()),
+        ("equilibrium points", layout.nodes.len()),
+        (
+            "networks of them, each solved together",
+            layout.networks.len(),
+        ),
+        ("lines (tension only)", kind(LineKind::Line)),
+        ("springs (both ways)", kind(LineKind::Spring)),
+        ("loads", scene.loads.len()),
+        ("coordinates q", layout.nq),
+        ("speeds v", layout.nv),
+        ("states of equilibrium points", layout.nz),
+        ("numbers from the caller at each evaluation", layout.ni),
+        ("params (live)", scene.params.len()),
+        ("consts (folded)", scene.consts.len()),
+        ("columns of outputs", layout.columns),
+    ];
+    let mut table = Table::new(format!("Scene {}", scene.name))
+        .column("what", "")
+        .column("number", "");
+    for (what, number) in rows {
+        table.push([what.into(), number.into()]);
+    }
+    table.note(format!("gravity: {}", gravity(&scene.gravity)))
+}
+
+fn gravity(gravity: &Gravity) -> &'static str {
+    match gravity {
+        Gravity::None => "none",
+        Gravity::Uniform { .. } => "uniform",
+        Gravity::PointMass { .. } => "point mass",
+        Gravity::Oblate { .. } => "oblate planet (J2)",
+        Gravity::Field => "from the caller",
+    }
+}
+
+/// The things of the scene, one table a kind; kinds the scene has none of are left out. Numbers are those of the default params.
+#[must_use]
+pub fn things(scene: &Scene) -> Vec<Table> {
+    let defaults: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+    let numbers = Numbers::new(scene, &defaults);
+    let mut tables = vec![
+        bodies(scene, &numbers),
+        points(scene, &numbers),
+        lines(scene, &numbers),
+        params(scene),
+    ];
+    tables.retain(|table| !table.is_empty());
+    tables
+}
+
+fn bodies(scene: &Scene, numbers: &Numbers<f64>) -> Table {
+    let mut table = Table::new("Bodies")
+        .column("name", "")
+        .column("mass", "kg")
+        .column("frames", "");
+    for (body, numbers) in scene.bodies.iter().zip(&numbers.bodies) {
+        let frames: Vec<&str> = body
+            .frames
+            .iter()
+            .map(|frame| frame.name.as_str())
+            .collect();
+        let cells = [body.name.as_str().into(), numbers.mass.into()];
+        table.push(cells.into_iter().chain([frames.join(", ").into()]));
+    }
+    table
+}
+
+fn points(scene: &Scene, numbers: &Numbers<f64>) -> Table {
+    let mut table = Table::new("Points")
+        .column("name", "")
+        .column("model", "")
+        .column("mass", "kg")
+        .column("lines", "");
+    for (index, point) in scene.points.iter().enumerate() {
+        let (model, mass) = match point.kind {
+            PointKind::Mass(_) => {
+                let mass = numbers.points.get(index).map(|(mass, _)| *mass);
+                ("point with mass", mass)
+            }
+            PointKind::Node(model) => (node_model(model), None),
+        };
+        let here = Place::Point(index);
+        let lines = scene.lines.iter();
+        let ends = lines.filter(|line| line.from == here || line.to == here);
+        let names: Vec<&str> = ends.map(|line| line.name.as_str()).collect();
+        let cells = [point.name.as_str().into(), model.into(), mass.into()];
+        table.push(cells.into_iter().chain([names.join(", ").into()]));
+    }
+    table
+}
+
+/// The model of an equilibrium point in the words of the declaration.
+#[must_use]
+pub fn node_model(model: NodeModel) -> &'static str {
+    match model {
+        NodeModel::Static => "static",
+        NodeModel::Rate => "rate",
+        NodeModel::Stepwise { formula, clamp } => match (formula, clamp) {
+            (Difference::Euler, Clamp::Positive) => "stepwise (euler)",
+            (Difference::Bdf2, Clamp::Positive) => "stepwise (bdf2)",
+            (Difference::Euler, Clamp::Literal) => "stepwise (euler, literal clamp)",
+            (Difference::Bdf2, Clamp::Literal) => "stepwise (bdf2, literal clamp)",
+        },
+    }
+}
+
+fn lines(scene: &Scene, numbers: &Numbers<f64>) -> Table {
+    let mut table = Table::new("Lines")
+        .column("name", "")
+        .column("from", "")
+        .column("to", "")
+        .column("free length", "m")
+        .column("stiffness", "N/m")
+        .column("damping", "N s/m");
+    for (line, numbers) in scene.lines.iter().zip(&numbers.lines) {
+        let words = [
+            line.name.clone(),
+            place(scene, line.from),
+            place(scene, line.to),
+        ];
+        let law = [numbers.free_length, numbers.stiffness, numbers.damping];
+        table.push(words.map(Cell::from).into_iter().chain(law.map(Cell::from)));
+    }
+    table
+}
+
+/// A place in the words of the declaration: `capsule.bridle[0]`, `confluence`, `world.anchor`.
+fn place(scene: &Scene, place: Place) -> String {
+    match place {
+        Place::World(0) => "world".to_string(),
+        Place::World(frame) => {
+            let frame = scene.world_frames.get(frame);
+            format!("world.{}", frame.map_or("?", |frame| &frame.name))
+        }
+        Place::Body(body, frame) => {
+            let body = scene.bodies.get(body);
+            let frame = body.and_then(|body| body.frames.get(frame));
+            let name = body.map_or("?", |body| &body.name);
+            format!("{name}.{}", frame.map_or("?", |frame| &frame.name))
+        }
+        Place::Point(point) => scene
+            .points
+            .get(point)
+            .map_or_else(|| "?".to_string(), |point| point.name.clone()),
+    }
+}
+
+/// The live numbers in the units of their declaration.
+#[must_use]
+pub fn params(scene: &Scene) -> Table {
+    let mut table = Table::new("Params")
+        .column("name", "")
+        .column("default", "")
+        .column("from", "")
+        .column("to", "")
+        .column("unit", "")
+        .column("what", "");
+    for param in &scene.params {
+        let factor = if param.unit.factor > 0.0 {
+            param.unit.factor
+        } else {
+            1.0
+        };
+        let [low, high] = param
+            .range
+            .map_or([None; 2], |range| range.map(|end| Some(end / factor)));
+        table.push([
+            param.name.as_str().into(),
+            (param.default / factor).into(),
+            low.into(),
+            high.into(),
+            param.unit.text.as_str().into(),
+            param.doc.trim().into(),
+        ]);
+    }
+    table
+}
+
+/// Operations of every quantity of the scene.
+#[must_use]
+pub fn operations(equations: &Equations) -> Table {
+    let mut table = Table::new("Operations of one evaluation")
+        .column("quantity", "")
+        .column("all", "")
+        .column("+ −", "")
+        .column("×", "")
+        .column("÷", "")
+        .column("√", "")
+        .column("sin cos exp", "")
+        .column("select", "");
+    let mut add = |name: String, cost: Cost| {
+        let kinds = [
+            cost.total(),
+            cost.adds,
+            cost.muls,
+            cost.divs,
+            cost.sqrts,
+            cost.trigs,
+            cost.selects,
+        ];
+        table.push([Cell::from(name)].into_iter().chain(kinds.map(Cell::from)));
+    };
+    add(
+        "terms of the params alone, once".to_string(),
+        equations.derived.cost(),
+    );
+    for (what, program) in &equations.programs {
+        add(quantity(*what), program.cost());
+    }
+    table
+}
+
+/// A quantity in words.
+fn quantity(what: Quantity) -> String {
+    let words = match what {
+        Quantity::Ends => "ends of the node lines",
+        Quantity::Equilibrium(network) => {
+            return format!("equilibrium of network {network}, one iteration");
+        }
+        Quantity::Derivative => "derivative of the state",
+        Quantity::Balance => "balance of the equilibrium points",
+        Quantity::Guards => "guards of the events",
+        Quantity::Outputs => "outputs",
+        Quantity::Energy => "energy",
+        Quantity::Momentum => "momentum",
+        Quantity::MassMatrix => "mass matrix",
+        Quantity::BiasForce => "bias force",
+        Quantity::Forces => "applied forces",
+        Quantity::Lines => "lines and their stiffness",
+        Quantity::NodeByAnchor(network) => return format!("∂node/∂anchor of network {network}"),
+        Quantity::CondensedStiffness(network) => {
+            return format!("condensed stiffness of network {network}");
+        }
+        Quantity::Partial(of, by) => {
+            let of = match of {
+                Differentiated::Derivative => "derivative",
+                Differentiated::Balance => "balance",
+                Differentiated::Outputs => "outputs",
+            };
+            let by = match by {
+                Variable::State => "state",
+                Variable::Node => "node",
+                Variable::Parameter => "params",
+            };
+            return format!("∂{of}/∂{by}");
+        }
+    };
+    words.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mbd_runtime::scene::{Formula, Line, Parameter, Point, Unit};
+
+    /// A point of 2 kg between two lines.
+    fn swing() -> Scene {
+        let line = |name: &str| Line {
+            name: name.into(),
+            doc: String::new(),
+            kind: LineKind::Line,
+            from: Place::World(0),
+            to: Place::Point(0),
+            free_length: Formula::Number(1.5),
+            stiffness: Formula::Param(0),
+            damping: Formula::Number(0.0),
+        };
+        Scene {
+            name: "Swing".into(),
+            params: vec![Parameter {
+                name: "k".into(),
+                doc: " Stiffness of both lines.".into(),
+                default: 47e3,
+                range: Some([1e3, 1e6]),
+                unit: Unit {
+                    text: "kN/m".into(),
+                    factor: 1e3,
+                    ..Unit::default()
+                },
+            }],
+            points: vec![Point {
+                name: "bob".into(),
+                doc: String::new(),
+                kind: PointKind::Mass(Formula::Number(2.0)),
+            }],
+            lines: vec![line("left"), line("right")],
+            world_frames: vec![mbd_runtime::scene::Frame {
+                name: "world".into(),
+                position: [0.0; 3].map(Formula::Number),
+                rotation: None,
+            }],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn a_scene_without_bodies_lists_none_and_shows_params_in_their_own_unit() {
+        let text: Vec<String> = things(&swing()).iter().map(Table::text).collect();
+        let text = text.join("\n");
+        assert!(!text.contains("Bodies"));
+        assert!(
+            text.contains("bob")
+                && text.contains("point with mass")
+                && text.contains("left, right")
+        );
+        assert!(text.contains("47.00") && text.contains("kN/m"));
+        assert!(text.contains("47000"));
+    }
+
+    #[test]
+    fn a_point_and_two_lines_have_six_states() {
+        let text = counts(&swing()).text();
+        assert!(
+            text.contains("coordinates q                                    3"),
+            "{text}"
+        );
+        assert!(text.contains("gravity: none"));
+    }
+
+    #[test]
+    fn every_quantity_of_a_scene_has_its_operations() {
+        let text = operations(&Equations::trace(&swing())).text();
+        assert!(text.contains("derivative of the state") && text.contains("∂derivative/∂params"));
+    }
+}

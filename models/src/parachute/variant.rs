@@ -1,0 +1,298 @@
+//! The ways to model the confluence, and one flight with any of them.
+
+use std::fmt;
+use std::time::Instant as Clock;
+
+use mbd_runtime::{Content, Model, Options, ParamError, RunError, Sampling, Simulation, Statistics, Trajectory};
+
+use super::scene::{
+    Instant, ParachuteEuler, ParachuteEulerParams, ParachuteLiteral, ParachuteLiteralParams, ParachuteMass, ParachuteMassParams,
+    ParachuteRate, ParachuteRateParams, ParachuteStatic, ParachuteStaticParams, ParachuteStepwise, ParachuteStepwiseParams, TestCase,
+};
+
+/// A model of the confluence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Confluence {
+    /// A point with mass [kg], its lines damped or not.
+    Mass(f64, Damping),
+    /// An equilibrium point of undamped lines.
+    Static,
+    /// An equilibrium point, damping by the second-order difference.
+    Stepwise,
+    /// An equilibrium point, damping by the first-order difference.
+    Euler,
+    /// The paper's formula taken literally.
+    Literal,
+    /// An equilibrium point with its exact velocity.
+    Rate,
+}
+
+/// Whether the lines of a point with mass are damped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Damping {
+    /// As declared.
+    On,
+    /// C = 0.
+    Off,
+}
+
+impl Confluence {
+    /// `mass`, `static`, `stepwise` or `rate`.
+    #[must_use]
+    pub fn node(self) -> &'static str {
+        match self {
+            Confluence::Mass(..) => "mass",
+            Confluence::Static => "static",
+            Confluence::Stepwise | Confluence::Euler | Confluence::Literal => "stepwise",
+            Confluence::Rate => "rate",
+        }
+    }
+
+    /// What distinguishes it among those of the same [`Confluence::node`].
+    #[must_use]
+    pub fn detail(self) -> &'static str {
+        match self {
+            Confluence::Mass(_, Damping::On) | Confluence::Rate => "damped",
+            Confluence::Mass(_, Damping::Off) | Confluence::Static => "undamped",
+            Confluence::Stepwise => "damped, BDF2",
+            Confluence::Euler => "damped, Euler",
+            Confluence::Literal => "damped, literal clamp",
+        }
+    }
+
+    /// The mass at the confluence [kg]; zero for an equilibrium point.
+    #[must_use]
+    pub fn mass_kg(self) -> f64 {
+        match self {
+            Confluence::Mass(kg, _) => kg,
+            _ => 0.0,
+        }
+    }
+
+    /// Whether the lines are damped.
+    #[must_use]
+    pub fn is_damped(self) -> bool {
+        !matches!(self, Confluence::Mass(_, Damping::Off) | Confluence::Static)
+    }
+
+    /// The model whose exact solution is the reference of this one: itself for a point with mass, `static` and `rate` for the others.
+    #[must_use]
+    pub fn exact(self) -> Self {
+        match self {
+            Confluence::Mass(..) | Confluence::Static => self,
+            _ => Confluence::Rate,
+        }
+    }
+
+    /// A short name for files, `mass_0.1kg_undamped`.
+    #[must_use]
+    pub fn slug(self) -> String {
+        match self {
+            Confluence::Mass(kg, damping) => {
+                format!("mass_{kg}kg{}", if damping == Damping::On { "" } else { "_undamped" })
+            }
+            Confluence::Euler => "stepwise_euler".into(),
+            Confluence::Literal => "stepwise_literal".into(),
+            _ => self.node().into(),
+        }
+    }
+}
+
+impl fmt::Display for Confluence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Confluence::Mass(kg, _) => write!(f, "point of {kg} kg, {}", self.detail()),
+            _ => write!(f, "equilibrium point, {} ({})", self.node(), self.detail()),
+        }
+    }
+}
+
+/// A flight to be made.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The model of the confluence.
+    pub confluence: Confluence,
+    /// Where it starts.
+    pub from: Instant,
+    /// When it ends [s].
+    pub until: f64,
+    /// The integrator.
+    pub options: Options,
+    /// The rows to keep.
+    pub sampling: Sampling,
+}
+
+impl Plan {
+    /// A test case from its start.
+    #[must_use]
+    pub fn new(case: TestCase, confluence: Confluence, options: Options, until: f64) -> Self {
+        Plan { confluence, from: Instant::start(case), until, options, sampling: Sampling::At(vec![until]) }
+    }
+
+    /// The same with rows at these times.
+    #[must_use]
+    pub fn sampled(mut self, times: &[f64]) -> Self {
+        self.sampling = Sampling::At(times.to_vec());
+        self
+    }
+
+    /// The same with a row after every step.
+    #[must_use]
+    pub fn every_step(mut self) -> Self {
+        self.sampling = Sampling::Steps;
+        self
+    }
+}
+
+/// What a flight left.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    /// Its history: line tensions and outputs.
+    pub history: Trajectory,
+    /// Its counters.
+    pub statistics: Statistics,
+    /// Where it ended.
+    pub end: Instant,
+    /// Wall time [s].
+    pub wall_s: f64,
+}
+
+impl Flight {
+    /// The riser force of every row [N].
+    #[must_use]
+    pub fn riser(&self) -> &[f64] {
+        self.history.column("riser_force").unwrap_or(&[])
+    }
+
+    /// The time of every row [s].
+    #[must_use]
+    pub fn times(&self) -> &[f64] {
+        self.history.times()
+    }
+}
+
+/// Why a flight could not be made.
+#[derive(Debug)]
+pub enum FlightError {
+    /// Parameters outside their declaration.
+    Params(ParamError),
+    /// The run stopped.
+    Run(RunError),
+}
+
+impl fmt::Display for FlightError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FlightError::Params(error) => error.fmt(f),
+            FlightError::Run(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for FlightError {}
+
+impl From<ParamError> for FlightError {
+    fn from(error: ParamError) -> Self {
+        FlightError::Params(error)
+    }
+}
+
+impl From<RunError> for FlightError {
+    fn from(error: RunError) -> Self {
+        FlightError::Run(error)
+    }
+}
+
+/// Makes a flight with the generated model of its confluence.
+///
+/// # Errors
+/// Parameters outside their declaration, or what stopped the run.
+pub fn fly(plan: &Plan) -> Result<Flight, FlightError> {
+    match plan.confluence {
+        Confluence::Mass(kg, damping) => {
+            let mut params = ParachuteMassParams { m_point: kg, ..ParachuteMassParams::default() };
+            if damping == Damping::Off {
+                params.riser_c = 0.0;
+                params.leg_c = 0.0;
+            }
+            fly_model(plan, &ParachuteMass::new(params)?)
+        }
+        Confluence::Static => fly_model(plan, &ParachuteStatic::new(ParachuteStaticParams::default())?),
+        Confluence::Stepwise => fly_model(plan, &ParachuteStepwise::new(ParachuteStepwiseParams::default())?),
+        Confluence::Euler => fly_model(plan, &ParachuteEuler::new(ParachuteEulerParams::default())?),
+        Confluence::Literal => fly_model(plan, &ParachuteLiteral::new(ParachuteLiteralParams::default())?),
+        Confluence::Rate => fly_model(plan, &ParachuteRate::new(ParachuteRateParams::default())?),
+    }
+}
+
+/// Makes a flight with any model of the scene.
+///
+/// # Errors
+/// What stopped the run.
+pub fn fly_model<M: Model<f64>>(plan: &Plan, model: &M) -> Result<Flight, FlightError> {
+    let mut simulation = Simulation::new(model, plan.options)?;
+    simulation.set_state(plan.from.time, &state(model, &plan.from))?;
+    if owner(model) == Owner::Solver {
+        simulation.set_nodes(&plan.from.point)?;
+    }
+    let content = Content { state: false, nodes: false, lines: true, outputs: true, energy: false };
+    let mut history = Trajectory::new(model, plan.sampling.clone(), content);
+    let clock = Clock::now();
+    simulation.record(plan.until, &mut history)?;
+    let wall_s = clock.elapsed().as_secs_f64();
+    let end = instant(owner(model), simulation.time(), simulation.state(), simulation.nodes());
+    Ok(Flight { history, statistics: simulation.statistics(), end, wall_s })
+}
+
+/// Who owns the position of the confluence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Owner {
+    /// It is a coordinate, and has a speed.
+    Coordinate,
+    /// It is a node state.
+    NodeState,
+    /// The node solver finds it.
+    Solver,
+}
+
+fn owner<M: Model<f64>>(model: &M) -> Owner {
+    let layout = model.layout();
+    match (layout.nodes.is_empty(), layout.nz) {
+        (true, _) => Owner::Coordinate,
+        (false, 0) => Owner::Solver,
+        (false, _) => Owner::NodeState,
+    }
+}
+
+/// The state [q | v | z] of a model of the scene at an instant.
+#[must_use]
+pub fn state<M: Model<f64>>(model: &M, at: &Instant) -> Vec<f64> {
+    let owner = owner(model);
+    let mut state = at.q.to_vec();
+    if owner == Owner::Coordinate {
+        state.extend(at.point);
+    }
+    state.extend(at.v);
+    match owner {
+        Owner::Coordinate => state.extend(at.velocity),
+        Owner::NodeState => state.extend(at.point),
+        Owner::Solver => {}
+    }
+    state
+}
+
+/// The instant a state stands for. `nodes` are node positions, or velocities where the position is a state. A confluence found by the solver
+/// has no speed of its own; the capsule's stands for it.
+fn instant(owner: Owner, time: f64, state: &[f64], nodes: &[f64]) -> Instant {
+    fn list<const N: usize>(from: &[f64], at: usize) -> [f64; N] {
+        std::array::from_fn(|i| from.get(at + i).copied().unwrap_or(f64::NAN))
+    }
+    let q = list(state, 0);
+    let v: [f64; 12] = list(state, if owner == Owner::Coordinate { 17 } else { 14 });
+    let (point, velocity) = match owner {
+        Owner::Coordinate => (list(state, 14), list(state, 29)),
+        Owner::NodeState => (list(state, 26), list(nodes, 0)),
+        Owner::Solver => (list(nodes, 0), list(&v, 6)),
+    };
+    Instant { time, q, v, point, velocity }
+}

@@ -1,0 +1,25 @@
+//! Pictures and reports: what a run leaves behind for people.
+//!
+//! - [`Figure`] draws line plots as SVG: axes with units, legend, several [`Series`] that stay apart in black and white.
+//! - [`Table`] is one table for the terminal, the report and a CSV file.
+//! - [`Report`] is one HTML file that needs no network.
+//! - [`Spectrum`] says which frequencies a history contains.
+//!
+//! Everything here is a pure function of its input: the same data give the same bytes.
+
+mod axis;
+mod figure;
+mod html;
+mod look;
+mod number;
+mod spectrum;
+mod svg;
+mod table;
+mod trace;
+
+pub use figure::{Figure, Series};
+pub use html::Report;
+pub use look::Look;
+pub use number::significant;
+pub use spectrum::{Peak, Spectrum};
+pub use table::{Cell, Table};
