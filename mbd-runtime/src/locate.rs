@@ -286,7 +286,6 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         }
         self.system.switch(self.time, &self.state, switches)?;
         for &(line, mode) in switches {
-            self.margins.switch(line, mode);
             self.note(Happening::Line(line, mode));
             let counters = &mut self.system.counters;
             counters.switches = counters.switches.saturating_add(1);
@@ -323,17 +322,6 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         }
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)
-    }
-
-    /// Decides which undamped lines are taut, at the start of a run.
-    pub(crate) fn begin_edges(&mut self) -> Result<(), StepError> {
-        if self.margins.is_empty() {
-            return Ok(());
-        }
-        self.inside.copy_from_slice(&self.state);
-        self.read_margins(self.time, 0.0)?;
-        self.margins.take_edges(&self.scratch);
-        Ok(())
     }
 
     /// Margins and sides at the accepted state, in the modes of now.

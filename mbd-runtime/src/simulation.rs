@@ -15,7 +15,7 @@ use crate::node::{Mode, NodeMemory};
 use crate::options::{Method, Options};
 use crate::system::{External, NoLoads, System};
 use crate::trajectory::{Trajectory, resolution};
-use crate::watch::{Watch, suggestion};
+use crate::watch::{NEGLIGIBLE, Watch, suggestion};
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub struct Snapshot<T> {
     memory: NodeMemory<T>,
     control: Option<Control>,
     watch: Watch,
-    flags: Vec<bool>,
+    sides: Vec<bool>,
     drift: f64,
 }
 
@@ -67,6 +67,7 @@ pub struct Simulation<'m, T: Float, M: Model<T>, E = NoLoads> {
     pub(crate) crossed: Vec<usize>,
     pace: Pace,
     watch: Watch,
+    watch_weight: f64,
     /// Fixed steps count from here, so that time does not accumulate rounding.
     origin: f64,
     count: u64,
@@ -145,6 +146,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
             margins,
             pace,
             watch: Watch::default(),
+            watch_weight: 1.0,
             origin: 0.0,
             count: 0,
             options,
@@ -258,7 +260,6 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
                 self.method.exponent,
             );
         }
-        self.begin_edges()?;
         self.begin_margins(&mut |_| ())
     }
 
@@ -359,7 +360,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
                 Pace::Adaptive(control, _) => Some(control.clone()),
             },
             watch: self.watch,
-            flags: self.margins.flags().collect(),
+            sides: self.margins.sides.clone(),
             drift: self.system.drift,
         }
     }
@@ -370,7 +371,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
     /// A snapshot of another model or method; and what the first evaluation may return.
     pub fn restore(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
         let fits = snapshot.state.len() == self.state.len()
-            && snapshot.flags.len() == self.margins.flags().count()
+            && snapshot.sides.len() == self.margins.sides.len()
             && snapshot.control.is_some() == matches!(self.pace, Pace::Adaptive(..));
         if !fits {
             return Err(self.failed(StepError::Unsupported {
@@ -385,11 +386,13 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         self.system.memory = snapshot.memory.clone();
         self.system.drift = snapshot.drift;
         self.watch = snapshot.watch;
-        self.margins.set_flags(&snapshot.flags);
+        self.margins.sides.copy_from_slice(&snapshot.sides);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
             *control = saved.clone();
         }
         self.started = true;
+        let weight = self.system.watch_weight(self.time, &self.state);
+        self.watch_weight = weight.map_err(|cause| self.failed(cause))?;
         let begun = self.method.begin(&mut self.system, self.time, &self.state);
         let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));
         begun.map_err(|cause| self.failed(cause))
@@ -602,7 +605,8 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         if !self.options.watch || !matches!(self.pace, Pace::Fixed(_)) {
             return Ok(());
         }
-        let stiffness = self.method.stiffness();
+        let layout = self.system.model.layout();
+        let stiffness = self.method.stiffness(layout.nq..layout.nq + layout.nv, self.watch_weight, NEGLIGIBLE);
         if self.watch.sees(stiffness) {
             return Err(StepError::UnstableStep {
                 step_size: step,

@@ -150,7 +150,7 @@ pub fn parachute(file: &Value, node: PointKind) -> Scene {
     let p = &file["parameters"];
     let number = |name: &str| p[name].as_f64().unwrap_or_else(|| panic!("{name}"));
     let inertia =
-        |name: &str| ["t1", "t1", "roll"].map(|axis| p[name][axis].as_f64().unwrap_or_default());
+        |name: &str| ["t1", "t2", "roll"].map(|axis| p[name][axis].as_f64().unwrap_or_default());
     let mut scene = empty("Parachute");
     scene.gravity = Gravity::PointMass {
         mu: number("mu").into(),
