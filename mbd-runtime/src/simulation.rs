@@ -68,6 +68,8 @@ pub struct Simulation<'m, T: Float, M: Model<T>, E = NoLoads> {
     pace: Pace,
     watch: Watch,
     watch_weight: f64,
+    /// Whether the stability watch runs.
+    watched: bool,
     /// Fixed steps count from here, so that time does not accumulate rounding.
     origin: f64,
     count: u64,
@@ -102,6 +104,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         let scales = options.scales.unwrap_or_else(|| Scales::of(model));
         let mut system = System::new(model, loads, options.work);
         system.frozen(options.locate);
+        let fixed = matches!(options.method, Method::Rk4 { .. });
         let length = system.length();
         let (method, pace, tolerance) = match options.method {
             Method::Rk4 { step } => (Explicit::new(&RK4, length), Pace::Fixed(step), 1e-10),
@@ -147,6 +150,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
             pace,
             watch: Watch::default(),
             watch_weight: 1.0,
+            watched: options.watch && fixed && stepwise(model).is_none(),
             origin: 0.0,
             count: 0,
             options,
@@ -602,11 +606,15 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
     }
 
     fn watch_step(&mut self, step: f64) -> Result<(), StepError> {
-        if !self.options.watch || !matches!(self.pace, Pace::Fixed(_)) {
+        if !self.watched {
             return Ok(());
         }
         let layout = self.system.model.layout();
-        let stiffness = self.method.stiffness(layout.nq..layout.nq + layout.nv, self.watch_weight, NEGLIGIBLE);
+        let stiffness = self.method.stiffness(
+            layout.nq..layout.nq + layout.nv,
+            self.watch_weight,
+            NEGLIGIBLE,
+        );
         if self.watch.sees(stiffness) {
             return Err(StepError::UnstableStep {
                 step_size: step,
@@ -722,15 +730,11 @@ fn offered<T: Float, M: Model<T>>(
     supplies: bool,
 ) -> Result<(), StepError> {
     let (scene, layout) = (model.scene(), model.layout());
-    let stepwise = layout
-        .nodes
-        .iter()
-        .find(|node| matches!(node.model, NodeModel::Stepwise { .. }));
-    if let (Some(node), Method::Tsit5 { .. }) = (stepwise, options.method) {
+    if let (Some(point), Method::Tsit5 { .. }) = (stepwise(model), options.method) {
         return Err(StepError::Unsupported {
             what: format!(
                 "an adaptive method with the `stepwise` node `{}`",
-                node_name(scene, node.point)
+                node_name(scene, point)
             ),
             instead: "take Method::Rk4 with a fixed step, or declare the node `rate` or `static`"
                 .into(),
@@ -748,4 +752,13 @@ fn offered<T: Float, M: Model<T>>(
         });
     }
     Ok(())
+}
+
+/// The first point with a `stepwise` node.
+fn stepwise<T: Float, M: Model<T>>(model: &M) -> Option<usize> {
+    let nodes = &model.layout().nodes;
+    nodes
+        .iter()
+        .find(|node| matches!(node.model, NodeModel::Stepwise { .. }))
+        .map(|node| node.point)
 }

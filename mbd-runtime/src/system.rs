@@ -5,8 +5,8 @@ use mbd_scene::{At, Float, Model, Quantity};
 use crate::columns::{input_name, line_name, node_name, state_names};
 use crate::error::{Source, Statistics, StepError};
 use crate::integrate::Rates;
-use crate::watch;
 use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
+use crate::watch;
 
 /// What the caller supplies at each evaluation: inputs, external loads, external gravity, in the order of `Layout::inputs`.
 ///

@@ -36,7 +36,11 @@ impl Watch {
 /// The weight ω² of the norm above [1/s²], from the mass matrix (dense, row by row).
 pub(crate) fn weight<T: Float, M: Model<T>>(model: &M, mass_matrix: &[T]) -> f64 {
     let (scene, layout) = (model.scene(), model.layout());
-    let mass = |v: usize| mass_matrix.get(v * (layout.nv + 1)).map_or(0.0, |m| m.to_f64());
+    let mass = |v: usize| {
+        mass_matrix
+            .get(v * (layout.nv + 1))
+            .map_or(0.0, |m| m.to_f64())
+    };
     let bodies = layout.bodies.iter().enumerate();
     let bodies = bodies.map(|(body, slots)| (slots.v, Owner::Body(body)));
     let points = layout.points.iter().enumerate();
@@ -46,10 +50,20 @@ pub(crate) fn weight<T: Float, M: Model<T>>(model: &M, mass_matrix: &[T]) -> f64
     });
     let mut largest: f64 = 0.0;
     for (v, owner) in bodies.chain(points) {
-        let attached = scene.lines.iter().zip(model.lines()).filter(|(line, _)| owner.holds(line.from) || owner.holds(line.to));
-        let stiffness: f64 = attached.map(|(_, numbers)| numbers.stiffness.to_f64()).sum();
+        let attached = scene
+            .lines
+            .iter()
+            .zip(model.lines())
+            .filter(|(line, _)| owner.holds(line.from) || owner.holds(line.to));
+        let stiffness: f64 = attached
+            .map(|(_, numbers)| numbers.stiffness.to_f64())
+            .sum();
         let rate = stiffness / mass(v);
-        largest = if rate.is_finite() { largest.max(rate) } else { largest };
+        largest = if rate.is_finite() {
+            largest.max(rate)
+        } else {
+            largest
+        };
     }
     largest.max(1.0)
 }

@@ -145,7 +145,11 @@ impl<T: Float> Explicit<T> {
         let (mut above, mut below, mut size) = (T::zero(), T::zero(), T::zero());
         for (index, ((a, b), c)) in k1.iter().zip(k2).zip(k3).enumerate() {
             let (first, second) = (*b - *a, *c - *b);
-            let weight = if speeds.contains(&index) { T::one() } else { weight };
+            let weight = if speeds.contains(&index) {
+                T::one()
+            } else {
+                weight
+            };
             size += weight * *a * *a;
             below += weight * first * first;
             above += weight * second * second;
