@@ -1,7 +1,7 @@
 //! The compiler of `mbd`: a declaration becomes a scene, its laws become equations, the equations a program, the program Rust.
 
-mod describe;
 mod check;
+mod describe;
 mod differentiate;
 mod emit;
 mod equations;
@@ -10,6 +10,7 @@ mod interpret;
 mod lexeme;
 mod messages;
 mod names;
+mod number;
 mod operation;
 mod outline;
 mod program;
@@ -22,7 +23,9 @@ pub use emit::{NameSpans, Settings, emit};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Mask, Node, Slot, Term, recorded, session};
 pub use interpret::{Interpreted, Registers};
+pub use messages::similar::nearest;
 pub use messages::{Location, Message, Place};
+pub use number::read_number;
 pub use operation::{Binary, Comparison, Op, Unary};
 pub use outline::{Outline, Piece, outline};
 pub use program::{Instruction, Operand, Program, Register};
