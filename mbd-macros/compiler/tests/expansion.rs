@@ -41,7 +41,10 @@ fn the_parachute() {
 #[test]
 fn the_same_scene_gives_the_same_tokens() {
     for scene in scenes::all() {
-        let settings = Settings { verify: true, ..Settings::default() };
+        let settings = Settings {
+            verify: true,
+            ..Settings::default()
+        };
         assert_eq!(formatted(&scene, &settings), formatted(&scene, &settings));
     }
 }

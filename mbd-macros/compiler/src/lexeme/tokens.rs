@@ -42,15 +42,14 @@ impl Lexer {
                         Some(TokenTree::Group(group)) => doc_of(group),
                         _ => None,
                     };
-                    let at = match &doc {
-                        Some(text) => self.spanned(Kind::Doc(text.clone()), sign.span()),
-                        None => self.spanned(Kind::Sign('#'), sign.span()),
+                    let kind = match doc {
+                        Some(text) => {
+                            tokens.next();
+                            Kind::Doc(text)
+                        }
+                        None => Kind::Sign('#'),
                     };
-                    if doc.is_some() {
-                        tokens.next();
-                    } else {
-                        messages.push(say::attribute(at.into()));
-                    }
+                    self.spanned(kind, sign.span());
                 }
                 TokenTree::Punct(sign) => {
                     self.spanned(Kind::Sign(sign.as_char()), sign.span());
