@@ -1,5 +1,7 @@
 //! One step of an explicit Runge–Kutta method.
 
+use std::ops::Range;
+
 use mbd_scene::Float;
 
 use super::Rates;
@@ -132,21 +134,28 @@ impl<T: Float> Explicit<T> {
         combine(state, T::from_f64(step), weights, &self.stages, out);
     }
 
-    /// 2 |k₃ − k₂| / |k₂ − k₁|: step times the largest rate of the system, as the stages of RK4 show it.
-    pub(crate) fn stiffness(&self) -> f64 {
+    /// 2 |k₃ − k₂| / |k₂ − k₁|: step times the largest rate of the system, as the stages of RK4 show it; zero where the stages agree to
+    /// `negligible` of k₁. In |·|² rates of positions (the state outside `speeds`) are weighted by `weight`, the square of a frequency.
+    pub(crate) fn stiffness(&self, speeds: Range<usize>, weight: f64, negligible: f64) -> f64 {
         let mut stages = self.stages.chunks_exact(self.length.max(1));
         let (Some(k1), Some(k2), Some(k3)) = (stages.next(), stages.next(), stages.next()) else {
             return 0.0;
         };
-        let mut above = T::zero();
-        let mut below = T::zero();
-        for ((a, b), c) in k1.iter().zip(k2).zip(k3) {
+        let weight = T::from_f64(weight);
+        let (mut above, mut below, mut size) = (T::zero(), T::zero(), T::zero());
+        for (index, ((a, b), c)) in k1.iter().zip(k2).zip(k3).enumerate() {
             let (first, second) = (*b - *a, *c - *b);
-            below += first * first;
-            above += second * second;
+            let weight = if speeds.contains(&index) {
+                T::one()
+            } else {
+                weight
+            };
+            size += weight * *a * *a;
+            below += weight * first * first;
+            above += weight * second * second;
         }
-        let (above, below) = (above.to_f64(), below.to_f64());
-        if below > 0.0 {
+        let (above, below, size) = (above.to_f64(), below.to_f64(), size.to_f64());
+        if below > 0.0 && above > negligible * negligible * size {
             2.0 * (above / below).sqrt()
         } else {
             0.0
@@ -156,13 +165,6 @@ impl<T: Float> Explicit<T> {
     /// The rates at the start of the step.
     pub(crate) fn first(&self) -> &[T] {
         self.stages.get(..self.length).unwrap_or(&[])
-    }
-
-    /// The rates at the end of the last attempt.
-    pub(crate) fn last(&self) -> &[T] {
-        self.stages
-            .get(self.stages.len() - self.length..)
-            .unwrap_or(&[])
     }
 }
 
