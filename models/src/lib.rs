@@ -3,3 +3,4 @@
 pub mod describe;
 pub mod progress;
 pub mod report;
+pub mod run;

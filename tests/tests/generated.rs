@@ -1,0 +1,72 @@
+//! Generated code against the interpreter, to the bit, and against the laws on numbers, to rounding.
+
+mod dozen;
+
+use mbd_compiler::Interpreted;
+use mbd_runtime::Generic;
+use mbd_scene::{Model, Quantity};
+use models::parachute::scene::{ParachuteEuler, ParachuteLiteral, ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise};
+use tests::assert_close;
+use tests::instant::{Instant, value};
+use tests::random::Random;
+use tests::random_scene::random_scene;
+
+/// The seeds of the scenes that are compiled; all others of the property tests are interpreted.
+const DOZEN: std::ops::Range<u64> = 0..12;
+
+/// Every quantity of a generated model at random instants: bits of the interpreter, 1e-12 of the generic solver.
+fn agrees<M: Model<f64>>(model: &M) {
+    let scene = model.scene().clone();
+    let name = scene.name.clone();
+    let interpreted = Interpreted::new(scene.clone(), model.params()).expect("the generated model accepted these parameters");
+    let generic = Generic::new(scene.clone(), model.params()).expect("the generated model accepted these parameters");
+    assert_eq!(model.layout(), generic.layout(), "{name}: the declaration and its layout survive code generation");
+    let mut random = Random::new(7);
+    for _ in 0..20 {
+        let instant = Instant::random(&scene, &mut random);
+        for what in model.layout().quantities() {
+            let (generated, interpreted) = (value(model, what, &instant), value(&interpreted, what, &instant));
+            for (i, (a, b)) in generated.iter().zip(&interpreted).enumerate() {
+                assert!(a.to_bits() == b.to_bits(), "{name}, {what:?}[{i}]: generated {a:e}, interpreted {b:e}");
+            }
+            let relative = if matches!(what, Quantity::NodeByAnchor(_) | Quantity::CondensedStiffness(_)) { 1e-9 } else { 1e-12 };
+            assert_close(&generated, &value(&generic, what, &instant), relative, 1e-12, &format!("{name}, {what:?}"));
+        }
+    }
+}
+
+#[test]
+fn generated_parachutes_are_the_interpreter_to_the_bit_and_the_laws_to_rounding() {
+    agrees(&ParachuteMass::<f64>::new(Default::default()).expect("defaults"));
+    agrees(&ParachuteStatic::<f64>::new(Default::default()).expect("defaults"));
+    agrees(&ParachuteStepwise::<f64>::new(Default::default()).expect("defaults"));
+    agrees(&ParachuteEuler::<f64>::new(Default::default()).expect("defaults"));
+    agrees(&ParachuteLiteral::<f64>::new(Default::default()).expect("defaults"));
+    agrees(&ParachuteRate::<f64>::new(Default::default()).expect("defaults"));
+}
+
+#[test]
+fn a_dozen_random_scenes_compile_and_agree() {
+    macro_rules! dozen {
+        ($($name:ident)*) => { $( agrees(&dozen::$name::<f64>::new(Default::default()).expect("defaults")); )* };
+    }
+    dozen!(Random0 Random1 Random2 Random3 Random4 Random5 Random6 Random7 Random8 Random9 Random10 Random11);
+}
+
+#[test]
+fn the_compiled_dozen_is_what_the_generator_of_random_scenes_writes() {
+    let mut text = String::from("//! A dozen random scenes, compiled. Written by the test beside it with `UPDATE_GOLDEN=1`; do not edit.\n");
+    for seed in DOZEN {
+        text += "\nmbd_runtime::model! {\n";
+        for line in random_scene(seed).lines() {
+            text += &format!("    {line}\n");
+        }
+        text += "}\n";
+    }
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/dozen/mod.rs");
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(path, &text).expect("the repository can be written");
+    }
+    let written = std::fs::read_to_string(path).expect("the file is part of the repository");
+    assert!(written == text, "tests/dozen/mod.rs is out of date: run with UPDATE_GOLDEN=1");
+}
