@@ -12,7 +12,7 @@
 //! Rejected: taking the start of a step as a sign change (just after a switch a margin is ±0 there, and the search would stand still), and looking at
 //! the end of a step only (a margin can leave and return inside it).
 
-use mbd_scene::{Direction, Float, LineEnd, LineKind, Model, NodeModel};
+use mbd_scene::{Direction, Float, Layout, LineEnd, LineKind, Model, NodeModel, PointSlots};
 
 use crate::node::Mode;
 
@@ -57,8 +57,15 @@ pub(crate) struct Margins {
     watched: Vec<Watched>,
     /// Whether each declared event's guard is positive now.
     pub sides: Vec<bool>,
-    /// How far a line's margin must be passed to count [m].
+    /// How far a line's margin must be passed to count, in this step [m].
     pub tolerance: f64,
+    /// The smallest tolerance [m].
+    floor: f64,
+    /// The longest C/K of a watched line [s].
+    delay: f64,
+    /// Where the state holds places and velocities along which lines stretch.
+    places: Vec<usize>,
+    speeds: Vec<usize>,
     /// Margins at the start of the step, at the last two looks.
     pub start: Vec<f64>,
     pub before: Vec<f64>,
@@ -103,10 +110,32 @@ impl Margins {
             watched,
             sides: vec![false; scene.events.len()],
             tolerance,
+            floor: tolerance,
+            delay: model
+                .lines()
+                .iter()
+                .map(|n| (n.damping / n.stiffness).to_f64())
+                .fold(0.0, f64::max),
+            places: blocks(layout, Kind::Place),
+            speeds: blocks(layout, Kind::Speed),
             start: vec![0.0; count],
             before: vec![0.0; count],
             now: vec![0.0; count],
         }
+    }
+
+    /// Raises the tolerance to what a step with this error resolves: an error of a place, and of a velocity through C ṡ/K. A smaller tolerance
+    /// switches lines on the integrator's noise.
+    pub(crate) fn resolve<T: Float>(&mut self, error: &[T]) {
+        let largest = |list: &[usize]| {
+            let sizes = list
+                .iter()
+                .filter_map(|at| error.get(*at))
+                .map(|x| x.to_f64().abs());
+            sizes.fold(0.0, f64::max)
+        };
+        let resolved = largest(&self.places) + self.delay * largest(&self.speeds);
+        self.tolerance = self.floor.max(resolved);
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -222,6 +251,30 @@ impl Margins {
             }
         }
     }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Place,
+    Speed,
+}
+
+/// Indices of the places (bodies, points, nodes) or of the linear velocities in the state.
+fn blocks(layout: &Layout, kind: Kind) -> Vec<usize> {
+    let masses = layout.points.iter().filter_map(|slots| match slots {
+        PointSlots::Mass(slots) => Some(*slots),
+        PointSlots::Node(_) => None,
+    });
+    let owners = layout.bodies.iter().copied().chain(masses);
+    let first = owners.map(|slots| match kind {
+        Kind::Place => slots.q,
+        Kind::Speed => layout.nq + slots.v,
+    });
+    let mut all: Vec<usize> = first.flat_map(|at| at..at + 3).collect();
+    if kind == Kind::Place {
+        all.extend(layout.nq + layout.nv..layout.nx());
+    }
+    all
 }
 
 /// The distance to the other side; a guard at zero is on the negative side.

@@ -65,6 +65,10 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         if self.margins.is_empty() {
             return Ok(None);
         }
+        if self.noisy {
+            let (error, _) = self.method.estimate(step);
+            self.margins.resolve(error);
+        }
         let looks = if self.margins.restless(self.system.modes()) {
             LOOKS
         } else {

@@ -41,7 +41,7 @@ pub struct Options {
     pub stop_at_events: bool,
     /// What one unit of error is; by itself [`Scales::of`] the model.
     pub scales: Option<Scales>,
-    /// How far a line must pass its switch to count as switching [m]; by itself 1e-10 of the length scale at fixed steps, the relative tolerance times
+    /// How far a line must pass its switch to count as switching [m]; by itself the error of each step as its stages show it at fixed steps, the relative tolerance times
     /// the length scale in adaptive runs. It must exceed the error of a step.
     pub guard_tolerance: Option<f64>,
 }

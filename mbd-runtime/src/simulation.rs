@@ -55,11 +55,13 @@ pub struct Simulation<'m, T: Float, M: Model<T>, E = NoLoads> {
     pub(crate) switches: Vec<(usize, Mode)>,
     /// Room for which declared events happened.
     pub(crate) crossed: Vec<usize>,
+    /// Whether the guard tolerance follows the error of each step: fixed steps without a tolerance of their own.
+    pub(crate) noisy: bool,
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,
     watch: Watch,
-    watch_weight: f64,
+    watch_weights: Vec<T>,
     /// Whether the stability watch runs.
     watched: bool,
     /// Fixed steps count from here, so that time does not accumulate rounding.
@@ -139,10 +141,11 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
             switches: Vec::with_capacity(layout.lines.len()),
             crossed: Vec::with_capacity(layout.events),
             margins,
+            noisy: fixed && options.guard_tolerance.is_none(),
             stalled: f64::NAN,
             pace,
             watch: Watch::default(),
-            watch_weight: 1.0,
+            watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(model).is_none(),
             origin: 0.0,
             count: 0,

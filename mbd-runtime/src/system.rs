@@ -149,12 +149,12 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         self.model.evaluate(what, &at, &mut self.work, out);
     }
 
-    /// The weight of rates of positions in the stability watch.
-    pub(crate) fn watch_weight(&mut self, time: f64, state: &[T]) -> Result<f64, StepError> {
+    /// The weights of the stability watch's norm.
+    pub(crate) fn watch_weights(&mut self, time: f64, state: &[T]) -> Result<Vec<T>, StepError> {
         let mut mass = vec![T::zero(); self.model.layout().len(Quantity::MassMatrix)];
         self.look(time, 0.0, state)?;
         self.seen(Quantity::MassMatrix, time, state, &mut mass);
-        Ok(watch::weight(self.model, &mass))
+        Ok(watch::weights(self.model, &mass))
     }
 
     /// Whether the modes of lines are kept between located events, or decided at every stage.

@@ -1,7 +1,5 @@
 //! One step of an explicit Runge–Kutta method.
 
-use std::ops::Range;
-
 use mbd_scene::Float;
 
 use super::Rates;
@@ -135,24 +133,18 @@ impl<T: Float> Explicit<T> {
     }
 
     /// 2 |k₃ − k₂| / |k₂ − k₁|: step times the largest rate of the system, as the stages of RK4 show it; zero where the stages agree to
-    /// `negligible` of k₁. In |·|² rates of positions (the state outside `speeds`) are weighted by `weight`, the square of a frequency.
-    pub(crate) fn stiffness(&self, speeds: Range<usize>, weight: f64, negligible: f64) -> f64 {
+    /// `negligible` of k₁. |k|² = Σ weight k².
+    pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {
         let mut stages = self.stages.chunks_exact(self.length.max(1));
         let (Some(k1), Some(k2), Some(k3)) = (stages.next(), stages.next(), stages.next()) else {
             return 0.0;
         };
-        let weight = T::from_f64(weight);
         let (mut above, mut below, mut size) = (T::zero(), T::zero(), T::zero());
-        for (index, ((a, b), c)) in k1.iter().zip(k2).zip(k3).enumerate() {
+        for (((a, b), c), weight) in k1.iter().zip(k2).zip(k3).zip(weights) {
             let (first, second) = (*b - *a, *c - *b);
-            let weight = if speeds.contains(&index) {
-                T::one()
-            } else {
-                weight
-            };
-            size += weight * *a * *a;
-            below += weight * first * first;
-            above += weight * second * second;
+            size += *weight * *a * *a;
+            below += *weight * first * first;
+            above += *weight * second * second;
         }
         let (above, below, size) = (above.to_f64(), below.to_f64(), size.to_f64());
         if below > 0.0 && above > negligible * negligible * size {

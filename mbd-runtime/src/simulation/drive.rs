@@ -221,12 +221,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         if !self.watched {
             return Ok(());
         }
-        let layout = self.system.model.layout();
-        let stiffness = self.method.stiffness(
-            layout.nq..layout.nq + layout.nv,
-            self.watch_weight,
-            NEGLIGIBLE,
-        );
+        let stiffness = self.method.stiffness(&self.watch_weights, NEGLIGIBLE);
         if self.watch.sees(stiffness) {
             return Err(StepError::UnstableStep {
                 step_size: step,

@@ -20,6 +20,7 @@ pub struct Snapshot<T> {
     memory: NodeMemory<T>,
     control: Option<Control>,
     watch: Watch,
+    watch_weights: Vec<T>,
     sides: Vec<bool>,
     drift: f64,
 }
@@ -39,6 +40,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
                 Pace::Adaptive(control, _) => Some(control.clone()),
             },
             watch: self.watch,
+            watch_weights: self.watch_weights.clone(),
             sides: self.margins.sides.clone(),
             drift: self.system.drift,
         }
@@ -70,8 +72,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             *control = saved.clone();
         }
         self.started = true;
-        let weight = self.system.watch_weight(self.time, &self.state);
-        self.watch_weight = weight.map_err(|cause| self.failed(cause))?;
+        self.watch_weights.clone_from(&snapshot.watch_weights);
         let begun = self.method.begin(&mut self.system, self.time, &self.state);
         let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));
         begun.map_err(|cause| self.failed(cause))
