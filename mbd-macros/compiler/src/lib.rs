@@ -1,20 +1,30 @@
 //! The compiler of `mbd`: a declaration becomes a scene, its laws become equations, the equations a program, the program Rust.
 
+mod check;
 mod describe;
 mod differentiate;
 mod emit;
 mod equations;
 mod expression;
 mod interpret;
+mod lexeme;
+mod messages;
 mod names;
 mod operation;
 mod outline;
 mod program;
+mod reading;
+mod resolve;
+mod syntax;
+mod units;
 
 pub use emit::{NameSpans, Settings, emit};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Mask, Node, Slot, Term, recorded, session};
 pub use interpret::{Interpreted, Registers};
+pub use messages::{Location, Message, Place};
 pub use operation::{Binary, Comparison, Op, Unary};
 pub use outline::{Outline, Piece, outline};
 pub use program::{Instruction, Operand, Program, Register};
+pub use reading::{Options, Reading, Spans, read_text, read_tokens};
+pub use resolve::Named;

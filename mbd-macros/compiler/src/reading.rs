@@ -4,10 +4,10 @@ use mbd_scene::Scene;
 use proc_macro2::{Span, TokenStream};
 
 use crate::check::check;
+use crate::lexeme::Region;
 use crate::lexeme::{self, Lexeme, Places};
 use crate::messages::{Message, Messages, syntax as say};
 use crate::resolve::{Named, Resolver, resolve};
-use crate::lexeme::Region;
 use crate::syntax::{self, Model};
 
 /// What reading a declaration gives.
@@ -86,7 +86,7 @@ pub(crate) fn finish(model: &Model<'_>, places: &Places, messages: Messages) -> 
     let readable = messages.is_empty() || !model.items.is_empty();
     let mut resolver = resolve(model);
     if readable {
-        check(&mut resolver, !messages.is_empty());
+        check(&mut resolver, messages.is_empty());
     } else {
         resolver.messages = Messages::default();
     }
@@ -120,10 +120,16 @@ fn spans(resolver: &Resolver<'_>, places: &Places) -> Spans {
     let scene = &resolver.scene;
     Spans {
         model: places.span(resolver.head.first),
-        params: (0..scene.params.len()).map(|i| of(Named::Param(i))).collect(),
-        inputs: (0..scene.inputs.len()).map(|i| of(Named::Input(i))).collect(),
+        params: (0..scene.params.len())
+            .map(|i| of(Named::Param(i)))
+            .collect(),
+        inputs: (0..scene.inputs.len())
+            .map(|i| of(Named::Input(i)))
+            .collect(),
         loads: (0..scene.loads.len()).map(|i| of(Named::Load(i))).collect(),
-        outputs: (0..scene.outputs.len()).map(|i| of(Named::Output(i))).collect(),
+        outputs: (0..scene.outputs.len())
+            .map(|i| of(Named::Output(i)))
+            .collect(),
         references: resolver
             .used
             .iter()

@@ -234,11 +234,7 @@ pub fn over(a: Dimension, b: Dimension) -> Option<Dimension> {
     combine(a, b, i8::checked_sub)
 }
 
-fn combine(
-    a: Dimension,
-    b: Dimension,
-    with: impl Fn(i8, i8) -> Option<i8>,
-) -> Option<Dimension> {
+fn combine(a: Dimension, b: Dimension, with: impl Fn(i8, i8) -> Option<i8>) -> Option<Dimension> {
     Some(Dimension {
         mass: with(a.mass, b.mass)?,
         length: with(a.length, b.length)?,

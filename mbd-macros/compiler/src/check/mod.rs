@@ -15,8 +15,9 @@ use mbd_scene::{Place, PointKind};
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
 
-/// Runs all checks.
-pub fn check(resolver: &mut Resolver<'_>) {
+/// Runs all checks. Where items were lost in reading (not `whole`), what seems missing may be one of them.
+pub fn check(resolver: &mut Resolver<'_>, whole: bool) {
+    resolver.whole = whole;
     check_not_empty(resolver);
     check_attached(resolver);
     check_line_ends(resolver);
@@ -28,13 +29,12 @@ pub fn check(resolver: &mut Resolver<'_>) {
 
 /// Whether anything of this kind has a mistake.
 fn any_bad(resolver: &Resolver<'_>, kind: &str) -> bool {
-    resolver.bad.iter().any(|named| named.kind() == kind)
-        || resolver.incomplete.contains(kind)
+    !resolver.whole || resolver.bad.iter().any(|named| named.kind() == kind)
 }
 
 fn check_not_empty(resolver: &mut Resolver<'_>) {
     let nothing = resolver.scene.bodies.is_empty() && resolver.scene.points.is_empty();
-    if nothing && resolver.messages.is_empty() {
+    if nothing && resolver.whole && resolver.messages.is_empty() {
         let report = say::empty(resolver.head, &resolver.scene.name);
         resolver.messages.push(report);
     }
@@ -99,8 +99,16 @@ fn check_line_ends(resolver: &mut Resolver<'_>) {
                 Some(say::one_body(at, kind, &line.name, "the world"))
             }
             (Place::Body(a, _), Place::Body(b, _)) if a == b => {
-                let owner = scene.bodies.get(a).map(|body| format!("body `{}`", body.name));
-                Some(say::one_body(at, kind, &line.name, &owner.unwrap_or_default()))
+                let owner = scene
+                    .bodies
+                    .get(a)
+                    .map(|body| format!("body `{}`", body.name));
+                Some(say::one_body(
+                    at,
+                    kind,
+                    &line.name,
+                    &owner.unwrap_or_default(),
+                ))
             }
             _ => None,
         };
@@ -120,7 +128,7 @@ fn check_line_ends(resolver: &mut Resolver<'_>) {
 }
 
 fn check_lonely_points(resolver: &mut Resolver<'_>) {
-    if any_bad(resolver, "line") || any_bad(resolver, "spring") {
+    if any_bad(resolver, "line") {
         return;
     }
     let mut count = vec![0; resolver.scene.points.len()];

@@ -10,6 +10,9 @@ use crate::resolve::{Named, Resolver, fold};
 /// all lines undamped: `static`; one node with at least four lines, all damped: `rate`; otherwise `stepwise`.
 /// Where a point of the network has a declared model, the others take it.
 pub fn choose_models(resolver: &mut Resolver<'_>) {
+    if any_bad(resolver, "line") {
+        return;
+    }
     let layout = Layout::new(&resolver.scene);
     for network in &layout.networks {
         let points = points(network, &layout);

@@ -5,7 +5,7 @@ use crate::resolve::{Named, Resolver};
 
 /// Warns about consts, params, inputs, tables and frames that nothing uses. After an error the use may be what was not understood.
 pub fn check_used(resolver: &mut Resolver<'_>) {
-    if !resolver.messages.is_empty() {
+    if !resolver.whole || !resolver.messages.is_empty() {
         return;
     }
     for (&named, &at) in &resolver.declared {
@@ -31,7 +31,10 @@ fn name(resolver: &Resolver<'_>, named: Named) -> Option<String> {
         Named::Param(i) => scene.params.get(i).map(|p| p.name.clone()),
         Named::Input(i) => scene.inputs.get(i).map(|input| input.name.clone()),
         Named::Table(i) => scene.tables.get(i).map(|table| table.name.clone()),
-        Named::WorldFrame(i) => scene.world_frames.get(i).map(|f| format!("world.{}", f.name)),
+        Named::WorldFrame(i) => scene
+            .world_frames
+            .get(i)
+            .map(|f| format!("world.{}", f.name)),
         Named::Frame(b, f) => {
             let body = scene.bodies.get(b)?;
             Some(format!("{}.{}", body.name, body.frames.get(f)?.name))

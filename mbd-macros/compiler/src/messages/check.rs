@@ -20,8 +20,11 @@ pub fn floating(at: Region, body: &str) -> Report {
 }
 
 pub fn two_joints(at: Region, body: &str, first: Region) -> Report {
-    Report::new(at, format!("body `{body}` has two free joints: one is enough"))
-        .also(first, "the first is here")
+    Report::new(
+        at,
+        format!("body `{body}` has two free joints: one is enough"),
+    )
+    .also(first, "the first is here")
 }
 
 pub fn lonely(at: Region, point: &str, lines: usize) -> Report {

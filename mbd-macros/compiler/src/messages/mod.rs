@@ -158,14 +158,12 @@ impl Messages {
         self.reports.is_empty()
     }
 
-    /// How many messages there are.
-    pub fn len(&self) -> usize {
-        self.reports.len()
-    }
-
     /// Takes over the messages of another stage.
     pub fn extend(&mut self, other: Messages) {
-        other.reports.into_iter().for_each(|report| self.push(report));
+        other
+            .reports
+            .into_iter()
+            .for_each(|report| self.push(report));
     }
 
     /// With locations, in the order of the source.

@@ -11,7 +11,10 @@ use crate::syntax::words;
 use crate::units::{self, described, si_text};
 
 pub fn not_finite(at: Region) -> Report {
-    Report::new(at, "this gives no finite number: look for a division by zero")
+    Report::new(
+        at,
+        "this gives no finite number: look for a division by zero",
+    )
 }
 
 pub fn three_components(at: Region, found: usize) -> Report {
@@ -48,11 +51,17 @@ pub fn unit_twice(at: Region, unit: &str) -> Report {
 }
 
 pub fn no_components(at: Region, axis: &str) -> Report {
-    Report::new(at, format!("this is one number and has no component `{axis}`"))
+    Report::new(
+        at,
+        format!("this is one number and has no component `{axis}`"),
+    )
 }
 
 pub fn unknown_component(at: Region, axis: &str) -> Report {
-    Report::new(at, format!("a vector has the components x, y and z, no `{axis}`"))
+    Report::new(
+        at,
+        format!("a vector has the components x, y and z, no `{axis}`"),
+    )
 }
 
 pub fn two_vectors(at: Region) -> Report {
@@ -63,7 +72,10 @@ pub fn two_vectors(at: Region) -> Report {
 }
 
 pub fn divide_by_vector(at: Region) -> Report {
-    Report::new(at, "`/` does not divide by a vector; by its length: `norm(a)`")
+    Report::new(
+        at,
+        "`/` does not divide by a vector; by its length: `norm(a)`",
+    )
 }
 
 pub fn number_and_vector(at: Region) -> Report {
@@ -87,7 +99,10 @@ pub fn unlike(at: Region, first: Dimension, second: Dimension, bare: bool) -> Re
 }
 
 pub fn dimension_range(at: Region) -> Report {
-    Report::new(at, "no quantity of mechanics has the dimension this would have")
+    Report::new(
+        at,
+        "no quantity of mechanics has the dimension this would have",
+    )
 }
 
 pub fn power_of_vector(at: Region) -> Report {
@@ -114,7 +129,10 @@ pub fn pure_number_wanted(at: Region, function: &str, found: Dimension) -> Repor
 pub fn angle_wanted(at: Region, found: Dimension) -> Report {
     Report::new(
         at,
-        format!("`polar` takes radius, angle, height; this is {}", described(found)),
+        format!(
+            "`polar` takes radius, angle, height; this is {}",
+            described(found)
+        ),
     )
 }
 
@@ -139,12 +157,7 @@ pub fn argument_count(at: Region, function: &str, wanted: usize, found: usize) -
     )
 }
 
-pub fn argument_dimension(
-    at: Region,
-    table: &str,
-    wanted: Dimension,
-    found: Dimension,
-) -> Report {
+pub fn argument_dimension(at: Region, table: &str, wanted: Dimension, found: Dimension) -> Report {
     Report::new(
         at,
         format!(
@@ -357,7 +370,9 @@ pub fn frame_wanted(at: Region, body: &str, frame: &str) -> Report {
 pub fn no_place(at: Region, word: &str, kind: &str) -> Report {
     Report::new(
         at,
-        format!("`{word}` is a {kind}: expected a frame of a body, a point, or a frame of the world"),
+        format!(
+            "`{word}` is a {kind}: expected a frame of a body, a point, or a frame of the world"
+        ),
     )
 }
 
@@ -380,16 +395,24 @@ pub fn unit_as_name(at: Region, word: &str) -> Report {
 pub fn rust_as_name(at: Region, word: &str) -> Report {
     Report::new(
         at,
-        format!("`{word}` cannot be a name: names become fields and functions of Rust; choose another"),
+        format!(
+            "`{word}` cannot be a name: names become fields and functions of Rust; choose another"
+        ),
     )
 }
 
 pub fn empty_repetition(at: Region) -> Report {
-    Report::new(at, "this repetition is empty: its end must be above its start")
+    Report::new(
+        at,
+        "this repetition is empty: its end must be above its start",
+    )
 }
 
 pub fn too_many(at: Region, most: usize) -> Report {
-    Report::new(at, format!("a model may hold at most {most} repeated things"))
+    Report::new(
+        at,
+        format!("a model may hold at most {most} repeated things"),
+    )
 }
 
 pub fn circular(at: Region, name: &str) -> Report {
@@ -397,16 +420,25 @@ pub fn circular(at: Region, name: &str) -> Report {
 }
 
 pub fn empty_range(at: Region, name: &str) -> Report {
-    Report::new(at, format!("the range of `{name}` is empty: its end is below its start"))
+    Report::new(
+        at,
+        format!("the range of `{name}` is empty: its end is below its start"),
+    )
 }
 
 pub fn default_outside(at: Region, name: &str, range: Region) -> Report {
-    Report::new(at, format!("the default of `{name}` lies outside its own range"))
-        .also(range, "its range")
+    Report::new(
+        at,
+        format!("the default of `{name}` lies outside its own range"),
+    )
+    .also(range, "its range")
 }
 
 pub fn input_type(at: Region) -> Report {
-    Report::new(at, "expected the kind of the input, such as `speed` or `[speed; 3]`")
+    Report::new(
+        at,
+        "expected the kind of the input, such as `speed` or `[speed; 3]`",
+    )
 }
 
 pub fn unknown_input_type(at: Region, word: &str) -> Report {
@@ -580,7 +612,9 @@ pub fn unknown_word(at: Region, what: &str, word: &str, known: &[&str]) -> Repor
 pub fn mass_and_equilibrium(at: Region, name: &str) -> Report {
     Report::new(
         at,
-        format!("point `{name}` has a mass and an equilibrium: a point with mass moves by Newton's law, so remove one"),
+        format!(
+            "point `{name}` has a mass and an equilibrium: a point with mass moves by Newton's law, so remove one"
+        ),
     )
 }
 
@@ -611,7 +645,9 @@ pub fn joint_on_point(at: Region, name: &str, massless: bool) -> Report {
     let massless = if massless { "massless " } else { "" };
     Report::new(
         at,
-        format!("a joint cannot end at the {massless}point `{name}`: a point carries forces of lines only"),
+        format!(
+            "a joint cannot end at the {massless}point `{name}`: a point carries forces of lines only"
+        ),
     )
 }
 
@@ -624,11 +660,17 @@ pub fn free_to_world(at: Region) -> Report {
 }
 
 pub fn load_twice(at: Region) -> Report {
-    Report::new(at, "a load has a value after `=`, or is `: external`, not both")
+    Report::new(
+        at,
+        "a load has a value after `=`, or is `: external`, not both",
+    )
 }
 
 pub fn load_without_value(at: Region) -> Report {
-    Report::new(at, "this load has no value: write `= expression`, or `: external`")
+    Report::new(
+        at,
+        "this load has no value: write `= expression`, or `: external`",
+    )
 }
 
 pub fn load_kind(at: Region) -> Report {
@@ -639,7 +681,10 @@ pub fn load_kind(at: Region) -> Report {
 }
 
 pub fn load_on_world(at: Region) -> Report {
-    Report::new(at, "a load on the world moves nothing: name a body or a point")
+    Report::new(
+        at,
+        "a load on the world moves nothing: name a body or a point",
+    )
 }
 
 pub fn load_on_frame(at: Region, body: &str, frame: &str) -> Report {
@@ -647,7 +692,10 @@ pub fn load_on_frame(at: Region, body: &str, frame: &str) -> Report {
 }
 
 pub fn load_at(at: Region) -> Report {
-    Report::new(at, "expected the name of a frame of the body, such as `at com`")
+    Report::new(
+        at,
+        "expected the name of a frame of the body, such as `at com`",
+    )
 }
 
 pub fn load_at_point(at: Region) -> Report {
@@ -664,12 +712,18 @@ pub fn load_is_scalar(at: Region) -> Report {
 pub fn load_dimension(at: Region, found: Dimension) -> Report {
     Report::new(
         at,
-        format!("a load is a force (N) or a couple (N*m), this is {}", described(found)),
+        format!(
+            "a load is a force (N) or a couple (N*m), this is {}",
+            described(found)
+        ),
     )
 }
 
 pub fn couple_on_point(at: Region, name: &str) -> Report {
-    Report::new(at, format!("`{name}` is a point and takes no couple (N*m): it does not rotate"))
+    Report::new(
+        at,
+        format!("`{name}` is a point and takes no couple (N*m): it does not rotate"),
+    )
 }
 
 pub fn load_on_node(at: Region, node: &str, culprit: &str) -> Report {

@@ -74,7 +74,10 @@ pub fn no_model(at: Region) -> Report {
 }
 
 pub fn after_model(at: Region) -> Report {
-    Report::new(at, "one call declares one model: nothing may follow its `}`")
+    Report::new(
+        at,
+        "one call declares one model: nothing may follow its `}`",
+    )
 }
 
 pub fn unknown_item(at: Region, word: &str) -> Report {
@@ -100,7 +103,10 @@ pub fn ended(suggestion: String) -> String {
 }
 
 pub fn no_name(at: Region, item: &ItemWord) -> Report {
-    Report::new(at, format!("a `{}` needs a name: `{}`", item.word, item.form))
+    Report::new(
+        at,
+        format!("a `{}` needs a name: `{}`", item.word, item.form),
+    )
 }
 
 pub fn reserved_name(at: Region, word: &str) -> Report {
@@ -143,7 +149,10 @@ pub fn wrong_separator(at: Region) -> Report {
 pub fn no_fields(at: Region, item: &ItemWord) -> Report {
     Report::new(
         at,
-        format!("a `{}` has no fields; the form is `{}`", item.word, item.form),
+        format!(
+            "a `{}` has no fields; the form is `{}`",
+            item.word, item.form
+        ),
     )
 }
 
@@ -186,7 +195,10 @@ pub fn unit_exponent(at: Region) -> Report {
 }
 
 pub fn unit_range(at: Region) -> Report {
-    Report::new(at, "no quantity of mechanics has such a unit: its exponents are too large")
+    Report::new(
+        at,
+        "no quantity of mechanics has such a unit: its exponents are too large",
+    )
 }
 
 pub fn unit_expected(at: Region) -> Report {

@@ -332,9 +332,7 @@ impl Resolver<'_> {
                 None => self.fail(say::missing_element(at, word)),
             };
             elements.push(match element {
-                Some(element) if k >= 3 && products => {
-                    self.apply(Function::Neg, vec![element], at)
-                }
+                Some(element) if k >= 3 && products => self.apply(Function::Neg, vec![element], at),
                 element => element,
             });
         }

@@ -14,6 +14,9 @@ use crate::syntax::{Cursor, Item, Model, Name, Value, expression};
 /// At most this many things in one scene: no declaration may make the compiler slow by its repetitions.
 const MOST: usize = 10_000;
 
+/// One instance of a name: its index, its label, and the index of the repetition with its value.
+type Labelled = (Option<i64>, String, Option<(String, i64)>);
+
 /// What the index in the brackets of a name says.
 enum Index {
     /// No brackets.
@@ -27,6 +30,11 @@ enum Index {
 impl<'a> Resolver<'a> {
     /// Names consts, params, inputs and tables.
     pub fn collect_numbers(&mut self, model: &'a Model<'a>) {
+        for item in &model.items {
+            if let (true, Some(name)) = (item.broken, &item.name) {
+                self.broken.insert(name.word.text.clone());
+            }
+        }
         self.collect(model, &["const", "param", "input", "table"]);
     }
 
@@ -98,15 +106,12 @@ impl<'a> Resolver<'a> {
         slot: usize,
         index: Option<(String, i64)>,
     ) {
-        self.instances
-            .entry(word)
-            .or_default()
-            .push(Instance {
-                item,
-                slot,
-                owner: 0,
-                index,
-            });
+        self.instances.entry(word).or_default().push(Instance {
+            item,
+            slot,
+            owner: 0,
+            index,
+        });
     }
 
     fn collect_frame(&mut self, body: Option<usize>, item: &'a Item<'a>) {
@@ -118,7 +123,14 @@ impl<'a> Resolver<'a> {
             self.messages
                 .push(say_syntax::reserved_name(at, &name.word.text));
         }
-        for (index, label, value) in self.expand(name) {
+        let instances = self.expand(name);
+        if instances.is_empty()
+            && let Some(owner) = body.and_then(|body| self.scene.bodies.get(body))
+        {
+            let lost = format!("{}.{}", owner.name, name.word.text);
+            self.broken.insert(lost);
+        }
+        for (index, label, value) in instances {
             let (space, list) = match body {
                 Some(body) => match (self.frames.get_mut(body), self.scene.bodies.get_mut(body)) {
                     (Some(space), Some(owner)) => (space, &mut owner.frames),
@@ -139,15 +151,12 @@ impl<'a> Resolver<'a> {
             } else {
                 "world frame"
             };
-            self.instances
-                .entry(word)
-                .or_default()
-                .push(Instance {
-                    item,
-                    slot,
-                    owner: body.unwrap_or(0),
-                    index: value,
-                });
+            self.instances.entry(word).or_default().push(Instance {
+                item,
+                slot,
+                owner: body.unwrap_or(0),
+                index: value,
+            });
             if item.broken {
                 self.bad.insert(named);
             }
@@ -166,7 +175,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Index, label and the value of the repetition, for every instance of a name.
-    fn expand(&mut self, name: &Name<'_>) -> Vec<(Option<i64>, String, Option<(String, i64)>)> {
+    fn expand(&mut self, name: &Name<'_>) -> Vec<Labelled> {
         let word = &name.word.text;
         match self.index(name) {
             Some(Index::None) => vec![(None, word.clone(), None)],
@@ -186,13 +195,17 @@ impl<'a> Resolver<'a> {
             return Some(Index::None);
         };
         let mut cursor = Cursor::new(value);
-        let repeated = matches!(cursor.ahead(1).map(|l| &l.kind), Some(Kind::Word(word)) if word == "in");
+        let repeated =
+            matches!(cursor.ahead(1).map(|l| &l.kind), Some(Kind::Word(word)) if word == "in");
         if !repeated {
             return self.constant_index(value).map(Index::One);
         }
         let variable = cursor.word()?;
         if words::reserved(&variable.text).is_some() || self.names.get(&variable.text).is_some() {
-            return self.fail(say_syntax::reserved_name(variable.at.into(), &variable.text));
+            return self.fail(say_syntax::reserved_name(
+                variable.at.into(),
+                &variable.text,
+            ));
         }
         cursor.keyword("in")?;
         let (first, end) = self.bounds(cursor, value)?;
@@ -248,10 +261,7 @@ impl<'a> Resolver<'a> {
     /// How many things there are so far.
     fn size(&self) -> usize {
         let frames: usize = self.scene.bodies.iter().map(|body| body.frames.len()).sum();
-        frames
-            + self.scene.world_frames.len()
-            + self.scene.points.len()
-            + self.scene.lines.len()
+        frames + self.scene.world_frames.len() + self.scene.points.len() + self.scene.lines.len()
     }
 
     /// How many things of a kind there are so far.

@@ -37,8 +37,6 @@ pub enum Accept {
     Positive,
     /// ≥ 0
     NotNegative,
-    /// All.
-    Any,
 }
 
 impl Resolver<'_> {
@@ -88,7 +86,6 @@ impl Resolver<'_> {
                 || match accept {
                     Accept::Positive => x <= 0.0,
                     Accept::NotNegative => x < 0.0,
-                    Accept::Any => false,
                 }
         });
         if wrong {

@@ -1,8 +1,6 @@
 //! Points, lines, springs and joints.
 
-use mbd_scene::{
-    Clamp, Difference, Formula, JointLaw, NodeModel, Place, PointKind,
-};
+use mbd_scene::{Clamp, Difference, Formula, JointLaw, NodeModel, Place, PointKind};
 
 use super::fields::Accept;
 use super::{Instance, Named, Resolver, Stage};
@@ -165,8 +163,10 @@ impl Resolver<'_> {
         let item = instance.item;
         let scope = instance.scope(Stage::Fixed);
         let law = item.clause(":").and_then(|value| self.joint_law(value));
-        let [parent, child] =
-            ["from", "to"].map(|end| item.clause(end).and_then(|value| self.joint_end(value, scope)));
+        let [parent, child] = ["from", "to"].map(|end| {
+            item.clause(end)
+                .and_then(|value| self.joint_end(value, scope))
+        });
         let fields = self.fields(&item.block, &["coordinates"]);
         if let Some(value) = fields.value("coordinates") {
             self.choice(value, "coordinates of a free joint", &[("quaternion", ())])?;

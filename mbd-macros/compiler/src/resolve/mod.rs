@@ -44,7 +44,10 @@ impl Instance<'_> {
     pub fn scope(&self, stage: Stage) -> Scope<'_> {
         Scope {
             stage,
-            index: self.index.as_ref().map(|(name, value)| (name.as_str(), *value)),
+            index: self
+                .index
+                .as_ref()
+                .map(|(name, value)| (name.as_str(), *value)),
         }
     }
 }
@@ -88,12 +91,12 @@ pub struct Resolver<'a> {
     pub bad: BTreeSet<Named>,
     /// Names of items that could not be read: they are not "unknown".
     pub broken: BTreeSet<String>,
+    /// Whether reading lost no item.
+    pub whole: bool,
     /// Points whose model is declared.
     pub chosen: BTreeSet<usize>,
     /// Whether bare numbers are SI.
     pub si: bool,
-    /// Whether gravity is declared.
-    pub gravity: bool,
     /// Where the model's name is.
     pub head: Region,
 }
@@ -139,9 +142,9 @@ impl<'a> Resolver<'a> {
             mentioned: BTreeSet::new(),
             bad: BTreeSet::new(),
             broken: BTreeSet::new(),
+            whole: true,
             chosen: BTreeSet::new(),
             si: false,
-            gravity: false,
             head: name.map_or(Region::START, |word| word.at.into()),
         }
     }

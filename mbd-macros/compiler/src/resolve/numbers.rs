@@ -2,9 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use mbd_scene::{
-    Constant, Direction, Event, Formula, Input, Output, Parameter, Table, Unit,
-};
+use mbd_scene::{Constant, Direction, Event, Formula, Input, Output, Parameter, Table, Unit};
 
 use super::{Instance, Named, Resolver, Stage, Typed, fold};
 use crate::lexeme::{Bracket, Kind, Lexeme, Region};
@@ -148,7 +146,9 @@ impl Resolver<'_> {
                 sides.iter().for_each(|side| self.const_names(side, needs));
             }
             Expression::Path(steps) => {
-                let first = steps.first().and_then(|step| self.names.get(&step.word.text));
+                let first = steps
+                    .first()
+                    .and_then(|step| self.names.get(&step.word.text));
                 if let Some(super::names::Members::One(Named::Const(index))) =
                     first.map(|entry| &entry.members)
                 {

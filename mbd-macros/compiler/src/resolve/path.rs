@@ -396,7 +396,10 @@ impl Resolver<'_> {
                         let frame = self.frame_words(body).swap_remove(0);
                         return self.fail(say::frame_wanted(value.at, word, &frame));
                     };
-                    (Place::Body(body, self.body_frame(body, step, scope)?), after)
+                    (
+                        Place::Body(body, self.body_frame(body, step, scope)?),
+                        after,
+                    )
                 }
                 Named::Point(point) => (Place::Point(point), rest),
                 other => return self.fail(say::no_place(value.at, word, other.kind())),

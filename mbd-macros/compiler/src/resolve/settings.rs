@@ -24,7 +24,9 @@ impl Resolver<'_> {
             match (item.word.text.as_str(), value) {
                 ("verify", _) => self.asked.verify = true,
                 ("units", Some(value)) => {
-                    self.si = self.choice(value, "system of units", &[("si", true)]).is_some();
+                    self.si = self
+                        .choice(value, "system of units", &[("si", true)])
+                        .is_some();
                 }
                 ("coordinates", Some(value)) => {
                     let set = [

@@ -100,9 +100,7 @@ impl Resolver<'_> {
                 unit,
                 at,
             } => Some(self.number(*value, text, unit.as_ref(), *at)),
-            Expression::Vector { parts, unit, at } => {
-                self.vector(parts, unit.as_ref(), *at, scope)
-            }
+            Expression::Vector { parts, unit, at } => self.vector(parts, unit.as_ref(), *at, scope),
             Expression::Path(steps) => self.path(steps, parsed.at(), scope),
             Expression::Call {
                 name,
@@ -620,5 +618,9 @@ fn angle_of(unit: &Unit) -> i8 {
         .text
         .split(|c: char| !c.is_ascii_alphabetic())
         .filter(|word| !word.is_empty());
-    i8::from(words.next().is_some_and(|word| word == "rad" || word == "deg"))
+    i8::from(
+        words
+            .next()
+            .is_some_and(|word| word == "rad" || word == "deg"),
+    )
 }

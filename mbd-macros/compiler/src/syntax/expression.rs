@@ -186,7 +186,8 @@ impl Parser {
 
     fn postfix(&mut self, cursor: &mut Cursor<'_>) -> Deep {
         let (mut inner, mut depth) = self.primary(cursor)?;
-        while !matches!(inner, Expression::Path(_)) && cursor.sign('.').is_some() {
+        while !matches!(inner, Expression::Path(_)) && !range(cursor) && cursor.sign('.').is_some()
+        {
             let axis = cursor
                 .word()
                 .ok_or_else(|| cursor.expected("a component `x`, `y` or `z`"))?;
@@ -222,7 +223,9 @@ impl Parser {
                 ))
             }
             Some(Kind::Open(Bracket::Round, _)) => {
-                let group = cursor.group(Bracket::Round).ok_or_else(|| say::deep_expression(here))?;
+                let group = cursor
+                    .group(Bracket::Round)
+                    .ok_or_else(|| say::deep_expression(here))?;
                 self.enter(here)?;
                 let mut inner = Cursor::new(group);
                 let parsed = self.sum(&mut inner)?;
@@ -231,7 +234,9 @@ impl Parser {
                 Ok(parsed)
             }
             Some(Kind::Open(Bracket::Square, _)) => {
-                let group = cursor.group(Bracket::Square).ok_or_else(|| say::deep_expression(here))?;
+                let group = cursor
+                    .group(Bracket::Square)
+                    .ok_or_else(|| say::deep_expression(here))?;
                 let (parts, depth) = self.list(group)?;
                 let unit = unit::suffix(cursor)?;
                 let at = group.at.to(cursor.before());
@@ -295,15 +300,17 @@ impl Parser {
                 None => None,
             };
             steps.push(Step { word, index });
-            let range = {
-                let mut ahead = *cursor;
-                ahead.signs("..").is_some()
-            };
-            if range || cursor.sign('.').is_none() {
+            if range(cursor) || cursor.sign('.').is_none() {
                 return Ok(steps);
             }
         }
     }
+}
+
+/// Whether the two dots of a range come next.
+pub fn range(cursor: &Cursor<'_>) -> bool {
+    let mut ahead = *cursor;
+    ahead.signs("..").is_some()
 }
 
 /// The value of a number's text.

@@ -2,7 +2,7 @@
 
 use super::model::docs;
 use super::words::{self, ItemWord};
-use super::{Cursor, Given, Item, Name, Value};
+use super::{Cursor, Given, Item, Name, Value, Word};
 use crate::lexeme::{Bracket, Kind, Region};
 use crate::messages::{Messages, Report, syntax as say};
 
@@ -16,7 +16,11 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
         }
         if let Some(at) = cursor.sign(if inside { ',' } else { ';' }) {
             if doc.is_empty() {
-                messages.push(say::expected(at.into(), "an item", if inside { "," } else { ";" }));
+                messages.push(say::expected(
+                    at.into(),
+                    "an item",
+                    if inside { "," } else { ";" },
+                ));
             }
             continue;
         }
@@ -28,6 +32,7 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
         let spec = words::find(&word.text, inside);
         if spec.is_none() && !inside {
             messages.push(say::unknown_item(word.at.into(), &word.text));
+            items.push(lost(&cursor, word));
             recover(&mut cursor, inside);
             continue;
         }
@@ -51,6 +56,20 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
             recover(&mut cursor, inside);
         }
         items.push(item);
+    }
+}
+
+/// An item with an unknown keyword: its name may be used elsewhere.
+fn lost<'a>(cursor: &Cursor<'a>, word: Word) -> Item<'a> {
+    let mut ahead = *cursor;
+    Item {
+        doc: String::new(),
+        at: word.at.into(),
+        word,
+        name: ahead.word().map(|word| Name { word, index: None }),
+        clauses: Vec::new(),
+        block: Vec::new(),
+        broken: true,
     }
 }
 

@@ -91,7 +91,7 @@ fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, Report> {
             .ok_or_else(|| say::unit_expected(cursor.here()))?;
         let call = word.text == "min" && cursor.group(Bracket::Round).is_some();
         let path = matches!(cursor.peek().map(|l| &l.kind), Some(Kind::Sign('.')));
-        if call || (path && !dots(cursor)) {
+        if call || (path && !super::expression::range(cursor)) {
             return Err(say::unknown_unit(here, &word.text));
         }
         let (factor, dimension) =
@@ -106,8 +106,8 @@ fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, Report> {
         return Ok(base);
     }
     let (n, halves) = exponent(cursor)?;
-    let raised = units::power(base.dimension, n)
-        .and_then(|d| if halves { units::root(d) } else { Some(d) });
+    let raised =
+        units::power(base.dimension, n).and_then(|d| if halves { units::root(d) } else { Some(d) });
     let factor = base.factor.powi(n);
     Ok(Unit {
         text: if halves {
@@ -118,12 +118,6 @@ fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, Report> {
         factor: if halves { factor.sqrt() } else { factor },
         dimension: bounded(raised).ok_or_else(|| say::unit_range(here))?,
     })
-}
-
-/// Whether a range sign comes next.
-fn dots(cursor: &Cursor<'_>) -> bool {
-    let mut ahead = *cursor;
-    ahead.signs("..").is_some()
 }
 
 /// A whole exponent, or `(n/2)`.

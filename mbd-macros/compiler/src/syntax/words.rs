@@ -44,12 +44,14 @@ const fn may(sign: &'static str, key: &'static str) -> Clause {
     }
 }
 
+const VALUE: &[Clause] = &[needs(":", "value")];
+
 const fn setting(word: &'static str, form: &'static str) -> ItemWord {
     ItemWord {
         word,
         named: false,
         repeats: false,
-        clauses: &[needs(":", "value")],
+        clauses: VALUE,
         fields: None,
         form,
     }
@@ -104,19 +106,19 @@ pub const ITEMS: &[ItemWord] = &[
         fields: None,
         form: "verify;",
     },
-    item(
-        "const",
-        &[needs("=", "value")],
-        None,
-        "const NAME = 2.1 m;",
-    ),
+    item("const", &[needs("=", "value")], None, "const NAME = 2.1 m;"),
     item(
         "param",
         &[needs("=", "value"), may("in", "in")],
         None,
         "param NAME = 761 kg in 600 kg ..= 900 kg;",
     ),
-    item("input", &[needs(":", "kind")], None, "input NAME: [speed; 3];"),
+    item(
+        "input",
+        &[needs(":", "kind")],
+        None,
+        "input NAME: [speed; 3];",
+    ),
     item(
         "table",
         &[needs("=", "value")],
@@ -145,11 +147,7 @@ pub const ITEMS: &[ItemWord] = &[
     )),
     item(
         "joint",
-        &[
-            needs(":", "kind"),
-            needs("from", "from"),
-            needs("to", "to"),
-        ],
+        &[needs(":", "kind"), needs("from", "from"), needs("to", "to")],
         Some(&["coordinates"]),
         "joint NAME: free from world to body.com;",
     ),
@@ -366,16 +364,35 @@ pub const EMITTED: &[&str] = &[
 
 /// Words of the language besides item keywords, functions and units.
 const OTHER_RESERVED: &[&str] = &[
-    "model", "frame", "from", "to", "on", "at", "in", "rotated", "crosses", "rises", "falls",
-    "external", "time", "com", "diag", "full", "rpy", "euler_zyx", "matrix", "none", "loop",
+    "model",
+    "frame",
+    "from",
+    "to",
+    "on",
+    "at",
+    "in",
+    "rotated",
+    "crosses",
+    "rises",
+    "falls",
+    "external",
+    "time",
+    "com",
+    "diag",
+    "full",
+    "rpy",
+    "euler_zyx",
+    "matrix",
+    "none",
+    "loop",
 ];
 
 /// Keywords of Rust: names become fields and functions.
 const RUST: &[&str] = &[
     "as", "async", "await", "break", "const", "continue", "crate", "dyn", "else", "enum", "extern",
     "false", "fn", "for", "if", "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub",
-    "ref", "return", "self", "Self", "static", "struct", "super", "trait", "true", "type", "unsafe",
-    "use", "where", "while", "abstract", "become", "box", "do", "final", "gen", "macro",
+    "ref", "return", "self", "Self", "static", "struct", "super", "trait", "true", "type",
+    "unsafe", "use", "where", "while", "abstract", "become", "box", "do", "final", "gen", "macro",
     "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "_",
 ];
 
