@@ -99,9 +99,14 @@ impl Lexer {
     }
 }
 
-/// The text of `[doc = "…"]`.
+/// The text of `[doc = "…"]`; a macro that hands the attribute on wraps it in a group without brackets.
 fn doc_of(group: &Group) -> Option<String> {
-    let mut inner = group.stream().into_iter();
+    let mut inner = group.stream().into_iter().peekable();
+    if let Some(TokenTree::Group(handed_on)) = inner.peek()
+        && handed_on.delimiter() == Delimiter::None
+    {
+        return doc_of(handed_on);
+    }
     let (word, sign, text) = (inner.next()?, inner.next()?, inner.next()?);
     match (word, sign, text) {
         (TokenTree::Ident(word), TokenTree::Punct(sign), TokenTree::Literal(text))
