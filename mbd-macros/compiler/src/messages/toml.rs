@@ -20,12 +20,6 @@ pub fn string(at: Region) -> Report {
 }
 
 pub fn table(at: Region, item: &ItemWord) -> Report {
-    let keys: Vec<&str> = item
-        .clauses
-        .iter()
-        .map(|clause| clause.key)
-        .chain(item.fields.unwrap_or(&[]).iter().copied())
-        .collect();
     let head = if item.named {
         format!("[{}.NAME]", item.word)
     } else {
@@ -35,9 +29,30 @@ pub fn table(at: Region, item: &ItemWord) -> Report {
         at,
         format!(
             "write this as a table `{head}` with the keys {}",
-            keys.join(", ")
+            keys(item)
         ),
     )
+}
+
+pub fn missing(at: Region, item: &ItemWord, key: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "this {} has no `{key}`; its keys: {}",
+            item.word,
+            keys(item)
+        ),
+    )
+}
+
+fn keys(item: &ItemWord) -> String {
+    let keys: Vec<&str> = item
+        .clauses
+        .iter()
+        .map(|clause| clause.key)
+        .chain(item.fields.unwrap_or(&[]).iter().copied())
+        .collect();
+    keys.join(", ")
 }
 
 pub fn no_model(at: Region) -> Report {

@@ -198,8 +198,7 @@ pub fn push_clause<'a>(
     Ok(())
 }
 
-/// An error if a value that must be there is missing.
-pub fn needed(item: &Item<'_>, spec: &'static ItemWord) -> Result<(), Report> {
+fn needed(item: &Item<'_>, spec: &'static ItemWord) -> Result<(), Report> {
     let missing = spec
         .clauses
         .iter()

@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 use crate::lexeme::{At, Lexeme, Lexer, Lines, Region, piece};
 use crate::messages::{Messages, resolve as say_resolve, syntax as say, toml as say_toml};
 use crate::reading::{Reading, finish};
-use crate::syntax::item::{needed, push_clause};
+use crate::syntax::item::push_clause;
 use crate::syntax::words::{self, ItemWord};
 use crate::syntax::{Cursor, Item, Model, Name, Value, Word, model};
 
@@ -21,6 +21,8 @@ pub fn read_toml(text: &str) -> Reading {
         lexer: Lexer::of_text(),
         messages: Messages::default(),
     };
+    // The first place of all is the start of the document.
+    reader.mark(0);
     let drafts = match DeTable::parse(text) {
         Ok(table) => reader.document(table.get_ref()),
         Err(error) => {
@@ -54,6 +56,8 @@ struct Draft {
     clauses: Vec<(&'static str, Piece)>,
     block: Vec<Draft>,
     spec: Option<&'static ItemWord>,
+    /// Whether one of its values could not be read.
+    broken: bool,
 }
 
 /// The items of a document.
@@ -184,6 +188,7 @@ impl<'t> Reader<'t> {
             match (clause, inner, value.get_ref()) {
                 (Some(clause), ..) => {
                     let value = self.value(value);
+                    item.broken |= value.is_none();
                     item.clauses.extend(value.map(|value| (clause.sign, value)));
                 }
                 (None, Some(inner), DeValue::Table(table)) => {
@@ -201,10 +206,11 @@ impl<'t> Reader<'t> {
                 }
                 (None, None, _) => {
                     let mut field = draft(word, at, None);
-                    if let Some(value) = self.value(value) {
-                        field.clauses.push((":", value));
-                        item.block.push(field);
+                    match self.value(value) {
+                        Some(value) => field.clauses.push((":", value)),
+                        None => field.broken = true,
                     }
+                    item.block.push(field);
                 }
             }
         }
@@ -286,6 +292,7 @@ fn draft(word: &str, at: At, spec: Option<&'static ItemWord>) -> Draft {
         clauses: Vec::new(),
         block: Vec::new(),
         spec,
+        broken: false,
     }
 }
 
@@ -353,15 +360,18 @@ impl Draft {
             let value = piece.value(lexemes);
             reports.extend(push_clause(&mut item, sign, piece.at.into(), value).err());
         }
-        if let Some(spec) = self.spec
-            && reports.is_empty()
-        {
-            reports.extend(needed(&item, spec).err());
+        let clauses = self.spec.map_or(&[][..], |spec| spec.clauses);
+        let mut missing = clauses
+            .iter()
+            .filter(|clause| clause.needed && item.given(clause.sign).is_none());
+        if let (Some(spec), Some(clause), false) = (self.spec, missing.next(), self.broken) {
+            reports.push(say_toml::missing(item.name_at(), spec, clause.key));
         }
         for field in &self.block {
             item.block.push(field.item(lexemes, messages));
         }
-        item.broken = !reports.is_empty() || item.block.iter().any(|field| field.broken);
+        item.broken =
+            self.broken || !reports.is_empty() || item.block.iter().any(|field| field.broken);
         reports.into_iter().for_each(|report| messages.push(report));
         item
     }
