@@ -6,6 +6,7 @@ use crate::columns::{input_name, line_name, node_name, state_names};
 use crate::error::{Source, Statistics, StepError};
 use crate::integrate::Rates;
 use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
+use crate::watch;
 
 /// What the caller supplies at each evaluation: inputs, external loads, external gravity, in the order of `Layout::inputs`.
 ///
@@ -146,6 +147,14 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
             inputs: &self.inputs,
         };
         self.model.evaluate(what, &at, &mut self.work, out);
+    }
+
+    /// The weights of the stability watch's norm.
+    pub(crate) fn watch_weights(&mut self, time: f64, state: &[T]) -> Result<Vec<T>, StepError> {
+        let mut mass = vec![T::zero(); self.model.layout().len(Quantity::MassMatrix)];
+        self.look(time, 0.0, state)?;
+        self.seen(Quantity::MassMatrix, time, state, &mut mass);
+        Ok(watch::weights(self.model, &mass))
     }
 
     /// Whether the modes of lines are kept between located events, or decided at every stage.

@@ -43,3 +43,69 @@ fn a_torque_free_body_follows_the_elliptic_functions() {
         }
     }
 }
+
+/// Height and speed of the bouncing mass of 1 kg, dropped from `drop` above the slack edge of a cord of 1 m, at time `t`.
+fn bounce(stiffness: f64, drop: f64, t: f64) -> [f64; 2] {
+    let (g, w) = (9.81_f64, stiffness.sqrt());
+    let fall = (2.0 * drop / g).sqrt();
+    let speed = g * fall;
+    let sag = g / stiffness;
+    let phase = (speed / w).atan2(sag);
+    let contact = (2.0 * std::f64::consts::PI - 2.0 * phase) / w;
+    let period = 2.0 * fall + contact;
+    // Time since the last apex.
+    let since = t.rem_euclid(period);
+    if since < fall {
+        return [-1.0 + drop - 0.5 * g * since * since, -g * since];
+    }
+    if since < fall + contact {
+        let angle = w * (since - fall) + phase;
+        let radius = sag.hypot(speed / w);
+        return [
+            -1.0 - (sag - radius * angle.cos()),
+            -radius * w * angle.sin(),
+        ];
+    }
+    let left = period - since;
+    [-1.0 + drop - 0.5 * g * left * left, g * left]
+}
+
+fn bouncing_error(options: Options) -> f64 {
+    let (stiffness, drop, until) = (1e4, 0.15, 3.0);
+    let model = generic(bouncing(stiffness, 0.0));
+    let end = run(
+        &model,
+        options,
+        &[0.0, 0.0, -1.0 + drop, 0.0, 0.0, 0.0],
+        until,
+    );
+    let [z, v] = bounce(stiffness, drop, until);
+    (end[2] - z).hypot((end[5] - v) / stiffness.sqrt())
+}
+
+#[test]
+fn a_bouncing_mass_keeps_the_order_of_rk4_across_located_switches() {
+    let errors: Vec<f64> = (0..5)
+        .map(|k| bouncing_error(Options::rk4(4e-3 / f64::from(1 << k))))
+        .collect();
+    let orders = orders(&errors);
+    println!("{errors:?} {orders:?}");
+    assert!(
+        orders.iter().skip(1).all(|order| *order > 3.8),
+        "{errors:?} {orders:?}"
+    );
+    let ignored = bouncing_error(Options {
+        locate: false,
+        ..Options::rk4(2.5e-4)
+    });
+    assert!(ignored > 100.0 * errors[4], "{ignored:e}");
+}
+
+#[test]
+fn a_bouncing_mass_follows_the_tolerance_of_tsit5() {
+    for rtol in [1e-4, 1e-6, 1e-8, 1e-10] {
+        let error = bouncing_error(Options::tsit5(rtol));
+        println!("{rtol:e} {error:e}");
+        assert!(error < 30.0 * rtol, "{rtol:e}: {error:e}");
+    }
+}

@@ -1,6 +1,7 @@
 //! The compiler of `mbd`: a declaration becomes a scene, its laws become equations, the equations a program, the program Rust.
 
 mod check;
+mod compile;
 mod describe;
 mod differentiate;
 mod emit;
@@ -10,6 +11,7 @@ mod interpret;
 mod lexeme;
 mod messages;
 mod names;
+mod number;
 mod operation;
 mod outline;
 mod program;
@@ -20,11 +22,16 @@ mod syntax;
 mod toml;
 mod units;
 
-pub use emit::{NameSpans, Settings, emit};
+#[cfg(feature = "pretty")]
+pub use compile::expand;
+pub use compile::{compile, emit};
+pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Mask, Node, Slot, Term, recorded, session};
 pub use interpret::{Interpreted, Registers};
+pub use messages::similar::nearest;
 pub use messages::{Location, Message, Place};
+pub use number::read_number;
 pub use operation::{Binary, Comparison, Op, Unary};
 pub use outline::{Outline, Piece, outline};
 pub use program::{Instruction, Operand, Program, Register};

@@ -2,11 +2,11 @@
 
 mod scenes;
 
-use mbd_compiler::{Equations, NameSpans, Settings, emit};
+use mbd_compiler::{Equations, NameSpans, Settings, emit_model};
 use mbd_scene::{AngularVelocity, NodeModel, Scene};
 
 fn formatted(scene: &Scene, settings: &Settings) -> String {
-    let tokens = emit(&Equations::trace(scene), &NameSpans::default(), settings);
+    let tokens = emit_model(&Equations::trace(scene), &NameSpans::default(), settings);
     let file: syn::File = syn::parse2(tokens.clone()).unwrap_or_else(|error| {
         panic!("not Rust: {error}\n{tokens}");
     });

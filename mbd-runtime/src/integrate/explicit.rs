@@ -132,21 +132,22 @@ impl<T: Float> Explicit<T> {
         combine(state, T::from_f64(step), weights, &self.stages, out);
     }
 
-    /// 2 |k₃ − k₂| / |k₂ − k₁|: step times the largest rate of the system, as the stages of RK4 show it.
-    pub(crate) fn stiffness(&self) -> f64 {
+    /// 2 |k₃ − k₂| / |k₂ − k₁|: step times the largest rate of the system, as the stages of RK4 show it; zero where the stages agree to
+    /// `negligible` of k₁. |k|² = Σ weight k².
+    pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {
         let mut stages = self.stages.chunks_exact(self.length.max(1));
         let (Some(k1), Some(k2), Some(k3)) = (stages.next(), stages.next(), stages.next()) else {
             return 0.0;
         };
-        let mut above = T::zero();
-        let mut below = T::zero();
-        for ((a, b), c) in k1.iter().zip(k2).zip(k3) {
+        let (mut above, mut below, mut size) = (T::zero(), T::zero(), T::zero());
+        for (((a, b), c), weight) in k1.iter().zip(k2).zip(k3).zip(weights) {
             let (first, second) = (*b - *a, *c - *b);
-            below += first * first;
-            above += second * second;
+            size += *weight * *a * *a;
+            below += *weight * first * first;
+            above += *weight * second * second;
         }
-        let (above, below) = (above.to_f64(), below.to_f64());
-        if below > 0.0 {
+        let (above, below, size) = (above.to_f64(), below.to_f64(), size.to_f64());
+        if below > 0.0 && above > negligible * negligible * size {
             2.0 * (above / below).sqrt()
         } else {
             0.0

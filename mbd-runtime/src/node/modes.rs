@@ -6,8 +6,8 @@
 //! idle      pull = 0 upwards     → active,       s = 0 downwards → slack           pull = K s + C ṡ
 //! ```
 //!
-//! The same table serves lines between bodies and points with mass and the lines of `rate` nodes. Undamped lines, springs and the lines of
-//! static and stepwise nodes have continuous forces or no memory to locate with, and no guards.
+//! The same table serves lines between bodies and points with mass and the lines of `rate` nodes; without damping stretch and pull vanish
+//! together and no line is idle. Springs and the lines of static and stepwise nodes have no modes and no guards.
 
 use mbd_scene::{Float, Layout, LineEnd, LineKind, Model, NodeModel, Quantity};
 
@@ -52,19 +52,20 @@ impl Mode {
     }
 }
 
-/// Whether a line has modes: damped, tension only, and not of a static or stepwise node.
+/// Whether a line has modes: tension only, not of a static or stepwise node, and damped if it is of a `rate` node.
 pub(crate) fn has_mode<T: Float, M: Model<T>>(model: &M, line: usize) -> bool {
     let damped = model
         .lines()
         .get(line)
         .is_some_and(|n| n.damping > T::zero());
-    let kind = model.scene().lines.get(line).map(|line| line.kind);
     let plain = model
         .layout()
         .lines
         .get(line)
         .is_some_and(|slots| slots.effective.is_none());
-    damped && plain && kind == Some(LineKind::Line)
+    let kind = model.scene().lines.get(line).map(|line| line.kind);
+    let free = damped || !is_node_line(model.layout(), line);
+    free && plain && kind == Some(LineKind::Line)
 }
 
 /// Whether a line ends at a node.
@@ -271,14 +272,18 @@ impl<T: Float> Nodes<T> {
             });
         }
         NodeError::check_finite("velocity of a rate node", velocity.as_slice())?;
-        if decided {
-            Ok(())
-        } else {
-            Err(NodeError::NotConverged {
+        match (decided, plan.rate.spread()) {
+            (true, _) => Ok(()),
+            // The singular approach: taut lines about to fall into one line or plane; ẏ grows without bound there.
+            (false, Spread::Algebraic) => Err(NodeError::Unsupported {
+                node,
+                why: "its taut lines are falling into one line or plane, where its velocity is unbounded; declare `equilibrium: stepwise`",
+            }),
+            (false, _) => Err(NodeError::NotConverged {
                 node,
                 residual_n: f64::NAN,
                 iterations: 0,
-            })
+            }),
         }
     }
 

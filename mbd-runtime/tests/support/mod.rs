@@ -8,7 +8,7 @@ use mbd_runtime::scene::{
     Body, Direction, Event, Formula, Frame, Function, Gravity, Inertia, Line, LineKind, Load,
     LoadKind, NodeModel, Output, Place, Point, PointKind, Scene, Unit,
 };
-use mbd_runtime::{Generic, Options, Simulation};
+use mbd_runtime::{Content, Generic, Options, Sampling, Simulation, Trajectory};
 use serde_json::Value;
 
 pub fn numbers(values: [f64; 3]) -> [Formula; 3] {
@@ -150,7 +150,7 @@ pub fn parachute(file: &Value, node: PointKind) -> Scene {
     let p = &file["parameters"];
     let number = |name: &str| p[name].as_f64().unwrap_or_else(|| panic!("{name}"));
     let inertia =
-        |name: &str| ["t1", "t1", "roll"].map(|axis| p[name][axis].as_f64().unwrap_or_default());
+        |name: &str| ["t1", "t2", "roll"].map(|axis| p[name][axis].as_f64().unwrap_or_default());
     let mut scene = empty("Parachute");
     scene.gravity = Gravity::PointMass {
         mu: number("mu").into(),
@@ -235,6 +235,46 @@ pub fn parachute_state(file: &Value, node: PointKind) -> Vec<f64> {
 
 pub fn generic(scene: Scene) -> Generic<f64> {
     Generic::with_defaults(scene).unwrap_or_else(|error| panic!("{error:?}"))
+}
+
+/// The largest difference of the riser force to a reference file in windows of time that end at `windows`, and the located events.
+pub fn compare(
+    name: &str,
+    node: &PointKind,
+    options: Options,
+    until: f64,
+    windows: &[f64],
+) -> (Vec<f64>, Trajectory) {
+    let file = reference(&format!("parachute/{name}.json"));
+    let model = generic(parachute(&file, node.clone()));
+    let mut simulation = Simulation::new(&model, options).unwrap();
+    simulation
+        .set_state(0.0, &parachute_state(&file, node.clone()))
+        .unwrap();
+    if matches!(node, PointKind::Node(_)) {
+        simulation.set_nodes(&floats(&file["node_x"][0])).unwrap();
+    }
+    let times: Vec<f64> = floats(&file["t"])
+        .into_iter()
+        .filter(|t| *t <= until)
+        .collect();
+    let mut trajectory = Trajectory::new(&model, Sampling::At(times.clone()), Content::ALL);
+    simulation
+        .record(until, &mut trajectory)
+        .unwrap_or_else(|error| panic!("{name} {:?}: {error}", options.method));
+    let force = trajectory.column("riser_force").unwrap().to_vec();
+    let want = floats(&file["riser_force"]);
+    let mut worst = vec![0.0_f64; windows.len()];
+    for ((t, a), b) in times.iter().zip(&force).zip(&want) {
+        if let Some(window) = windows.iter().position(|end| t <= end) {
+            worst[window] = worst[window].max((a - b).abs());
+        }
+    }
+    println!(
+        "{name} {:?}: {worst:?} {:?}",
+        options.method, trajectory.statistics
+    );
+    (worst, trajectory)
 }
 
 /// The state after running from `state` at t = 0 to `until`.

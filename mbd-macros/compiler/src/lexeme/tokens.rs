@@ -99,9 +99,9 @@ impl Lexer {
     }
 }
 
-/// The text of `[doc = "…"]`.
+/// The text of `[doc = "…"]`. A macro that forwards doc comments wraps what it captured in invisible groups.
 fn doc_of(group: &Group) -> Option<String> {
-    let mut inner = group.stream().into_iter();
+    let mut inner = visible(group.stream()).into_iter();
     let (word, sign, text) = (inner.next()?, inner.next()?, inner.next()?);
     match (word, sign, text) {
         (TokenTree::Ident(word), TokenTree::Punct(sign), TokenTree::Literal(text))
@@ -114,4 +114,15 @@ fn doc_of(group: &Group) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// The tokens without invisible groups.
+fn visible(tokens: TokenStream) -> Vec<TokenTree> {
+    let open = |token| match token {
+        TokenTree::Group(group) if group.delimiter() == Delimiter::None => {
+            group.stream().into_iter().collect()
+        }
+        other => vec![other],
+    };
+    tokens.into_iter().flat_map(open).collect()
 }
