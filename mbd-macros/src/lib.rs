@@ -2,9 +2,10 @@
 
 use proc_macro::TokenStream;
 
-/// Compiles a declaration into a model.
+/// Compiles a declaration of bodies, points, lines, loads, events and outputs into a model: its types, its equations as Rust, its documentation.
+///
+/// The language is described in the README; `explain()` of the model says what was made of it.
 #[proc_macro]
 pub fn model(declaration: TokenStream) -> TokenStream {
-    let _ = declaration;
-    "::core::compile_error!(\"not connected yet\");".parse().unwrap_or_default()
+    mbd_compiler::compile(declaration.into()).into()
 }

@@ -1,6 +1,7 @@
 //! The compiler of `mbd`: a declaration becomes a scene, its laws become equations, the equations a program, the program Rust.
 
 mod check;
+mod compile;
 mod describe;
 mod differentiate;
 mod emit;
@@ -19,7 +20,10 @@ mod resolve;
 mod syntax;
 mod units;
 
-pub use emit::{NameSpans, Settings, emit};
+#[cfg(feature = "pretty")]
+pub use compile::expand;
+pub use compile::{compile, emit};
+pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Mask, Node, Slot, Term, recorded, session};
 pub use interpret::{Interpreted, Registers};

@@ -73,25 +73,33 @@ pub fn read_text(text: &str) -> Reading {
     read(&lexemes, &places, messages)
 }
 
+/// Reads lexemes. What could not be lexed is told alone: everything after it may be its consequence.
 fn read(lexemes: &[Lexeme], places: &Places, mut messages: Messages) -> Reading {
-    let model = syntax::model(lexemes, &mut messages);
-    if model.is_none() && messages.is_empty() {
-        messages.push(say::no_model(Region::START));
+    let lexed = messages.is_empty();
+    let mut syntax = Messages::default();
+    let model = syntax::model(lexemes, &mut syntax);
+    if lexed {
+        messages = syntax;
+        if model.is_none() {
+            messages.push(say::no_model(Region::START));
+        }
     }
-    finish(&model.unwrap_or_default(), places, messages)
+    finish(&model.unwrap_or_default(), places, messages, lexed)
 }
 
 /// Resolves and checks a model and gathers what came of it.
-pub(crate) fn finish(model: &Model<'_>, places: &Places, messages: Messages) -> Reading {
-    let readable = messages.is_empty() || !model.items.is_empty();
+pub(crate) fn finish(
+    model: &Model<'_>,
+    places: &Places,
+    messages: Messages,
+    lexed: bool,
+) -> Reading {
     let mut resolver = resolve(model);
-    if readable {
-        check(&mut resolver, messages.is_empty());
-    } else {
-        resolver.messages = Messages::default();
-    }
+    check(&mut resolver, messages.is_empty());
     let mut errors = messages;
-    errors.extend(std::mem::take(&mut resolver.messages));
+    if lexed && !(model.items.is_empty() && !errors.is_empty()) {
+        errors.extend(std::mem::take(&mut resolver.messages));
+    }
     let good = errors.is_empty();
     let spans = spans(&resolver, places);
     Reading {

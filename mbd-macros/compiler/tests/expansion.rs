@@ -2,11 +2,11 @@
 
 mod scenes;
 
-use mbd_compiler::{Equations, NameSpans, Settings, emit};
+use mbd_compiler::{Equations, NameSpans, Settings, emit_model};
 use mbd_scene::{AngularVelocity, NodeModel, Scene};
 
 fn formatted(scene: &Scene, settings: &Settings) -> String {
-    let tokens = emit(&Equations::trace(scene), &NameSpans::default(), settings);
+    let tokens = emit_model(&Equations::trace(scene), &NameSpans::default(), settings);
     let file: syn::File = syn::parse2(tokens.clone()).unwrap_or_else(|error| {
         panic!("not Rust: {error}\n{tokens}");
     });
@@ -41,7 +41,10 @@ fn the_parachute() {
 #[test]
 fn the_same_scene_gives_the_same_tokens() {
     for scene in scenes::all() {
-        let settings = Settings { verify: true, ..Settings::default() };
+        let settings = Settings {
+            verify: true,
+            ..Settings::default()
+        };
         assert_eq!(formatted(&scene, &settings), formatted(&scene, &settings));
     }
 }

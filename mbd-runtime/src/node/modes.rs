@@ -272,14 +272,18 @@ impl<T: Float> Nodes<T> {
             });
         }
         NodeError::check_finite("velocity of a rate node", velocity.as_slice())?;
-        if decided {
-            Ok(())
-        } else {
-            Err(NodeError::NotConverged {
+        match (decided, plan.rate.spread()) {
+            (true, _) => Ok(()),
+            // The singular approach: taut lines about to fall into one line or plane; ẏ grows without bound there.
+            (false, Spread::Algebraic) => Err(NodeError::Unsupported {
+                node,
+                why: "its taut lines are falling into one line or plane, where its velocity is unbounded; declare `equilibrium: stepwise`",
+            }),
+            (false, _) => Err(NodeError::NotConverged {
                 node,
                 residual_n: f64::NAN,
                 iterations: 0,
-            })
+            }),
         }
     }
 

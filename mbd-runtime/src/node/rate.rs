@@ -19,14 +19,15 @@ use mbd_scene::Float;
 use mbd_scene::laws::LineNumbers;
 use nalgebra::{Matrix3, Vector3};
 
-use super::balance::{Balance, Evaluation};
 use super::eigen::eigen;
-use super::solver::{Outcome, Solver, Tolerance};
 use mbd_scene::laws::line as law;
 
 /// λ_min over λ_max below which a direction of D is missing.
 const RANK: f64 = 1e-6;
 const MOST_CHANGES: usize = 30;
+/// The vanishing dashpot over the largest damping: it only tells the active set.
+const DASHPOT: f64 = 1e-8;
+const MOST_STEPS: usize = 60;
 
 /// One line of a rate node at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +74,6 @@ pub struct RateNode<T: Float> {
     /// w − v̄.
     slip: Vector3<T>,
     spread: Spread,
-    solver: Solver<T>,
 }
 
 impl<T: Float> Leg<T> {
@@ -108,7 +108,6 @@ impl<T: Float> RateNode<T> {
             mean: Vector3::zeros(),
             slip: Vector3::zeros(),
             spread: Spread::Full,
-            solver: Solver::new(1, 0, &[(0, 0)]),
         }
     }
 
@@ -192,7 +191,9 @@ impl<T: Float> RateNode<T> {
             right += leg.direction.map(|x| leg.push * x);
         }
         self.spread = Spread::Full;
-        if let Some(slip) = cholesky(&d, &right) {
+        if certainly_full(&d)
+            && let Some(slip) = cholesky(&d, &right)
+        {
             self.slip = slip;
             self.find_pulls();
             return;
@@ -221,7 +222,7 @@ impl<T: Float> RateNode<T> {
         }
     }
 
-    /// Decides the active set among the taut lines (rule 1) and solves on it. `false`: the convex search behind it did not converge.
+    /// Decides the active set among the taut lines (rule 1) and solves on it. `false`: it could not be decided.
     #[must_use]
     pub fn decide(&mut self) -> bool {
         for _ in 0..MOST_CHANGES {
@@ -230,22 +231,75 @@ impl<T: Float> RateNode<T> {
                 return true;
             }
         }
-        let mut slip = [T::zero(); 3];
-        let mut problem = RateProblem {
-            legs: &self.legs,
-            load: [self.load.x, self.load.y, self.load.z],
-        };
-        let outcome =
-            self.solver
-                .search(&mut problem, &[], &[], &mut slip, Tolerance::inside_step());
-        self.slip = Vector3::from(slip);
-        self.find_pulls();
+        let settled = self.settle();
+        self.solve_frozen();
+        let tolerated = self.scale() * T::from_f64(1e2 * DASHPOT).max(T::EPSILON.sqrt());
+        settled && !self.legs.iter().any(|leg| leg.wants_change(tolerated))
+    }
+
+    /// The active set of the rate problem with a vanishing dashpot, Φ(w) + (ε/2)|w − v̄|²: strictly convex, so Newton with slope search finds
+    /// its one minimum, and the lines that pull there are those of the limit ε → 0. Only the set is taken, never its forces.
+    fn settle(&mut self) -> bool {
         let zero = T::zero();
+        let mut largest = zero;
+        for leg in &self.legs {
+            largest = largest.max(leg.numbers.damping);
+        }
+        let dashpot = T::from_f64(DASHPOT).max(T::EPSILON * T::from_f64(1e3)) * largest;
+        let mut slip = Vector3::zeros();
+        for _ in 0..MOST_STEPS {
+            let (gradient, stiffness, scale) = self.dashed(&slip, dashpot);
+            if gradient.dot(&gradient) <= scale * scale * T::EPSILON * T::EPSILON {
+                break;
+            }
+            let Some(step) = cholesky(&stiffness, &-gradient) else {
+                return false;
+            };
+            let start = gradient.dot(&step).abs();
+            let (mut t, mut low, mut high) = (T::one(), zero, None);
+            for _ in 0..MOST_STEPS {
+                let slope = self
+                    .dashed(&(slip + step.map(|x| t * x)), dashpot)
+                    .0
+                    .dot(&step);
+                if slope.abs() <= T::from_f64(0.1) * start {
+                    break;
+                }
+                if slope < zero {
+                    low = t;
+                } else {
+                    high = Some(t);
+                }
+                t = high.map_or(t + t, |high| (low + high) * T::from_f64(0.5));
+            }
+            slip += step.map(|x| t * x);
+        }
+        self.slip = slip;
+        self.find_pulls();
         for leg in &mut self.legs {
             leg.active = leg.taut && leg.pull > zero;
         }
-        self.solve_frozen();
-        !matches!(outcome, Outcome::NotConverged { .. })
+        let (gradient, _, scale) = self.dashed(&slip, dashpot);
+        let bound = scale * T::EPSILON * T::from_f64(1e4);
+        gradient.dot(&gradient) <= bound * bound
+    }
+
+    /// Gradient, stiffness and scale of forces of the problem with a dashpot.
+    fn dashed(&self, slip: &Vector3<T>, dashpot: T) -> (Vector3<T>, Matrix3<T>, T) {
+        let mut gradient = slip.map(|x| dashpot * x) - self.load;
+        let mut stiffness = Matrix3::from_diagonal_element(dashpot);
+        let mut scale = T::zero();
+        for leg in self.legs.iter().filter(|leg| leg.taut) {
+            let c = leg.numbers.damping;
+            let along = c * leg.direction.dot(slip);
+            let pull = leg.push - along;
+            scale = scale.max(leg.push.abs() + along.abs());
+            if pull > T::zero() {
+                gradient -= leg.direction.map(|u| pull * u);
+                stiffness += (leg.direction * leg.direction.transpose()).map(|x| c * x);
+            }
+        }
+        (gradient, stiffness, scale)
     }
 
     /// Whether the present active set is wrong by more than rounding.
@@ -276,12 +330,17 @@ impl<T: Float> RateNode<T> {
 
     /// Forces below this are rounding [N].
     fn rounding(&self) -> T {
+        self.scale() * T::EPSILON * T::from_f64(1e4)
+    }
+
+    /// The largest term of a pull [N].
+    fn scale(&self) -> T {
         let mut scale = T::zero();
         for leg in self.legs.iter().filter(|leg| leg.taut) {
             let along = leg.direction.dot(&self.slip).abs();
             scale = scale.max(leg.push.abs() + leg.numbers.damping * along);
         }
-        scale * T::EPSILON * T::from_f64(1e4)
+        scale
     }
 
     /// Σ T/d and Σ (T/d)(v − v̄) over the lines that pull; zero if the sum of their forces is rounding.
@@ -351,18 +410,15 @@ impl<T: Float> Leg<T> {
     }
 }
 
-/// Solves D x = r by Cholesky if D certainly has full rank: det D > 1e-5 (tr D)³ bounds λ_min/λ_max from below by 1e-5.
+/// Solves D x = r by Cholesky; `None` if a pivot is not positive.
 fn cholesky<T: Float>(d: &Matrix3<T>, right: &Vector3<T>) -> Option<Vector3<T>> {
-    let trace = d[(0, 0)] + d[(1, 1)] + d[(2, 2)];
-    let (a, b, c) = (d[(1, 0)], d[(2, 0)], d[(2, 1)]);
     let l00 = d[(0, 0)].sqrt();
-    let (l10, l20) = (a / l00, b / l00);
+    let (l10, l20) = (d[(1, 0)] / l00, d[(2, 0)] / l00);
     let p1 = d[(1, 1)] - l10 * l10;
     let l11 = p1.sqrt();
-    let l21 = (c - l20 * l10) / l11;
+    let l21 = (d[(2, 1)] - l20 * l10) / l11;
     let p2 = d[(2, 2)] - l20 * l20 - l21 * l21;
-    let certain = d[(0, 0)] * p1 * p2 > T::from_f64(1e-5) * trace * trace * trace;
-    if !certain || p1 <= T::zero() || p2 <= T::zero() {
+    if d[(0, 0)] <= T::zero() || p1 <= T::zero() || p2 <= T::zero() {
         return None;
     }
     let y0 = right.x / l00;
@@ -373,66 +429,10 @@ fn cholesky<T: Float>(d: &Matrix3<T>, right: &Vector3<T>) -> Option<Vector3<T>> 
     Some(Vector3::new(x, y, z))
 }
 
-/// The rate problem as a balance, for the slope search: the unknown is w − v̄.
-struct RateProblem<'a, T: Float> {
-    legs: &'a [Leg<T>],
-    load: [T; 3],
-}
-
-impl<T: Float> Balance<T> for RateProblem<'_, T> {
-    fn nodes(&self) -> usize {
-        1
-    }
-
-    fn lines(&self) -> usize {
-        0
-    }
-
-    fn load(&self) -> &[T] {
-        &self.load
-    }
-
-    fn evaluate(&mut self, p: &[T], _k: &[T], _l: &[T], out: &mut Evaluation<T>) {
-        let &[x, y, z] = p else { return };
-        let slip = Vector3::new(x, y, z);
-        let mut gradient = -Vector3::from(self.load);
-        let mut h = Matrix3::zeros();
-        let mut sums = [T::zero(); 3];
-        for leg in self.legs.iter().filter(|leg| leg.taut) {
-            let c = leg.numbers.damping;
-            let along = c * leg.direction.dot(&slip);
-            let pull = leg.push - along;
-            if pull < T::zero() {
-                continue;
-            }
-            gradient -= leg.direction.map(|u| pull * u);
-            h += (leg.direction * leg.direction.transpose()).map(|x| c * x);
-            sums[0] += pull;
-            sums[1] += leg.push.abs() + along.abs();
-            if pull > T::zero() {
-                sums[2] += T::one();
-            }
-        }
-        let values = [
-            gradient.x,
-            gradient.y,
-            gradient.z,
-            h[(0, 0)],
-            h[(0, 1)],
-            h[(0, 2)],
-            h[(1, 1)],
-            h[(1, 2)],
-            h[(2, 2)],
-            sums[0],
-            sums[1],
-            sums[2],
-        ];
-        for (target, value) in out.values_mut().iter_mut().zip(values) {
-            *target = value;
-        }
-    }
-
-    fn smallest_slack(&self, _p: &[T], _l: &[T]) -> T {
-        T::one()
-    }
+/// det D > 1e-5 (tr D)³: bounds λ_min/λ_max from below by 1e-5, without eigenvalues.
+fn certainly_full<T: Float>(d: &Matrix3<T>) -> bool {
+    let minor = |a: usize, b: usize| d[(1, a)] * d[(2, b)] - d[(1, b)] * d[(2, a)];
+    let determinant = d[(0, 0)] * minor(1, 2) - d[(0, 1)] * minor(0, 2) + d[(0, 2)] * minor(0, 1);
+    let trace = d[(0, 0)] + d[(1, 1)] + d[(2, 2)];
+    determinant > T::from_f64(1e-5) * trace * trace * trace
 }

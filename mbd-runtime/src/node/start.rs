@@ -281,6 +281,27 @@ impl<T: Float> Nodes<T> {
         self.ends = ends;
         solved?;
         self.carry_tensions(model, plan);
+        self.rebalance(stage, plan, work)
+    }
+
+    /// Solves the balance once more with the carried numbers as the law: the tiny step moved the anchors, and momentum asks for exact balance.
+    fn rebalance<M: Model<T>>(
+        &mut self,
+        stage: &Stage<'_, T, M>,
+        plan: &mut Plan<T>,
+        work: &mut M::Work,
+    ) -> Result<(), NodeError> {
+        let mut is_law = true;
+        for (line, (k, l)) in plan.lines.iter().zip(plan.k.iter_mut().zip(&mut plan.l)) {
+            let at = line.effective.map_or(usize::MAX, |at| 2 * at);
+            if let Some(&[stiffness, free_length]) = self.effective.get(at..at.saturating_add(2)) {
+                is_law &= stiffness > T::zero() && free_length >= T::zero();
+                (*k, *l) = (stiffness, free_length);
+            }
+        }
+        if is_law {
+            self.balance(stage, plan, work)?;
+        }
         Ok(())
     }
 

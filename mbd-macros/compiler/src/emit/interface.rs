@@ -294,13 +294,28 @@ fn loads(context: &Context) -> TokenStream {
         }
     });
     let methods: Vec<TokenStream> = methods.collect();
-    let doc = docs(&format!(
-        "What the caller of `{}` supplies at each evaluation.",
-        context.scene().name
-    ));
+    let model = &context.scene().name;
+    let doc = docs(&format!("What the caller of `{model}` supplies at each evaluation."));
+    let (model, external) = (context.named(""), context.named("External"));
+    let scalar = context.settings.generic.then(|| quote!(T: ::mbd_runtime::Real,));
+    let external_doc = docs(&format!("Hands what [`{name}`] supplies to a simulation."));
     quote! {
         #doc
         #vis trait #name #real { #(#methods)* }
+
+        #external_doc
+        #[derive(Clone, Debug)]
+        #vis struct #external<L>(pub L);
+
+        impl<#scalar L: #name #used> ::mbd_runtime::External<#t> for #external<L> {
+            fn evaluate(&self, time: #t, state: &[#t], out: &mut [#t]) {
+                if let (::core::option::Option::Some(state), ::core::option::Option::Some(out)) =
+                    (#state::from_slice(state), ::mbd_runtime::__private::fixed_mut(out))
+                {
+                    *out = <#model #used>::inputs(time, &state, &self.0);
+                }
+            }
+        }
     }
 }
 

@@ -13,7 +13,7 @@ pub fn number(value: f64) -> TokenStream {
     let literal = if magnitude.is_infinite() {
         quote!(::core::primitive::f64::INFINITY)
     } else {
-        let literal = Literal::f64_unsuffixed(magnitude);
+        let literal = readable(magnitude);
         quote!(#literal)
     };
     if value.is_sign_negative() {
@@ -21,6 +21,13 @@ pub fn number(value: f64) -> TokenStream {
     } else {
         literal
     }
+}
+
+/// Very small and very large numbers with an exponent.
+fn readable(magnitude: f64) -> Literal {
+    let usual = magnitude == 0.0 || (1e-4..1e9).contains(&magnitude);
+    let exponential = (!usual).then(|| format!("{magnitude:e}").parse().ok()).flatten();
+    exponential.unwrap_or_else(|| Literal::f64_unsuffixed(magnitude))
 }
 
 /// A whole number without suffix.

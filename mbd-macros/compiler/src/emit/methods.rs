@@ -18,7 +18,10 @@ pub fn methods(context: &Context) -> TokenStream {
     let methods = quantities
         .iter()
         .filter(|what| !matches!(what, Quantity::Partial(..)))
-        .map(|&what| method(context, what, context.equations.program(what)));
+        .map(|&what| (what, context.equations.program(what)))
+        // A quantity that is not emitted has no method; after an error every one has.
+        .filter(|(_, program)| program.is_some() || context.equations.programs.is_empty())
+        .map(|(what, program)| method(context, what, program));
     let kinematics = kinematics(context);
     quote! {
         impl #real #name #used {

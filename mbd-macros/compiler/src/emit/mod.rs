@@ -12,19 +12,20 @@ mod interface;
 mod literal;
 mod methods;
 mod model;
-mod quantity;
+pub mod quantity;
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Span, TokenStream};
 use quote::quote;
 
 pub use context::{NameSpans, Settings};
 
 use crate::equations::Equations;
+use crate::resolve::Named;
 use context::Context;
 
 /// The Rust of a model: its companions, itself, its equations, and its tests if it wants them.
 #[must_use]
-pub fn emit(equations: &Equations, spans: &NameSpans, settings: &Settings) -> TokenStream {
+pub fn emit_model(equations: &Equations, spans: &NameSpans, settings: &Settings) -> TokenStream {
     let context = Context {
         equations,
         spans,
@@ -36,6 +37,34 @@ pub fn emit(equations: &Equations, spans: &NameSpans, settings: &Settings) -> To
         tests(&context),
     );
     quote!(#companions #model #tests)
+}
+
+/// Uses of the parameters' fields where the declaration uses their names: an editor finds and renames them together.
+pub fn references(
+    equations: &Equations,
+    spans: &NameSpans,
+    settings: &Settings,
+    uses: &[(Named, Span)],
+) -> TokenStream {
+    let context = Context { equations, spans, settings };
+    let (fields, params) = (context.params(), context.named("Params"));
+    let used = settings.generic.then(|| quote!(<f64>));
+    let uses = uses.iter().filter_map(|&(named, span)| match named {
+        Named::Param(index) => fields.get(index).map(|field| {
+            let mut field = field.clone();
+            field.set_span(span);
+            quote!(let _ = &params.#field;)
+        }),
+        _ => None,
+    });
+    quote! {
+        const _: () = {
+            #[allow(dead_code, reason = "for editors")]
+            fn references(params: &#params #used) {
+                #(#uses)*
+            }
+        };
+    }
 }
 
 /// `verify;`: a test module of the model.

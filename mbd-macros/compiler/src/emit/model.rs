@@ -315,6 +315,18 @@ fn implementation(context: &Context) -> TokenStream {
             }
         }
     });
+    let not_emitted = equations
+        .layout
+        .quantities()
+        .into_iter()
+        .filter(|&what| equations.program(what).is_none())
+        .map(quantity_path)
+        .collect::<Vec<_>>();
+    let not_emitted = (!not_emitted.is_empty()).then(|| {
+        let nan = if context.settings.generic { quote!(T::from_f64(f64::NAN)) } else { quote!(f64::NAN) };
+        // Loud, not silently zero.
+        quote!(#(#not_emitted)|* => out.fill(#nan),)
+    });
     quote! {
         impl #float ::mbd_runtime::Model<#t> for #name #used {
             type Work = ();
@@ -341,6 +353,7 @@ fn implementation(context: &Context) -> TokenStream {
             ) {
                 match what {
                     #(#arms)*
+                    #not_emitted
                     _ => {}
                 }
             }

@@ -16,21 +16,33 @@ pub fn name(scene: &Scene, layout: &Layout, what: Quantity) -> String {
         found.map_or_else(|| k.to_string(), |point| identifier(&point.name))
     };
     match what {
-        Quantity::Ends => "ends".to_owned(),
-        Quantity::Equilibrium(k) => format!("equilibrium_{}", network(k)),
-        Quantity::Derivative => "derivative".to_owned(),
-        Quantity::Balance => "balance".to_owned(),
-        Quantity::Guards => "guards".to_owned(),
-        Quantity::Outputs => "outputs".to_owned(),
-        Quantity::Energy => "energy".to_owned(),
-        Quantity::Momentum => "momentum".to_owned(),
-        Quantity::MassMatrix => "mass_matrix".to_owned(),
-        Quantity::BiasForce => "bias_force".to_owned(),
-        Quantity::Forces => "forces".to_owned(),
-        Quantity::Lines => "lines".to_owned(),
-        Quantity::NodeByAnchor(k) => format!("node_by_anchor_{}", network(k)),
-        Quantity::CondensedStiffness(k) => format!("condensed_stiffness_{}", network(k)),
+        Quantity::Equilibrium(k) | Quantity::NodeByAnchor(k) | Quantity::CondensedStiffness(k) => {
+            format!("{}_{}", kind(what), network(k))
+        }
         Quantity::Partial(of, by) => format!("{}_by_{}", differentiated(of), variable(by)),
+        _ => kind(what).to_owned(),
+    }
+}
+
+/// What `emit: […]` calls a kind of quantity.
+#[must_use]
+pub fn kind(what: Quantity) -> &'static str {
+    match what {
+        Quantity::Ends => "ends",
+        Quantity::Equilibrium(_) => "equilibrium",
+        Quantity::Derivative => "derivative",
+        Quantity::Balance => "balance",
+        Quantity::Guards => "guards",
+        Quantity::Outputs => "outputs",
+        Quantity::Energy => "energy",
+        Quantity::Momentum => "momentum",
+        Quantity::MassMatrix => "mass_matrix",
+        Quantity::BiasForce => "bias_force",
+        Quantity::Forces => "forces",
+        Quantity::Lines => "lines",
+        Quantity::NodeByAnchor(_) => "node_by_anchor",
+        Quantity::CondensedStiffness(_) => "condensed_stiffness",
+        Quantity::Partial(..) => "partials",
     }
 }
 

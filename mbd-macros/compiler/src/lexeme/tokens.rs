@@ -42,15 +42,14 @@ impl Lexer {
                         Some(TokenTree::Group(group)) => doc_of(group),
                         _ => None,
                     };
-                    let at = match &doc {
-                        Some(text) => self.spanned(Kind::Doc(text.clone()), sign.span()),
-                        None => self.spanned(Kind::Sign('#'), sign.span()),
+                    let kind = match doc {
+                        Some(text) => {
+                            tokens.next();
+                            Kind::Doc(text)
+                        }
+                        None => Kind::Sign('#'),
                     };
-                    if doc.is_some() {
-                        tokens.next();
-                    } else {
-                        messages.push(say::attribute(at.into()));
-                    }
+                    self.spanned(kind, sign.span());
                 }
                 TokenTree::Punct(sign) => {
                     self.spanned(Kind::Sign(sign.as_char()), sign.span());
@@ -100,9 +99,9 @@ impl Lexer {
     }
 }
 
-/// The text of `[doc = "…"]`.
+/// The text of `[doc = "…"]`. A macro that forwards doc comments wraps what it captured in invisible groups.
 fn doc_of(group: &Group) -> Option<String> {
-    let mut inner = group.stream().into_iter();
+    let mut inner = visible(group.stream()).into_iter();
     let (word, sign, text) = (inner.next()?, inner.next()?, inner.next()?);
     match (word, sign, text) {
         (TokenTree::Ident(word), TokenTree::Punct(sign), TokenTree::Literal(text))
@@ -115,4 +114,15 @@ fn doc_of(group: &Group) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// The tokens without invisible groups.
+fn visible(tokens: TokenStream) -> Vec<TokenTree> {
+    let open = |token| match token {
+        TokenTree::Group(group) if group.delimiter() == Delimiter::None => {
+            group.stream().into_iter().collect()
+        }
+        other => vec![other],
+    };
+    tokens.into_iter().flat_map(open).collect()
 }

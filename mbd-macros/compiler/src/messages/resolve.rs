@@ -756,7 +756,10 @@ pub fn no_gravity(at: Region) -> Report {
 pub fn gravity_field(at: Region, field: &str, wanted: Dimension) -> Report {
     Report::new(
         at,
-        format!("this gravity has no {field}; it is {}", described(wanted)),
+        format!(
+            "this gravity has no `{field}`: add it, {}",
+            described(wanted)
+        ),
     )
 }
 

@@ -31,15 +31,20 @@ impl<'a> Resolver<'a> {
     /// Names consts, params, inputs and tables.
     pub fn collect_numbers(&mut self, model: &'a Model<'a>) {
         for item in &model.items {
-            if let (true, Some(name)) = (item.broken, &item.name) {
+            let Some(name) = &item.name else {
+                continue;
+            };
+            if words::find(&item.word.text, false).is_none() {
                 self.broken.insert(name.word.text.clone());
             }
+            self.later.insert(name.word.text.clone());
         }
         self.collect(model, &["const", "param", "input", "table"]);
     }
 
     /// Names everything else.
     pub fn collect_things(&mut self, model: &'a Model<'a>) {
+        self.later.clear();
         self.scene.world_frames.push(Frame {
             name: "world".to_string(),
             position: [0.0; 3].map(Formula::Number),
@@ -81,7 +86,13 @@ impl<'a> Resolver<'a> {
             let named = named(spec.word, slot);
             let at = Region::from(name.word.at);
             if let Err(first) = self.names.add(&name.word.text, index, named, at) {
-                self.messages.push(say::twice(at, &label, first));
+                let (first, second) = if first.first < at.first {
+                    (first, at)
+                } else {
+                    (at, first)
+                };
+                self.messages.push(say::twice(second, &label, first));
+                self.broken.insert(name.word.text.clone());
                 continue;
             }
             self.declared.insert(named, at);

@@ -89,8 +89,10 @@ pub struct Resolver<'a> {
     pub mentioned: BTreeSet<Named>,
     /// What has a mistake of its own: its users are not blamed.
     pub bad: BTreeSet<Named>,
-    /// Names of items that could not be read: they are not "unknown".
+    /// Names of items that could not be read, or are used twice: what refers to them is not blamed.
     pub broken: BTreeSet<String>,
+    /// Names that are declared but not collected yet, while the numbers are made.
+    pub later: BTreeSet<String>,
     /// Whether reading lost no item.
     pub whole: bool,
     /// Points whose model is declared.
@@ -142,6 +144,7 @@ impl<'a> Resolver<'a> {
             mentioned: BTreeSet::new(),
             bad: BTreeSet::new(),
             broken: BTreeSet::new(),
+            later: BTreeSet::new(),
             whole: true,
             chosen: BTreeSet::new(),
             si: false,

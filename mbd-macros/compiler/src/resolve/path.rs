@@ -32,7 +32,11 @@ impl Resolver<'_> {
         }
         let named = self.find(first, scope, rest.is_empty())?;
         self.mention(named, first.word.at);
-        if self.bad.contains(&named) {
+        let number = matches!(
+            named,
+            Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::Table(_)
+        );
+        if number && self.bad.contains(&named) {
             return None;
         }
         match named {
@@ -126,6 +130,7 @@ impl Resolver<'_> {
     fn find(&mut self, step: &Step, scope: Scope<'_>, alone: bool) -> Option<Named> {
         let word = &step.word.text;
         match self.names.get(word).cloned() {
+            Some(_) if self.broken.contains(word) => None,
             Some(entry) => self.member(&entry, step, scope),
             None => {
                 let report = self.unknown(step, alone);
@@ -157,6 +162,9 @@ impl Resolver<'_> {
     fn fail_unless_broken<T>(&mut self, word: &str, report: Report) -> Option<T> {
         if self.broken.contains(word) {
             return None;
+        }
+        if self.later.contains(word) {
+            return self.fail(say::not_constant(report.at, &format!("`{word}`")));
         }
         self.fail(report)
     }
@@ -196,7 +204,7 @@ impl Resolver<'_> {
         };
         let typed = self.typed(parsed, constant)?;
         match fold::known(&typed.formula, &self.scene, false) {
-            Some(fold::Fixed::Scalar(n)) if n.fract() == 0.0 && n.abs() < 1e9 => Some(n as i64),
+            Some(fold::Fixed::Scalar(n)) if n.fract() == 0.0 && n.abs() < 1e15 => Some(n as i64),
             _ => self.fail(say::whole_index(parsed.at())),
         }
     }
@@ -421,6 +429,9 @@ impl Resolver<'_> {
             let report = say::unknown_place(step.word.at.into(), word, &known);
             return self.fail_unless_broken(word, report);
         };
+        if self.broken.contains(word) {
+            return None;
+        }
         let named = self.member(&entry, step, scope)?;
         self.mention(named, step.word.at);
         Some(named)

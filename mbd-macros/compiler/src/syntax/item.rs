@@ -24,6 +24,11 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
             }
             continue;
         }
+        if let Some(at) = cursor.sign('#') {
+            messages.push(say::attribute(at.into()));
+            cursor.group(Bracket::Square);
+            continue;
+        }
         let Some(word) = cursor.word() else {
             messages.push(cursor.expected(if inside { "a field" } else { "an item" }));
             recover(&mut cursor, inside);
@@ -210,8 +215,10 @@ fn ends(cursor: &Cursor<'_>, inside: bool) -> bool {
         Some(Kind::Sign(',')) if inside => true,
         Some(Kind::Sign(';')) => true,
         Some(Kind::Word(word)) => {
+            let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
             let named = words::find(word, inside).is_some_and(|spec| spec.named);
-            named && matches!(cursor.ahead(1).map(|l| &l.kind), Some(Kind::Word(_)))
+            (named && matches!(next, Some(Kind::Word(_))))
+                || (inside && matches!(next, Some(Kind::Sign(':'))))
         }
         _ => false,
     }
@@ -235,9 +242,15 @@ fn recover(cursor: &mut Cursor<'_>, inside: bool) {
         let mut ahead = *cursor;
         docs(&mut ahead);
         ahead.peek_word().is_some_and(|word| {
-            words::find(word, inside).is_some_and(|spec| {
-                !spec.named || matches!(ahead.ahead(1).map(|l| &l.kind), Some(Kind::Word(_)))
-            })
+            let next = ahead.ahead(1).map(|lexeme| &lexeme.kind);
+            let spec = words::find(word, inside);
+            match (spec, next) {
+                (Some(spec), Some(Kind::Word(_))) => spec.named,
+                (Some(spec), Some(Kind::Sign(':' | ';'))) => !spec.named,
+                (Some(spec), Some(Kind::Open(Bracket::Brace, _))) => !spec.named,
+                (None, Some(Kind::Sign(':'))) => inside,
+                _ => false,
+            }
         })
     };
     while !cursor.at_end() && !just_ended(cursor) {
