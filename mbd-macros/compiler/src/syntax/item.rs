@@ -181,7 +181,8 @@ fn clause_value<'a>(
     cursor.since(start)
 }
 
-fn push_clause<'a>(
+/// Adds a clause: each once, none empty.
+pub fn push_clause<'a>(
     item: &mut Item<'a>,
     sign: &'static str,
     at: Region,
@@ -197,7 +198,8 @@ fn push_clause<'a>(
     Ok(())
 }
 
-fn needed(item: &Item<'_>, spec: &'static ItemWord) -> Result<(), Report> {
+/// An error if a value that must be there is missing.
+pub fn needed(item: &Item<'_>, spec: &'static ItemWord) -> Result<(), Report> {
     let missing = spec
         .clauses
         .iter()
