@@ -12,14 +12,25 @@ pub struct Ready {
     pub what: &'static str,
     /// The scene file.
     pub text: &'static str,
+    /// Whether it is TOML, or the text of a declaration.
+    pub is_toml: bool,
 }
 
 /// The ready scenes; the file of each is in `models/scenes`.
-pub const READY: &[Ready] = &[Ready {
-    name: "swing",
-    what: "a bob on a line that hangs from the knot of two others; a static equilibrium point",
-    text: include_str!("../../scenes/swing.mbd"),
-}];
+pub const READY: &[Ready] = &[
+    Ready {
+        name: "drop",
+        what: "a capsule under a parachute, dropped with slack in the riser; a stepwise equilibrium point",
+        text: include_str!("../../scenes/drop.toml"),
+        is_toml: true,
+    },
+    Ready {
+        name: "swing",
+        what: "a bob on a line that hangs from the knot of two others; a static equilibrium point",
+        text: include_str!("../../scenes/swing.mbd"),
+        is_toml: false,
+    },
+];
 
 /// A ready scene by name.
 pub fn ready(name: &str) -> Option<&'static Ready> {

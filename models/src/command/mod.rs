@@ -1,6 +1,7 @@
 //! The commands of `mbd`: what can be typed, and which file answers it.
 
 mod check;
+mod convert;
 mod expand;
 mod failure;
 mod list;
@@ -43,6 +44,8 @@ enum Command {
     Check(SceneArgs),
     /// Print the Rust that `model!` makes of a scene.
     Expand(SceneArgs),
+    /// Print a scene as TOML, with the settings of its run.
+    Convert(SceneArgs),
 }
 
 /// A scene file.
@@ -83,6 +86,7 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
         Command::Run(args) => run::run(&args),
         Command::Check(args) => check::check(&args.scene),
         Command::Expand(args) => expand::expand(&args.scene),
+        Command::Convert(args) => convert::convert(&args.scene),
     }
 }
 

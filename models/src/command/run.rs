@@ -75,7 +75,7 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
 /// A ready scene by name, else a file.
 fn find(scene: &Path) -> Result<SceneFile, Failure> {
     match scene.to_str().and_then(list::ready) {
-        Some(ready) if !scene.exists() => SceneFile::of_text(ready.text, ready.name),
+        Some(ready) if !scene.exists() => SceneFile::of_text(ready.text, ready.name, ready.is_toml),
         _ if scene.exists() || scene.extension().is_some() => SceneFile::read(scene),
         _ => Err(Failure::Usage(list::unknown(&scene.display().to_string()))),
     }

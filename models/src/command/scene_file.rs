@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbd_compiler::{Message, Reading, read_text};
+use mbd_compiler::{Message, Reading, read_text, read_toml};
 use mbd_runtime::scene::Scene;
 use models::run::{Settings, split};
 
@@ -15,8 +15,10 @@ pub struct SceneFile {
     pub scene: Scene,
     /// Everything that was read.
     pub reading: Reading,
-    /// How its run is set; empty for files that cannot say it.
+    /// How its run is set: the table `[run]`.
     pub settings: Settings,
+    /// That table as written.
+    pub run: String,
     /// Warnings, and choices that were made, one line each.
     pub remarks: Vec<String>,
 }
@@ -28,13 +30,17 @@ impl SceneFile {
     /// Reads `.toml`, or the text of a `model!` declaration from a file of any other name.
     pub fn read(path: &Path) -> Result<SceneFile, Failure> {
         let text = read_file(path)?;
-        SceneFile::of_text(&text, &path.display().to_string())
+        let is_toml = path
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        SceneFile::of_text(&text, &path.display().to_string(), is_toml)
     }
 
     /// Reads a text; `name` is the file's name in messages.
-    pub fn of_text(text: &str, name: &str) -> Result<SceneFile, Failure> {
+    pub fn of_text(text: &str, name: &str, is_toml: bool) -> Result<SceneFile, Failure> {
         let (scene, run) = split(text);
-        let (reading, settings) = (read_text(&scene), Settings::read(&run));
+        let read = if is_toml { read_toml } else { read_text };
+        let (reading, settings) = (read(&scene), Settings::read(&run));
         let mut mistakes = told(&reading.errors, name);
         if let Err(text) = &settings {
             mistakes.push(format!("{name}: {}", text.trim_end()));
@@ -51,6 +57,7 @@ impl SceneFile {
                     scene,
                     reading,
                     settings,
+                    run: run.trim().to_string(),
                     remarks,
                 })
             }

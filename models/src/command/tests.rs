@@ -130,3 +130,75 @@ fn a_run_that_stops_early_says_why_and_keeps_its_files() {
     assert_eq!(error.code(), 4);
     assert!(folder.0.join("out/history.csv").is_file());
 }
+
+#[test]
+fn every_mistake_of_a_file_is_told_with_its_place() {
+    let folder = Folder::new("mistakes");
+    let drop = include_str!("../../scenes/drop.toml");
+    let text = drop
+        .replace("\"16 kg\"", "\"16 kgs\"")
+        .replace("\"chute.riser_end\"", "\"chute.riser\"")
+        .replace("until =", "untl =");
+    let path = folder.file("scene.toml", &text);
+    for command in ["check", "run", "expand", "convert"] {
+        let error = run(&[command, &path]).unwrap_err();
+        assert_eq!(error.code(), 2);
+        let told = error.to_string();
+        let place = |what: &str| text.lines().position(|line| line.contains(what)).unwrap() + 1;
+        for (what, word) in [("16 kgs", "`kgs`"), ("\"chute.riser\"", "`riser`")] {
+            let line = told
+                .lines()
+                .find(|line| line.contains(word))
+                .unwrap_or_else(|| panic!("{told}"));
+            assert!(
+                line.starts_with(&format!("{path}:{}:", place(what))),
+                "{told}"
+            );
+        }
+        assert!(
+            told.contains(&format!("line {}", place("untl")))
+                && told.contains("unknown field `untl`"),
+            "{told}"
+        );
+        assert!(told.ends_with("3 errors"), "{told}");
+    }
+}
+
+#[test]
+fn a_scene_survives_conversion_to_toml_and_runs_to_the_same_history() {
+    let folder = Folder::new("convert");
+    let text = folder.file("swing.mbd", include_str!("../../scenes/swing.mbd"));
+    let toml = folder.file("swing.toml", &run(&["convert", &text]).unwrap());
+    let histories = [&text, &toml].map(|path| {
+        let out = folder.0.join("out").display().to_string();
+        run(&["run", path, "--out", &out, "--until", "0.5 s"]).unwrap();
+        std::fs::read(folder.0.join("out/history.csv")).unwrap()
+    });
+    assert_eq!(histories[0], histories[1]);
+}
+
+#[test]
+fn check_tells_bodies_nodes_and_operations() {
+    let folder = Folder::new("check");
+    let told = run(&[
+        "check",
+        &folder.file("drop.toml", include_str!("../../scenes/drop.toml")),
+    ])
+    .unwrap();
+    for word in [
+        "Scene Drop",
+        "capsule",
+        "stepwise (bdf2)",
+        "leg[2]",
+        "derivative of the state",
+        "riser_k",
+    ] {
+        assert!(told.contains(word), "{word}:\n{told}");
+    }
+    let expanded = run(&[
+        "expand",
+        &folder.file("again.toml", include_str!("../../scenes/drop.toml")),
+    ])
+    .unwrap();
+    assert!(expanded.contains("struct DropParams"));
+}
