@@ -48,10 +48,7 @@ pub fn expand(reading: &Reading) -> Result<String, String> {
 }
 
 fn model(reading: &Reading, scene: &Scene) -> TokenStream {
-    let wanted = match wanted(reading, scene) {
-        Ok(wanted) => wanted,
-        Err(error) => return without_equations(reading, error),
-    };
+    let wanted = wanted(reading, scene);
     // The laws first: differentiating too large a scene would take long before it is refused.
     let laws: Vec<Quantity> =
         wanted.iter().copied().filter(|what| !matches!(what, Quantity::Partial(..))).collect();
@@ -122,22 +119,11 @@ fn settings(reading: &Reading) -> (NameSpans, Settings) {
 }
 
 /// The quantities to emit: all, or what a simulation needs and those that `emit: […]` names.
-fn wanted(reading: &Reading, scene: &Scene) -> Result<Vec<Quantity>, TokenStream> {
-    let layout = Layout::new(scene);
-    let all = layout.quantities();
+fn wanted(reading: &Reading, scene: &Scene) -> Vec<Quantity> {
+    let all = Layout::new(scene).quantities();
     let Some(names) = &reading.options.emit else {
-        return Ok(all);
+        return all;
     };
-    let name = |what: Quantity| quantity::name(scene, &layout, what);
-    let kind = |what: Quantity| quantity::kind(what);
-    for asked in names {
-        if !all.iter().any(|&what| *asked == name(what) || asked == kind(what)) {
-            let mut known: Vec<&str> = all.iter().map(|&what| kind(what)).collect();
-            known.dedup();
-            let text = format!("no quantity named `{asked}`; the quantities here: {}", known.join(", "));
-            return Err(error(reading.spans.model, &text));
-        }
-    }
     let needed = |what: Quantity| {
         matches!(
             what,
@@ -148,8 +134,8 @@ fn wanted(reading: &Reading, scene: &Scene) -> Result<Vec<Quantity>, TokenStream
                 | Quantity::Guards
         )
     };
-    let asked = |what: Quantity| names.iter().any(|n| *n == name(what) || n == kind(what));
-    Ok(all.into_iter().filter(|&what| needed(what) || asked(what)).collect())
+    let asked = |what: Quantity| names.iter().any(|name| name == quantity::kind(what));
+    all.into_iter().filter(|&what| needed(what) || asked(what)).collect()
 }
 
 /// Operations as emitted: kernels that pieces share count once.
