@@ -113,17 +113,3 @@ fn a_list_of_quantities_limits_what_is_emitted() {
     assert!(few.len() < all.len());
     assert!(model("emit: [partial];").contains("fn derivative_by_state"));
 }
-
-#[test]
-fn a_scene_too_large_to_compile_is_refused_with_advice() {
-    let points: String = (0..700)
-        .map(|i| {
-            let stiffness = 1 + i;
-            format!("point bob_{i} {{ mass: 1.0 kg }} line string_{i} from world to bob_{i} {{ free_length: 1 m, stiffness: {stiffness} kN/m, damping: 1 N*s/m }} ")
-        })
-        .collect();
-    let reading = read_text(&format!("pub model Net {{ gravity: none; {points} }}"));
-    assert!(reading.errors.is_empty(), "{}", reading.errors[0]);
-    let text = emit(&reading).to_string();
-    assert!(text.contains("emit less"), "a hundred thousand operations are too many");
-}
