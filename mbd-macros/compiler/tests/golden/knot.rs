@@ -39,9 +39,9 @@ impl<T: ::mbd_runtime::Real> KnotParams<T> {
 /// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotState<T = f64> {
-    /// Coordinates [m, 1].
+    /// Coordinates \[m, 1\].
     pub q: ::mbd_runtime::nalgebra::SVector<T, 3>,
-    /// Speeds [m/s, rad/s].
+    /// Speeds \[m/s, rad/s\].
     pub v: ::mbd_runtime::nalgebra::SVector<T, 3>,
 }
 impl<T: ::mbd_runtime::Real> KnotState<T> {
@@ -55,7 +55,7 @@ impl<T: ::mbd_runtime::Real> KnotState<T> {
         let _ = &mut state;
         state
     }
-    /// The state from the list [q | v | z]; `None` if it has another length.
+    /// The state from the list q, v, z; `None` if it has another length.
     #[must_use]
     pub fn from_slice(x: &[T]) -> ::core::option::Option<Self> {
         let (q, v, z) = ::mbd_runtime::__private::split::<T, 3, 3, 0>(x)?;
@@ -65,7 +65,7 @@ impl<T: ::mbd_runtime::Real> KnotState<T> {
             v: (*v).into(),
         })
     }
-    /// The state as the list [q | v | z].
+    /// The state as the list q, v, z.
     #[must_use]
     pub fn to_vec(&self) -> ::std::vec::Vec<T> {
         let mut out = ::std::vec::Vec::with_capacity(6);
@@ -77,7 +77,7 @@ impl<T: ::mbd_runtime::Real> KnotState<T> {
 /// The outputs of `Knot`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotOutputs<T = f64> {
-    /// [N]
+    /// \[N\]
     pub hanger_force: T,
 }
 impl<T> KnotOutputs<T> {
@@ -969,7 +969,7 @@ const _: () = {
     impl<T: ::mbd_runtime::Real> Knot<T> {
         /// Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.
         ///
-        /// 4 anchors × 6 [m, m/s], 1 nodes × 3 [N]; world axes.
+        /// 4 anchors × 6 \[m, m/s\], 1 nodes × 3 \[N\]; world axes.
         /// 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
         #[must_use]
         pub fn ends(
@@ -985,7 +985,7 @@ const _: () = {
         }
         /// Balance of a network at trial positions: `g = −Σ T u − W`, `H = ∂g/∂p = Σ J`, then `ΣT`, `Σ K (d + |p|₁)`, lines with stretch.
         ///
-        /// 1 × 3 [N], 1 blocks xx xy xz yy yz zz [N/m], 3 sums. Source: B. Raiszadeh, AAS 03-163.
+        /// 1 × 3 \[N\], 1 blocks xx xy xz yy yz zz \[N/m\], 3 sums. Source: B. Raiszadeh, AAS 03-163.
         /// 220 operations (85 additions, 84 multiplications, 4 divisions, 4 roots, 0 trigonometric, 43 selections).
         #[must_use]
         pub fn equilibrium_knot(
@@ -1001,7 +1001,7 @@ const _: () = {
         }
         /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
         ///
-        /// 6 = [3 q̇ | 3 v̇ | 0 ż]; SI units.
+        /// 6 = \[3 q̇ | 3 v̇ | 0 ż\]; SI units.
         /// 24 operations (7 additions, 13 multiplications, 1 divisions, 1 roots, 0 trigonometric, 2 selections).
         #[must_use]
         pub fn derivative(
@@ -1023,7 +1023,7 @@ const _: () = {
         }
         /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
         ///
-        /// 3 [N], world axes; zero where the nodes are in equilibrium.
+        /// 3 \[N\], world axes; zero where the nodes are in equilibrium.
         /// 84 operations (29 additions, 39 multiplications, 4 divisions, 4 roots, 0 trigonometric, 8 selections).
         #[must_use]
         pub fn balance(
@@ -1040,7 +1040,7 @@ const _: () = {
         }
         /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, then the declared events.
         ///
-        /// 4 lines × 2 [m, N], 0 events.
+        /// 4 lines × 2 \[m, N\], 0 events.
         /// 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections).
         #[must_use]
         pub fn guards(
@@ -1074,7 +1074,7 @@ const _: () = {
         }
         /// Mass matrix `M` in `M v̇ + h = f`.
         ///
-        /// 3×3 [kg, kg m²], row by row, structural non-zeros only.
+        /// 3×3 \[kg, kg m²\], row by row, structural non-zeros only.
         /// 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
         ///
         /// Only structural non-zeros are written: `out` starts at zero.

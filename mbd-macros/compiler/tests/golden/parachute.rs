@@ -8,11 +8,11 @@
 )]
 #[serde(crate = "::mbd_runtime::serde", deny_unknown_fields)]
 pub struct ParachuteParams<T = f64> {
-    /// Stiffness of the riser. [kN/m], 10 ..= 200 kN/m; the field is in SI units
+    /// Stiffness of the riser. \[kN/m\], 10 ..= 200 kN/m; the field is in SI units
     pub riser_k: T,
-    /// Capsule mass. [kg], 600 ..= 900 kg
+    /// Capsule mass. \[kg\], 600 ..= 900 kg
     pub m_cap: T,
-    /// Drag coefficient times reference area. [m^2], 60 ..= 100 m^2
+    /// Drag coefficient times reference area. \[m^2\], 60 ..= 100 m^2
     pub cd_s: T,
 }
 impl<T: ::mbd_runtime::Real> ::core::default::Default for ParachuteParams<T> {
@@ -46,11 +46,11 @@ impl<T: ::mbd_runtime::Real> ParachuteParams<T> {
 /// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParachuteState<T = f64> {
-    /// Coordinates [m, 1].
+    /// Coordinates \[m, 1\].
     pub q: ::mbd_runtime::nalgebra::SVector<T, 14>,
-    /// Speeds [m/s, rad/s].
+    /// Speeds \[m/s, rad/s\].
     pub v: ::mbd_runtime::nalgebra::SVector<T, 12>,
-    /// Positions of the `rate` nodes [m].
+    /// Positions of the `rate` nodes \[m\].
     pub z: ::mbd_runtime::nalgebra::SVector<T, 3>,
 }
 impl<T: ::mbd_runtime::Real> ParachuteState<T> {
@@ -67,7 +67,7 @@ impl<T: ::mbd_runtime::Real> ParachuteState<T> {
         q[10] = T::one();
         state
     }
-    /// The state from the list [q | v | z]; `None` if it has another length.
+    /// The state from the list q, v, z; `None` if it has another length.
     #[must_use]
     pub fn from_slice(x: &[T]) -> ::core::option::Option<Self> {
         let (q, v, z) = ::mbd_runtime::__private::split::<T, 14, 12, 3>(x)?;
@@ -78,7 +78,7 @@ impl<T: ::mbd_runtime::Real> ParachuteState<T> {
             z: (*z).into(),
         })
     }
-    /// The state as the list [q | v | z].
+    /// The state as the list q, v, z.
     #[must_use]
     pub fn to_vec(&self) -> ::std::vec::Vec<T> {
         let mut out = ::std::vec::Vec::with_capacity(29);
@@ -91,9 +91,9 @@ impl<T: ::mbd_runtime::Real> ParachuteState<T> {
 /// The outputs of `Parachute`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParachuteOutputs<T = f64> {
-    /// Tension of the riser. [N]
+    /// Tension of the riser. \[N\]
     pub riser_force: T,
-    /// [rad]
+    /// \[rad\]
     pub tilt: T,
 }
 impl<T> ParachuteOutputs<T> {
@@ -114,14 +114,17 @@ impl<T> ParachuteOutputs<T> {
 }
 /// What the caller of `Parachute` supplies at each evaluation.
 pub trait ParachuteLoads<T: ::mbd_runtime::Real> {
-    /// Wind, world axes. [m/s]
+    /// Wind, world axes. \[m/s\]
     fn wind(&self, time: T) -> [T; 3];
-    /// Force [N] and couple [N m], world axes.
+    /// Force \[N\] and couple \[N m\], world axes.
     fn thruster(&self, time: T, state: &ParachuteState<T>) -> ::mbd_runtime::Wrench<T>;
 }
 /// Hands what [`ParachuteLoads`] supplies to a simulation.
 #[derive(Clone, Debug)]
-pub struct ParachuteExternal<L>(pub L);
+pub struct ParachuteExternal<L>(
+    /// What supplies.
+    pub L,
+);
 impl<T: ::mbd_runtime::Real, L: ParachuteLoads<T>> ::mbd_runtime::External<T>
 for ParachuteExternal<L> {
     fn evaluate(&self, time: T, state: &[T], out: &mut [T]) {
@@ -3867,7 +3870,7 @@ const _: () = {
     impl<T: ::mbd_runtime::Real> Parachute<T> {
         /// Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.
         ///
-        /// 4 anchors × 6 [m, m/s], 1 nodes × 3 [N]; world axes.
+        /// 4 anchors × 6 \[m, m/s\], 1 nodes × 3 \[N\]; world axes.
         /// 195 operations (91 additions, 104 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
         #[must_use]
         pub fn ends(
@@ -3883,7 +3886,7 @@ const _: () = {
         }
         /// Balance of a network at trial positions: `g = −Σ T u − W`, `H = ∂g/∂p = Σ J`, then `ΣT`, `Σ K (d + |p|₁)`, lines with stretch.
         ///
-        /// 1 × 3 [N], 1 blocks xx xy xz yy yz zz [N/m], 3 sums. Source: B. Raiszadeh, AAS 03-163.
+        /// 1 × 3 \[N\], 1 blocks xx xy xz yy yz zz \[N/m\], 3 sums. Source: B. Raiszadeh, AAS 03-163.
         /// 3 operations (3 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
         #[must_use]
         pub fn equilibrium_confluence(
@@ -3897,7 +3900,7 @@ const _: () = {
         }
         /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
         ///
-        /// 29 = [14 q̇ | 12 v̇ | 3 ż]; SI units.
+        /// 29 = \[14 q̇ | 12 v̇ | 3 ż\]; SI units.
         /// 608 operations (253 additions, 310 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections).
         #[must_use]
         pub fn derivative(
@@ -3925,7 +3928,7 @@ const _: () = {
         }
         /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
         ///
-        /// 3 [N], world axes; zero where the nodes are in equilibrium.
+        /// 3 \[N\], world axes; zero where the nodes are in equilibrium.
         /// 351 operations (151 additions, 160 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections).
         #[must_use]
         pub fn balance(
@@ -3944,7 +3947,7 @@ const _: () = {
         }
         /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, then the declared events.
         ///
-        /// 4 lines × 2 [m, N], 1 events.
+        /// 4 lines × 2 \[m, N\], 1 events.
         /// 306 operations (139 additions, 148 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
         #[must_use]
         pub fn guards(
@@ -3982,7 +3985,7 @@ const _: () = {
         }
         /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, power of the dampers.
         ///
-        /// 5 [J, J, J, W, W].
+        /// 5 \[J, J, J, W, W\].
         /// 493 operations (203 additions, 241 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
         #[must_use]
         pub fn energy(
@@ -4011,7 +4014,7 @@ const _: () = {
         }
         /// Mass matrix `M` in `M v̇ + h = f`.
         ///
-        /// 12×12 [kg, kg m²], row by row, structural non-zeros only.
+        /// 12×12 \[kg, kg m²\], row by row, structural non-zeros only.
         /// 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
         ///
         /// Only structural non-zeros are written: `out` starts at zero.
@@ -4028,7 +4031,7 @@ const _: () = {
         }
         /// Bias force `h` in `M v̇ + h = f`: velocity terms and gravity.
         ///
-        /// 12 [N, N m].
+        /// 12 \[N, N m\].
         /// 65 operations (19 additions, 42 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections).
         #[must_use]
         pub fn bias_force(
@@ -4044,7 +4047,7 @@ const _: () = {
         }
         /// Applied forces `f` in `M v̇ + h = f`: lines and loads.
         ///
-        /// 12 [N, N m], about the centres of mass.
+        /// 12 \[N, N m\], about the centres of mass.
         /// 468 operations (201 additions, 226 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections).
         #[must_use]
         pub fn forces(
