@@ -50,8 +50,11 @@ pub fn expand(reading: &Reading) -> Result<String, String> {
 fn model(reading: &Reading, scene: &Scene) -> TokenStream {
     let wanted = wanted(reading, scene);
     // The laws first: differentiating too large a scene would take long before it is refused.
-    let laws: Vec<Quantity> =
-        wanted.iter().copied().filter(|what| !matches!(what, Quantity::Partial(..))).collect();
+    let laws: Vec<Quantity> = wanted
+        .iter()
+        .copied()
+        .filter(|what| !matches!(what, Quantity::Partial(..)))
+        .collect();
     let mut equations = Equations::trace_only(scene, &laws);
     if size(&equations) <= TOO_MANY && laws.len() < wanted.len() {
         equations = Equations::trace_only(scene, &wanted);
@@ -126,7 +129,9 @@ fn wanted(reading: &Reading, scene: &Scene) -> Vec<Quantity> {
         )
     };
     let asked = |what: Quantity| names.iter().any(|name| name == quantity::kind(what));
-    all.into_iter().filter(|&what| needed(what) || asked(what)).collect()
+    all.into_iter()
+        .filter(|&what| needed(what) || asked(what))
+        .collect()
 }
 
 /// A warning about a large model, or the refusal of one too large to compile.
@@ -154,7 +159,11 @@ fn size(equations: &Equations) -> usize {
             .map(|piece| piece.instructions.len())
             .sum(),
     };
-    equations.programs.iter().map(|(_, program)| length(program)).sum()
+    equations
+        .programs
+        .iter()
+        .map(|(_, program)| length(program))
+        .sum()
 }
 
 fn error(span: Span, text: &str) -> TokenStream {
