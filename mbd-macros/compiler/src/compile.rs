@@ -53,8 +53,11 @@ fn model(reading: &Reading, scene: &Scene) -> TokenStream {
         Err(error) => return without_equations(reading, error),
     };
     // The laws first: differentiating too large a scene would take long before it is refused.
-    let laws: Vec<Quantity> =
-        wanted.iter().copied().filter(|what| !matches!(what, Quantity::Partial(..))).collect();
+    let laws: Vec<Quantity> = wanted
+        .iter()
+        .copied()
+        .filter(|what| !matches!(what, Quantity::Partial(..)))
+        .collect();
     let mut equations = Equations::trace_only(scene, &laws);
     if size(&equations) <= TOO_MANY && laws.len() < wanted.len() {
         equations = Equations::trace_only(scene, &wanted);
@@ -117,10 +120,16 @@ fn wanted(reading: &Reading, scene: &Scene) -> Result<Vec<Quantity>, TokenStream
     let name = |what: Quantity| quantity::name(scene, &layout, what);
     let kind = |what: Quantity| quantity::kind(what);
     for asked in names {
-        if !all.iter().any(|&what| *asked == name(what) || asked == kind(what)) {
+        if !all
+            .iter()
+            .any(|&what| *asked == name(what) || asked == kind(what))
+        {
             let mut known: Vec<&str> = all.iter().map(|&what| kind(what)).collect();
             known.dedup();
-            let text = format!("no quantity named `{asked}`; the quantities here: {}", known.join(", "));
+            let text = format!(
+                "no quantity named `{asked}`; the quantities here: {}",
+                known.join(", ")
+            );
             return Err(error(reading.spans.model, &text));
         }
     }
@@ -135,7 +144,10 @@ fn wanted(reading: &Reading, scene: &Scene) -> Result<Vec<Quantity>, TokenStream
         )
     };
     let asked = |what: Quantity| names.iter().any(|n| *n == name(what) || n == kind(what));
-    Ok(all.into_iter().filter(|&what| needed(what) || asked(what)).collect())
+    Ok(all
+        .into_iter()
+        .filter(|&what| needed(what) || asked(what))
+        .collect())
 }
 
 /// Operations as emitted: kernels that pieces share count once.
@@ -149,7 +161,11 @@ fn size(equations: &Equations) -> usize {
             .map(|piece| piece.instructions.len())
             .sum(),
     };
-    equations.programs.iter().map(|(_, program)| length(program)).sum()
+    equations
+        .programs
+        .iter()
+        .map(|(_, program)| length(program))
+        .sum()
 }
 
 fn error(span: Span, text: &str) -> TokenStream {

@@ -763,6 +763,16 @@ pub fn gravity_field(at: Region, field: &str, wanted: Dimension) -> Report {
     )
 }
 
+pub fn no_direction(at: Region, length: f64) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`axis` must be a unit vector, this one has the length {}",
+            short(length)
+        ),
+    )
+}
+
 pub fn relative(at: Region) -> Report {
     Report::new(
         at,

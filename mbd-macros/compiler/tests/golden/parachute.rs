@@ -1613,7 +1613,7 @@ const _: () = {
         ];
     }
     /// The declared outputs.
-    /// 2 columns, SI units.
+    /// 2 columns, each in its unit.
     /// 55 operations (18 additions, 33 multiplications, 0 divisions, 2 roots, 1 trigonometric, 1 selections).
     #[inline(never)]
     fn outputs<T: ::mbd_runtime::Real>(
@@ -14361,7 +14361,7 @@ const _: () = {
         }
         /// The declared outputs.
         ///
-        /// 2 columns, SI units.
+        /// 2 columns, each in its unit.
         /// 55 operations (18 additions, 33 multiplications, 0 divisions, 2 roots, 1 trigonometric, 1 selections).
         #[must_use]
         pub fn outputs(
