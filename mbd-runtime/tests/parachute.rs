@@ -124,12 +124,21 @@ fn a_rate_node_runs_through_the_many_switches_of_case_3() {
     };
     let (tight, counted) = end(Options::tsit5(1e-10));
     assert!(counted.switches < 30, "{counted:?}");
-    let runs: Vec<_> = [0.01, 0.005, 0.0025].into_iter().map(|h| end(Options::rk4(h))).collect();
-    let errors: Vec<f64> = runs.iter().map(|(state, _)| largest_difference(state, &tight)).collect();
+    let runs: Vec<_> = [0.01, 0.005, 0.0025]
+        .into_iter()
+        .map(|h| end(Options::rk4(h)))
+        .collect();
+    let errors: Vec<f64> = runs
+        .iter()
+        .map(|(state, _)| largest_difference(state, &tight))
+        .collect();
     let orders = orders(&errors);
     // The guard tolerance follows the error of the step: no switches on the integrator's noise.
     assert!(runs.iter().all(|(_, counted)| counted.switches < 40));
-    assert!(orders.iter().all(|order| *order > 3.8), "{errors:?} {orders:?}");
+    assert!(
+        orders.iter().all(|order| *order > 3.8),
+        "{errors:?} {orders:?}"
+    );
 }
 
 #[test]
