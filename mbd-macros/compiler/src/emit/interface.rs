@@ -291,9 +291,14 @@ fn loads(context: &Context) -> TokenStream {
     });
     let methods: Vec<TokenStream> = methods.collect();
     let model = &context.scene().name;
-    let doc = docs(&format!("What the caller of `{model}` supplies at each evaluation."));
+    let doc = docs(&format!(
+        "What the caller of `{model}` supplies at each evaluation."
+    ));
     let (model, external) = (context.named(""), context.named("External"));
-    let scalar = context.settings.generic.then(|| quote!(T: ::mbd_runtime::Real,));
+    let scalar = context
+        .settings
+        .generic
+        .then(|| quote!(T: ::mbd_runtime::Real,));
     let external_doc = docs(&format!("Hands what [`{name}`] supplies to a simulation."));
     quote! {
         #doc

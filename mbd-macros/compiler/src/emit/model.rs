@@ -323,7 +323,11 @@ fn implementation(context: &Context) -> TokenStream {
         .map(quantity_path)
         .collect::<Vec<_>>();
     let not_emitted = (!not_emitted.is_empty()).then(|| {
-        let nan = if context.settings.generic { quote!(T::from_f64(f64::NAN)) } else { quote!(f64::NAN) };
+        let nan = if context.settings.generic {
+            quote!(T::from_f64(f64::NAN))
+        } else {
+            quote!(f64::NAN)
+        };
         // Loud, not silently zero.
         quote!(#(#not_emitted)|* => out.fill(#nan),)
     });
