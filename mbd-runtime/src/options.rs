@@ -103,6 +103,7 @@ impl Options {
             positive("scales.angle", scales.angle, true)?;
             positive("scales.speed", scales.speed, true)?;
             positive("scales.rate", scales.rate, true)?;
+            positive("scales.energy", scales.energy, true)?;
         }
         match self.guard_tolerance {
             Some(tolerance) => positive("guard_tolerance", tolerance, true),

@@ -105,7 +105,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
             Method::Tsit5 { rtol, max_step } => {
                 let method = Explicit::new(&TSIT5, length);
                 let control = Control::new(0.0, max_step, method.exponent);
-                let norm = ErrorNorm::new(model.layout(), scales, rtol);
+                let norm = ErrorNorm::new(model.layout(), length, scales, rtol);
                 (method, Pace::Adaptive(control, norm), rtol)
             }
         };

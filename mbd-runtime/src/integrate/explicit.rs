@@ -179,3 +179,92 @@ fn combine<T: Float>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::{RK4, TSIT5};
+
+    /// A pendulum, q̈ = −sin q, with a reference from tiny steps.
+    struct Pendulum;
+
+    impl Rates<f64> for Pendulum {
+        fn rates(
+            &mut self,
+            time: f64,
+            _: f64,
+            state: &[f64],
+            out: &mut [f64],
+        ) -> Result<(), StepError> {
+            if let ([q, v], [dq, dv]) = (state, out) {
+                *dq = *v;
+                *dv = -q.sin() + 0.3 * time.cos();
+            }
+            Ok(())
+        }
+
+        fn settle(&mut self, _: &mut [f64]) {}
+    }
+
+    /// The largest error at step ends and at seven places inside each step, over 4 s.
+    fn errors<const S: usize>(tableau: &Tableau<S>, steps: usize) -> [f64; 2] {
+        let h = 4.0 / steps as f64;
+        let fine = 64;
+        let mut method = Explicit::<f64>::new(tableau, 2);
+        let mut exact = Explicit::<f64>::new(&TSIT5, 2);
+        let (mut x, mut y) = ([2.0, 0.0], [2.0, 0.0]);
+        let mut worst = [0.0_f64; 2];
+        method.begin(&mut Pendulum, 0.0, &x).unwrap();
+        exact.begin(&mut Pendulum, 0.0, &y).unwrap();
+        for i in 0..steps {
+            let t = i as f64 * h;
+            method.attempt(&mut Pendulum, t, h, &x).unwrap();
+            for k in 0..fine {
+                let small = h / fine as f64;
+                exact
+                    .attempt(&mut Pendulum, t + k as f64 * small, small, &y)
+                    .unwrap();
+                exact.accept(&mut y);
+                if k % 8 == 7 {
+                    let theta = (k + 1) as f64 / fine as f64;
+                    let mut inside = [0.0; 2];
+                    method.interpolate(theta, h, &x, &mut inside);
+                    worst[1] = worst[1].max((inside[0] - y[0]).abs());
+                }
+            }
+            method.accept(&mut x);
+            worst[0] = worst[0].max((x[0] - y[0]).abs());
+        }
+        worst
+    }
+
+    fn orders<const S: usize>(tableau: &Tableau<S>) -> [f64; 2] {
+        let (coarse, fine) = (errors(tableau, 40), errors(tableau, 80));
+        println!("{coarse:?} {fine:?}");
+        [0, 1].map(|i| (coarse[i] / fine[i]).log2())
+    }
+
+    #[test]
+    fn rk4_and_its_cubic_are_of_order_four() {
+        let [ends, inside] = orders(&RK4);
+        assert!(ends > 3.85 && inside > 3.85, "{ends} {inside}");
+    }
+
+    #[test]
+    fn tsit5_is_of_order_five_and_its_interpolant_at_least_of_order_four() {
+        let [ends, inside] = orders(&TSIT5);
+        assert!(ends > 4.85 && inside > 4.0, "{ends} {inside}");
+    }
+
+    #[test]
+    fn the_last_stage_is_the_first_of_the_next_step() {
+        let mut method = Explicit::<f64>::new(&TSIT5, 2);
+        let mut x = [2.0, 0.0];
+        method.begin(&mut Pendulum, 0.0, &x).unwrap();
+        method.attempt(&mut Pendulum, 0.0, 0.1, &x).unwrap();
+        method.accept(&mut x);
+        let carried = method.first().to_vec();
+        method.begin(&mut Pendulum, 0.1, &x).unwrap();
+        assert_eq!(carried, method.first());
+    }
+}

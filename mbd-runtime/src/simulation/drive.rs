@@ -186,6 +186,9 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     /// Tries a step; false when it was rejected and the next trial is smaller.
     fn attempt(&mut self, step: f64) -> Result<bool, StepError> {
         let smallest = resolution(self.time);
+        if step < smallest {
+            return Err(self.collapse(step));
+        }
         let tried = self
             .method
             .attempt(&mut self.system, self.time, step, &self.state);
@@ -208,12 +211,21 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         match (verdict, failure) {
             (Verdict::Rejected, _) => Ok(false),
             (_, Some(cause)) => Err(cause),
-            (_, None) => Err(StepError::StepCollapse {
-                time: self.time,
-                step_size: step,
-                block: norm.worst(self.system.model.scene()),
-                cause: Collapse::ErrorTest,
-            }),
+            (_, None) => Err(self.collapse(step)),
+        }
+    }
+
+    #[cold]
+    fn collapse(&self, step: f64) -> StepError {
+        let block = match &self.pace {
+            Pace::Fixed(_) => "state".into(),
+            Pace::Adaptive(_, norm) => norm.worst(self.system.model.scene()),
+        };
+        StepError::StepCollapse {
+            time: self.time,
+            step_size: step,
+            block,
+            cause: Collapse::ErrorTest,
         }
     }
 

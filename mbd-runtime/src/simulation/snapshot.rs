@@ -25,6 +25,14 @@ pub struct Snapshot<T> {
     drift: f64,
 }
 
+impl<T> Snapshot<T> {
+    /// Time of the snapshot [s].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+}
+
 impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     /// Everything needed to go on from here later, in this process or another.
     #[must_use]

@@ -104,6 +104,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     fn consistent_start(&mut self) -> Result<(), StepError> {
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
+        self.watch_weights = self.system.watch_weights(self.time, &self.state)?;
         self.method
             .begin(&mut self.system, self.time, &self.state)?;
         if let Pace::Adaptive(control, norm) = &mut self.pace {
