@@ -42,7 +42,7 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::Lines => "lines",
         Quantity::NodeByAnchor(_) => "node_by_anchor",
         Quantity::CondensedStiffness(_) => "condensed_stiffness",
-        Quantity::Partial(..) => "partials",
+        Quantity::Partial(..) => "partial",
     }
 }
 
