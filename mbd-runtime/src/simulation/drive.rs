@@ -187,7 +187,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     fn attempt(&mut self, step: f64) -> Result<bool, StepError> {
         let smallest = resolution(self.time);
         if step < smallest {
-            return Err(self.collapse(step));
+            return Err(self.collapse(step, Collapse::ErrorTest));
         }
         let tried = self
             .method
@@ -211,12 +211,12 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         match (verdict, failure) {
             (Verdict::Rejected, _) => Ok(false),
             (_, Some(cause)) => Err(cause),
-            (_, None) => Err(self.collapse(step)),
+            (_, None) => Err(self.collapse(step, Collapse::ErrorTest)),
         }
     }
 
     #[cold]
-    fn collapse(&self, step: f64) -> StepError {
+    pub(crate) fn collapse(&self, step: f64, cause: Collapse) -> StepError {
         let block = match &self.pace {
             Pace::Fixed(_) => "state".into(),
             Pace::Adaptive(_, norm) => norm.worst(self.system.model.scene()),
@@ -225,7 +225,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             time: self.time,
             step_size: step,
             block,
-            cause: Collapse::ErrorTest,
+            cause,
         }
     }
 
