@@ -2,6 +2,7 @@
 
 mod node_common;
 
+use mbd_runtime::node::{Tie, Tolerance, Web, WebLine};
 use mbd_runtime::{Generic, Linearisation, Model, Quantity};
 use mbd_scene::{Clamp, Difference, Formula, NodeModel, Parameter, PointKind, Scene, Unit};
 use node_common::{Run, parachute, state_of};
@@ -205,6 +206,138 @@ fn parameter_derivatives_through_the_node_equal_differences() {
                     "{model:?} row {row} column {column}: {found:e} {difference:e}"
                 );
             }
+        }
+    }
+}
+
+/// The taut static node of case 3 as a problem of its own: the same anchors, lines and node.
+fn taut_web(run: &Run<Generic<f64>>) -> (Web<f64>, [f64; 3]) {
+    let anchors: Vec<[f64; 3]> = run.nodes.ends()[..24]
+        .chunks_exact(6)
+        .map(|end| [end[0], end[1], end[2]])
+        .collect();
+    let lines = run.model.lines().iter().enumerate();
+    let web = Web {
+        loads: vec![[0.0; 3]],
+        lines: lines
+            .map(|(i, numbers)| WebLine {
+                ends: [Tie::Node(0), Tie::Anchor(i)],
+                stiffness: numbers.stiffness,
+                free_length: numbers.free_length,
+            })
+            .collect(),
+        anchors,
+    };
+    let p = run.nodes.nodes();
+    (web, [p[0], p[1], p[2]])
+}
+
+/// Node and forces on the anchors, −T u each.
+fn answers(web: &Web<f64>, start: [f64; 3]) -> Vec<f64> {
+    let tight = Tolerance {
+        relative: 1e-14,
+        absolute: 1e-16,
+    };
+    let found = web
+        .solve(&[start], tight)
+        .or_else(|_| web.solve(&[start], Tolerance::inside_step()));
+    let found = found.unwrap();
+    let p = found.nodes[0];
+    let mut all = p.to_vec();
+    for (anchor, tension) in web.anchors.iter().zip(&found.tensions) {
+        let e = [0, 1, 2].map(|k| anchor[k] - p[k]);
+        let d = e.iter().map(|x| x * x).sum::<f64>().sqrt();
+        all.extend(e.map(|x| -tension * x / d));
+    }
+    all
+}
+
+#[test]
+fn the_node_follows_its_anchors_and_they_see_one_symmetric_stiffness() {
+    let (state, node) = record("parachute/case3_eq_C0.json", 105);
+    let mut run = Run::new(scene(NodeModel::Static, 0.0), &state, Some(&node)).unwrap();
+    run.solve(0.0, 0.01, &state).unwrap();
+    let follow = run.ask(Quantity::NodeByAnchor(0), &state);
+    let stiffness = run.ask(Quantity::CondensedStiffness(0), &state);
+    for row in 0..3 {
+        for column in 0..3 {
+            let sum: f64 = (0..4).map(|i| follow[12 * row + 3 * i + column]).sum();
+            assert!((sum - f64::from(row == column)).abs() < 1e-12);
+        }
+    }
+    let scale = stiffness.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    for i in 0..12 {
+        for j in 0..12 {
+            assert!((stiffness[12 * i + j] - stiffness[12 * j + i]).abs() < 1e-12 * scale);
+        }
+        for k in 0..3 {
+            let pushed: f64 = (0..4).map(|a| stiffness[12 * i + 3 * a + k]).sum();
+            assert!(
+                pushed.abs() < 1e-10 * scale,
+                "a translation of all anchors changes no force"
+            );
+        }
+    }
+    let (web, p) = taut_web(&run);
+    let h = 1e-6;
+    for column in 0..12 {
+        let moved = |sign: f64| {
+            let mut web = web.clone();
+            web.anchors[column / 3][column % 3] += sign * h;
+            answers(&web, p)
+        };
+        let (above, below) = (moved(1.0), moved(-1.0));
+        for row in 0..15 {
+            let difference = (above[row] - below[row]) / (2.0 * h);
+            let (found, scale) = if row < 3 {
+                (follow[12 * row + column], 1.0)
+            } else {
+                (-stiffness[12 * (row - 3) + column], scale)
+            };
+            assert!(
+                (found - difference).abs() < 1e-6 * scale,
+                "row {row}, column {column}: {found} {difference}"
+            );
+        }
+    }
+}
+
+#[test]
+fn one_ulp_around_the_slack_edge_all_sensitivities_are_finite() {
+    let (state, node) = record("parachute/case2_eq_C0.json", 0);
+    let mut run = Run::new(scene(NodeModel::Static, 0.0), &state, Some(&node)).unwrap();
+    run.solve(0.0, 0.01, &state).unwrap();
+    let riser = |state: &[f64], p: f64| state[2] - 22.0 - p;
+    for edge in [4.0f64.next_down(), 4.0, 4.0f64.next_up()] {
+        let mut state = state.clone();
+        state[2] = edge + 22.0 + 2.5;
+        let p = [0.0, 0.0, 2.5];
+        assert!((riser(&state, p[2]) - edge).abs() < 1e-14);
+        let ends: Vec<f64> = run.nodes.ends().to_vec();
+        let effective = [60e3, edge, 47e3, 1.5, 47e3, 1.5, 47e3, 1.5];
+        let at = mbd_runtime::At {
+            time: 0.0,
+            state: &state,
+            nodes: &p,
+            effective: &effective,
+            hold: &[0.0; 4],
+            ends: &ends,
+            inputs: &[],
+        };
+        let mut linear = Linearisation::new(run.model.layout());
+        linear.evaluate(&run.model, &at, &mut run.work);
+        for matrix in [
+            linear.state(),
+            linear.node_by_state(),
+            linear.parameter(),
+            linear.node_by_parameter(),
+        ] {
+            assert!(matrix.values().iter().all(|x| x.is_finite()));
+        }
+        for what in [Quantity::NodeByAnchor(0), Quantity::CondensedStiffness(0)] {
+            let mut out = vec![0.0; run.model.layout().len(what)];
+            run.model.evaluate(what, &at, &mut run.work, &mut out);
+            assert!(out.iter().all(|x| x.is_finite()));
         }
     }
 }

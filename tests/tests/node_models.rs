@@ -5,7 +5,9 @@ mod node_common;
 use mbd_runtime::node::{Mode, NodeError, NodeMemory, RateNode, Spread};
 use mbd_runtime::{Generic, Model, Quantity};
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{Clamp, Difference, LineKind, Load, LoadKind, NodeModel, Place, PointKind, Scene};
+use mbd_scene::{
+    Clamp, Difference, Gravity, LineKind, Load, LoadKind, NodeModel, Place, PointKind, Scene,
+};
 use nalgebra::Vector3;
 use node_common::{Run, body, frame, line, node, parachute, state_of};
 use tests::random::Random;
@@ -360,6 +362,80 @@ fn an_isolated_network_keeps_its_momentum_and_undamped_its_energy() {
         } else {
             assert!(now < energy);
         }
+    }
+}
+
+/// A weight that swings on two damped lines in a row, joined by a node.
+fn pendulum(model: NodeModel, height: f64) -> Run<Generic<f64>> {
+    let scene = Scene {
+        name: "Pendulum".into(),
+        gravity: Gravity::Uniform {
+            acceleration: [0.0.into(), 0.0.into(), (-9.81).into()],
+        },
+        world_frames: vec![frame("world", [0.0; 3])],
+        bodies: vec![body("weight", 5.0, [0.1, 0.1, 0.1], &[])],
+        points: vec![node("knot", model)],
+        lines: vec![
+            line("upper", Place::World(0), Place::Point(0), [1e4, 100.0, 1.0]),
+            line(
+                "lower",
+                Place::Body(0, 0),
+                Place::Point(0),
+                [2e4, 200.0, 0.8],
+            ),
+        ],
+        ..Scene::default()
+    };
+    let mut state = vec![0.0; 13];
+    (state[0], state[2], state[3], state[8]) = (0.6, height, 1.0, 0.8);
+    Run::new(scene, &state, None).unwrap()
+}
+
+#[test]
+fn a_rate_node_between_two_carrying_lines_stays_between_them_and_keeps_order_four() {
+    let end = |model, h: f64| {
+        let mut run = pendulum(model, -1.7045);
+        for _ in 0..(0.5 / h).round() as usize {
+            run.step(h).unwrap();
+        }
+        let mut all = run.state[..3].to_vec();
+        all.push(run.tensions()[0] / 1e3);
+        all
+    };
+    let exact = end(NodeModel::Rate, 5e-4);
+    let errors: Vec<f64> = [0.008, 0.004, 0.002]
+        .iter()
+        .map(|&h| worst(&end(NodeModel::Rate, h), &exact))
+        .collect();
+    let implicit: Vec<f64> = [0.004, 0.002, 0.001]
+        .iter()
+        .map(|&h| worst(&end(BDF2, h), &exact))
+        .collect();
+    println!("{exact:?}: rate {errors:?}, BDF2 {implicit:?}");
+    assert!((errors[1] / errors[2]).log2() > 3.6, "{errors:?}");
+    assert!((implicit[1] / implicit[2]).log2() > 1.7, "{implicit:?}");
+    assert!(implicit[2] < 1e-4);
+}
+
+#[test]
+fn a_rate_node_thrown_out_of_line_is_caught_when_its_lines_straighten() {
+    // The weight bounces: the lines go slack, the node leaves their line, and must carry again when they are straight.
+    let heights = |model, h: f64| {
+        let mut run = pendulum(model, -1.72);
+        let mut seen = Vec::new();
+        for step in 1..=(0.6 / h).round() as usize {
+            run.step(h).unwrap();
+            if step % (0.1 / h).round() as usize == 0 {
+                seen.extend_from_slice(&run.state[..3]);
+            }
+        }
+        seen
+    };
+    let exact = heights(EULER, 1e-4);
+    for h in [0.004, 0.002, 0.001] {
+        let error = worst(&heights(NodeModel::Rate, h), &exact);
+        println!("h {h}: {error} m");
+        assert!(error < 0.02, "h {h}: {error} m");
     }
 }
 

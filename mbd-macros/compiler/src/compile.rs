@@ -81,11 +81,25 @@ fn model(reading: &Reading, scene: &Scene) -> TokenStream {
 /// The interface of a declaration with errors.
 fn without_equations(reading: &Reading, errors: TokenStream) -> TokenStream {
     let (spans, settings) = settings(reading);
-    if reading.skeleton.name.is_empty() {
+    if !is_named(&reading.skeleton) {
         return errors;
     }
     let model = emit_model(&Equations::none(&reading.skeleton), &spans, &settings);
     quote!(#errors #model)
+}
+
+/// Whether anything was understood that an interface could name.
+fn is_named(skeleton: &Scene) -> bool {
+    let items = [
+        skeleton.consts.len(),
+        skeleton.params.len(),
+        skeleton.inputs.len(),
+        skeleton.bodies.len(),
+        skeleton.points.len(),
+        skeleton.lines.len(),
+        skeleton.outputs.len(),
+    ];
+    !skeleton.name.is_empty() && items.iter().any(|&count| count > 0)
 }
 
 fn settings(reading: &Reading) -> (NameSpans, Settings) {

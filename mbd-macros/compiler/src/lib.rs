@@ -18,6 +18,8 @@ mod program;
 mod reading;
 mod resolve;
 mod syntax;
+#[cfg(feature = "toml")]
+mod toml;
 mod units;
 
 #[cfg(feature = "pretty")]
@@ -35,3 +37,5 @@ pub use outline::{Outline, Piece, outline};
 pub use program::{Instruction, Operand, Program, Register};
 pub use reading::{Options, Reading, Spans, read_text, read_tokens};
 pub use resolve::Named;
+#[cfg(feature = "toml")]
+pub use toml::{read_toml, write_toml};

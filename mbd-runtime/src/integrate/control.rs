@@ -71,6 +71,12 @@ impl Control {
             return Verdict::Accepted;
         }
         let factor = 0.9 * error.powf(-1.0 / self.exponent);
+        // Rejected again: the error does not shrink with h to the k-th power here, as at a kink of an undamped line. Cut deeper.
+        let factor = if self.rejections > 0 {
+            0.3 * factor
+        } else {
+            factor
+        };
         self.reject(
             tried
                 * if factor.is_finite() {

@@ -158,6 +158,7 @@ impl<T: Float> Nodes<T> {
             plan.rate.solve_frozen();
             let decided = !plan.rate.inconsistent() || plan.rate.decide();
             result = self.finish_rate(plan, decided);
+            memory.ranks[plan.index] = plan.rate.rank();
             for (leg, (_, line)) in plan.rate.legs().iter().zip(&plan.legs) {
                 if let Some(slot) = memory.modes.get_mut(line.line) {
                     *slot = leg.mode();
@@ -243,6 +244,8 @@ impl<T: Float> Nodes<T> {
             let taut = matches!(mode, Mode::Active | Mode::Idle);
             plan.rate.set_mode(index, taut, mode == Mode::Active);
         }
+        let rank = memory.ranks.get(plan.index).copied();
+        plan.rate.hold_rank(rank.unwrap_or(3));
         if let Some(z) = plan.z {
             plan.p.copy_from_slice(triple(state, z).as_slice());
         }
@@ -287,13 +290,21 @@ impl<T: Float> Nodes<T> {
         }
     }
 
-    /// Puts rate nodes whose carrying lines do not span space back on the line or plane through their anchors (rule 4): an integration
-    /// drifts off it at the order of the method. Call it on an accepted state after the last [`Nodes::solve`]; `true`: the state changed.
+    /// Puts rate nodes whose carrying lines do not span space back on the line or plane through their anchors (rule 4), which an integration
+    /// leaves at the order of the method, and those that reach it within the step (rule 5). Call it on an accepted state after the
+    /// [`Nodes::solve`] at its end; `true`: the state changed, solve again.
     pub fn project(&self, state: &mut [T]) -> bool {
         let mut changed = false;
-        for plan in &self.plans {
-            if plan.rate.spread() == Spread::Algebraic
-                && let (Some(z), Some(p)) = (plan.z, plan.rate.projected())
+        for plan in self
+            .plans
+            .iter()
+            .filter(|plan| plan.model == NodeModel::Rate)
+        {
+            let target = plan
+                .rate
+                .projected()
+                .or_else(|| plan.rate.crossing(self.span));
+            if let (Some(z), Some(p)) = (plan.z, target)
                 && let Some(target) = state.get_mut(z..z + 3)
             {
                 target.copy_from_slice(p.as_slice());

@@ -6,12 +6,13 @@
 //! ```
 //!
 //! u points from the node to the anchor, v is the anchor's velocity, world axes. All velocities are taken relative to the mean v̄ of the
-//! node's anchors, which costs no digits when everything falls together. Rules (R1–R4):
+//! node's anchors, which costs no digits when everything falls together. Rules (R1–R5):
 //! 1. The active set starts from the last one; lines with T < 0 leave, taut lines with a positive bracket enter.
 //! 2. D of full rank (λ_min > 1e-6 λ_max): one Cholesky.
 //! 3. Rank missing and nothing pulls: w = v̄ + D⁺ (…): no force hangs on the missing directions.
 //! 4. Rank missing and something pulls: the missing directions are algebraic, w_⊥ = Σ (T/d) v_⊥ / Σ (T/d), and the node belongs on the line or in
 //!    the plane through the carrying anchors ([`RateNode::projected`]).
+//! 5. Independent taut lines without force that pull the node into such a line or plane: it is put there ([`RateNode::crossing`]).
 //!
 //! Rejected: a dashpot on the node. It makes D regular and the forces wrong.
 
@@ -42,6 +43,8 @@ pub struct Leg<T: Float> {
     pub taut: bool,
     /// In the active set.
     pub active: bool,
+    /// In the active set as it was carried in.
+    carried: bool,
     /// Bracket K s + C ṡ of a taut line [N]; the tension if it is active.
     pub pull: T,
     /// Stretch s [m].
@@ -74,6 +77,10 @@ pub struct RateNode<T: Float> {
     /// w − v̄.
     slip: Vector3<T>,
     spread: Spread,
+    /// Directions the active lines span.
+    rank: usize,
+    /// The rank of an algebraic set is held while the set stays as it was carried in.
+    held: usize,
 }
 
 impl<T: Float> Leg<T> {
@@ -88,6 +95,7 @@ impl<T: Float> Leg<T> {
             },
             taut: false,
             active: false,
+            carried: false,
             pull: T::zero(),
             stretch: T::zero(),
             direction: Vector3::zeros(),
@@ -108,6 +116,8 @@ impl<T: Float> RateNode<T> {
             mean: Vector3::zeros(),
             slip: Vector3::zeros(),
             spread: Spread::Full,
+            rank: 3,
+            held: 3,
         }
     }
 
@@ -137,6 +147,23 @@ impl<T: Float> RateNode<T> {
         if let Some(leg) = self.legs.get_mut(index) {
             leg.taut = taut;
             leg.active = taut && active;
+            leg.carried = leg.active;
+        }
+    }
+
+    /// Holds the rank of an algebraic set (rule 4) through a step: stage values leave the line or plane of the anchors by the error of a stage,
+    /// and must not be taken for independent lines there. 3: nothing is held.
+    pub fn hold_rank(&mut self, rank: usize) {
+        self.held = rank;
+    }
+
+    /// The rank to hold from here on: that of an algebraic set, 3 otherwise.
+    #[must_use]
+    pub fn rank(&self) -> usize {
+        if self.spread == Spread::Algebraic {
+            self.rank
+        } else {
+            3
         }
     }
 
@@ -190,7 +217,11 @@ impl<T: Float> RateNode<T> {
             d += (leg.direction * leg.direction.transpose()).map(|x| c * x);
             right += leg.direction.map(|x| leg.push * x);
         }
-        self.spread = Spread::Full;
+        let held = self.held < 3 && self.legs.iter().all(|leg| leg.active == leg.carried);
+        if held && self.solve_spanned(&eigen(&d), &right, self.held) {
+            return;
+        }
+        (self.spread, self.rank) = (Spread::Full, 3);
         if certainly_full(&d)
             && let Some(slip) = cholesky(&d, &right)
         {
@@ -199,27 +230,41 @@ impl<T: Float> RateNode<T> {
             return;
         }
         let directions = eigen(&d);
-        let limit = directions[0].0 * T::from_f64(RANK);
-        let spans = |value: T| value > limit && value > T::zero();
+        let limit = (directions[0].0 * T::from_f64(RANK)).max(T::zero());
+        let rank = directions.iter().filter(|(value, _)| *value > limit);
+        let rank = rank.count();
+        self.solve_spanned(&directions, &right, rank);
+    }
+
+    /// Solves in the first `rank` directions; the others follow rule 3 or, if something pulls (`true`), rule 4.
+    fn solve_spanned(
+        &mut self,
+        directions: &[(T, Vector3<T>); 3],
+        right: &Vector3<T>,
+        rank: usize,
+    ) -> bool {
         self.slip = Vector3::zeros();
-        for (value, vector) in directions.iter().filter(|(value, _)| spans(*value)) {
-            let along = vector.dot(&right) / *value;
+        for (value, vector) in directions.iter().take(rank) {
+            let along = vector.dot(right) / *value;
             self.slip += vector.map(|x| along * x);
         }
         self.find_pulls();
-        if directions.iter().all(|(value, _)| spans(*value)) {
-            return;
+        if rank == 3 {
+            return false;
         }
+        self.rank = rank;
         self.spread = Spread::Idle;
         let (weight, weighted) = self.carrying();
-        if weight > T::zero() {
-            self.spread = Spread::Algebraic;
-            for (_, vector) in directions.iter().filter(|(value, _)| !spans(*value)) {
-                let along = vector.dot(&weighted) / weight;
-                self.slip += vector.map(|x| along * x);
-            }
-            self.find_pulls();
+        if weight <= T::zero() {
+            return false;
         }
+        self.spread = Spread::Algebraic;
+        for (_, vector) in directions.iter().skip(rank) {
+            let along = vector.dot(&weighted) / weight;
+            self.slip += vector.map(|x| along * x);
+        }
+        self.find_pulls();
+        true
     }
 
     /// Decides the active set among the taut lines (rule 1) and solves on it. `false`: it could not be decided.
@@ -356,9 +401,7 @@ impl<T: Float> RateNode<T> {
     }
 
     fn pulling(&self, rounding: T) -> impl Iterator<Item = &Leg<T>> {
-        self.legs
-            .iter()
-            .filter(move |leg| leg.active && leg.pull > rounding && leg.length > T::zero())
+        self.legs.iter().filter(move |leg| leg.pulls(rounding))
     }
 
     /// Where the node belongs by rule 4: its orthogonal projection on the line or the plane through the carrying anchors; `None` elsewhere.
@@ -368,29 +411,64 @@ impl<T: Float> RateNode<T> {
             return None;
         }
         let rounding = self.rounding();
-        let (mut count, mut center) = (T::zero(), Vector3::zeros());
+        let offset = self.to_hull(self.rank, |leg| leg.pulls(rounding));
+        Some(self.position + offset)
+    }
+
+    /// Rule 5, the singular approach: independent taut lines without force whose node reaches the line or plane through their anchors within
+    /// half a step `span` [s], still taut there. Its velocity grows without bound on the way, so it is put there, where the lines carry.
+    #[must_use]
+    pub fn crossing(&self, span: T) -> Option<Vector3<T>> {
+        let rounding = self.rounding();
+        let idle = !self.legs.iter().any(|leg| leg.pulls(rounding));
+        if !idle || span <= T::zero() || self.load != Vector3::zeros() {
+            return None;
+        }
         let mut d = Matrix3::zeros();
-        for leg in self.pulling(rounding) {
+        for leg in self.legs.iter().filter(|leg| leg.active) {
+            let c = leg.numbers.damping;
+            d += (leg.direction * leg.direction.transpose()).map(|x| c * x);
+        }
+        let directions = eigen(&d);
+        let limit = (directions[0].0 * T::from_f64(RANK)).max(T::zero());
+        let rank = directions
+            .iter()
+            .filter(|(value, _)| *value > limit)
+            .count();
+        let weakest = rank.checked_sub(1).filter(|weakest| *weakest > 0)?;
+        let offset = self.to_hull(weakest, |leg| leg.active);
+        let there = self.position + offset;
+        let stays_taut = |leg: &Leg<T>| {
+            let geometry = law::geometry(&(leg.anchor - there), leg.numbers.free_length);
+            geometry.stretch > T::zero()
+        };
+        if !self.legs.iter().filter(|leg| leg.active).all(stays_taut) {
+            return None;
+        }
+        let speed = directions[weakest].1.dot(&self.slip) * span;
+        let half = T::from_f64(0.25) * offset.dot(&offset);
+        (speed * speed > half).then_some(there)
+    }
+
+    /// From the node to its projection on the line (`rank` 1) or plane (2) that fits the anchors of the chosen lines best.
+    fn to_hull(&self, rank: usize, chosen: impl Fn(&Leg<T>) -> bool) -> Vector3<T> {
+        let (mut count, mut center) = (T::zero(), Vector3::zeros());
+        for leg in self.legs.iter().filter(|leg| chosen(leg)) {
             count += T::one();
             center += leg.anchor - self.position;
-            d += leg.direction * leg.direction.transpose();
         }
-        let center = center.map(|x| x / count);
+        let center = center.map(|x| x / count.max(T::one()));
         let mut scatter = Matrix3::zeros();
-        for leg in self.pulling(rounding) {
+        for leg in self.legs.iter().filter(|leg| chosen(leg)) {
             let arm = leg.anchor - self.position - center;
             scatter += arm * arm.transpose();
         }
-        let carried = eigen(&d);
-        let limit = carried[0].0 * T::from_f64(RANK);
         let mut offset = Vector3::zeros();
-        for (axis, (value, _)) in eigen(&scatter).iter().zip(carried) {
-            if value <= limit {
-                let out = axis.1.dot(&center);
-                offset += axis.1.map(|x| out * x);
-            }
+        for (_, axis) in eigen(&scatter).iter().skip(rank) {
+            let out = axis.dot(&center);
+            offset += axis.map(|x| out * x);
         }
-        Some(self.position + offset)
+        offset
     }
 
     /// Whether a load acts that the lines cannot balance: directions are missing and W does not vanish.
@@ -401,6 +479,10 @@ impl<T: Float> RateNode<T> {
 }
 
 impl<T: Float> Leg<T> {
+    fn pulls(&self, rounding: T) -> bool {
+        self.active && self.pull > rounding && self.length > T::zero()
+    }
+
     fn wants_change(&self, rounding: T) -> bool {
         if self.active {
             self.pull < -rounding

@@ -38,6 +38,7 @@ impl<T: Float> Nodes<T> {
         memory.check(&self.layout)?;
         memory.step = T::zero();
         memory.smooth.fill(false);
+        memory.ranks.fill(3);
         memory.modes.fill(Mode::Free);
         if let Some(guess) = guess {
             NodeError::same_length("guess", guess.len(), self.nodes.len())?;
@@ -145,7 +146,7 @@ impl<T: Float> Nodes<T> {
                 target.copy_from_slice(&plan.p);
             }
             self.place_rate(model, plan, state, &NodeMemory::new(&self.layout));
-            return self.start_rate(plan);
+            return self.start_rate(plan, state);
         }
         let stage = Stage {
             model,
@@ -202,9 +203,17 @@ impl<T: Float> Nodes<T> {
         Ok(())
     }
 
-    /// Decides which lines of a rate node carry, all taut ones assumed to at first.
-    fn start_rate(&mut self, plan: &mut Plan<T>) -> Result<(), NodeError> {
-        let decided = decide(plan);
+    /// Decides which lines of a rate node carry, all taut ones assumed to at first; one that must lie between its anchors is put there.
+    fn start_rate(&mut self, plan: &mut Plan<T>, state: &mut [T]) -> Result<(), NodeError> {
+        let mut decided = decide(plan);
+        if let Some(projected) = plan.rate.projected()
+            && let Some(target) = plan.z.and_then(|z| state.get_mut(z..z + 3))
+        {
+            target.copy_from_slice(projected.as_slice());
+            plan.p.copy_from_slice(projected.as_slice());
+            plan.rate.place(projected, triple(&plan.load, 0));
+            decided = decide(plan);
+        }
         self.finish_rate(plan, decided)
     }
 

@@ -2,10 +2,10 @@
 
 use std::fmt;
 
+use mbd_compiler::{nearest, read_number};
 use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::{InputSource, NodeModel};
 use mbd_runtime::{Layout, Options, state_names};
-use mbd_compiler::{nearest, read_number};
 use toml::{Table, Value};
 
 use super::settings::Settings;

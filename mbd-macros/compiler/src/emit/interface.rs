@@ -40,11 +40,7 @@ fn params(context: &Context) -> TokenStream {
             } else {
                 "; the field is in SI units".to_owned()
             };
-            let doc = docs(
-                &format!("{} [{unit}]{range}{si}", param.doc.trim())
-                    .trim()
-                    .to_owned(),
-            );
+            let doc = docs(format!("{} [{unit}]{range}{si}", param.doc.trim()).trim());
             quote!(#doc pub #field: #t)
         });
     let defaults = context

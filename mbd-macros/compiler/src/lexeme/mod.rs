@@ -154,6 +154,14 @@ impl Places {
         }
     }
 
+    /// A key that sorts lexemes by their place in the source.
+    pub fn order(&self, at: At) -> (usize, usize) {
+        match self {
+            Places::Tokens(_) => (at.0 as usize, 0),
+            Places::Text(positions) => positions.get(at.0 as usize).copied().unwrap_or((0, 0)),
+        }
+    }
+
     /// The span of a lexeme; of a text it is the call site.
     pub fn span(&self, at: At) -> Span {
         match self {

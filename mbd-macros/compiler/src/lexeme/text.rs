@@ -1,5 +1,7 @@
 //! Lexemes of plain text.
 
+use std::cell::Cell;
+
 use super::{At, Bracket, Kind, Lexed, Lexer, Places};
 use crate::messages::{Messages, syntax as say};
 
@@ -8,6 +10,8 @@ use crate::messages::{Messages, syntax as say};
 pub struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,
+    /// The last answer, offset, line and column: questions come in order, and long lines are counted once.
+    last: Cell<(usize, usize, usize)>,
 }
 
 impl<'a> Lines<'a> {
@@ -15,15 +19,25 @@ impl<'a> Lines<'a> {
     pub fn new(text: &'a str) -> Self {
         let mut starts = vec![0];
         starts.extend(text.match_indices('\n').map(|(at, _)| at + 1));
-        Lines { text, starts }
+        Lines {
+            text,
+            starts,
+            last: Cell::new((0, 1, 1)),
+        }
     }
 
     /// Line and column of a byte offset, both from 1; columns count characters.
     pub fn position(&self, offset: usize) -> (usize, usize) {
         let line = self.starts.partition_point(|&start| start <= offset);
         let start = self.starts.get(line.wrapping_sub(1)).copied().unwrap_or(0);
-        let before = self.text.get(start..offset).unwrap_or("");
-        (line, before.chars().count() + 1)
+        let (from, column) = match self.last.get() {
+            (last, same, column) if same == line && last <= offset => (last, column),
+            _ => (start, 1),
+        };
+        let between = self.text.get(from..offset).unwrap_or("");
+        let column = column + between.chars().count();
+        self.last.set((offset, line, column));
+        (line, column)
     }
 }
 
@@ -40,6 +54,16 @@ impl Lexer {
     #[cfg(feature = "toml")]
     pub fn of_text() -> Self {
         Lexer::new(Places::Text(Vec::new()))
+    }
+
+    /// A place that has no lexeme.
+    #[cfg(feature = "toml")]
+    pub fn place(&mut self, position: (usize, usize)) -> At {
+        let at = self.next_at();
+        if let Places::Text(positions) = &mut self.places {
+            positions.push(position);
+        }
+        at
     }
 
     /// Adds a lexeme at a line and column.

@@ -13,6 +13,8 @@ pub mod check;
 pub mod resolve;
 pub mod similar;
 pub mod syntax;
+#[cfg(feature = "toml")]
+pub mod toml;
 
 /// Where a message points.
 #[derive(Clone, Copy, Debug)]
@@ -168,7 +170,8 @@ impl Messages {
 
     /// With locations, in the order of the source.
     pub fn located(mut self, places: &Places) -> Vec<Message> {
-        self.reports.sort_by_key(|report| report.at.first);
+        self.reports
+            .sort_by_key(|report| places.order(report.at.first));
         self.reports
             .into_iter()
             .map(|report| report.located(places))

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use mbd_scene::{Constant, Direction, Event, Formula, Input, Output, Parameter, Table, Unit};
+use mbd_scene::{
+    Constant, Dimension, Direction, Event, Formula, Input, Output, Parameter, Table, Unit,
+};
 
 use super::{Instance, Named, Resolver, Stage, Typed, fold};
 use crate::lexeme::{Bracket, Kind, Lexeme, Region};
@@ -186,16 +188,25 @@ impl Resolver<'_> {
         };
         let typed = self.typed(&parsed, instance.scope(Stage::Constant))?;
         let unit = written_unit(&parsed).unwrap_or_else(|| typed.unit());
-        let at = typed.at;
-        let dimension = typed.dimension;
+        let (at, dimension) = (typed.at, typed.dimension);
+        let bare = typed.bare.clone();
         let default = self.constant_value(typed)?;
         if let Some(entry) = self.scene.params.get_mut(instance.slot) {
             entry.default = default;
             entry.unit = unit.clone();
         }
         if let Some(range) = instance.item.clause("in") {
-            let [low, high] = self.range(range, instance, dimension.map(|_| &unit))?;
+            let (ends, found) = self.range(range, instance, &unit)?;
             let name = self.scene.params.get(instance.slot)?.name.clone();
+            if let (Some(wanted), Some(this)) = (dimension, found)
+                && wanted != this
+            {
+                return self.fail(match bare {
+                    Some(text) if wanted == units::NONE => say::needs_unit(at, &name, this, &text),
+                    _ => say::wrong_dimension(range.at, "in", wanted, this),
+                });
+            }
+            let [low, high] = ends;
             if low > high {
                 return self.fail(say::empty_range(range.at, &name));
             }
@@ -207,13 +218,13 @@ impl Resolver<'_> {
         Some(())
     }
 
-    /// `600 kg ..= 900 kg`
+    /// `600 kg ..= 900 kg`: both ends and their dimension. An end without a unit is told here, if the default has one.
     fn range(
         &mut self,
         value: Value<'_>,
         instance: &Instance<'_>,
-        unit: Option<&Unit>,
-    ) -> Option<[f64; 2]> {
+        unit: &Unit,
+    ) -> Option<([f64; 2], Option<Dimension>)> {
         let mut cursor = Cursor::new(value);
         let low = match expression::prefix(&mut cursor) {
             Ok(low) => low,
@@ -235,22 +246,22 @@ impl Resolver<'_> {
             return self.fail(report);
         }
         let mut ends = [0.0; 2];
+        let mut dimension = None;
         for (end, parsed) in ends.iter_mut().zip([low, high]) {
             let typed = self.typed(&parsed, instance.scope(Stage::Constant))?;
-            if let (Some(found), Some(unit)) = (typed.dimension, unit)
-                && found != unit.dimension
-            {
-                let wanted = unit.dimension;
-                return self.fail(match typed.bare {
-                    Some(ref text) if found == units::NONE => {
-                        say::needs_unit(typed.at, "in", wanted, text)
-                    }
-                    _ => say::wrong_dimension(typed.at, "in", wanted, found),
-                });
+            match (&typed.bare, typed.dimension) {
+                (Some(text), Some(units::NONE)) if unit.dimension != units::NONE => {
+                    return self.fail(say::needs_unit(typed.at, "in", unit.dimension, text));
+                }
+                (_, Some(found)) if dimension.is_some_and(|known| known != found) => {
+                    let known = dimension.unwrap_or(found);
+                    return self.fail(say::wrong_dimension(typed.at, "in", known, found));
+                }
+                (_, found) => dimension = dimension.or(found),
             }
             *end = self.constant_value(typed)?;
         }
-        Some(ends)
+        Some((ends, dimension))
     }
 
     /// `wind: [speed; 3]` or `thrust: force`.

@@ -485,8 +485,11 @@ impl Resolver<'_> {
         if argument.vector {
             return self.fail(say::scalar_wanted(argument.at, "the argument of a table"));
         }
+        let bare = |unit: &Unit| self.si && unit.text.is_empty();
+        let (any_argument, any_value) = (bare(&declared.x_unit), bare(&declared.y_unit));
         if let Some(found) = argument.dimension
             && found != declared.x_unit.dimension
+            && !any_argument
         {
             let wanted = declared.x_unit.dimension;
             return self.fail(say::argument_dimension(
@@ -497,13 +500,12 @@ impl Resolver<'_> {
             ));
         }
         Some(Typed {
+            formula: Formula::Lookup(table, vec![argument.formula]),
+            vector: false,
+            dimension: (!any_value).then_some(declared.y_unit.dimension),
             angle: angle_of(&declared.y_unit),
-            ..Typed::of(
-                Formula::Lookup(table, vec![argument.formula]),
-                false,
-                declared.y_unit.dimension,
-                at,
-            )
+            bare: None,
+            at,
         })
     }
 

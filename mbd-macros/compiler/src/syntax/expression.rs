@@ -186,8 +186,7 @@ impl Parser {
 
     fn postfix(&mut self, cursor: &mut Cursor<'_>) -> Deep {
         let (mut inner, mut depth) = self.primary(cursor)?;
-        while !matches!(inner, Expression::Path(_)) && !range(cursor) && cursor.sign('.').is_some()
-        {
+        while !range(cursor) && cursor.sign('.').is_some() {
             let axis = cursor
                 .word()
                 .ok_or_else(|| cursor.expected("a component `x`, `y` or `z`"))?;

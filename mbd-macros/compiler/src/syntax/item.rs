@@ -181,7 +181,8 @@ fn clause_value<'a>(
     cursor.since(start)
 }
 
-fn push_clause<'a>(
+/// Adds a clause: each once, none empty.
+pub fn push_clause<'a>(
     item: &mut Item<'a>,
     sign: &'static str,
     at: Region,

@@ -3,7 +3,7 @@
 pub mod cursor;
 pub mod expression;
 pub mod item;
-mod model;
+pub mod model;
 pub mod unit;
 pub mod words;
 
