@@ -337,7 +337,12 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         self.switches = switches;
         switched?;
         self.method
-            .begin(&mut self.system, self.time, &self.state)?;
+            .begin(&mut self.system, self.time, 0.0, &self.state)?;
+        self.begin_noting()
+    }
+
+    /// Margins at the accepted state after something jumped there; declared events that jumped past their zero happen now.
+    pub(crate) fn begin_noting(&mut self) -> Result<(), StepError> {
         let mut crossed = std::mem::take(&mut self.crossed);
         crossed.clear();
         let begun = self.begin_margins(&mut |event| crossed.push(event));

@@ -244,16 +244,21 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         Ok(())
     }
 
-    /// Takes the last attempt: memory, state and time move on together.
+    /// Takes the last attempt: state, memory and time move on together.
     fn take(&mut self, step: f64, end: f64) -> Result<(), StepError> {
-        self.system.commit(step);
         self.method.accept(&mut self.state);
         self.time = end;
         let counters = &mut self.system.counters;
         counters.steps = counters.steps.saturating_add(1);
-        if self.system.project(&mut self.state) {
-            self.method
-                .begin(&mut self.system, self.time, &self.state)?;
+        let projected = self.system.project(&mut self.state);
+        let begun = match projected {
+            true => self.method.begin(&mut self.system, end, step, &self.state),
+            false => Ok(()),
+        };
+        self.system.commit(step);
+        begun?;
+        if projected {
+            self.begin_noting()?;
         }
         Ok(())
     }
