@@ -164,13 +164,21 @@ impl Trajectory {
 
     /// Prepares for a run that starts at `time`; grid times before it are skipped. True when a row is due at the start.
     pub(crate) fn open(&mut self, time: f64) -> Result<bool, StepError> {
-        if let Sampling::Every(interval) = self.sampling
-            && !(interval > 0.0 && interval.is_finite())
-        {
-            return Err(StepError::InvalidInput {
-                slot: "sampling interval".into(),
-                value: interval,
-            });
+        let invalid = match &self.sampling {
+            Sampling::Every(interval) => Some(*interval).filter(|x| !(*x > 0.0 && x.is_finite())),
+            Sampling::At(times) => {
+                let ordered = times
+                    .windows(2)
+                    .find(|pair| !pair.is_sorted_by(|a, b| a < b));
+                let bad = times.iter().find(|time| !time.is_finite());
+                bad.copied()
+                    .or(ordered.and_then(|pair| pair.last().copied()))
+            }
+            Sampling::Steps => None,
+        };
+        if let Some(value) = invalid {
+            let slot = "sampling interval or time (finite, increasing)".into();
+            return Err(StepError::InvalidInput { slot, value });
         }
         if self.first.is_nan() {
             self.first = time;
