@@ -137,15 +137,13 @@ fn wanted(reading: &Reading, scene: &Scene) -> Vec<Quantity> {
 /// A warning about a large model, or the refusal of one too large to compile.
 fn judge(size: usize) -> Result<Option<String>, String> {
     let advice = "emit less, for example `emit: [outputs];` at the top of the model";
-    match size {
-        0..=MANY => Ok(None),
-        ..=TOO_MANY => Ok(Some(format!(
-            "this model takes {size} operations and will compile slowly: {advice}"
-        ))),
-        _ => Err(format!(
+    if size > TOO_MANY {
+        return Err(format!(
             "this model takes {size} operations, more than {TOO_MANY}: {advice}, or run the scene with `Generic`"
-        )),
+        ));
     }
+    let slow = || format!("this model takes {size} operations and will compile slowly: {advice}");
+    Ok((size > MANY).then(slow))
 }
 
 /// Operations as emitted: kernels that pieces share count once.
