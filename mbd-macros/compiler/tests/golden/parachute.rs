@@ -1885,7 +1885,7 @@ const _: () = {
         ];
     }
     /// The declared outputs.
-    /// 2 columns, SI units.
+    /// 2 columns, each in its unit.
     /// 104 operations (38 additions, 54 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
     #[inline(never)]
     fn outputs<T: ::mbd_runtime::Real>(
@@ -3966,7 +3966,7 @@ const _: () = {
         }
         /// The declared outputs.
         ///
-        /// 2 columns, SI units.
+        /// 2 columns, each in its unit.
         /// 104 operations (38 additions, 54 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
         #[must_use]
         pub fn outputs(
