@@ -10,7 +10,9 @@
 
 mod cost;
 mod dual;
+mod elimination;
 mod formula;
+pub mod joints;
 pub mod laws;
 mod layout;
 mod model;
@@ -21,9 +23,11 @@ mod scene;
 
 pub use cost::Cost;
 pub use dual::Dual;
+pub use elimination::{Below, Elimination, Part, Step};
 pub use formula::{Formula, Function, Place};
 pub use layout::{
-    Anchor, InputSlots, InputSource, Layout, LineEnd, LineSlots, Network, Node, PointSlots, Slots,
+    Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
+    PointSlots, Slots,
 };
 pub use model::Model;
 pub use params::{ParamError, check_params};

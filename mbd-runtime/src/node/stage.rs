@@ -108,6 +108,7 @@ impl<T: Float> Nodes<T> {
             hold: &self.hold,
             ends: &self.ends,
             inputs,
+            rows: &[],
         }
     }
 
