@@ -252,15 +252,8 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         self.add_simultaneous()?;
         let mut switches = std::mem::take(&mut self.switches);
         switches.clear();
-        for (index, _) in self
-            .chosen
-            .iter()
-            .enumerate()
-            .filter(|(_, chosen)| **chosen)
-        {
-            let happening = self
-                .margins
-                .happening(index, &self.scratch, self.system.modes());
+        for (index, _) in self.chosen.iter().enumerate().filter(|(_, chosen)| **chosen) {
+            let happening = self.margins.happening(index, &self.scratch, self.system.modes());
             if let Some(Happening::Line(line, mode)) = happening {
                 switches.push((line, mode));
             }
@@ -268,8 +261,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         let switched = self.switch(&switches);
         self.switches = switches;
         switched?;
-        self.method
-            .begin(&mut self.system, self.time, &self.state)?;
+        self.method.begin(&mut self.system, self.time, &self.state)?;
         let mut crossed = std::mem::take(&mut self.crossed);
         crossed.clear();
         let begun = self.begin_margins(&mut |event| crossed.push(event));

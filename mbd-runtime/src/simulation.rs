@@ -621,8 +621,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         let counters = &mut self.system.counters;
         counters.steps = counters.steps.saturating_add(1);
         if self.system.project(&mut self.state) {
-            self.method
-                .begin(&mut self.system, self.time, &self.state)?;
+            self.method.begin(&mut self.system, self.time, &self.state)?;
         }
         Ok(())
     }

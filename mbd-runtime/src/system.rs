@@ -161,32 +161,18 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
     }
 
     /// Changes the modes of lines at an accepted state, and of what hangs on them.
-    pub(crate) fn switch(
-        &mut self,
-        time: f64,
-        state: &[T],
-        switches: &[(usize, Mode)],
-    ) -> Result<(), StepError> {
+    pub(crate) fn switch(&mut self, time: f64, state: &[T], switches: &[(usize, Mode)]) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         let t = T::from_f64(time);
         self.nodes
-            .switch(
-                self.model,
-                t,
-                state,
-                &self.inputs,
-                switches,
-                &mut self.memory,
-                &mut self.work,
-            )
+            .switch(self.model, t, state, &self.inputs, switches, &mut self.memory, &mut self.work)
             .map_err(|error| self.node_error(time, error))
     }
 
     /// Puts nodes back on the line or plane that balance keeps them on; true when the state changed.
     pub(crate) fn project(&self, state: &mut [T]) -> bool {
-        self.nodes
-            .project(state.get_mut(..self.nx).unwrap_or_default())
+        self.nodes.project(state.get_mut(..self.nx).unwrap_or_default())
     }
 
     /// The last solve was at the end of a step that is accepted.
