@@ -1,6 +1,8 @@
 //! What the tests that cross crates share: reference data, the derivative oracle, seeded random numbers, and one way to compare.
 
 pub mod instant;
+pub mod jet;
+pub mod mechanism;
 pub mod oracle;
 pub mod random;
 pub mod random_scene;
