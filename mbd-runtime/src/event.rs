@@ -4,16 +4,15 @@
 //! s is the stretch, e = (K s + C ṡ)/K the pull in metres (`equilibrium.md` §11, `numerics.md` §2.5):
 //!
 //! ```text
-//! undamped line              taut: s                   slack: −s
-//! damped, without a node     active: min(s, e)         otherwise: −min(s, e)
-//! damped, of a `rate` node   active: min(s, e)         slack: −s                   idle (taut without force): min(s, −e)
+//! line without a node        active: min(s, e)         otherwise: −min(s, e)
+//! line of a `rate` node      active: min(s, e)         slack: −s                   idle (taut without force): min(s, −e)
 //! declared event             its guard times the sign it has now
 //! ```
 //!
 //! Rejected: taking the start of a step as a sign change (just after a switch a margin is ±0 there, and the search would stand still), and looking at
 //! the end of a step only (a margin can leave and return inside it).
 
-use mbd_scene::{Direction, Float, LineEnd, LineKind, Model, NodeModel};
+use mbd_scene::{Direction, Float, Layout, LineEnd, LineKind, Model, NodeModel, PointSlots};
 
 use crate::node::Mode;
 
@@ -44,8 +43,6 @@ enum Watched {
         softness: f64,
         rate: bool,
     },
-    /// An undamped line, whose force is continuous: its mode is only the sign of its stretch.
-    Edge { line: usize, taut: bool },
     /// A declared event: its index and its place in the guards.
     Declared {
         event: usize,
@@ -60,8 +57,15 @@ pub(crate) struct Margins {
     watched: Vec<Watched>,
     /// Whether each declared event's guard is positive now.
     pub sides: Vec<bool>,
-    /// How far a line's margin must be passed to count [m].
+    /// How far a line's margin must be passed to count, in this step [m].
     pub tolerance: f64,
+    /// The smallest tolerance [m].
+    floor: f64,
+    /// The longest C/K of a watched line [s].
+    delay: f64,
+    /// Where the state holds places and velocities along which lines stretch.
+    places: Vec<usize>,
+    speeds: Vec<usize>,
     /// Margins at the start of the step, at the last two looks.
     pub start: Vec<f64>,
     pub before: Vec<f64>,
@@ -84,13 +88,10 @@ impl Margins {
                 continue;
             };
             if locate && located {
-                watched.push(match numbers.damping > T::zero() {
-                    false => Watched::Edge { line, taut: false },
-                    true => Watched::Line {
-                        line,
-                        softness: 1.0 / numbers.stiffness.to_f64(),
-                        rate: node.is_some(),
-                    },
+                watched.push(Watched::Line {
+                    line,
+                    softness: 1.0 / numbers.stiffness.to_f64(),
+                    rate: node.is_some(),
                 });
             }
         }
@@ -109,10 +110,32 @@ impl Margins {
             watched,
             sides: vec![false; scene.events.len()],
             tolerance,
+            floor: tolerance,
+            delay: model
+                .lines()
+                .iter()
+                .map(|n| (n.damping / n.stiffness).to_f64())
+                .fold(0.0, f64::max),
+            places: blocks(layout, Kind::Place),
+            speeds: blocks(layout, Kind::Speed),
             start: vec![0.0; count],
             before: vec![0.0; count],
             now: vec![0.0; count],
         }
+    }
+
+    /// Raises the tolerance to what a step with this error resolves: an error of a place, and of a velocity through C ṡ/K. A smaller tolerance
+    /// switches lines on the integrator's noise.
+    pub(crate) fn resolve<T: Float>(&mut self, error: &[T]) {
+        let largest = |list: &[usize]| {
+            let sizes = list
+                .iter()
+                .filter_map(|at| error.get(*at))
+                .map(|x| x.to_f64().abs());
+            sizes.fold(0.0, f64::max)
+        };
+        let resolved = largest(&self.places) + self.delay * largest(&self.speeds);
+        self.tolerance = self.floor.max(resolved);
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -123,7 +146,6 @@ impl Margins {
     pub(crate) fn restless(&self, modes: &[Mode]) -> bool {
         self.watched.iter().any(|watched| match watched {
             Watched::Line { line, .. } => modes.get(*line) != Some(&Mode::Active),
-            Watched::Edge { taut, .. } => !taut,
             Watched::Declared { .. } => false,
         })
     }
@@ -147,10 +169,6 @@ impl Margins {
                         (Mode::Slack | Mode::Free, true) => -stretch,
                     }
                 }
-                Watched::Edge { line, taut } => {
-                    let stretch = guard(2 * line);
-                    if taut { stretch } else { -stretch }
-                }
                 Watched::Declared { event, at, .. } => {
                     let positive = self.sides.get(event).copied().unwrap_or(false);
                     side_margin(guard(at), positive)
@@ -162,7 +180,7 @@ impl Margins {
     /// Whether a watched margin is passed: by more than the tolerance for a line, at all for a declared event.
     pub(crate) fn passed(&self, index: usize, margin: f64) -> bool {
         match self.watched.get(index) {
-            Some(Watched::Line { .. } | Watched::Edge { .. }) => margin < -self.tolerance,
+            Some(Watched::Line { .. }) => margin < -self.tolerance,
             Some(Watched::Declared { .. }) => margin < 0.0,
             None => false,
         }
@@ -185,10 +203,6 @@ impl Margins {
     ) -> Option<Happening> {
         match *self.watched.get(index)? {
             Watched::Declared { event, .. } => Some(Happening::Declared(event)),
-            Watched::Edge { line, taut } => Some(Happening::Line(
-                line,
-                if taut { Mode::Slack } else { Mode::Active },
-            )),
             Watched::Line { line, softness, .. } => {
                 let stretch = guards.get(2 * line)?.to_f64();
                 let pull = guards.get(2 * line + 1)?.to_f64() * softness;
@@ -206,53 +220,7 @@ impl Margins {
 
     /// Whether a margin is that of a line.
     pub(crate) fn is_line(&self, index: usize) -> bool {
-        !matches!(
-            self.watched.get(index),
-            Some(Watched::Declared { .. }) | None
-        )
-    }
-
-    /// Follows a switch of an undamped line.
-    pub(crate) fn switch(&mut self, line: usize, mode: Mode) {
-        for watched in &mut self.watched {
-            if let Watched::Edge { line: edge, taut } = watched
-                && *edge == line
-            {
-                *taut = mode != Mode::Slack;
-            }
-        }
-    }
-
-    /// Decides from the guards whether each undamped line is taut, at the start of a run.
-    pub(crate) fn take_edges<T: Float>(&mut self, guards: &[T]) {
-        for watched in &mut self.watched {
-            if let Watched::Edge { line, taut } = watched {
-                *taut = guards
-                    .get(2 * *line)
-                    .is_some_and(|stretch| *stretch > T::zero());
-            }
-        }
-    }
-
-    /// The sides of the declared events and of the undamped lines: what the margins remember between steps.
-    pub(crate) fn flags(&self) -> impl Iterator<Item = bool> {
-        let edges = self.watched.iter().filter_map(|watched| match watched {
-            Watched::Edge { taut, .. } => Some(*taut),
-            _ => None,
-        });
-        self.sides.iter().copied().chain(edges)
-    }
-
-    /// Takes back what [`Margins::flags`] gave.
-    pub(crate) fn set_flags(&mut self, flags: &[bool]) {
-        let mut flags = flags.iter();
-        let edges = self.watched.iter_mut().filter_map(|watched| match watched {
-            Watched::Edge { taut, .. } => Some(taut),
-            _ => None,
-        });
-        for (flag, saved) in self.sides.iter_mut().chain(edges).zip(&mut flags) {
-            *flag = *saved;
-        }
+        matches!(self.watched.get(index), Some(Watched::Line { .. }))
     }
 
     /// Sets the side of every declared event from the guards, and reports through `crossed` those that changed in a direction that counts.
@@ -283,6 +251,30 @@ impl Margins {
             }
         }
     }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Place,
+    Speed,
+}
+
+/// Indices of the places (bodies, points, nodes) or of the linear velocities in the state.
+fn blocks(layout: &Layout, kind: Kind) -> Vec<usize> {
+    let masses = layout.points.iter().filter_map(|slots| match slots {
+        PointSlots::Mass(slots) => Some(*slots),
+        PointSlots::Node(_) => None,
+    });
+    let owners = layout.bodies.iter().copied().chain(masses);
+    let first = owners.map(|slots| match kind {
+        Kind::Place => slots.q,
+        Kind::Speed => layout.nq + slots.v,
+    });
+    let mut all: Vec<usize> = first.flat_map(|at| at..at + 3).collect();
+    if kind == Kind::Place {
+        all.extend(layout.nq + layout.nv..layout.nx());
+    }
+    all
 }
 
 /// The distance to the other side; a guard at zero is on the negative side.

@@ -54,7 +54,8 @@ impl Chatter {
         };
         let oldest = std::mem::replace(slot, time);
         self.next = (self.next + 1) % MOST_SWITCHES;
-        self.window.is_finite() && time - oldest < self.window
+        // Two hundred switches at one instant are chatter in a run of any length.
+        time <= oldest || self.window.is_finite() && time - oldest < self.window
     }
 }
 
@@ -63,6 +64,10 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     pub(crate) fn find_event(&mut self, step: f64) -> Result<Option<Found>, StepError> {
         if self.margins.is_empty() {
             return Ok(None);
+        }
+        if self.noisy {
+            let (error, _) = self.method.estimate(step);
+            self.margins.resolve(error);
         }
         let looks = if self.margins.restless(self.system.modes()) {
             LOOKS
@@ -133,10 +138,18 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
                     for (chosen, before) in self.chosen.iter_mut().zip(&self.margins.before) {
                         *chosen &= *before <= 0.0;
                     }
-                    if low > 0.0 {
-                        self.redo(low * step)?;
+                    // A second switch at one instant would stand still: then the step goes on to where the margin is passed.
+                    let theta = if low == 0.0 && self.stalled == self.time {
+                        high
+                    } else {
+                        low
+                    };
+                    if theta > 0.0 {
+                        self.redo(theta * step)?;
+                    } else {
+                        self.stalled = self.time;
                     }
-                    return Ok(Some(Found { step: low * step }));
+                    return Ok(Some(Found { step: theta * step }));
                 }
             }
         }
@@ -252,8 +265,15 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         self.add_simultaneous()?;
         let mut switches = std::mem::take(&mut self.switches);
         switches.clear();
-        for (index, _) in self.chosen.iter().enumerate().filter(|(_, chosen)| **chosen) {
-            let happening = self.margins.happening(index, &self.scratch, self.system.modes());
+        for (index, _) in self
+            .chosen
+            .iter()
+            .enumerate()
+            .filter(|(_, chosen)| **chosen)
+        {
+            let happening = self
+                .margins
+                .happening(index, &self.scratch, self.system.modes());
             if let Some(Happening::Line(line, mode)) = happening {
                 switches.push((line, mode));
             }
@@ -261,7 +281,8 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         let switched = self.switch(&switches);
         self.switches = switches;
         switched?;
-        self.method.begin(&mut self.system, self.time, &self.state)?;
+        self.method
+            .begin(&mut self.system, self.time, &self.state)?;
         let mut crossed = std::mem::take(&mut self.crossed);
         crossed.clear();
         let begun = self.begin_margins(&mut |event| crossed.push(event));
@@ -278,7 +299,6 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         }
         self.system.switch(self.time, &self.state, switches)?;
         for &(line, mode) in switches {
-            self.margins.switch(line, mode);
             self.note(Happening::Line(line, mode));
             let counters = &mut self.system.counters;
             counters.switches = counters.switches.saturating_add(1);
@@ -315,17 +335,6 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         }
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)
-    }
-
-    /// Decides which undamped lines are taut, at the start of a run.
-    pub(crate) fn begin_edges(&mut self) -> Result<(), StepError> {
-        if self.margins.is_empty() {
-            return Ok(());
-        }
-        self.inside.copy_from_slice(&self.state);
-        self.read_margins(self.time, 0.0)?;
-        self.margins.take_edges(&self.scratch);
-        Ok(())
     }
 
     /// Margins and sides at the accepted state, in the modes of now.

@@ -30,7 +30,8 @@ pub struct Options {
     /// Whether slack/taut switches and declared events are located: steps end on them, and the mode of every line is frozen inside a step. Without,
     /// each line decides by itself at every stage and declared events are not looked for. Lines of static and stepwise nodes are never located.
     pub locate: bool,
-    /// Whether a fixed step is watched for instability.
+    /// Whether a fixed step is watched for instability. Scenes with `stepwise` nodes are not watched: their instability lives in what the node
+    /// remembers, and the stages of a step do not show it.
     pub watch: bool,
     /// The most accepted and rejected steps of one call.
     pub max_steps: u64,
@@ -40,7 +41,7 @@ pub struct Options {
     pub stop_at_events: bool,
     /// What one unit of error is; by itself [`Scales::of`] the model.
     pub scales: Option<Scales>,
-    /// How far a line must pass its switch to count as switching [m]; by itself 1e-10 of the length scale at fixed steps, the relative tolerance times
+    /// How far a line must pass its switch to count as switching [m]; by itself the error of each step as its stages show it at fixed steps, the relative tolerance times
     /// the length scale in adaptive runs. It must exceed the error of a step.
     pub guard_tolerance: Option<f64>,
 }
@@ -102,6 +103,7 @@ impl Options {
             positive("scales.angle", scales.angle, true)?;
             positive("scales.speed", scales.speed, true)?;
             positive("scales.rate", scales.rate, true)?;
+            positive("scales.energy", scales.energy, true)?;
         }
         match self.guard_tolerance {
             Some(tolerance) => positive("guard_tolerance", tolerance, true),

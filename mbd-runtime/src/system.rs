@@ -6,6 +6,7 @@ use crate::columns::{input_name, line_name, node_name, state_names};
 use crate::error::{Source, Statistics, StepError};
 use crate::integrate::Rates;
 use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
+use crate::watch;
 
 /// What the caller supplies at each evaluation: inputs, external loads, external gravity, in the order of `Layout::inputs`.
 ///
@@ -149,6 +150,14 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         self.model.evaluate(what, &at, &mut self.work, out);
     }
 
+    /// The weights of the stability watch's norm.
+    pub(crate) fn watch_weights(&mut self, time: f64, state: &[T]) -> Result<Vec<T>, StepError> {
+        let mut mass = vec![T::zero(); self.model.layout().len(Quantity::MassMatrix)];
+        self.look(time, 0.0, state)?;
+        self.seen(Quantity::MassMatrix, time, state, &mut mass);
+        Ok(watch::weights(self.model, &mass))
+    }
+
     /// Whether the modes of lines are kept between located events, or decided at every stage.
     pub(crate) fn frozen(&mut self, frozen: bool) {
         self.nodes.freeze(frozen);
@@ -161,18 +170,32 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
     }
 
     /// Changes the modes of lines at an accepted state, and of what hangs on them.
-    pub(crate) fn switch(&mut self, time: f64, state: &[T], switches: &[(usize, Mode)]) -> Result<(), StepError> {
+    pub(crate) fn switch(
+        &mut self,
+        time: f64,
+        state: &[T],
+        switches: &[(usize, Mode)],
+    ) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         let t = T::from_f64(time);
         self.nodes
-            .switch(self.model, t, state, &self.inputs, switches, &mut self.memory, &mut self.work)
+            .switch(
+                self.model,
+                t,
+                state,
+                &self.inputs,
+                switches,
+                &mut self.memory,
+                &mut self.work,
+            )
             .map_err(|error| self.node_error(time, error))
     }
 
     /// Puts nodes back on the line or plane that balance keeps them on; true when the state changed.
     pub(crate) fn project(&self, state: &mut [T]) -> bool {
-        self.nodes.project(state.get_mut(..self.nx).unwrap_or_default())
+        self.nodes
+            .project(state.get_mut(..self.nx).unwrap_or_default())
     }
 
     /// The last solve was at the end of a step that is accepted.

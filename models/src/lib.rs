@@ -1,5 +1,7 @@
 //! Ready scenes, reports and what the command line `mbd` is made of.
 
 pub mod describe;
+pub mod parachute;
 pub mod progress;
 pub mod report;
+pub mod run;

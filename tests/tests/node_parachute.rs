@@ -10,11 +10,24 @@ use tests::reference::{field, load, numbers};
 fn history(name: &str) -> Vec<(f64, Vec<f64>, Vec<f64>, Vec<f64>)> {
     let data = load(name);
     let parts: Vec<Vec<Vec<f64>>> = [
-        "chute_x", "chute_v", "chute_q", "chute_w", "capsule_x", "capsule_v", "capsule_q",
+        "chute_x",
+        "chute_v",
+        "chute_q",
+        "chute_w",
+        "capsule_x",
+        "capsule_v",
+        "capsule_q",
         "capsule_w",
     ]
     .iter()
-    .map(|name| data[*name].as_array().unwrap().iter().map(numbers).collect())
+    .map(|name| {
+        data[*name]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(numbers)
+            .collect()
+    })
     .collect();
     let (times, riser) = (field(&data, "t"), field(&data, "riser_force"));
     (0..times.len())
@@ -22,7 +35,12 @@ fn history(name: &str) -> Vec<(f64, Vec<f64>, Vec<f64>, Vec<f64>)> {
             let state: Vec<f64> = parts.iter().flat_map(|part| part[i].clone()).collect();
             let mut tensions = vec![riser[i]];
             tensions.extend(numbers(&data["bridle_forces"][i]));
-            (times[i], state_of(&state), tensions, numbers(&data["node_x"][i]))
+            (
+                times[i],
+                state_of(&state),
+                tensions,
+                numbers(&data["node_x"][i]),
+            )
         })
         .collect()
 }
@@ -49,7 +67,10 @@ fn a_static_node_finds_every_force_of_the_undamped_reference() {
             }
             run.nodes.commit(0.1, &mut run.memory);
         }
-        println!("{name}: worst force difference {worst:e} N, {:?}", run.nodes.statistics());
+        println!(
+            "{name}: worst force difference {worst:e} N, {:?}",
+            run.nodes.statistics()
+        );
         assert!(worst < 1e-6, "{name}: {worst:e} N");
     }
 }
@@ -73,9 +94,18 @@ fn riser_error(model: NodeModel, h: f64, name: &str, from: f64, to: f64) -> f64 
     worst
 }
 
-const EULER: NodeModel = NodeModel::Stepwise { formula: Difference::Euler, clamp: Clamp::Positive };
-const BDF2: NodeModel = NodeModel::Stepwise { formula: Difference::Bdf2, clamp: Clamp::Positive };
-const LITERAL: NodeModel = NodeModel::Stepwise { formula: Difference::Euler, clamp: Clamp::Literal };
+const EULER: NodeModel = NodeModel::Stepwise {
+    formula: Difference::Euler,
+    clamp: Clamp::Positive,
+};
+const BDF2: NodeModel = NodeModel::Stepwise {
+    formula: Difference::Bdf2,
+    clamp: Clamp::Positive,
+};
+const LITERAL: NodeModel = NodeModel::Stepwise {
+    formula: Difference::Euler,
+    clamp: Clamp::Literal,
+};
 
 #[test]
 fn damped_nodes_follow_the_reference_of_case_2_once_taut() {

@@ -21,6 +21,8 @@ pub struct Equations {
     pub layout: Layout,
     /// The terms of the parameters alone: run once per set of parameters, its results are the slots [`Slot::Derived`].
     pub derived: Program,
+    /// q̇ = N(q) v alone: the first numbers of the state derivative.
+    pub kinematics: Option<Program>,
     /// One program a quantity, in the order of [`Layout::quantities`].
     pub programs: Vec<(Quantity, Program)>,
 }
@@ -53,7 +55,20 @@ impl Equations {
             all
         });
         let nothing = HashMap::new();
+        let kinematics = traced
+            .iter()
+            .find(|t| t.what == Quantity::Derivative)
+            .map(|t| {
+                let rates: Vec<(usize, Expr)> = t
+                    .outputs
+                    .iter()
+                    .copied()
+                    .filter(|&(place, _)| place < layout.nq)
+                    .collect();
+                Program::build(&graph, None, &rates, layout.nq, &t.order, &places)
+            });
         Equations {
+            kinematics: kinematics.filter(|program| program.len > 0),
             derived: Program::build(&graph, None, &outputs, outputs.len(), &asked, &nothing),
             programs: traced
                 .iter()
@@ -71,6 +86,21 @@ impl Equations {
                     },
                 )
                 .collect(),
+            scene: scene.clone(),
+            layout,
+        }
+    }
+
+    /// A scene without equations: what is left of a declaration after an error.
+    #[must_use]
+    pub fn none(scene: &Scene) -> Self {
+        let graph = Graph::default();
+        let derived = Program::build(&graph, None, &[], 0, &[], &HashMap::new());
+        let layout = Layout::new(scene);
+        Equations {
+            derived,
+            kinematics: None,
+            programs: Vec::new(),
             scene: scene.clone(),
             layout,
         }

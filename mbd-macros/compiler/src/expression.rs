@@ -72,6 +72,7 @@ pub struct Graph {
     epoch: u32,
     order: Vec<Term>,
     sections: Vec<String>,
+    section_of: HashMap<String, usize>,
     section: usize,
 }
 
@@ -115,13 +116,13 @@ impl Graph {
     }
 
     fn named(&mut self, name: &str) -> usize {
-        match self.sections.iter().position(|known| known == name) {
-            Some(index) => index,
-            None => {
-                self.sections.push(name.to_owned());
-                self.sections.len() - 1
-            }
+        if let Some(&index) = self.section_of.get(name) {
+            return index;
         }
+        self.sections.push(name.to_owned());
+        self.section_of
+            .insert(name.to_owned(), self.sections.len() - 1);
+        self.sections.len() - 1
     }
 
     /// What a term is.

@@ -1,15 +1,41 @@
 //! The compiler of `mbd`: a declaration becomes a scene, its laws become equations, the equations a program, the program Rust.
 
+mod check;
+mod compile;
+mod describe;
 mod differentiate;
+mod emit;
 mod equations;
 mod expression;
 mod interpret;
+mod lexeme;
+mod messages;
 mod names;
+mod number;
 mod operation;
+mod outline;
 mod program;
+mod reading;
+mod resolve;
+mod syntax;
+#[cfg(feature = "toml")]
+mod toml;
+mod units;
 
+#[cfg(feature = "pretty")]
+pub use compile::expand;
+pub use compile::{compile, emit};
+pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Mask, Node, Slot, Term, recorded, session};
 pub use interpret::{Interpreted, Registers};
+pub use messages::similar::nearest;
+pub use messages::{Location, Message, Place};
+pub use number::read_number;
 pub use operation::{Binary, Comparison, Op, Unary};
+pub use outline::{Outline, Piece, outline};
 pub use program::{Instruction, Operand, Program, Register};
+pub use reading::{Options, Reading, Spans, read_text, read_tokens};
+pub use resolve::Named;
+#[cfg(feature = "toml")]
+pub use toml::{read_toml, write_toml};

@@ -12,8 +12,10 @@ const TWIST: [&str; 6] = ["vx", "vy", "vz", "wx", "wy", "wz"];
 pub fn identifier(name: &str) -> String {
     let mut text = String::new();
     for character in name.chars() {
-        if character.is_alphanumeric() || character == '_' {
-            text.extend(character.to_lowercase());
+        if character.is_ascii_alphanumeric() || character == '_' {
+            text.push(character.to_ascii_lowercase());
+        } else if !character.is_ascii() {
+            text.push_str(&format!("u{:x}", u32::from(character)));
         } else if !text.ends_with('_') {
             text.push('_');
         }
@@ -56,6 +58,46 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
             .map_or_else(|| format!("param_{index}"), |p| identifier(&p.name)),
         Slot::Derived(index) => format!("derived_{index}"),
     }
+}
+
+/// Name and SI unit of a number of the state, as a table shows them: `capsule.qw`.
+#[must_use]
+pub fn coordinate(scene: &Scene, layout: &Layout, index: usize) -> (String, &'static str) {
+    let v = index.checked_sub(layout.nq);
+    for (body, slots) in scene.bodies.iter().zip(&layout.bodies) {
+        if let Some((i, item)) = v
+            .is_none()
+            .then(|| index.checked_sub(slots.q))
+            .flatten()
+            .and_then(|i| Some((i, POSE.get(i)?)))
+        {
+            return (
+                format!("{}.{item}", body.name),
+                if i < 3 { "m" } else { "" },
+            );
+        }
+        if let Some((i, item)) = v
+            .and_then(|v| v.checked_sub(slots.v))
+            .and_then(|i| Some((i, TWIST.get(i)?)))
+        {
+            return (
+                format!("{}.{item}", body.name),
+                if i < 3 { "m/s" } else { "rad/s" },
+            );
+        }
+    }
+    for (point, slots) in scene.points.iter().zip(&layout.points) {
+        let PointSlots::Mass(slots) = slots else {
+            continue;
+        };
+        if v.is_none() && (slots.q..slots.q + 3).contains(&index) {
+            return (format!("{}.{}", point.name, axis(index - slots.q)), "m");
+        }
+        if let Some(v) = v.filter(|v| (slots.v..slots.v + 3).contains(v)) {
+            return (format!("{}.v{}", point.name, axis(v - slots.v)), "m/s");
+        }
+    }
+    (format!("x[{index}]"), "")
 }
 
 fn axis(index: usize) -> &'static str {

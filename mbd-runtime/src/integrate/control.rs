@@ -71,6 +71,12 @@ impl Control {
             return Verdict::Accepted;
         }
         let factor = 0.9 * error.powf(-1.0 / self.exponent);
+        // Rejected again: the error does not shrink with h to the k-th power here, as at a kink of an undamped line. Cut deeper.
+        let factor = if self.rejections > 0 {
+            0.3 * factor
+        } else {
+            factor
+        };
         self.reject(
             tried
                 * if factor.is_finite() {
@@ -102,5 +108,49 @@ impl Control {
         } else {
             Verdict::Rejected
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_cut_short_does_not_shrink_the_next_one() {
+        let mut control = Control::new(0.1, 1.0, 5.0);
+        assert_eq!(control.judge(1e-6, 0.5, 1e-15), Verdict::Accepted);
+        assert!(control.step >= 0.1);
+    }
+
+    #[test]
+    fn the_step_changes_by_at_most_a_factor_of_five_and_ten() {
+        let mut control = Control::new(0.1, 10.0, 5.0);
+        assert_eq!(control.judge(0.1, 0.0, 1e-15), Verdict::Accepted);
+        assert!(control.step <= 0.5);
+        assert_eq!(control.judge(0.5, 1e30, 1e-15), Verdict::Rejected);
+        assert!((control.step - 0.05).abs() < 1e-12);
+        assert_eq!(control.judge(0.05, f64::NAN, 1e-15), Verdict::Rejected);
+        assert!((control.step - 0.005).abs() < 1e-12);
+    }
+
+    #[test]
+    fn ten_rejections_or_three_failures_in_a_row_are_a_collapse() {
+        let mut control = Control::new(0.1, 1.0, 5.0);
+        let verdicts: Vec<Verdict> = (0..10)
+            .map(|_| control.judge(control.step, 2.0, 0.0))
+            .collect();
+        assert_eq!(
+            verdicts
+                .iter()
+                .filter(|verdict| **verdict == Verdict::Rejected)
+                .count(),
+            9
+        );
+        assert_eq!(verdicts.last(), Some(&Verdict::Collapsed));
+        let verdicts: Vec<Verdict> = (0..3).map(|_| control.fail(control.step, 0.0)).collect();
+        assert_eq!(
+            verdicts,
+            [Verdict::Rejected, Verdict::Rejected, Verdict::Collapsed]
+        );
     }
 }

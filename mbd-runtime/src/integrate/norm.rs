@@ -17,16 +17,19 @@ pub struct Scales {
     pub speed: f64,
     /// Angular speed [rad/s].
     pub rate: f64,
+    /// Work [J], when it is integrated along.
+    pub energy: f64,
 }
 
 impl Default for Scales {
-    /// One metre, one radian, one metre a second, one radian a second.
+    /// One metre, one radian, one metre a second, one radian a second, one joule.
     fn default() -> Self {
         Scales {
             length: 1.0,
             angle: 1.0,
             speed: 1.0,
             rate: 1.0,
+            energy: 1.0,
         }
     }
 }
@@ -60,6 +63,7 @@ enum Kind {
     Velocity,
     AngularVelocity,
     Node,
+    Work,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +85,8 @@ pub(crate) struct ErrorNorm {
 }
 
 impl ErrorNorm {
-    pub(crate) fn new(layout: &Layout, scales: Scales, tolerance: f64) -> Self {
+    /// The norm of states of `length`: those of the layout, with integrals behind.
+    pub(crate) fn new(layout: &Layout, length: usize, scales: Scales, tolerance: f64) -> Self {
         let mut blocks = Vec::new();
         let mut block = |kind, at, owner| blocks.push(Block { kind, at, owner });
         for (body, slots) in layout.bodies.iter().enumerate() {
@@ -107,6 +112,7 @@ impl ErrorNorm {
                 }
             }
         }
+        (layout.nx()..length).for_each(|at| block(Kind::Work, at, 0));
         ErrorNorm {
             blocks,
             scales,
@@ -147,8 +153,9 @@ impl ErrorNorm {
             Kind::Velocity if block.owner < bodies => (body, "velocity"),
             Kind::Velocity => (point(block.owner - bodies), "velocity"),
             Kind::Node => (point(block.owner), "position"),
+            Kind::Work => (None, "work"),
         };
-        format!("{} of {}", what, owner.unwrap_or("state"))
+        format!("{what} of {}", owner.unwrap_or("the run"))
     }
 }
 
@@ -161,6 +168,11 @@ impl Block {
             }
             Kind::Velocity => self.speed(scales.speed, error, old, new),
             Kind::AngularVelocity => self.speed(scales.rate, error, old, new),
+            Kind::Work => {
+                let [error, old, new] =
+                    [error, old, new].map(|list| pick::<T, 1>(list, self.at)[0].abs());
+                error / (scales.energy + old.max(new))
+            }
         }
     }
 
@@ -204,4 +216,67 @@ fn pick<T: Float, const N: usize>(values: &[T], at: usize) -> [f64; N] {
         *to = from.to_f64();
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mbd_scene::Slots;
+
+    fn norm() -> ErrorNorm {
+        let layout = Layout {
+            nq: 7,
+            nv: 6,
+            bodies: vec![Slots { q: 0, v: 0 }],
+            ..Layout::default()
+        };
+        ErrorNorm::new(&layout, 13, Scales::default(), 1e-6)
+    }
+
+    const STATE: [f64; 13] = [
+        1.0, 2.0, 3.0, 0.6, 0.8, 0.0, 0.0, 0.3, -0.2, 0.5, 1.0, 0.0, -2.0,
+    ];
+    const ERROR: [f64; 13] = [
+        3e-7, -1e-7, 2e-7, -4e-7, 3e-7, 1e-7, -5e-7, 1e-7, 8e-7, -3e-7, 2e-7, -6e-7, 1e-7,
+    ];
+
+    #[test]
+    fn the_error_does_not_depend_on_where_the_origin_is() {
+        let mut moved = STATE;
+        moved.iter_mut().take(3).for_each(|x| *x += 3.4e6);
+        let here = norm().measure(&ERROR, &STATE, &STATE);
+        assert_eq!(here, norm().measure(&ERROR, &moved, &moved));
+    }
+
+    #[test]
+    fn the_error_does_not_depend_on_where_the_axes_point() {
+        // x → y → z → x.
+        let turn = |v: &[f64; 13]| {
+            let mut turned = *v;
+            for at in [0, 7] {
+                (turned[at], turned[at + 1], turned[at + 2]) = (v[at + 2], v[at], v[at + 1]);
+            }
+            // (½, ½, ½, ½) ∘ q turns the body with the axes; body components stay.
+            let [w, x, y, z] = [v[3], v[4], v[5], v[6]].map(|x| 0.5 * x);
+            (turned[3], turned[4]) = (w - x - y - z, w + x + z - y);
+            (turned[5], turned[6]) = (w + y + x - z, w + z + y - x);
+            turned
+        };
+        let (state, error) = (turn(&STATE), turn(&ERROR));
+        let (here, there) = (
+            norm().measure(&ERROR, &STATE, &STATE),
+            norm().measure(&error, &state, &state),
+        );
+        assert!((here - there).abs() < 1e-14 * here, "{here} {there}");
+    }
+
+    #[test]
+    fn one_failing_block_decides_and_a_nan_is_never_accepted() {
+        let mut error = [0.0; 13];
+        error[8] = 5e-6;
+        let mut norm = norm();
+        assert!(norm.measure(&error, &STATE, &STATE) > 1.0);
+        error[4] = f64::NAN;
+        assert!(norm.measure(&error, &STATE, &STATE).is_nan());
+    }
 }

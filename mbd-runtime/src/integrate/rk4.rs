@@ -8,7 +8,7 @@ use super::tableau::Tableau;
 const SIXTH: f64 = 1.0 / 6.0;
 const THIRD: f64 = 1.0 / 3.0;
 
-/// Classical RK4; the fifth stage is the first of the next step.
+/// Classical RK4 with an embedded step of order 3, b̂ = (1/6, 1/3, 1/3, 0, 1/6), whose difference h (k₄ − k₅)/6 shows what the step resolves; the fifth stage is the first of the next step.
 pub(crate) const RK4: Tableau<5> = Tableau {
     a: [
         [0.0; 5],
@@ -18,7 +18,7 @@ pub(crate) const RK4: Tableau<5> = Tableau {
         [SIXTH, THIRD, THIRD, SIXTH, 0.0],
     ],
     c: [0.0, 0.5, 0.5, 1.0, 1.0],
-    error: [0.0; 5],
+    error: [0.0, 0.0, 0.0, SIXTH, -SIXTH],
     dense: [
         [1.0, 3.0 * SIXTH - 2.0, 1.0 - 2.0 * SIXTH, 0.0],
         [0.0, 3.0 * THIRD, -2.0 * THIRD, 0.0],
@@ -27,7 +27,7 @@ pub(crate) const RK4: Tableau<5> = Tableau {
         [0.0, -1.0, 1.0, 0.0],
     ],
     order: 4,
-    embedded: 0,
+    embedded: 3,
     dense_order: 3,
 }
 .checked();

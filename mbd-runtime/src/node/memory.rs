@@ -38,6 +38,8 @@ pub struct NodeMemory<T> {
     pub(crate) step: T,
     /// Per network: s_{n−1} may be used (no line changed between slack and taut in the last step).
     pub(crate) smooth: Vec<bool>,
+    /// Per network: directions spanned by the lines of a `rate` node that stays on the line or plane of its anchors; 3: none is held.
+    pub(crate) ranks: Vec<usize>,
     /// Mode of each line.
     pub(crate) modes: Vec<Mode>,
 }
@@ -55,6 +57,7 @@ impl<T: Float> NodeMemory<T> {
             effective: list(2 * layout.effective_lines),
             step: T::zero(),
             smooth: vec![false; layout.networks.len()],
+            ranks: vec![3; layout.networks.len()],
             modes: vec![Mode::Free; layout.lines.len()],
         }
     }
@@ -96,6 +99,11 @@ impl<T: Float> NodeMemory<T> {
         same(
             "memory of networks",
             self.smooth.len(),
+            layout.networks.len(),
+        )?;
+        same(
+            "memory of networks",
+            self.ranks.len(),
             layout.networks.len(),
         )?;
         same("memory of modes", self.modes.len(), layout.lines.len())

@@ -6,8 +6,8 @@
 //! idle      pull = 0 upwards     → active,       s = 0 downwards → slack           pull = K s + C ṡ
 //! ```
 //!
-//! The same table serves lines between bodies and points with mass and the lines of `rate` nodes. Undamped lines, springs and the lines of
-//! static and stepwise nodes have continuous forces or no memory to locate with, and no guards.
+//! The same table serves lines between bodies and points with mass and the lines of `rate` nodes; without damping stretch and pull vanish
+//! together and no line is idle. Springs and the lines of static and stepwise nodes have no modes and no guards.
 
 use mbd_scene::{Float, Layout, LineEnd, LineKind, Model, NodeModel, Quantity};
 
@@ -52,19 +52,20 @@ impl Mode {
     }
 }
 
-/// Whether a line has modes: damped, tension only, and not of a static or stepwise node.
+/// Whether a line has modes: tension only, not of a static or stepwise node, and damped if it is of a `rate` node.
 pub(crate) fn has_mode<T: Float, M: Model<T>>(model: &M, line: usize) -> bool {
     let damped = model
         .lines()
         .get(line)
         .is_some_and(|n| n.damping > T::zero());
-    let kind = model.scene().lines.get(line).map(|line| line.kind);
     let plain = model
         .layout()
         .lines
         .get(line)
         .is_some_and(|slots| slots.effective.is_none());
-    damped && plain && kind == Some(LineKind::Line)
+    let kind = model.scene().lines.get(line).map(|line| line.kind);
+    let free = damped || !is_node_line(model.layout(), line);
+    free && plain && kind == Some(LineKind::Line)
 }
 
 /// Whether a line ends at a node.
@@ -157,6 +158,7 @@ impl<T: Float> Nodes<T> {
             plan.rate.solve_frozen();
             let decided = !plan.rate.inconsistent() || plan.rate.decide();
             result = self.finish_rate(plan, decided);
+            memory.ranks[plan.index] = plan.rate.rank();
             for (leg, (_, line)) in plan.rate.legs().iter().zip(&plan.legs) {
                 if let Some(slot) = memory.modes.get_mut(line.line) {
                     *slot = leg.mode();
@@ -242,6 +244,8 @@ impl<T: Float> Nodes<T> {
             let taut = matches!(mode, Mode::Active | Mode::Idle);
             plan.rate.set_mode(index, taut, mode == Mode::Active);
         }
+        let rank = memory.ranks.get(plan.index).copied();
+        plan.rate.hold_rank(rank.unwrap_or(3));
         if let Some(z) = plan.z {
             plan.p.copy_from_slice(triple(state, z).as_slice());
         }
@@ -271,24 +275,36 @@ impl<T: Float> Nodes<T> {
             });
         }
         NodeError::check_finite("velocity of a rate node", velocity.as_slice())?;
-        if decided {
-            Ok(())
-        } else {
-            Err(NodeError::NotConverged {
+        match (decided, plan.rate.spread()) {
+            (true, _) => Ok(()),
+            // The singular approach: taut lines about to fall into one line or plane; ẏ grows without bound there.
+            (false, Spread::Algebraic) => Err(NodeError::Unsupported {
+                node,
+                why: "its taut lines are falling into one line or plane, where its velocity is unbounded; declare `equilibrium: stepwise`",
+            }),
+            (false, _) => Err(NodeError::NotConverged {
                 node,
                 residual_n: f64::NAN,
                 iterations: 0,
-            })
+            }),
         }
     }
 
-    /// Puts rate nodes whose carrying lines do not span space back on the line or plane through their anchors (rule 4): an integration
-    /// drifts off it at the order of the method. Call it on an accepted state after the last [`Nodes::solve`]; `true`: the state changed.
+    /// Puts rate nodes whose carrying lines do not span space back on the line or plane through their anchors (rule 4), which an integration
+    /// leaves at the order of the method, and those that reach it within the step (rule 5). Call it on an accepted state after the
+    /// [`Nodes::solve`] at its end; `true`: the state changed, solve again.
     pub fn project(&self, state: &mut [T]) -> bool {
         let mut changed = false;
-        for plan in &self.plans {
-            if plan.rate.spread() == Spread::Algebraic
-                && let (Some(z), Some(p)) = (plan.z, plan.rate.projected())
+        for plan in self
+            .plans
+            .iter()
+            .filter(|plan| plan.model == NodeModel::Rate)
+        {
+            let target = plan
+                .rate
+                .projected()
+                .or_else(|| plan.rate.crossing(self.span));
+            if let (Some(z), Some(p)) = (plan.z, target)
                 && let Some(target) = state.get_mut(z..z + 3)
             {
                 target.copy_from_slice(p.as_slice());

@@ -27,6 +27,8 @@ pub struct Nodes<T: Float> {
     /// `Quantity::Guards` of the last request.
     pub(crate) guards: Vec<T>,
     pub(crate) frozen: bool,
+    /// Time since the last accepted step, of the last solve.
+    pub(crate) span: T,
     pub(crate) statistics: Statistics,
 }
 
@@ -68,6 +70,7 @@ impl<T: Float> Nodes<T> {
             modes: vec![Mode::Free; layout.lines.len()],
             guards: list(layout.len(Quantity::Guards)),
             frozen: false,
+            span: T::zero(),
             statistics: Statistics::default(),
             layout: layout.clone(),
         }
@@ -147,6 +150,7 @@ impl<T: Float> Nodes<T> {
         work: &mut M::Work,
     ) -> Result<(), NodeError> {
         memory.check(&self.layout)?;
+        self.span = span;
         self.read_ends(model, time, state, inputs, work)?;
         self.hold_lines(model, memory);
         let stage = Stage {
@@ -202,6 +206,7 @@ impl<T: Float> Nodes<T> {
         memory.stretch.copy_from_slice(&self.stretch);
         memory.nodes.copy_from_slice(&self.nodes);
         for plan in self.plans.iter().filter(|plan| plan.z.is_some()) {
+            memory.ranks[plan.index] = plan.rate.rank();
             for (&node, p) in plan.nodes.iter().zip(plan.p.chunks_exact(3)) {
                 memory.nodes[3 * node..3 * node + 3].copy_from_slice(p);
             }

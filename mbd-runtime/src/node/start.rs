@@ -38,6 +38,7 @@ impl<T: Float> Nodes<T> {
         memory.check(&self.layout)?;
         memory.step = T::zero();
         memory.smooth.fill(false);
+        memory.ranks.fill(3);
         memory.modes.fill(Mode::Free);
         if let Some(guess) = guess {
             NodeError::same_length("guess", guess.len(), self.nodes.len())?;
@@ -145,7 +146,7 @@ impl<T: Float> Nodes<T> {
                 target.copy_from_slice(&plan.p);
             }
             self.place_rate(model, plan, state, &NodeMemory::new(&self.layout));
-            return self.start_rate(plan);
+            return self.start_rate(plan, state);
         }
         let stage = Stage {
             model,
@@ -202,9 +203,17 @@ impl<T: Float> Nodes<T> {
         Ok(())
     }
 
-    /// Decides which lines of a rate node carry, all taut ones assumed to at first.
-    fn start_rate(&mut self, plan: &mut Plan<T>) -> Result<(), NodeError> {
-        let decided = decide(plan);
+    /// Decides which lines of a rate node carry, all taut ones assumed to at first; one that must lie between its anchors is put there.
+    fn start_rate(&mut self, plan: &mut Plan<T>, state: &mut [T]) -> Result<(), NodeError> {
+        let mut decided = decide(plan);
+        if let Some(projected) = plan.rate.projected()
+            && let Some(target) = plan.z.and_then(|z| state.get_mut(z..z + 3))
+        {
+            target.copy_from_slice(projected.as_slice());
+            plan.p.copy_from_slice(projected.as_slice());
+            plan.rate.place(projected, triple(&plan.load, 0));
+            decided = decide(plan);
+        }
         self.finish_rate(plan, decided)
     }
 
@@ -281,6 +290,27 @@ impl<T: Float> Nodes<T> {
         self.ends = ends;
         solved?;
         self.carry_tensions(model, plan);
+        self.rebalance(stage, plan, work)
+    }
+
+    /// Solves the balance once more with the carried numbers as the law: the tiny step moved the anchors, and momentum asks for exact balance.
+    fn rebalance<M: Model<T>>(
+        &mut self,
+        stage: &Stage<'_, T, M>,
+        plan: &mut Plan<T>,
+        work: &mut M::Work,
+    ) -> Result<(), NodeError> {
+        let mut is_law = true;
+        for (line, (k, l)) in plan.lines.iter().zip(plan.k.iter_mut().zip(&mut plan.l)) {
+            let at = line.effective.map_or(usize::MAX, |at| 2 * at);
+            if let Some(&[stiffness, free_length]) = self.effective.get(at..at.saturating_add(2)) {
+                is_law &= stiffness > T::zero() && free_length >= T::zero();
+                (*k, *l) = (stiffness, free_length);
+            }
+        }
+        if is_law {
+            self.balance(stage, plan, work)?;
+        }
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! The pictures that answer the paper's figures 3, 4 and 5: riser force over time, point with mass and equilibrium point in one plot.
 
 use super::scene::TestCase;
-use super::study::{END, MIDWAY, Run, Study};
+use super::study::{MIDWAY, Run, Study};
 use super::variant::{Confluence, Damping};
 use crate::report::{Figure, Series};
 
@@ -18,7 +18,7 @@ pub struct Named<'a> {
 pub fn figures(study: &Study) -> Vec<Named<'_>> {
     use TestCase::{Three, Two};
     let early = [0.0, 2.0];
-    let whole = [0.0, END];
+    let whole = [0.0, 70.0];
     let plots: [(&str, TestCase, Damping, [f64; 2], &str); 7] = [
         ("figure_3a", Two, Damping::On, whole, "whole run: the curves cannot be told apart"),
         ("figure_3b", Two, Damping::On, early, "first two seconds: slack is used up after 0.7 s; the point with mass lags a little"),

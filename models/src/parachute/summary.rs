@@ -66,7 +66,7 @@ pub struct RunSummary {
     pub riser_error_n: f64,
     /// The same from 2 s on [N].
     pub riser_error_after_2s_n: f64,
-    /// Riser force at 70 s [N].
+    /// Riser force at the end, 100 s [N].
     pub steady_force_n: f64,
     /// Highest frequency in the riser force between 4 and 6 s [Hz].
     pub highest_frequency_hz: Option<f64>,

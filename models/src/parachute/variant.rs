@@ -230,11 +230,9 @@ pub fn fly(plan: &Plan) -> Result<Flight, FlightError> {
 /// # Errors
 /// What stopped the run.
 pub fn fly_model<M: Model<f64>>(plan: &Plan, model: &M) -> Result<Flight, FlightError> {
-    let has_mass = model.layout().nodes.is_empty();
-    let is_state = has_mass || model.layout().nz > 0;
     let mut simulation = Simulation::new(model, plan.options)?;
-    simulation.set_state(plan.from.time, &state(&plan.from, has_mass, is_state))?;
-    if !is_state {
+    simulation.set_state(plan.from.time, &state(model, &plan.from))?;
+    if owner(model) == Owner::Solver {
         simulation.set_nodes(&plan.from.point)?;
     }
     let content = Content { state: false, nodes: false, lines: true, outputs: true, energy: false };
@@ -242,36 +240,59 @@ pub fn fly_model<M: Model<f64>>(plan: &Plan, model: &M) -> Result<Flight, Flight
     let clock = Clock::now();
     simulation.record(plan.until, &mut history)?;
     let wall_s = clock.elapsed().as_secs_f64();
-    let end = instant(simulation.time(), simulation.state(), simulation.nodes(), has_mass, is_state);
+    let end = instant(owner(model), simulation.time(), simulation.state(), simulation.nodes());
     Ok(Flight { history, statistics: simulation.statistics(), end, wall_s })
 }
 
-/// The state [q | v | z] of a model at an instant.
-fn state(at: &Instant, has_mass: bool, is_state: bool) -> Vec<f64> {
+/// Who owns the position of the confluence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Owner {
+    /// It is a coordinate, and has a speed.
+    Coordinate,
+    /// It is a node state.
+    NodeState,
+    /// The node solver finds it.
+    Solver,
+}
+
+fn owner<M: Model<f64>>(model: &M) -> Owner {
+    let layout = model.layout();
+    match (layout.nodes.is_empty(), layout.nz) {
+        (true, _) => Owner::Coordinate,
+        (false, 0) => Owner::Solver,
+        (false, _) => Owner::NodeState,
+    }
+}
+
+/// The state [q | v | z] of a model of the scene at an instant.
+#[must_use]
+pub fn state<M: Model<f64>>(model: &M, at: &Instant) -> Vec<f64> {
+    let owner = owner(model);
     let mut state = at.q.to_vec();
-    if has_mass {
+    if owner == Owner::Coordinate {
         state.extend(at.point);
     }
     state.extend(at.v);
-    if has_mass {
-        state.extend(at.velocity);
-    } else if is_state {
-        state.extend(at.point);
+    match owner {
+        Owner::Coordinate => state.extend(at.velocity),
+        Owner::NodeState => state.extend(at.point),
+        Owner::Solver => {}
     }
     state
 }
 
-/// The instant a state stands for. `nodes` are node positions, or velocities where the position is a state.
-fn instant(time: f64, state: &[f64], nodes: &[f64], has_mass: bool, is_state: bool) -> Instant {
+/// The instant a state stands for. `nodes` are node positions, or velocities where the position is a state. A confluence found by the solver
+/// has no speed of its own; the capsule's stands for it.
+fn instant(owner: Owner, time: f64, state: &[f64], nodes: &[f64]) -> Instant {
     fn list<const N: usize>(from: &[f64], at: usize) -> [f64; N] {
         std::array::from_fn(|i| from.get(at + i).copied().unwrap_or(f64::NAN))
     }
-    let (q, v) = if has_mass { (list(state, 0), list(state, 17)) } else { (list(state, 0), list(state, 14)) };
-    let capsule: [f64; 3] = list(&v, 6);
-    let (point, velocity) = match (has_mass, is_state) {
-        (true, _) => (list(state, 14), list(state, 29)),
-        (false, true) => (list(state, 26), list(nodes, 0)),
-        (false, false) => (list(nodes, 0), capsule),
+    let q = list(state, 0);
+    let v: [f64; 12] = list(state, if owner == Owner::Coordinate { 17 } else { 14 });
+    let (point, velocity) = match owner {
+        Owner::Coordinate => (list(state, 14), list(state, 29)),
+        Owner::NodeState => (list(state, 26), list(nodes, 0)),
+        Owner::Solver => (list(nodes, 0), list(&v, 6)),
     };
     Instant { time, q, v, point, velocity }
 }

@@ -62,7 +62,7 @@ pub fn pull<S: Real>(numbers: &LineNumbers<S>, stretch: S, rate: S, damped: bool
 
 /// Tension [N] by (2) or (3). `hold`: 0 the line decides by itself, +1 it carries its pull, −1 it carries nothing.
 ///
-/// Without damping a line is continuous at the slack edge and needs no hold.
+/// Without damping the force is continuous at the slack edge, but its slope is not: held, a trial step across the edge stays smooth.
 pub fn tension<S: Real>(
     kind: LineKind,
     numbers: &LineNumbers<S>,
@@ -73,11 +73,14 @@ pub fn tension<S: Real>(
 ) -> S {
     let pull = pull(numbers, stretch, rate, damped);
     let zero = S::zero();
-    let tension = match (kind, damped) {
-        (LineKind::Spring, _) => pull,
-        (LineKind::Line, false) => numbers.stiffness * stretch.max(zero),
-        (LineKind::Line, true) => {
-            let by_itself = S::select(zero.lt(stretch), pull.max(zero), zero);
+    let tension = match kind {
+        LineKind::Spring => pull,
+        LineKind::Line => {
+            let by_itself = if damped {
+                S::select(zero.lt(stretch), pull.max(zero), zero)
+            } else {
+                pull.max(zero)
+            };
             S::select(
                 zero.lt(hold),
                 pull,

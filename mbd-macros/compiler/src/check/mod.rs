@@ -1,0 +1,192 @@
+//! Checking: what is wrong with the scene as a whole, and the choices the declaration leaves open.
+//!
+//! A check runs when everything it looks at was resolved, so that one mistake is told once.
+
+mod inertia;
+mod nodes;
+mod unused;
+
+pub use inertia::{WrongInertia, inertia};
+
+use std::collections::BTreeMap;
+
+use mbd_scene::{Place, PointKind};
+
+use crate::messages::check as say;
+use crate::resolve::{Named, Resolver};
+
+/// Runs all checks. Where items were lost in reading (not `whole`), what seems missing may be one of them.
+pub fn check(resolver: &mut Resolver<'_>, whole: bool) {
+    resolver.whole = whole;
+    check_not_empty(resolver);
+    check_attached(resolver);
+    check_line_ends(resolver);
+    check_lonely_points(resolver);
+    nodes::choose_models(resolver);
+    nodes::check_models(resolver);
+    unused::check_used(resolver);
+}
+
+/// Whether anything of this kind has a mistake.
+fn any_bad(resolver: &Resolver<'_>, kind: &str) -> bool {
+    !resolver.whole || resolver.bad.iter().any(|named| named.kind() == kind)
+}
+
+fn check_not_empty(resolver: &mut Resolver<'_>) {
+    let nothing = resolver.scene.bodies.is_empty() && resolver.scene.points.is_empty();
+    if nothing && resolver.whole && resolver.messages.is_empty() {
+        let report = say::empty(resolver.head, &resolver.scene.name);
+        resolver.messages.push(report);
+    }
+}
+
+/// Every body is attached, and once.
+fn check_attached(resolver: &mut Resolver<'_>) {
+    let mut first: BTreeMap<usize, usize> = BTreeMap::new();
+    let scene = &resolver.scene;
+    for (index, joint) in scene.joints.iter().enumerate() {
+        let Place::Body(body, _) = joint.child else {
+            continue;
+        };
+        if let Some(&other) = first.get(&body) {
+            let places = (
+                resolver.declared.get(&Named::Joint(index)),
+                resolver.declared.get(&Named::Joint(other)),
+                scene.bodies.get(body),
+            );
+            if let (Some(&at), Some(&earlier), Some(owner)) = places {
+                let report = say::two_joints(at, &owner.name, earlier);
+                resolver.messages.push(report);
+            }
+        } else {
+            first.insert(body, index);
+        }
+    }
+    if any_bad(resolver, "joint") {
+        return;
+    }
+    for (index, body) in resolver.scene.bodies.iter().enumerate() {
+        let declared = resolver.declared.get(&Named::Body(index));
+        if let (false, Some(&at)) = (first.contains_key(&index), declared) {
+            resolver.messages.push(say::floating(at, &body.name));
+        }
+    }
+}
+
+/// A line joins two different things, and a spring ends at no node.
+fn check_line_ends(resolver: &mut Resolver<'_>) {
+    let scene = &resolver.scene;
+    for (index, line) in scene.lines.iter().enumerate() {
+        let named = Named::Line(index);
+        let Some(&at) = resolver.declared.get(&named) else {
+            continue;
+        };
+        if resolver.bad.contains(&named) {
+            continue;
+        }
+        let kind = match line.kind {
+            mbd_scene::LineKind::Line => "line",
+            mbd_scene::LineKind::Spring => "spring",
+        };
+        let report = match (line.from, line.to) {
+            (from, to) if from == to => Some(say::same_ends(
+                at,
+                kind,
+                &line.name,
+                &place_name(resolver, from),
+            )),
+            (Place::World(_), Place::World(_)) => {
+                Some(say::one_body(at, kind, &line.name, "the world"))
+            }
+            (Place::Body(a, _), Place::Body(b, _)) if a == b => {
+                let owner = scene
+                    .bodies
+                    .get(a)
+                    .map(|body| format!("body `{}`", body.name));
+                Some(say::one_body(
+                    at,
+                    kind,
+                    &line.name,
+                    &owner.unwrap_or_default(),
+                ))
+            }
+            _ => None,
+        };
+        if let Some(report) = report {
+            resolver.messages.push(report);
+        }
+        if kind == "spring" {
+            for place in [line.from, line.to] {
+                if is_node(resolver, place) {
+                    let point = place_name(resolver, place);
+                    let report = say::spring_at_node(at, &line.name, &point);
+                    resolver.messages.push(report);
+                }
+            }
+        }
+    }
+}
+
+fn check_lonely_points(resolver: &mut Resolver<'_>) {
+    if any_bad(resolver, "line") {
+        return;
+    }
+    let mut count = vec![0; resolver.scene.points.len()];
+    for line in &resolver.scene.lines {
+        for place in [line.from, line.to] {
+            if let Place::Point(point) = place
+                && let Some(count) = count.get_mut(point)
+            {
+                *count += 1;
+            }
+        }
+    }
+    for (index, point) in resolver.scene.points.iter().enumerate() {
+        let named = Named::Point(index);
+        let lines = count.get(index).copied().unwrap_or(0);
+        let node = matches!(point.kind, PointKind::Node(_));
+        if let (true, true, false, Some(&at)) = (
+            node,
+            lines < 2,
+            resolver.bad.contains(&named),
+            resolver.declared.get(&named),
+        ) {
+            resolver.messages.push(say::lonely(at, &point.name, lines));
+        }
+    }
+}
+
+/// Whether a place is a massless point.
+fn is_node(resolver: &Resolver<'_>, place: Place) -> bool {
+    match place {
+        Place::Point(point) => resolver
+            .scene
+            .points
+            .get(point)
+            .is_some_and(|point| matches!(point.kind, PointKind::Node(_))),
+        _ => false,
+    }
+}
+
+/// A place in the user's words.
+fn place_name(resolver: &Resolver<'_>, place: Place) -> String {
+    let scene = &resolver.scene;
+    match place {
+        Place::World(0) => "world".to_string(),
+        Place::World(frame) => scene
+            .world_frames
+            .get(frame)
+            .map(|frame| format!("world.{}", frame.name))
+            .unwrap_or_default(),
+        Place::Body(body, frame) => scene
+            .bodies
+            .get(body)
+            .and_then(|b| Some(format!("{}.{}", b.name, b.frames.get(frame)?.name)))
+            .unwrap_or_default(),
+        Place::Point(point) => scene
+            .points
+            .get(point)
+            .map(|point| point.name.clone())
+            .unwrap_or_default(),
+    }
+}

@@ -1,0 +1,192 @@
+//! From a declaration to Rust.
+
+use mbd_scene::{Layout, Quantity, Scene};
+use proc_macro2::{Span, TokenStream};
+use quote::{quote, quote_spanned};
+
+use crate::emit::{NameSpans, Settings, emit_model, quantity, references};
+use crate::equations::Equations;
+use crate::messages::{Location, Message};
+use crate::outline::outline;
+use crate::program::Program;
+use crate::reading::{Reading, read_tokens};
+
+/// More emitted operations than this are a warning.
+const MANY: usize = 20_000;
+/// More emitted operations than this are an error.
+const TOO_MANY: usize = 100_000;
+
+/// The Rust of a declaration; after errors the errors, and the interface without equations, so that an editor still knows every name.
+#[must_use]
+pub fn compile(declaration: TokenStream) -> TokenStream {
+    emit(&read_tokens(declaration))
+}
+
+/// The Rust of what was read.
+#[must_use]
+pub fn emit(reading: &Reading) -> TokenStream {
+    let warnings: TokenStream = reading.warnings.iter().map(warning).collect();
+    let model = match &reading.scene {
+        Some(scene) => model(reading, scene),
+        None => {
+            let errors = reading.errors.iter().map(Message::to_compile_error);
+            without_equations(reading, errors.collect())
+        }
+    };
+    quote!(#warnings #model)
+}
+
+/// The Rust of what was read as formatted text, for reading.
+///
+/// # Errors
+/// The message of the parser, should the emitted text not be Rust.
+#[cfg(feature = "pretty")]
+pub fn expand(reading: &Reading) -> Result<String, String> {
+    let tokens = emit(reading);
+    let file: syn::File = syn::parse2(tokens).map_err(|error| error.to_string())?;
+    Ok(prettyplease::unparse(&file))
+}
+
+fn model(reading: &Reading, scene: &Scene) -> TokenStream {
+    let wanted = match wanted(reading, scene) {
+        Ok(wanted) => wanted,
+        Err(error) => return without_equations(reading, error),
+    };
+    // The laws first: differentiating too large a scene would take long before it is refused.
+    let laws: Vec<Quantity> =
+        wanted.iter().copied().filter(|what| !matches!(what, Quantity::Partial(..))).collect();
+    let mut equations = Equations::trace_only(scene, &laws);
+    if size(&equations) <= TOO_MANY && laws.len() < wanted.len() {
+        equations = Equations::trace_only(scene, &wanted);
+    }
+    let size = size(&equations);
+    if size > TOO_MANY {
+        let text = format!(
+            "this model takes {size} operations, more than {TOO_MANY}: emit less, for example `emit: [outputs];` at the top of the model, or run the scene with `Generic`"
+        );
+        return without_equations(reading, error(reading.spans.model, &text));
+    }
+    let large = (size > MANY).then(|| {
+        let text = format!(
+            "this model takes {size} operations and will compile slowly: emit less, for example `emit: [outputs];` at the top of the model"
+        );
+        deprecated(reading.spans.model, &text)
+    });
+    let (spans, settings) = settings(reading);
+    let model = emit_model(&equations, &spans, &settings);
+    let references = references(&equations, &spans, &settings, &reading.spans.references);
+    quote!(#large #model #references)
+}
+
+/// The interface of a declaration with errors.
+fn without_equations(reading: &Reading, errors: TokenStream) -> TokenStream {
+    let (spans, settings) = settings(reading);
+    if !is_named(&reading.skeleton) {
+        return errors;
+    }
+    let model = emit_model(&Equations::none(&reading.skeleton), &spans, &settings);
+    quote!(#errors #model)
+}
+
+/// Whether anything was understood that an interface could name.
+fn is_named(skeleton: &Scene) -> bool {
+    let items = [
+        skeleton.consts.len(),
+        skeleton.params.len(),
+        skeleton.inputs.len(),
+        skeleton.bodies.len(),
+        skeleton.points.len(),
+        skeleton.lines.len(),
+        skeleton.outputs.len(),
+    ];
+    !skeleton.name.is_empty() && items.iter().any(|&count| count > 0)
+}
+
+fn settings(reading: &Reading) -> (NameSpans, Settings) {
+    let spans = &reading.spans;
+    (
+        NameSpans {
+            model: spans.model,
+            params: spans.params.clone(),
+            inputs: spans.inputs.clone(),
+            loads: spans.loads.clone(),
+            outputs: spans.outputs.clone(),
+        },
+        Settings {
+            generic: reading.options.generic,
+            verify: reading.options.verify,
+            visibility: reading.options.visibility.clone(),
+            notes: reading.notes.clone(),
+        },
+    )
+}
+
+/// The quantities to emit: all, or what a simulation needs and those that `emit: […]` names.
+fn wanted(reading: &Reading, scene: &Scene) -> Result<Vec<Quantity>, TokenStream> {
+    let layout = Layout::new(scene);
+    let all = layout.quantities();
+    let Some(names) = &reading.options.emit else {
+        return Ok(all);
+    };
+    let name = |what: Quantity| quantity::name(scene, &layout, what);
+    let kind = |what: Quantity| quantity::kind(what);
+    for asked in names {
+        if !all.iter().any(|&what| *asked == name(what) || asked == kind(what)) {
+            let mut known: Vec<&str> = all.iter().map(|&what| kind(what)).collect();
+            known.dedup();
+            let text = format!("no quantity named `{asked}`; the quantities here: {}", known.join(", "));
+            return Err(error(reading.spans.model, &text));
+        }
+    }
+    let needed = |what: Quantity| {
+        matches!(
+            what,
+            Quantity::Ends
+                | Quantity::Equilibrium(_)
+                | Quantity::Derivative
+                | Quantity::Balance
+                | Quantity::Guards
+        )
+    };
+    let asked = |what: Quantity| names.iter().any(|n| *n == name(what) || n == kind(what));
+    Ok(all.into_iter().filter(|&what| needed(what) || asked(what)).collect())
+}
+
+/// Operations as emitted: kernels that pieces share count once.
+fn size(equations: &Equations) -> usize {
+    let length = |program: &Program| match outline(program) {
+        None => program.instructions.len(),
+        Some(outline) => outline
+            .shapes
+            .iter()
+            .filter_map(|&(first, _)| outline.pieces.get(first))
+            .map(|piece| piece.instructions.len())
+            .sum(),
+    };
+    equations.programs.iter().map(|(_, program)| length(program)).sum()
+}
+
+fn error(span: Span, text: &str) -> TokenStream {
+    quote_spanned!(span=> ::core::compile_error! { #text })
+}
+
+/// A warning at the first place of a message.
+fn warning(message: &Message) -> TokenStream {
+    let span = match message.places.first().map(|place| place.location) {
+        Some(Location::Tokens(first, _)) => first,
+        _ => Span::call_site(),
+    };
+    deprecated(span, &message.text)
+}
+
+/// Stable Rust has no warnings for macros; the use of something deprecated is one.
+fn deprecated(span: Span, text: &str) -> TokenStream {
+    let used = quote_spanned!(span=> Warning);
+    quote! {
+        const _: () = {
+            #[deprecated(note = #text)]
+            struct Warning;
+            let _ = #used;
+        };
+    }
+}

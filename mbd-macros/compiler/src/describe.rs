@@ -1,0 +1,223 @@
+//! Formulas as the user would write them, and formulas changed all over a scene.
+
+use mbd_scene::{Formula, Function, Gravity, LoadKind, Place, PointKind, Scene, Triple};
+
+/// A place by its name, `capsule.bridle[0]`.
+#[must_use]
+pub fn place(scene: &Scene, place: Place) -> String {
+    let unknown = || "?".to_owned();
+    match place {
+        Place::World(0) => "world".to_owned(),
+        Place::World(frame) => scene
+            .world_frames
+            .get(frame)
+            .map_or_else(unknown, |f| format!("world.{}", f.name)),
+        Place::Body(body, frame) => scene.bodies.get(body).map_or_else(unknown, |b| {
+            b.frames
+                .get(frame)
+                .map_or_else(unknown, |f| format!("{}.{}", b.name, f.name))
+        }),
+        Place::Point(point) => scene
+            .points
+            .get(point)
+            .map_or_else(unknown, |p| p.name.clone()),
+    }
+}
+
+/// A vector of three formulas.
+#[must_use]
+pub fn triple(scene: &Scene, parts: &Triple) -> String {
+    let parts = parts.each_ref().map(|part| text(scene, part));
+    format!("[{}]", parts.join(", "))
+}
+
+/// A formula in the user's names.
+#[must_use]
+pub fn text(scene: &Scene, formula: &Formula) -> String {
+    write(scene, formula, 0)
+}
+
+/// `level` is the binding strength around: 0 none, 1 sum, 2 product, 3 power.
+fn write(scene: &Scene, formula: &Formula, level: u8) -> String {
+    let named = |name: Option<&String>| name.cloned().unwrap_or_else(|| "?".to_owned());
+    let body = |index: usize| named(scene.bodies.get(index).map(|b| &b.name));
+    let line = |index: usize| named(scene.lines.get(index).map(|l| &l.name));
+    match formula {
+        Formula::Number(value) => format!("{value}"),
+        Formula::Const(index) => named(scene.consts.get(*index).map(|c| &c.name)),
+        Formula::Param(index) => named(scene.params.get(*index).map(|p| &p.name)),
+        Formula::Input(index) => named(scene.inputs.get(*index).map(|i| &i.name)),
+        Formula::Time => "time".to_owned(),
+        Formula::Position(at) => format!("{}.position", place(scene, *at)),
+        Formula::Velocity(at) => format!("{}.velocity", place(scene, *at)),
+        Formula::Axis(at, axis) => {
+            format!(
+                "{}.{}",
+                place(scene, *at),
+                ["x", "y", "z"].get(*axis).unwrap_or(&"?")
+            )
+        }
+        Formula::AngularVelocityWorld(index) => format!("{}.omega_world", body(*index)),
+        Formula::AngularVelocityBody(index) => format!("{}.omega_body", body(*index)),
+        Formula::Tension(index) => format!("{}.tension", line(*index)),
+        Formula::Length(index) => format!("{}.length", line(*index)),
+        Formula::Stretch(index) => format!("{}.stretch", line(*index)),
+        Formula::StretchRate(index) => format!("{}.stretch_rate", line(*index)),
+        Formula::Vector(parts) => format!("[{}]", list(scene, parts)),
+        Formula::Component(parts, axis) => {
+            let inner = parts
+                .first()
+                .map_or_else(String::new, |part| write(scene, part, 4));
+            format!("{inner}.{}", ["x", "y", "z"].get(*axis).unwrap_or(&"?"))
+        }
+        Formula::Lookup(table, parts) => {
+            let name = named(scene.tables.get(*table).map(|t| &t.name));
+            format!("{name}({})", list(scene, parts))
+        }
+        Formula::Apply(function, parts) => apply(scene, *function, parts, level),
+    }
+}
+
+fn list(scene: &Scene, parts: &[Formula]) -> String {
+    parts
+        .iter()
+        .map(|part| text(scene, part))
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+fn apply(scene: &Scene, function: Function, parts: &[Formula], level: u8) -> String {
+    let binary = |sign: &str, strength: u8| {
+        let left = parts
+            .first()
+            .map_or_else(String::new, |a| write(scene, a, strength));
+        let right = parts
+            .get(1)
+            .map_or_else(String::new, |b| write(scene, b, strength + 1));
+        let text = format!("{left}{sign}{right}");
+        if level > strength {
+            format!("({text})")
+        } else {
+            text
+        }
+    };
+    let name = match function {
+        Function::Add => return binary(" + ", 1),
+        Function::Sub => return binary(" - ", 1),
+        Function::Mul => return binary(" * ", 2),
+        Function::Div => return binary(" / ", 2),
+        Function::Power => return binary("^", 3),
+        Function::Neg => {
+            let inner = parts
+                .first()
+                .map_or_else(String::new, |a| write(scene, a, 3));
+            return if level > 1 {
+                format!("(-{inner})")
+            } else {
+                format!("-{inner}")
+            };
+        }
+        Function::Norm => "norm",
+        Function::Dot => "dot",
+        Function::Cross => "cross",
+        Function::Min => "min",
+        Function::Max => "max",
+        Function::Abs => "abs",
+        Function::Exp => "exp",
+        Function::Sqrt => "sqrt",
+        Function::Sin => "sin",
+        Function::Cos => "cos",
+        Function::Angle => "angle",
+    };
+    format!("{name}({})", list(scene, parts))
+}
+
+/// Applies `change` to every formula of a scene and to everything inside it.
+pub fn rewrite(scene: &mut Scene, change: &mut impl FnMut(&mut Formula)) {
+    match &mut scene.gravity {
+        Gravity::None | Gravity::Field => {}
+        Gravity::Uniform { acceleration } => each(acceleration, change),
+        Gravity::PointMass { mu, center } => {
+            one(mu, change);
+            each(center, change);
+        }
+        Gravity::Oblate {
+            mu,
+            center,
+            radius,
+            j2,
+            axis,
+        } => {
+            for formula in [mu, radius, j2] {
+                one(formula, change);
+            }
+            each(center, change);
+            each(axis, change);
+        }
+    }
+    let frames = scene.bodies.iter_mut().flat_map(|body| &mut body.frames);
+    for frame in frames.chain(&mut scene.world_frames) {
+        each(&mut frame.position, change);
+        frame
+            .rotation
+            .iter_mut()
+            .flatten()
+            .for_each(|row| each(row, change));
+    }
+    for body in &mut scene.bodies {
+        let i = &mut body.inertia;
+        for formula in [
+            &mut body.mass,
+            &mut i.xx,
+            &mut i.yy,
+            &mut i.zz,
+            &mut i.xy,
+            &mut i.xz,
+            &mut i.yz,
+        ] {
+            one(formula, change);
+        }
+    }
+    for point in &mut scene.points {
+        if let PointKind::Mass(mass) = &mut point.kind {
+            one(mass, change);
+        }
+    }
+    for line in &mut scene.lines {
+        for formula in [
+            &mut line.free_length,
+            &mut line.stiffness,
+            &mut line.damping,
+        ] {
+            one(formula, change);
+        }
+    }
+    for load in &mut scene.loads {
+        if let LoadKind::Force(formula) | LoadKind::Torque(formula) = &mut load.kind {
+            one(formula, change);
+        }
+    }
+    scene
+        .outputs
+        .iter_mut()
+        .for_each(|output| one(&mut output.value, change));
+    scene
+        .events
+        .iter_mut()
+        .for_each(|event| one(&mut event.guard, change));
+}
+
+fn each(parts: &mut [Formula], change: &mut impl FnMut(&mut Formula)) {
+    parts.iter_mut().for_each(|part| one(part, change));
+}
+
+fn one(formula: &mut Formula, change: &mut impl FnMut(&mut Formula)) {
+    change(formula);
+    if let Formula::Vector(parts)
+    | Formula::Apply(_, parts)
+    | Formula::Component(parts, _)
+    | Formula::Lookup(_, parts) = formula
+    {
+        parts.iter_mut().for_each(|part| one(part, change));
+    }
+}

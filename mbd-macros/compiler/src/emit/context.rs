@@ -1,0 +1,237 @@
+//! What every part of an emission needs to know.
+
+use mbd_scene::{InputSlots, InputSource, Scene};
+use proc_macro2::{Ident, Span, TokenStream};
+use quote::{format_ident, quote};
+
+use super::literal::ident;
+use crate::equations::Equations;
+
+/// Where the names of a declaration stand; a missing one stands at the call of the macro.
+#[derive(Clone, Debug)]
+pub struct NameSpans {
+    /// The name of the model.
+    pub model: Span,
+    /// Per parameter.
+    pub params: Vec<Span>,
+    /// Per input.
+    pub inputs: Vec<Span>,
+    /// Per load.
+    pub loads: Vec<Span>,
+    /// Per output.
+    pub outputs: Vec<Span>,
+}
+
+impl Default for NameSpans {
+    fn default() -> Self {
+        NameSpans {
+            model: Span::call_site(),
+            params: Vec::new(),
+            inputs: Vec::new(),
+            loads: Vec::new(),
+            outputs: Vec::new(),
+        }
+    }
+}
+
+/// How a declaration wants to be emitted.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Generic over the scalar (`pub model Name<T>`), or `f64` only.
+    pub generic: bool,
+    /// Emit a test module.
+    pub verify: bool,
+    /// Visibility of the model and its companions.
+    pub visibility: TokenStream,
+    /// What the reader of the declaration has to say (chosen node models, cut loops).
+    pub notes: Vec<String>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            generic: true,
+            verify: false,
+            visibility: quote!(pub),
+            notes: Vec::new(),
+        }
+    }
+}
+
+/// One model being emitted.
+pub struct Context<'a> {
+    /// Its equations; without programs after an error in the declaration.
+    pub equations: &'a Equations,
+    /// Where its names stand.
+    pub spans: &'a NameSpans,
+    /// How it wants to be emitted.
+    pub settings: &'a Settings,
+}
+
+/// Something the caller supplies: where its numbers go and which item it is.
+pub struct Supplied {
+    /// Its place in the list of inputs.
+    pub slots: InputSlots,
+    /// Its method.
+    pub method: Ident,
+    /// Its documentation.
+    pub doc: String,
+}
+
+impl Context<'_> {
+    /// The declaration.
+    pub fn scene(&self) -> &Scene {
+        &self.equations.scene
+    }
+
+    /// The model's name with a suffix: `ParachuteParams`.
+    pub fn named(&self, suffix: &str) -> Ident {
+        let model = ident(&self.scene().name, self.spans.model);
+        Ident::new(&format!("{model}{suffix}"), self.spans.model)
+    }
+
+    /// The scalar: `T`, or `f64` of a model that is not generic.
+    pub fn scalar(&self) -> TokenStream {
+        if self.settings.generic {
+            quote!(T)
+        } else {
+            quote!(f64)
+        }
+    }
+
+    /// `<T = f64>` of a type, or nothing.
+    pub fn declared(&self) -> TokenStream {
+        if self.settings.generic {
+            quote!(<T = f64>)
+        } else {
+            quote!()
+        }
+    }
+
+    /// `<T>` where a type is used, or nothing.
+    pub fn used(&self) -> TokenStream {
+        if self.settings.generic {
+            quote!(<T>)
+        } else {
+            quote!()
+        }
+    }
+
+    /// `<T: Real>` of an implementation, or nothing.
+    pub fn real(&self) -> TokenStream {
+        if self.settings.generic {
+            quote!(<T: ::mbd_runtime::Real>)
+        } else {
+            quote!()
+        }
+    }
+
+    /// `<T: Float>` of an implementation, or nothing.
+    pub fn float(&self) -> TokenStream {
+        if self.settings.generic {
+            quote!(<T: ::mbd_runtime::Float>)
+        } else {
+            quote!()
+        }
+    }
+
+    /// Parameters as fields.
+    pub fn params(&self) -> Vec<Ident> {
+        let names = self.scene().params.iter().map(|param| param.name.as_str());
+        fields(names, &self.spans.params)
+    }
+
+    /// Outputs as fields.
+    pub fn outputs(&self) -> Vec<Ident> {
+        let names = self
+            .scene()
+            .outputs
+            .iter()
+            .map(|output| output.name.as_str());
+        fields(names, &self.spans.outputs)
+    }
+
+    /// What the caller supplies, one method each; gravity is one method for all bodies and points.
+    pub fn supplied(&self) -> Vec<Supplied> {
+        let scene = self.scene();
+        let at = |spans: &[Span], index: usize| spans.get(index).copied();
+        self.equations
+            .layout
+            .inputs
+            .iter()
+            .map(|&slots| {
+                let (name, doc, span) = match slots.source {
+                    InputSource::Input(i) => {
+                        let input = scene.inputs.get(i);
+                        let doc = input.map(|x| {
+                            let unit = unit_text(&x.unit.text);
+                            format!("{} [{unit}]", x.doc.trim()).trim().to_owned()
+                        });
+                        (
+                            input.map(|x| x.name.clone()),
+                            doc,
+                            at(&self.spans.inputs, i),
+                        )
+                    }
+                    InputSource::Load(i) => {
+                        let load = scene.loads.get(i);
+                        let doc = load.map(|x| {
+                            let what = if slots.len == 6 {
+                                "Force [N] and couple [N m]"
+                            } else {
+                                "Force [N]"
+                            };
+                            format!("{} {what}, world axes.", x.doc.trim())
+                                .trim()
+                                .to_owned()
+                        });
+                        (load.map(|x| x.name.clone()), doc, at(&self.spans.loads, i))
+                    }
+                    InputSource::BodyGravity(_) | InputSource::PointGravity(_) => {
+                        let doc = "Acceleration of gravity at a position [m/s²], world axes.";
+                        (Some("gravity".to_owned()), Some(doc.to_owned()), None)
+                    }
+                };
+                Supplied {
+                    slots,
+                    method: ident(
+                        &name.unwrap_or_default(),
+                        span.unwrap_or_else(Span::call_site),
+                    ),
+                    doc: doc.unwrap_or_default(),
+                }
+            })
+            .collect()
+    }
+}
+
+/// A unit for the reader; a pure number has 1.
+pub fn unit_text(unit: &str) -> &str {
+    if unit.is_empty() { "1" } else { unit }
+}
+
+/// Names as fields of one struct, each different.
+fn fields<'n>(names: impl Iterator<Item = &'n str>, spans: &[Span]) -> Vec<Ident> {
+    let mut fields: Vec<Ident> = Vec::new();
+    for (index, name) in names.enumerate() {
+        let span = spans.get(index).copied().unwrap_or_else(Span::call_site);
+        let mut field = ident(name, span);
+        while fields.contains(&field) {
+            field = format_ident!("{field}_", span = span);
+        }
+        fields.push(field);
+    }
+    fields
+}
+
+/// One `#[doc]` a line.
+pub fn docs(text: &str) -> TokenStream {
+    let lines = text.lines().map(|line| {
+        if line.is_empty() {
+            String::new()
+        } else {
+            format!(" {line}")
+        }
+    });
+    quote!(#(#[doc = #lines])*)
+}

@@ -1,0 +1,365 @@
+//! The types that surround a model: parameters, state, outputs, loads.
+
+use mbd_scene::InputSource;
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+
+use super::context::{Context, docs, unit_text};
+use super::literal::{number, whole};
+
+/// Every companion type of a model.
+pub fn companions(context: &Context) -> TokenStream {
+    let (params, state) = (params(context), state(context));
+    let (outputs, loads) = (outputs(context), loads(context));
+    quote!(#params #state #outputs #loads)
+}
+
+fn params(context: &Context) -> TokenStream {
+    let (name, vis) = (context.named("Params"), &context.settings.visibility);
+    let (t, declared, used, real) = (
+        context.scalar(),
+        context.declared(),
+        context.used(),
+        context.real(),
+    );
+    let fields = context.params();
+    let declarations = context
+        .scene()
+        .params
+        .iter()
+        .zip(&fields)
+        .map(|(param, field)| {
+            let (unit, factor) = (unit_text(&param.unit.text), param.unit.factor);
+            let shown = |x: f64| if factor > 0.0 { x / factor } else { x };
+            let range = param
+                .range
+                .map(|[low, high]| format!(", {} ..= {} {unit}", shown(low), shown(high)))
+                .unwrap_or_default();
+            let si = if factor == 1.0 {
+                String::new()
+            } else {
+                "; the field is in SI units".to_owned()
+            };
+            let doc = docs(format!("{} [{unit}]{range}{si}", param.doc.trim()).trim());
+            quote!(#doc pub #field: #t)
+        });
+    let defaults = context
+        .scene()
+        .params
+        .iter()
+        .map(|param| number(param.default));
+    let from = |value: TokenStream| {
+        if context.settings.generic {
+            quote!(T::from_f64(#value))
+        } else {
+            value
+        }
+    };
+    let defaults: Vec<TokenStream> = defaults.map(from).collect();
+    let count = whole(fields.len());
+    // A struct without parameters still has to mention its scalar.
+    let marker = (fields.is_empty() && context.settings.generic)
+        .then(|| quote!(#[doc(hidden)] #[serde(skip)] pub scalar: ::core::marker::PhantomData<T>));
+    let no_scalar = marker
+        .as_ref()
+        .map(|_| quote!(scalar: ::core::marker::PhantomData));
+    let model = &context.scene().name;
+    let doc = docs(&format!(
+        "The live parameters of `{model}`, SI units. `default()` has the declared values."
+    ));
+    quote! {
+        #doc
+        #[derive(Clone, Debug, PartialEq, ::mbd_runtime::serde::Serialize, ::mbd_runtime::serde::Deserialize)]
+        #[serde(crate = "::mbd_runtime::serde", deny_unknown_fields)]
+        #vis struct #name #declared { #(#declarations,)* #marker }
+
+        impl #real ::core::default::Default for #name #used {
+            fn default() -> Self {
+                #name { #(#fields: #defaults,)* #no_scalar }
+            }
+        }
+
+        impl #real #name #used {
+            /// The values in declaration order.
+            #[must_use]
+            pub fn to_array(&self) -> [#t; #count] {
+                [#(self.#fields),*]
+            }
+            /// Parameters from values in declaration order.
+            #[must_use]
+            pub fn from_array(values: [#t; #count]) -> Self {
+                let [#(#fields),*] = values;
+                #name { #(#fields,)* #no_scalar }
+            }
+        }
+    }
+}
+
+fn state(context: &Context) -> TokenStream {
+    let (name, vis) = (context.named("State"), &context.settings.visibility);
+    let (t, declared, used, real) = (
+        context.scalar(),
+        context.declared(),
+        context.used(),
+        context.real(),
+    );
+    let layout = &context.equations.layout;
+    let (nq, nv, nz) = (whole(layout.nq), whole(layout.nv), whole(layout.nz));
+    let nx = whole(layout.nx());
+    let z = (layout.nz > 0).then(|| {
+        quote! {
+            /// Positions of the `rate` nodes [m].
+            pub z: ::mbd_runtime::nalgebra::SVector<#t, #nz>
+        }
+    });
+    let read_z = z.as_ref().map(|_| quote!(z: (*z).into()));
+    let write_z = z.as_ref().map(|_| {
+        quote! {
+            out.extend_from_slice(self.z.as_slice());
+        }
+    });
+    let zero_z = z
+        .as_ref()
+        .map(|_| quote!(z: ::mbd_runtime::nalgebra::SVector::zeros()));
+    let model = &context.scene().name;
+    let doc = docs(&format!(
+        "The state of `{model}`: items in declaration order, bodies before points.\n\n`q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz."
+    ));
+    let at_rest = rest(context);
+    quote! {
+        #doc
+        #[derive(Clone, Debug, PartialEq)]
+        #vis struct #name #declared {
+            /// Coordinates [m, 1].
+            pub q: ::mbd_runtime::nalgebra::SVector<#t, #nq>,
+            /// Speeds [m/s, rad/s].
+            pub v: ::mbd_runtime::nalgebra::SVector<#t, #nv>,
+            #z
+        }
+
+        impl #real #name #used {
+            /// Everything at the world origin, at rest, unturned.
+            #[must_use]
+            pub fn at_origin() -> Self {
+                let mut state = #name {
+                    q: ::mbd_runtime::nalgebra::SVector::zeros(),
+                    v: ::mbd_runtime::nalgebra::SVector::zeros(),
+                    #zero_z
+                };
+                #at_rest
+                state
+            }
+            /// The state from the list [q | v | z]; `None` if it has another length.
+            #[must_use]
+            pub fn from_slice(x: &[#t]) -> ::core::option::Option<Self> {
+                let (q, v, z) = ::mbd_runtime::__private::split::<#t, #nq, #nv, #nz>(x)?;
+                let _ = z;
+                ::core::option::Option::Some(#name { q: (*q).into(), v: (*v).into(), #read_z })
+            }
+            /// The state as the list [q | v | z].
+            #[must_use]
+            pub fn to_vec(&self) -> ::std::vec::Vec<#t> {
+                let mut out = ::std::vec::Vec::with_capacity(#nx);
+                out.extend_from_slice(self.q.as_slice());
+                out.extend_from_slice(self.v.as_slice());
+                #write_z
+                out
+            }
+        }
+    }
+}
+
+/// Unit quaternions for all bodies.
+fn rest(context: &Context) -> TokenStream {
+    let bodies = &context.equations.layout.bodies;
+    if bodies.is_empty() {
+        return quote!(let _ = &mut state;);
+    }
+    let one = if context.settings.generic {
+        quote!(T::one())
+    } else {
+        quote!(1.0)
+    };
+    let places = bodies.iter().map(|slots| whole(slots.q + 3));
+    quote! {
+        let [q] = &mut state.q.data.0;
+        #(q[#places] = #one;)*
+    }
+}
+
+fn outputs(context: &Context) -> TokenStream {
+    let declared_outputs = &context.scene().outputs;
+    if declared_outputs.is_empty() {
+        return TokenStream::new();
+    }
+    let (name, vis) = (context.named("Outputs"), &context.settings.visibility);
+    let (t, declared, used) = (context.scalar(), context.declared(), context.used());
+    let header = if context.settings.generic {
+        quote!(<T>)
+    } else {
+        quote!()
+    };
+    let fields = context.outputs();
+    let declarations = declared_outputs.iter().zip(&fields).map(|(output, field)| {
+        let unit = unit_text(&output.unit.text);
+        let doc = docs(format!("{} [{unit}]", output.doc.trim()).trim());
+        let t = if output.components == 3 {
+            quote!([#t; 3])
+        } else {
+            quote!(#t)
+        };
+        quote!(#doc pub #field: #t)
+    });
+    let columns = declared_outputs.iter().flat_map(|output| {
+        let unit = output.unit.text.as_str();
+        let names: Vec<String> = match output.components {
+            3 => ["x", "y", "z"]
+                .map(|axis| format!("{}_{axis}", output.name))
+                .into(),
+            _ => vec![output.name.clone()],
+        };
+        names.into_iter().map(move |name| quote!((#name, #unit)))
+    });
+    let numbered = (0..context.equations.layout.columns).map(|i| format_ident!("c{i}"));
+    let mut next = 0;
+    let values = declared_outputs.iter().zip(&fields).map(|(output, field)| {
+        let parts: Vec<_> = (next..next + output.components)
+            .map(|i| format_ident!("c{i}"))
+            .collect();
+        next += output.components;
+        match parts.as_slice() {
+            [one] => quote!(#field: #one),
+            all => quote!(#field: [#(#all),*]),
+        }
+    });
+    let count = whole(context.equations.layout.columns);
+    let doc = docs(&format!("The outputs of `{}`.", context.scene().name));
+    quote! {
+        #doc
+        #[derive(Clone, Debug, PartialEq)]
+        #vis struct #name #declared { #(#declarations),* }
+
+        impl #header #name #used {
+            /// Name and unit of every column, in the order of `Quantity::Outputs`.
+            pub const COLUMNS: &'static [(&'static str, &'static str)] = &[#(#columns),*];
+            /// Outputs from their columns.
+            #[must_use]
+            pub fn from_array(columns: [#t; #count]) -> Self {
+                let [#(#numbered),*] = columns;
+                #name { #(#values),* }
+            }
+        }
+    }
+}
+
+/// The trait of everything the caller supplies.
+fn loads(context: &Context) -> TokenStream {
+    let supplied = context.supplied();
+    if supplied.is_empty() {
+        return TokenStream::new();
+    }
+    let (name, vis) = (context.named("Loads"), &context.settings.visibility);
+    let (t, real, used, state) = (
+        context.scalar(),
+        context.real(),
+        context.used(),
+        context.named("State"),
+    );
+    let mut gravity_done = false;
+    let methods = supplied.iter().filter_map(|item| {
+        let (method, doc) = (&item.method, docs(&item.doc));
+        match item.slots.source {
+            InputSource::Input(_) if item.slots.len == 1 => {
+                Some(quote!(#doc fn #method(&self, time: #t) -> #t;))
+            }
+            InputSource::Input(_) => Some(quote!(#doc fn #method(&self, time: #t) -> [#t; 3];)),
+            InputSource::Load(_) => {
+                let value = if item.slots.len == 6 {
+                    quote!(::mbd_runtime::Wrench<#t>)
+                } else {
+                    quote!([#t; 3])
+                };
+                Some(quote!(#doc fn #method(&self, time: #t, state: &#state #used) -> #value;))
+            }
+            InputSource::BodyGravity(_) | InputSource::PointGravity(_) => {
+                let first = !std::mem::replace(&mut gravity_done, true);
+                first.then(
+                    || quote!(#doc fn #method(&self, time: #t, position: [#t; 3]) -> [#t; 3];),
+                )
+            }
+        }
+    });
+    let methods: Vec<TokenStream> = methods.collect();
+    let model = &context.scene().name;
+    let doc = docs(&format!("What the caller of `{model}` supplies at each evaluation."));
+    let (model, external) = (context.named(""), context.named("External"));
+    let scalar = context.settings.generic.then(|| quote!(T: ::mbd_runtime::Real,));
+    let external_doc = docs(&format!("Hands what [`{name}`] supplies to a simulation."));
+    quote! {
+        #doc
+        #vis trait #name #real { #(#methods)* }
+
+        #external_doc
+        #[derive(Clone, Debug)]
+        #vis struct #external<L>(pub L);
+
+        impl<#scalar L: #name #used> ::mbd_runtime::External<#t> for #external<L> {
+            fn evaluate(&self, time: #t, state: &[#t], out: &mut [#t]) {
+                if let (::core::option::Option::Some(state), ::core::option::Option::Some(out)) =
+                    (#state::from_slice(state), ::mbd_runtime::__private::fixed_mut(out))
+                {
+                    *out = <#model #used>::inputs(time, &state, &self.0);
+                }
+            }
+        }
+    }
+}
+
+/// The statements that fill `inputs` from `loads`.
+pub fn gather(context: &Context) -> TokenStream {
+    let layout = &context.equations.layout;
+    let position = |q: usize| {
+        let [x, y, z] = [q, q + 1, q + 2].map(whole);
+        quote!([q[#x], q[#y], q[#z]])
+    };
+    let mut names = Vec::new();
+    let mut calls = Vec::new();
+    for item in context.supplied() {
+        let method = &item.method;
+        let parts: Vec<_> = (0..item.slots.len)
+            .map(|i| format_ident!("input_{}", item.slots.at + i))
+            .collect();
+        calls.push(match item.slots.source {
+            InputSource::Input(_) if parts.len() == 1 => {
+                quote!(let #(#parts)* = loads.#method(time);)
+            }
+            InputSource::Input(_) => quote!(let [#(#parts),*] = loads.#method(time);),
+            InputSource::Load(_) if parts.len() == 6 => {
+                let (force, couple) = parts.split_at(3);
+                quote! {
+                    let ::mbd_runtime::Wrench { force: [#(#force),*], couple: [#(#couple),*] } =
+                        loads.#method(time, state);
+                }
+            }
+            InputSource::Load(_) => quote!(let [#(#parts),*] = loads.#method(time, state);),
+            InputSource::BodyGravity(body) => {
+                let at = position(layout.bodies.get(body).map_or(0, |slots| slots.q));
+                quote!(let [#(#parts),*] = loads.#method(time, #at);)
+            }
+            InputSource::PointGravity(point) => {
+                let at = match layout.points.get(point) {
+                    Some(mbd_scene::PointSlots::Mass(slots)) => position(slots.q),
+                    _ => position(0),
+                };
+                quote!(let [#(#parts),*] = loads.#method(time, #at);)
+            }
+        });
+        names.extend(parts);
+    }
+    quote! {
+        let [q] = &state.q.data.0;
+        let _ = q;
+        #(#calls)*
+        [#(#names),*]
+    }
+}

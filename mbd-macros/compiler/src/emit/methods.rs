@@ -1,0 +1,265 @@
+//! Typed methods: each quantity by name, with the arguments it reads and a value that says what it is.
+
+use mbd_scene::Quantity;
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+
+use super::context::{Context, docs};
+use super::function::{Arguments, Group};
+use super::literal::whole;
+use super::quantity;
+use crate::program::Program;
+
+/// One method a quantity.
+pub fn methods(context: &Context) -> TokenStream {
+    let (name, used, real) = (context.named(""), context.used(), context.real());
+    let layout = &context.equations.layout;
+    let quantities = layout.quantities();
+    let methods = quantities
+        .iter()
+        .filter(|what| !matches!(what, Quantity::Partial(..)))
+        .map(|&what| (what, context.equations.program(what)))
+        // A quantity that is not emitted has no method; after an error every one has.
+        .filter(|(_, program)| program.is_some() || context.equations.programs.is_empty())
+        .map(|(what, program)| method(context, what, program));
+    let kinematics = kinematics(context);
+    quote! {
+        impl #real #name #used {
+            #(#methods)*
+            #kinematics
+        }
+    }
+}
+
+/// How a method takes what its function reads.
+struct Signature {
+    taken: Vec<TokenStream>,
+    prepared: TokenStream,
+    passed: Vec<TokenStream>,
+}
+
+fn signature(context: &Context, program: Option<&Program>) -> Signature {
+    let equations = context.equations;
+    let (t, used, state) = (context.scalar(), context.used(), context.named("State"));
+    let reads = match program {
+        Some(program) => Arguments::of(program, &equations.layout),
+        None => Arguments(
+            Group::ALL
+                .into_iter()
+                .filter(|g| g.len(equations) > 0)
+                .collect(),
+        ),
+    };
+    let loads = reads.reads(Group::Inputs);
+    let whole_state = loads
+        || [Group::Q, Group::V, Group::Z]
+            .iter()
+            .any(|&g| reads.reads(g));
+    let mut taken = Vec::new();
+    let mut prepared = TokenStream::new();
+    if loads || reads.reads(Group::Time) {
+        taken.push(quote!(time: #t));
+    }
+    if whole_state {
+        taken.push(quote!(state: &#state #used));
+    }
+    for group in [Group::Nodes, Group::Effective, Group::Hold, Group::Ends] {
+        if reads.reads(group) {
+            let (list, len) = (
+                format_ident!("{}", group.name()),
+                whole(group.len(equations)),
+            );
+            taken.push(quote!(#list: &[#t; #len]));
+        }
+    }
+    for (group, list) in [(Group::Q, "q"), (Group::V, "v"), (Group::Z, "z")] {
+        if reads.reads(group) {
+            let list = format_ident!("{list}");
+            prepared.extend(quote!(let [#list] = &state.#list.data.0;));
+        }
+    }
+    if loads {
+        let trait_name = context.named("Loads");
+        taken.push(quote!(loads: &impl #trait_name #used));
+        prepared.extend(quote!(let inputs = &Self::inputs(time, state, loads);));
+    }
+    let passed = reads
+        .0
+        .iter()
+        .map(|&group| {
+            let list = format_ident!("{}", group.name());
+            match group {
+                Group::Params => quote!(&self.values),
+                Group::Derived => quote!(&self.derived),
+                _ => quote!(#list),
+            }
+        })
+        .collect();
+    Signature {
+        taken,
+        prepared,
+        passed,
+    }
+}
+
+fn method(context: &Context, what: Quantity, program: Option<&Program>) -> TokenStream {
+    let equations = context.equations;
+    let t = context.scalar();
+    let zero = if context.settings.generic {
+        quote!(T::zero())
+    } else {
+        quote!(0.0)
+    };
+    let layout = &equations.layout;
+    let function = format_ident!("{}", quantity::name(&equations.scene, layout, what));
+    let [text, shape] = quantity::documentation(layout, what);
+    let cost = program
+        .map(|p| format!("\n{}.", p.cost()))
+        .unwrap_or_default();
+    let doc = docs(&format!("{text}\n\n{shape}{cost}"));
+    let Signature {
+        taken,
+        prepared,
+        passed,
+    } = signature(context, program);
+    let len = whole(layout.len(what));
+    let compute = match program {
+        Some(program) if program.outputs.is_empty() => TokenStream::new(),
+        Some(_) => quote!(#function(#(#passed,)* out);),
+        None => quote!(let _ = out;),
+    };
+    if matches!(what, Quantity::MassMatrix | Quantity::CondensedStiffness(_)) {
+        let side = whole(layout.len(what).isqrt());
+        return quote! {
+            #doc
+            ///
+            /// Only structural non-zeros are written: `out` starts at zero.
+            pub fn #function(&self, #(#taken,)* out: &mut ::mbd_runtime::nalgebra::SMatrix<#t, #side, #side>) {
+                #prepared
+                // Symmetric: by rows and by columns are the same.
+                if let ::core::option::Option::Some(out) =
+                    ::mbd_runtime::__private::fixed_mut::<#t, #len>(out.as_mut_slice())
+                {
+                    #compute
+                }
+            }
+        };
+    }
+    if matches!(what, Quantity::NodeByAnchor(_)) {
+        return quote! {
+            #doc
+            ///
+            /// Only structural non-zeros are written: `out` starts at zero.
+            pub fn #function(&self, #(#taken,)* out: &mut [#t; #len]) {
+                #prepared
+                #compute
+            }
+        };
+    }
+    let (result, value) = value(context, what);
+    quote! {
+        #doc
+        #[must_use]
+        pub fn #function(&self, #(#taken),*) -> #result {
+            #prepared
+            let mut values = [#zero; #len];
+            let out = &mut values;
+            #compute
+            #value
+        }
+    }
+}
+
+/// Type and expression of what a method returns, from its list `values`.
+fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
+    let (t, used) = (context.scalar(), context.used());
+    let layout = &context.equations.layout;
+    match what {
+        Quantity::Derivative => {
+            let state = context.named("State");
+            (quote!(#state #used), split_state(context))
+        }
+        Quantity::Outputs => {
+            let outputs = context.named("Outputs");
+            (quote!(#outputs #used), quote!(#outputs::from_array(values)))
+        }
+        Quantity::Energy => (
+            quote!(::mbd_runtime::Energy<#t>),
+            quote! {
+                let [kinetic, gravitational, elastic, load_power, damper_power] = values;
+                ::mbd_runtime::Energy { kinetic, gravitational, elastic, load_power, damper_power }
+            },
+        ),
+        Quantity::Momentum => (
+            quote!(::mbd_runtime::Momentum<#t>),
+            quote! {
+                let [px, py, pz, lx, ly, lz] = values;
+                ::mbd_runtime::Momentum { linear: [px, py, pz], angular: [lx, ly, lz] }
+            },
+        ),
+        Quantity::Lines => {
+            let count = whole(layout.lines.len());
+            (
+                quote!([::mbd_runtime::LineState<#t>; #count]),
+                quote!(::mbd_runtime::__private::line_states(&values)),
+            )
+        }
+        _ => {
+            let len = whole(layout.len(what));
+            (
+                quote!(::mbd_runtime::nalgebra::SVector<#t, #len>),
+                quote!(::mbd_runtime::nalgebra::SVector::from(values)),
+            )
+        }
+    }
+}
+
+/// The list [q̇ | v̇ | ż] as a state.
+fn split_state(context: &Context) -> TokenStream {
+    let state = context.named("State");
+    let layout = &context.equations.layout;
+    let list = |count: usize, letter: &str| -> Vec<_> {
+        (0..count).map(|i| format_ident!("{letter}{i}")).collect()
+    };
+    let (q, v, z) = (
+        list(layout.nq, "q"),
+        list(layout.nv, "v"),
+        list(layout.nz, "z"),
+    );
+    let all_z = (layout.nz > 0).then(|| quote!(z: [#(#z),*].into()));
+    quote! {
+        let [#(#q,)* #(#v,)* #(#z),*] = values;
+        #state { q: [#(#q),*].into(), v: [#(#v),*].into(), #all_z }
+    }
+}
+
+/// q̇ = N(q) v.
+fn kinematics(context: &Context) -> TokenStream {
+    let layout = &context.equations.layout;
+    if layout.nq == 0 {
+        return TokenStream::new();
+    }
+    let (t, len) = (context.scalar(), whole(layout.nq));
+    let zero = if context.settings.generic {
+        quote!(T::zero())
+    } else {
+        quote!(0.0)
+    };
+    let program = context.equations.kinematics.as_ref();
+    let Signature {
+        taken,
+        prepared,
+        passed,
+    } = signature(context, program);
+    let compute = program.map(|_| quote!(kinematics(#(#passed,)* &mut values);));
+    quote! {
+        /// Rates of the coordinates: `q̇ = N(q) v`. q̇ is not v: a quaternion has four rates, an angular velocity three.
+        #[must_use]
+        pub fn kinematics(&self, #(#taken),*) -> ::mbd_runtime::nalgebra::SVector<#t, #len> {
+            #prepared
+            let mut values = [#zero; #len];
+            #compute
+            ::mbd_runtime::nalgebra::SVector::from(values)
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Emission: equations become Rust that reads like a document.
+//!
+//! - `function` writes one program as one function, `outline` cuts a long one into kernels.
+//! - `interface` writes parameters, state, outputs and loads, `methods` the typed methods, `model` the struct and the trait.
+//! - `constructor` writes the scene as data, `explain` says in words what was made.
+
+mod constructor;
+mod context;
+mod explain;
+mod function;
+mod interface;
+mod literal;
+mod methods;
+mod model;
+pub mod quantity;
+
+use proc_macro2::{Span, TokenStream};
+use quote::quote;
+
+pub use context::{NameSpans, Settings};
+
+use crate::equations::Equations;
+use crate::resolve::Named;
+use context::Context;
+
+/// The Rust of a model: its companions, itself, its equations, and its tests if it wants them.
+#[must_use]
+pub fn emit_model(equations: &Equations, spans: &NameSpans, settings: &Settings) -> TokenStream {
+    let context = Context {
+        equations,
+        spans,
+        settings,
+    };
+    let (companions, model, tests) = (
+        interface::companions(&context),
+        model::model(&context),
+        tests(&context),
+    );
+    quote!(#companions #model #tests)
+}
+
+/// Uses of the parameters' fields where the declaration uses their names: an editor finds and renames them together.
+pub fn references(
+    equations: &Equations,
+    spans: &NameSpans,
+    settings: &Settings,
+    uses: &[(Named, Span)],
+) -> TokenStream {
+    let context = Context { equations, spans, settings };
+    let (fields, params) = (context.params(), context.named("Params"));
+    let used = settings.generic.then(|| quote!(<f64>));
+    let uses = uses.iter().filter_map(|&(named, span)| match named {
+        Named::Param(index) => fields.get(index).map(|field| {
+            let mut field = field.clone();
+            field.set_span(span);
+            quote!(let _ = &params.#field;)
+        }),
+        _ => None,
+    });
+    quote! {
+        const _: () = {
+            #[allow(dead_code, reason = "for editors")]
+            fn references(params: &#params #used) {
+                #(#uses)*
+            }
+        };
+    }
+}
+
+/// `verify;`: a test module of the model.
+fn tests(context: &Context) -> TokenStream {
+    if !context.settings.verify || context.equations.programs.is_empty() {
+        return TokenStream::new();
+    }
+    let name = context.named("");
+    let module = quote::format_ident!("{}_verify", crate::names::identifier(&name.to_string()));
+    let params = context.named("Params");
+    quote! {
+        #[cfg(test)]
+        mod #module {
+            #[test]
+            fn generated_code_agrees_with_the_laws() -> ::core::result::Result<(), ::std::string::String> {
+                let params = <super::#params as ::core::default::Default>::default();
+                let model = super::#name::new(params).map_err(|error| error.to_string())?;
+                ::mbd_runtime::__private::verify(&model)
+            }
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! What each quantity is called in generated code, and what its documentation says.
+
+use mbd_scene::{Differentiated, Layout, Quantity, Scene, Variable};
+
+use crate::names::identifier;
+
+/// The name of the function of a quantity.
+#[must_use]
+pub fn name(scene: &Scene, layout: &Layout, what: Quantity) -> String {
+    let network = |k: usize| {
+        let nodes = layout.networks.get(k).and_then(|n| n.nodes.first());
+        let point = nodes
+            .and_then(|&node| layout.nodes.get(node))
+            .map(|node| node.point);
+        let found = point.and_then(|point| scene.points.get(point));
+        found.map_or_else(|| k.to_string(), |point| identifier(&point.name))
+    };
+    match what {
+        Quantity::Equilibrium(k) | Quantity::NodeByAnchor(k) | Quantity::CondensedStiffness(k) => {
+            format!("{}_{}", kind(what), network(k))
+        }
+        Quantity::Partial(of, by) => format!("{}_by_{}", differentiated(of), variable(by)),
+        _ => kind(what).to_owned(),
+    }
+}
+
+/// What `emit: […]` calls a kind of quantity.
+#[must_use]
+pub fn kind(what: Quantity) -> &'static str {
+    match what {
+        Quantity::Ends => "ends",
+        Quantity::Equilibrium(_) => "equilibrium",
+        Quantity::Derivative => "derivative",
+        Quantity::Balance => "balance",
+        Quantity::Guards => "guards",
+        Quantity::Outputs => "outputs",
+        Quantity::Energy => "energy",
+        Quantity::Momentum => "momentum",
+        Quantity::MassMatrix => "mass_matrix",
+        Quantity::BiasForce => "bias_force",
+        Quantity::Forces => "forces",
+        Quantity::Lines => "lines",
+        Quantity::NodeByAnchor(_) => "node_by_anchor",
+        Quantity::CondensedStiffness(_) => "condensed_stiffness",
+        Quantity::Partial(..) => "partials",
+    }
+}
+
+fn differentiated(of: Differentiated) -> &'static str {
+    match of {
+        Differentiated::Derivative => "derivative",
+        Differentiated::Balance => "balance",
+        Differentiated::Outputs => "outputs",
+    }
+}
+
+fn variable(by: Variable) -> &'static str {
+    match by {
+        Variable::State => "state",
+        Variable::Node => "nodes",
+        Variable::Parameter => "params",
+    }
+}
+
+/// What a quantity is: its equation, and its shape with units.
+#[must_use]
+pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
+    let (nx, nv, n) = (layout.nx(), layout.nv, layout.len(what));
+    let (text, shape) = match what {
+        Quantity::Ends => (
+            "Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.",
+            format!(
+                "{} anchors × 6 [m, m/s], {} nodes × 3 [N]; world axes.",
+                layout.anchors.len(),
+                layout.nodes.len()
+            ),
+        ),
+        Quantity::Equilibrium(k) => {
+            let (nodes, blocks) = layout
+                .networks
+                .get(k)
+                .map_or((0, 0), |n| (n.nodes.len(), n.blocks.len()));
+            (
+                "Balance of a network at trial positions: `g = −Σ T u − W`, `H = ∂g/∂p = Σ J`, then `ΣT`, `Σ K (d + |p|₁)`, lines with stretch.",
+                format!(
+                    "{nodes} × 3 [N], {blocks} blocks xx xy xz yy yz zz [N/m], 3 sums. Source: B. Raiszadeh, AAS 03-163."
+                ),
+            )
+        }
+        Quantity::Derivative => (
+            "State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.",
+            format!(
+                "{nx} = [{} q̇ | {nv} v̇ | {} ż]; SI units.",
+                layout.nq, layout.nz
+            ),
+        ),
+        Quantity::Balance => (
+            "Balance of the nodes: `r = Σ T u + W`, the forces on each node.",
+            format!("{n} [N], world axes; zero where the nodes are in equilibrium."),
+        ),
+        Quantity::Guards => (
+            "Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, then the declared events.",
+            format!(
+                "{} lines × 2 [m, N], {} events.",
+                layout.lines.len(),
+                layout.events
+            ),
+        ),
+        Quantity::Outputs => ("The declared outputs.", format!("{n} columns, SI units.")),
+        Quantity::Energy => (
+            "Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, power of the dampers.",
+            "5 [J, J, J, W, W].".to_owned(),
+        ),
+        Quantity::Momentum => (
+            "Momentum of bodies and points with mass: `Σ m v`, `Σ r × m v + R I ω`.",
+            "6 [3 kg m/s, 3 kg m²/s], world axes, about the world origin.".to_owned(),
+        ),
+        Quantity::MassMatrix => (
+            "Mass matrix `M` in `M v̇ + h = f`.",
+            format!("{nv}×{nv} [kg, kg m²], row by row, structural non-zeros only."),
+        ),
+        Quantity::BiasForce => (
+            "Bias force `h` in `M v̇ + h = f`: velocity terms and gravity.",
+            format!("{nv} [N, N m]."),
+        ),
+        Quantity::Forces => (
+            "Applied forces `f` in `M v̇ + h = f`: lines and loads.",
+            format!("{nv} [N, N m], about the centres of mass."),
+        ),
+        Quantity::Lines => (
+            "Lines: tension `T`, length `d`, stretch `s`, rate `ṡ`, stiffness `K u uᵀ + (T/d)(1 − u uᵀ)`.",
+            format!("{} × 10 [N, m, m, m/s, 6 N/m].", layout.lines.len()),
+        ),
+        Quantity::NodeByAnchor(k) => (
+            "How the nodes follow their anchors: `∂p/∂p_i = H⁻¹ J_i`, the sum over the anchors is 1.",
+            network_shape(layout, k, false, "[1]"),
+        ),
+        Quantity::CondensedStiffness(k) => (
+            "Stiffness the anchors see: `B_ij = J_i δ_ij − J_i H⁻¹ J_j`, symmetric, ≥ 0.",
+            network_shape(layout, k, true, "[N/m]"),
+        ),
+        Quantity::Partial(of, by) => (
+            "Partial derivative by symbolic differentiation.",
+            format!(
+                "∂({})/∂({}): {}×{}, row by row, structural non-zeros only.",
+                differentiated(of),
+                variable(by),
+                layout.len(of.quantity()),
+                layout.variables(by)
+            ),
+        ),
+    };
+    [text.to_owned(), shape]
+}
+
+fn network_shape(layout: &Layout, k: usize, square: bool, unit: &str) -> String {
+    let (nodes, anchors) = layout
+        .networks
+        .get(k)
+        .map_or((0, 0), |n| (n.nodes.len(), n.anchors.len()));
+    let rows = if square { anchors } else { nodes };
+    format!("{}×{} {unit}, row by row.", 3 * rows, 3 * anchors)
+}

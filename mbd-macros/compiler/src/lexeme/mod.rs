@@ -1,0 +1,234 @@
+//! Lexemes: the words, numbers and signs of a declaration, each with its place, from two sources.
+//!
+//! [`from_tokens`] reads the tokens of a macro call, [`from_text`] plain text; [`Lexer`] collects pieces of text that lie anywhere in one
+//! file. Everything after this layer knows lexemes only, so there is one grammar for all of them.
+
+mod text;
+mod tokens;
+
+use proc_macro2::Span;
+
+use crate::messages::{Location, Messages};
+
+/// The place of a lexeme: index into a table of [`Places`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct At(u32);
+
+/// From one lexeme to another, both included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// The first lexeme.
+    pub first: At,
+    /// The last lexeme.
+    pub last: At,
+}
+
+impl Region {
+    /// The first lexeme of the source.
+    pub const START: Region = Region {
+        first: At(0),
+        last: At(0),
+    };
+
+    /// From the start of `self` to the end of `other`.
+    pub fn to(self, other: Region) -> Region {
+        Region {
+            first: self.first,
+            last: other.last,
+        }
+    }
+}
+
+impl From<At> for Region {
+    fn from(at: At) -> Self {
+        Region {
+            first: at,
+            last: at,
+        }
+    }
+}
+
+/// A pair of brackets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bracket {
+    /// `( )`
+    Round,
+    /// `[ ]`
+    Square,
+    /// `{ }`
+    Brace,
+}
+
+impl Bracket {
+    /// The two signs.
+    pub fn signs(self) -> (char, char) {
+        match self {
+            Bracket::Round => ('(', ')'),
+            Bracket::Square => ('[', ']'),
+            Bracket::Brace => ('{', '}'),
+        }
+    }
+
+    /// The bracket that opens or closes with `sign`, and whether it opens.
+    fn of(sign: char) -> Option<(Bracket, bool)> {
+        [Bracket::Round, Bracket::Square, Bracket::Brace]
+            .into_iter()
+            .find_map(|bracket| {
+                let (open, close) = bracket.signs();
+                (sign == open || sign == close).then_some((bracket, sign == open))
+            })
+    }
+}
+
+/// What a lexeme is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// An identifier or keyword.
+    Word(String),
+    /// A number as written, without its unit.
+    Number(String),
+    /// A sign.
+    Sign(char),
+    /// An opening bracket and the distance to its closing one.
+    Open(Bracket, usize),
+    /// A closing bracket.
+    Close(Bracket),
+    /// One line of a doc comment.
+    Doc(String),
+    /// A string; the language has none, so it only appears in a message.
+    Text(String),
+}
+
+/// A lexeme with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lexeme {
+    /// What it is.
+    pub kind: Kind,
+    /// Where it is.
+    pub at: At,
+}
+
+impl Lexeme {
+    /// The lexeme as the user sees it.
+    pub fn shown(&self) -> String {
+        match &self.kind {
+            Kind::Word(text) | Kind::Number(text) => text.clone(),
+            Kind::Sign(sign) => sign.to_string(),
+            Kind::Open(bracket, _) => bracket.signs().0.to_string(),
+            Kind::Close(bracket) => bracket.signs().1.to_string(),
+            Kind::Doc(_) => "///".to_string(),
+            Kind::Text(text) => format!("\"{text}\""),
+        }
+    }
+}
+
+/// Where every lexeme lies in its source.
+#[derive(Clone, Debug)]
+pub enum Places {
+    /// Tokens of a macro call.
+    Tokens(Vec<Span>),
+    /// Lines and columns of a text, both from 1; columns count characters.
+    Text(Vec<(usize, usize)>),
+}
+
+impl Places {
+    fn len(&self) -> usize {
+        match self {
+            Places::Tokens(spans) => spans.len(),
+            Places::Text(positions) => positions.len(),
+        }
+    }
+
+    /// The location of a region, for a message.
+    pub fn location(&self, region: Region) -> Location {
+        let (first, last) = (region.first.0 as usize, region.last.0 as usize);
+        match self {
+            Places::Tokens(spans) => {
+                let get = |i: usize| spans.get(i).copied().unwrap_or_else(Span::call_site);
+                Location::Tokens(get(first), get(last))
+            }
+            Places::Text(positions) => {
+                let (line, column) = positions.get(first).copied().unwrap_or((1, 1));
+                Location::Text { line, column }
+            }
+        }
+    }
+
+    /// A key that sorts lexemes by their place in the source.
+    pub fn order(&self, at: At) -> (usize, usize) {
+        match self {
+            Places::Tokens(_) => (at.0 as usize, 0),
+            Places::Text(positions) => positions.get(at.0 as usize).copied().unwrap_or((0, 0)),
+        }
+    }
+
+    /// The span of a lexeme; of a text it is the call site.
+    pub fn span(&self, at: At) -> Span {
+        match self {
+            Places::Tokens(spans) => spans
+                .get(at.0 as usize)
+                .copied()
+                .unwrap_or_else(Span::call_site),
+            Places::Text(_) => Span::call_site(),
+        }
+    }
+}
+
+/// A list of lexemes in the making.
+#[derive(Debug)]
+pub struct Lexer {
+    /// The lexemes so far.
+    pub lexemes: Vec<Lexeme>,
+    /// Their places.
+    pub places: Places,
+    open: Vec<usize>,
+}
+
+impl Lexer {
+    fn new(places: Places) -> Self {
+        Lexer {
+            lexemes: Vec::new(),
+            places,
+            open: Vec::new(),
+        }
+    }
+
+    fn next_at(&self) -> At {
+        At(u32::try_from(self.places.len()).unwrap_or(u32::MAX))
+    }
+
+    fn push(&mut self, kind: Kind, at: At) {
+        match kind {
+            Kind::Open(..) => self.open.push(self.lexemes.len()),
+            Kind::Close(_) => {
+                if let Some(open) = self.open.pop() {
+                    let distance = self.lexemes.len() - open;
+                    if let Some(Kind::Open(_, skip)) =
+                        self.lexemes.get_mut(open).map(|lexeme| &mut lexeme.kind)
+                    {
+                        *skip = distance;
+                    }
+                }
+            }
+            _ => {}
+        }
+        self.lexemes.push(Lexeme { kind, at });
+    }
+
+    /// The bracket that waits to be closed.
+    fn waiting(&self) -> Option<(Bracket, At)> {
+        let lexeme = self.lexemes.get(*self.open.last()?)?;
+        match lexeme.kind {
+            Kind::Open(bracket, _) => Some((bracket, lexeme.at)),
+            _ => None,
+        }
+    }
+}
+
+pub use text::from_text;
+#[cfg(feature = "toml")]
+pub use text::{Lines, piece};
+pub use tokens::from_tokens;
+
+/// A source as lexemes: balanced brackets, numbers apart from their units.
+pub(crate) type Lexed = (Vec<Lexeme>, Places, Messages);

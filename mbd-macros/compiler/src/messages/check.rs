@@ -1,0 +1,103 @@
+//! Messages of checking: what is wrong with the scene as a whole.
+
+use super::Report;
+use crate::lexeme::Region;
+
+pub fn empty(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!("model `{name}` has nothing that moves: declare a `body` or a `point`"),
+    )
+}
+
+pub fn floating(at: Region, body: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "body `{body}` is attached to nothing: add `joint {body}_free: free from world to {body}.com;`"
+        ),
+    )
+}
+
+pub fn two_joints(at: Region, body: &str, first: Region) -> Report {
+    Report::new(
+        at,
+        format!("body `{body}` has two free joints: one is enough"),
+    )
+    .also(first, "the first is here")
+}
+
+pub fn lonely(at: Region, point: &str, lines: usize) -> Report {
+    let lines = if lines == 1 {
+        "1 line".to_string()
+    } else {
+        format!("{lines} lines")
+    };
+    Report::new(
+        at,
+        format!(
+            "massless point `{point}` is the end of {lines}: at least 2 are needed for its equilibrium"
+        ),
+    )
+}
+
+pub fn same_ends(at: Region, kind: &str, name: &str, place: &str) -> Report {
+    Report::new(at, format!("{kind} `{name}` goes from `{place}` to itself"))
+}
+
+pub fn one_body(at: Region, kind: &str, name: &str, owner: &str) -> Report {
+    Report::new(
+        at,
+        format!("both ends of {kind} `{name}` are on {owner}: it can never move anything"),
+    )
+}
+
+pub fn spring_at_node(at: Region, name: &str, point: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "spring `{name}` ends at the massless point `{point}`, where pushing springs have no unique balance: use `line`, or give the point a mass: `point {point} {{ mass: 0.1 kg }}`"
+        ),
+    )
+}
+
+pub fn mixed_models(at: Region, point: &str, other: &str, first: Region) -> Report {
+    Report::new(
+        at,
+        format!(
+            "points `{other}` and `{point}` are joined by lines and solved together: give them the same `equilibrium`"
+        ),
+    )
+    .also(first, format!("`{other}` is declared here"))
+}
+
+pub fn rate_undamped(at: Region, point: &str, line: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "point `{point}` is `rate`, but line `{line}` has no damping: `rate` needs damping on every line of the point. add `damping: …`, or use `equilibrium: stepwise`"
+        ),
+    )
+}
+
+pub fn rate_tied(at: Region, point: &str, other: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "point `{point}` is `rate`, but a line joins it to the massless point `{other}`: use `equilibrium: stepwise` for both"
+        ),
+    )
+}
+
+pub fn dropped_damping(at: Region, point: &str, line: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "point `{point}` is `static`: the damping of its line `{line}` is dropped; `stepwise` or `rate` keep it"
+        ),
+    )
+}
+
+pub fn unused(at: Region, kind: &str, name: &str) -> Report {
+    Report::new(at, format!("{kind} `{name}` is declared but never used"))
+}

@@ -1,0 +1,771 @@
+//! Messages of resolving: names, shapes, dimensions, fields.
+
+use mbd_scene::Dimension;
+
+use super::Report;
+use super::similar::{did_you_mean, nearest};
+use super::syntax::ended;
+use crate::check::WrongInertia;
+use crate::lexeme::Region;
+use crate::syntax::words;
+use crate::units::{self, described, si_text};
+
+pub fn not_finite(at: Region) -> Report {
+    Report::new(
+        at,
+        "this gives no finite number: look for a division by zero",
+    )
+}
+
+pub fn three_components(at: Region, found: usize) -> Report {
+    Report::new(at, format!("a vector has 3 components, found {found}"))
+}
+
+pub fn scalar_wanted(at: Region, what: &str) -> Report {
+    Report::new(at, format!("{what} must be one number, this is a vector"))
+}
+
+pub fn vector_wanted(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!("{what} must be a vector such as `[0.0, 0.0, 1.0]`, this is one number"),
+    )
+}
+
+pub fn mixed_components(at: Region, first: Dimension, this: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the components of a vector must be alike: the first is {}, this is {}",
+            described(first),
+            described(this)
+        ),
+    )
+}
+
+pub fn unit_twice(at: Region, unit: &str) -> Report {
+    Report::new(
+        at,
+        format!("this has a unit of its own, and `{unit}` behind the bracket: write one of them"),
+    )
+}
+
+pub fn no_components(at: Region, axis: &str) -> Report {
+    Report::new(
+        at,
+        format!("this is one number and has no component `{axis}`"),
+    )
+}
+
+pub fn unknown_component(at: Region, axis: &str) -> Report {
+    Report::new(
+        at,
+        format!("a vector has the components x, y and z, no `{axis}`"),
+    )
+}
+
+pub fn two_vectors(at: Region) -> Report {
+    Report::new(
+        at,
+        "`*` does not multiply two vectors: write `dot(a, b)` or `cross(a, b)`",
+    )
+}
+
+pub fn divide_by_vector(at: Region) -> Report {
+    Report::new(
+        at,
+        "`/` does not divide by a vector; by its length: `norm(a)`",
+    )
+}
+
+pub fn number_and_vector(at: Region) -> Report {
+    Report::new(at, "a number and a vector cannot be added or compared")
+}
+
+pub fn unlike(at: Region, first: Dimension, second: Dimension, bare: bool) -> Report {
+    let hint = if bare && (first == units::NONE || second == units::NONE) {
+        "; the number needs a unit"
+    } else {
+        ""
+    };
+    Report::new(
+        at,
+        format!(
+            "only like quantities can be added or compared: the first is {}, the second {}{hint}",
+            described(first),
+            described(second)
+        ),
+    )
+}
+
+pub fn dimension_range(at: Region) -> Report {
+    Report::new(
+        at,
+        "no quantity of mechanics has the dimension this would have",
+    )
+}
+
+pub fn power_of_vector(at: Region) -> Report {
+    Report::new(at, "`^` does not take a vector: write `dot(a, a)`")
+}
+
+pub fn whole_exponent(at: Region) -> Report {
+    Report::new(
+        at,
+        "an exponent is a whole number between -20 and 20; a root is `sqrt(a)`",
+    )
+}
+
+pub fn pure_number_wanted(at: Region, function: &str, found: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{function}` takes a pure number or an angle, this is {}",
+            described(found)
+        ),
+    )
+}
+
+pub fn angle_wanted(at: Region, found: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`polar` takes radius, angle, height; this is {}",
+            described(found)
+        ),
+    )
+}
+
+pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> Report {
+    let text = match words::translated(words::FOREIGN_FUNCTIONS, word) {
+        Some("^") => format!("unknown function `{word}`; write `a^n`"),
+        Some(ours) => format!("unknown function `{word}`; here it is called `{ours}`"),
+        None => format!(
+            "unknown function `{word}`{} functions here: {}",
+            ended(did_you_mean(word, known.iter().copied())),
+            known.join(", ")
+        ),
+    };
+    Report::new(at, text)
+}
+
+pub fn argument_count(at: Region, function: &str, wanted: usize, found: usize) -> Report {
+    let plural = if wanted == 1 { "" } else { "s" };
+    Report::new(
+        at,
+        format!("`{function}` takes {wanted} argument{plural}, found {found}"),
+    )
+}
+
+pub fn argument_dimension(at: Region, table: &str, wanted: Dimension, found: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "table `{table}` is over {}, this is {}",
+            described(wanted),
+            described(found)
+        ),
+    )
+}
+
+pub fn needs_unit(at: Region, field: &str, wanted: Dimension, text: &str) -> Report {
+    let unit = si_text(wanted);
+    let kind = units::name(wanted).map_or(unit.clone(), |name| format!("{name} ({unit})"));
+    Report::new(
+        at,
+        format!(
+            "`{field}` needs a unit: {kind}. write it as `{text} {unit}`, or put `units: si;` at the top of the model"
+        ),
+    )
+}
+
+pub fn wrong_dimension(at: Region, field: &str, wanted: Dimension, found: Dimension) -> Report {
+    let wanted = if wanted == units::NONE {
+        "a pure number or an angle".to_string()
+    } else {
+        format!("in {}", si_text(wanted))
+    };
+    Report::new(
+        at,
+        format!("`{field}` must be {wanted}, this is {}", described(found)),
+    )
+}
+
+pub fn not_constant(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!("only numbers and consts can stand here, {what} cannot"),
+    )
+}
+
+pub fn not_fixed(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!("this is fixed before a run: it can use numbers, consts and params, not {what}"),
+    )
+}
+
+pub fn table_without_argument(at: Region, word: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{word}` is a table: give it its argument, `{word}(…)`"),
+    )
+}
+
+pub fn not_a_quantity(at: Region, word: &str, kind: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{word}` is a name of a {kind} and has no value in an expression"),
+    )
+}
+
+pub fn unknown_parameter(at: Region, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "no parameter named `{word}`{} declare it",
+            ended(did_you_mean(word, known.iter().copied()))
+        ),
+    )
+}
+
+pub fn unknown_thing(at: Region, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "no body, point or line named `{word}`{}",
+            did_you_mean(word, known.iter().copied())
+        ),
+    )
+}
+
+pub fn unknown_place(at: Region, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "no body or point named `{word}`{}",
+            did_you_mean(word, known.iter().copied())
+        ),
+    )
+}
+
+pub fn no_index(at: Region, word: &str) -> Report {
+    Report::new(at, format!("`{word}` is one thing and takes no index"))
+}
+
+pub fn index_wanted(at: Region, word: &str, first: i64) -> Report {
+    Report::new(
+        at,
+        format!("`{word}` is repeated: pick one, such as `{word}[{first}]`"),
+    )
+}
+
+pub fn index_range(at: Region, word: &str, value: i64, known: &[i64]) -> Report {
+    let range = match known {
+        [only] => format!("only `{word}[{only}]` exists"),
+        [first, .., last] => format!("its indices are {first} to {last}"),
+        [] => "it has none".to_string(),
+    };
+    Report::new(at, format!("`{word}` has no index {value}; {range}"))
+}
+
+pub fn whole_index(at: Region) -> Report {
+    Report::new(at, "an index is a whole number")
+}
+
+pub fn unknown_frame(at: Region, owner: &str, word: &str, frames: &[String]) -> Report {
+    let known = frames.iter().map(String::as_str);
+    Report::new(
+        at,
+        format!(
+            "body `{owner}` has no frame `{word}`{} its frames: {}",
+            ended(translated_or_near(word, known)),
+            frames.join(", ")
+        ),
+    )
+}
+
+pub fn unknown_world_frame(at: Region, word: &str, frames: &[&str]) -> Report {
+    let list = if frames.is_empty() {
+        "it has none: declare `world { frame NAME at [x, y, z] m }`".to_string()
+    } else {
+        format!("its frames: {}", frames.join(", "))
+    };
+    Report::new(
+        at,
+        format!(
+            "the world has no frame `{word}`{} {list}",
+            ended(did_you_mean(word, frames.iter().copied()))
+        ),
+    )
+}
+
+pub fn unknown_body_quantity(at: Region, owner: &str, word: &str, frames: &[String]) -> Report {
+    let known = frames
+        .iter()
+        .map(String::as_str)
+        .chain(words::BODY_QUANTITIES.iter().copied());
+    Report::new(
+        at,
+        format!(
+            "body `{owner}` has no frame or quantity `{word}`{} its frames: {}; its quantities: {}",
+            ended(translated_or_near(word, known)),
+            frames.join(", "),
+            words::BODY_QUANTITIES.join(", ")
+        ),
+    )
+}
+
+/// The nearest word, or our word for another tool's.
+fn translated_or_near<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
+    if nearest(word, known.clone()).is_none()
+        && let Some(ours) = words::translated(words::FOREIGN_QUANTITIES, word)
+        && known.clone().any(|k| k == ours)
+    {
+        return format!("; here it is called `{ours}`.");
+    }
+    did_you_mean(word, known)
+}
+
+pub fn body_without_quantity(at: Region, owner: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{owner}` is a body: ask for a quantity, such as `{owner}.velocity`"),
+    )
+}
+
+pub fn frame_without_quantity(at: Region, owner: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{owner}` is a frame: ask for a quantity, such as `{owner}.position`"),
+    )
+}
+
+pub fn without_quantity(at: Region, owner: &str, kind: &str, known: &[&str]) -> Report {
+    let example = known.first().copied().unwrap_or_default();
+    Report::new(
+        at,
+        format!("`{owner}` is a {kind}: ask for a quantity, such as `{owner}.{example}`"),
+    )
+}
+
+pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{owner}` has no quantity `{word}`{} known: {}",
+            ended(translated_or_near(word, known.iter().copied())),
+            known.join(", ")
+        ),
+    )
+}
+
+pub fn frame_wanted(at: Region, body: &str, frame: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{body}` is a body: name one of its frames, such as `{body}.{frame}`"),
+    )
+}
+
+pub fn no_place(at: Region, word: &str, kind: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{word}` is a {kind}: expected a frame of a body, a point, or a frame of the world"
+        ),
+    )
+}
+
+pub fn after_place(at: Region, word: &str) -> Report {
+    Report::new(at, format!("a place ends before `.{word}`: remove it"))
+}
+
+pub fn twice(at: Region, word: &str, first: Region) -> Report {
+    Report::new(at, format!("the name `{word}` is used twice in this model"))
+        .also(first, "first used here")
+}
+
+pub fn unit_as_name(at: Region, word: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{word}` is a unit and cannot be a name here; choose another, such as `{word}_0`"),
+    )
+}
+
+pub fn rust_as_name(at: Region, word: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{word}` cannot be a name: names become fields and functions of Rust; choose another"
+        ),
+    )
+}
+
+pub fn empty_repetition(at: Region) -> Report {
+    Report::new(
+        at,
+        "this repetition is empty: its end must be above its start",
+    )
+}
+
+pub fn too_many(at: Region, most: usize) -> Report {
+    Report::new(
+        at,
+        format!("a model may hold at most {most} repeated things"),
+    )
+}
+
+pub fn circular(at: Region, name: &str) -> Report {
+    Report::new(at, format!("const `{name}` depends on itself"))
+}
+
+pub fn empty_range(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!("the range of `{name}` is empty: its end is below its start"),
+    )
+}
+
+pub fn default_outside(at: Region, name: &str, range: Region) -> Report {
+    Report::new(
+        at,
+        format!("the default of `{name}` lies outside its own range"),
+    )
+    .also(range, "its range")
+}
+
+pub fn input_type(at: Region) -> Report {
+    Report::new(
+        at,
+        "expected the kind of the input, such as `speed` or `[speed; 3]`",
+    )
+}
+
+pub fn unknown_input_type(at: Region, word: &str) -> Report {
+    let known = units::quantities();
+    Report::new(
+        at,
+        format!(
+            "unknown quantity `{word}`{} write a unit, or one of: {}",
+            ended(did_you_mean(word, known.iter().copied())),
+            known.join(", ")
+        ),
+    )
+}
+
+pub fn input_in_si(at: Region, dimension: Dimension) -> Report {
+    let unit = si_text(dimension);
+    let unit = if unit == "1" { "rad".to_string() } else { unit };
+    Report::new(at, format!("an input is given in SI: write `{unit}`"))
+}
+
+pub fn short_table(at: Region) -> Report {
+    Report::new(at, "a table has at least 2 rows `argument: value`")
+}
+
+pub fn table_order(at: Region) -> Report {
+    Report::new(at, "the arguments of a table must increase from row to row")
+}
+
+pub fn table_dimension(at: Region, wanted: Dimension, found: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a column of a table holds one kind of quantity: above it is {}, this is {}",
+            described(wanted),
+            described(found)
+        ),
+    )
+}
+
+pub fn unknown_field(at: Region, word: &str, known: &[&str]) -> Report {
+    let ours = words::translated(words::FOREIGN_FIELDS, word).filter(|ours| known.contains(ours));
+    let near = nearest(word, known.iter().copied());
+    let suggestion = match (near, ours) {
+        (None, Some(ours)) => format!("; here it is called `{ours}`."),
+        _ => ended(did_you_mean(word, known.iter().copied())),
+    };
+    let list = if known.is_empty() {
+        "there are no fields here".to_string()
+    } else {
+        format!("fields here: {}", known.join(", "))
+    };
+    Report::new(at, format!("unknown field `{word}`{suggestion} {list}"))
+}
+
+pub fn sign(
+    at: Region,
+    owner: &str,
+    field: &str,
+    found: f64,
+    dimension: Dimension,
+    positive: bool,
+) -> Report {
+    let wanted = if positive {
+        "positive"
+    } else {
+        "zero or positive"
+    };
+    Report::new(
+        at,
+        format!(
+            "`{field}` of `{owner}` must be {wanted}, this is {found} {}",
+            si_text(dimension)
+        ),
+    )
+}
+
+pub fn no_mass(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "body `{name}` has no mass. add `mass: 1.0 kg`; for a massless junction of lines use `point {name};`"
+        ),
+    )
+}
+
+pub fn no_inertia(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "body `{name}` has no inertia. add `inertia: diag(1.0, 1.0, 1.0) kg*m^2`; for a mass without rotation use `point {name} {{ mass: 1.0 kg }}`"
+        ),
+    )
+}
+
+pub fn no_field(at: Region, kind: &str, name: &str, field: &str, unit: &str) -> Report {
+    Report::new(
+        at,
+        format!("{kind} `{name}` has no {field}. add `{field}: 1.0 {unit}`"),
+    )
+}
+
+pub fn inertia_form(at: Region) -> Report {
+    Report::new(
+        at,
+        "expected an inertia such as `diag(1.0, 1.0, 2.0) kg*m^2`, or `full { xx: 1.0, yy: 1.0, zz: 2.0, xy: 0.1 } kg*m^2 (matrix elements)`",
+    )
+}
+
+pub fn missing_element(at: Region, word: &str) -> Report {
+    Report::new(at, format!("the inertia has no element `{word}`"))
+}
+
+pub fn products_sign(at: Region) -> Report {
+    Report::new(
+        at,
+        "say how products are meant: `(matrix elements)`, xy = -∫ x y dm, or `(products of inertia)`, xy = +∫ x y dm",
+    )
+}
+
+pub fn impossible_inertia(at: Region, owner: &str, wrong: WrongInertia) -> Report {
+    let text = match wrong {
+        WrongInertia::NotPositive(smallest) => format!(
+            "the inertia of `{owner}` must be positive about every axis: its smallest principal moment is {} kg*m^2",
+            short(smallest)
+        ),
+        WrongInertia::Triangle(largest, others) => format!(
+            "no rigid body has these principal moments: the largest ({}) exceeds the sum of the other two ({}). check the unit, and that it is about the centre of mass",
+            short(largest),
+            short(others)
+        ),
+    };
+    Report::new(at, text)
+}
+
+/// A number with six digits, without zeros at its end.
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_string();
+    }
+    let digits = 5 - value.abs().log10().floor().clamp(-300.0, 300.0) as i32;
+    let scale = 10f64.powi(digits);
+    let rounded = (value * scale).round() / scale;
+    rounded.to_string()
+}
+
+pub fn rotation_form(at: Region) -> Report {
+    Report::new(
+        at,
+        "expected a rotation: `rpy(roll, pitch, yaw)` about fixed axes, `euler_zyx(yaw, pitch, roll)` about moving axes, or `matrix(row, row, row)`",
+    )
+}
+
+pub fn no_rotation(at: Region) -> Report {
+    Report::new(
+        at,
+        "this matrix is no rotation: its rows must be perpendicular unit vectors in right-handed order",
+    )
+}
+
+pub fn unknown_word(at: Region, what: &str, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "unknown {what} `{word}`{} known: {}",
+            ended(did_you_mean(word, known.iter().copied())),
+            known.join(", ")
+        ),
+    )
+}
+
+pub fn mass_and_equilibrium(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "point `{name}` has a mass and an equilibrium: a point with mass moves by Newton's law, so remove one"
+        ),
+    )
+}
+
+pub fn joint_law(at: Region, word: &str) -> Report {
+    let all: Vec<&str> = words::JOINTS
+        .iter()
+        .chain(words::LATER_JOINTS)
+        .copied()
+        .collect();
+    let text = if words::LATER_JOINTS.contains(&word) {
+        format!(
+            "joint `{word}` is not available yet; available: {}",
+            words::JOINTS.join(", ")
+        )
+    } else if let Some(ours) = words::translated(words::FOREIGN_JOINTS, word) {
+        format!("unknown joint `{word}`; here it is called `{ours}`")
+    } else {
+        format!(
+            "unknown joint `{word}`{} joints: {}",
+            ended(did_you_mean(word, all.iter().copied())),
+            all.join(", ")
+        )
+    };
+    Report::new(at, text)
+}
+
+pub fn joint_on_point(at: Region, name: &str, massless: bool) -> Report {
+    let massless = if massless { "massless " } else { "" };
+    Report::new(
+        at,
+        format!(
+            "a joint cannot end at the {massless}point `{name}`: a point carries forces of lines only"
+        ),
+    )
+}
+
+pub fn free_from_body(at: Region) -> Report {
+    Report::new(at, "a `free` joint begins at the world: `from world`")
+}
+
+pub fn free_to_world(at: Region) -> Report {
+    Report::new(at, "a `free` joint ends at a body, such as `to body.com`")
+}
+
+pub fn load_twice(at: Region) -> Report {
+    Report::new(
+        at,
+        "a load has a value after `=`, or is `: external`, not both",
+    )
+}
+
+pub fn load_without_value(at: Region) -> Report {
+    Report::new(
+        at,
+        "this load has no value: write `= expression`, or `: external`",
+    )
+}
+
+pub fn load_kind(at: Region) -> Report {
+    Report::new(
+        at,
+        "expected `external`; a load that is an expression is written with `=`",
+    )
+}
+
+pub fn load_on_world(at: Region) -> Report {
+    Report::new(
+        at,
+        "a load on the world moves nothing: name a body or a point",
+    )
+}
+
+pub fn load_on_frame(at: Region, body: &str, frame: &str) -> Report {
+    Report::new(at, format!("write `on {body} at {frame}`"))
+}
+
+pub fn load_at(at: Region) -> Report {
+    Report::new(
+        at,
+        "expected the name of a frame of the body, such as `at com`",
+    )
+}
+
+pub fn load_at_point(at: Region) -> Report {
+    Report::new(at, "a load on a point needs no `at`: remove it")
+}
+
+pub fn load_is_scalar(at: Region) -> Report {
+    Report::new(
+        at,
+        "a load must be a vector, this is one number: multiply it by a direction, such as `body.z`",
+    )
+}
+
+pub fn load_dimension(at: Region, found: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a load is a force (N) or a couple (N*m), this is {}",
+            described(found)
+        ),
+    )
+}
+
+pub fn couple_on_point(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{name}` is a point and takes no couple (N*m): it does not rotate"),
+    )
+}
+
+pub fn load_on_node(at: Region, node: &str, culprit: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a load on the massless point `{node}` cannot depend on `{culprit}`: the place of a node follows from the balance of its forces. give the point a mass, or use the motion of a body"
+        ),
+    )
+}
+
+pub fn event_without_value(at: Region) -> Report {
+    Report::new(
+        at,
+        "this event has no crossing: write `crosses`, `rises` or `falls` and a value",
+    )
+}
+
+pub fn event_twice(at: Region) -> Report {
+    Report::new(at, "an event has one of `crosses`, `rises` and `falls`")
+}
+
+pub fn no_gravity(at: Region) -> Report {
+    Report::new(
+        at,
+        "no gravity is declared: write `gravity: [0.0, 0.0, -9.81] m/s^2;`, or `gravity: none;` if there is none",
+    )
+}
+
+pub fn gravity_field(at: Region, field: &str, wanted: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "this gravity has no `{field}`: add it, {}",
+            described(wanted)
+        ),
+    )
+}
+
+pub fn relative(at: Region) -> Report {
+    Report::new(
+        at,
+        "`relative` coordinates are not available yet; available: absolute",
+    )
+}

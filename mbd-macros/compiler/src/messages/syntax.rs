@@ -1,0 +1,217 @@
+//! Messages of reading: what cannot be lexed or parsed.
+
+use super::Report;
+use super::similar::did_you_mean;
+use crate::lexeme::{At, Bracket, Region};
+use crate::syntax::words::{self, ItemWord};
+
+pub fn attribute(at: Region) -> Report {
+    Report::new(
+        at,
+        "attributes have no meaning here; only doc comments (`/// …`) are taken over",
+    )
+}
+
+pub fn too_deep(at: Region) -> Report {
+    Report::new(
+        at,
+        "brackets nest too deeply here: give a part of it a name with `const`, or use fewer brackets",
+    )
+}
+
+pub fn string(at: Region) -> Report {
+    Report::new(
+        at,
+        "strings have no meaning here: write names, numbers and units without quotes",
+    )
+}
+
+pub fn open_comment(at: Region) -> Report {
+    Report::new(at, "this comment is never closed: add `*/`")
+}
+
+pub fn open_bracket(bracket: Bracket, at: Region) -> Report {
+    let (open, close) = bracket.signs();
+    Report::new(at, format!("this `{open}` is never closed: add `{close}`"))
+}
+
+pub fn stray_bracket(sign: char, at: Region, waiting: Option<(Bracket, At)>) -> Report {
+    match waiting {
+        Some((bracket, open)) => {
+            let (begin, end) = bracket.signs();
+            Report::new(at, format!("expected `{end}` before this `{sign}`"))
+                .also(open.into(), format!("to close this `{begin}`"))
+        }
+        None => Report::new(at, format!("this `{sign}` closes nothing: remove it")),
+    }
+}
+
+pub fn foreign_sign(sign: char, at: Region) -> Report {
+    let hint = match sign {
+        '²' => ": write `^2`",
+        '³' => ": write `^3`",
+        '·' | '×' | '⋅' => ": write `*`",
+        '−' => ": write `-`",
+        '°' => ": write `deg`",
+        _ => "",
+    };
+    Report::new(at, format!("`{sign}` has no meaning here{hint}"))
+}
+
+pub fn expected(at: Region, what: &str, found: &str) -> Report {
+    Report::new(at, format!("expected {what}, found `{found}`"))
+}
+
+pub fn expected_at_end(at: Region, what: &str) -> Report {
+    Report::new(at, format!("expected {what} after this"))
+}
+
+pub fn no_model(at: Region) -> Report {
+    Report::new(
+        at,
+        "expected a model: write `pub model Name { … }`, or `pub model Name<T> { … }` for more than f64",
+    )
+}
+
+pub fn after_model(at: Region) -> Report {
+    Report::new(
+        at,
+        "one call declares one model: nothing may follow its `}`",
+    )
+}
+
+pub fn unknown_item(at: Region, word: &str) -> Report {
+    let known: Vec<&str> = words::top_level().map(|item| item.word).collect();
+    let text = match words::translated(words::FOREIGN_ITEMS, word) {
+        Some(ours) => format!("unknown item `{word}`; here it is called `{ours}`"),
+        None => format!(
+            "unknown item `{word}`{} items here: {}",
+            ended(did_you_mean(word, known.iter().copied())),
+            known.join(", ")
+        ),
+    };
+    Report::new(at, text)
+}
+
+/// A suggestion with a full stop when there is none.
+pub fn ended(suggestion: String) -> String {
+    if suggestion.is_empty() {
+        ".".to_string()
+    } else {
+        suggestion
+    }
+}
+
+pub fn no_name(at: Region, item: &ItemWord) -> Report {
+    Report::new(
+        at,
+        format!("a `{}` needs a name: `{}`", item.word, item.form),
+    )
+}
+
+pub fn reserved_name(at: Region, word: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{word}` is a word of the language and cannot be a name here; choose another"),
+    )
+}
+
+pub fn form(at: Region, item: &ItemWord, found: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{found}` does not fit here; the form is `{}`", item.form),
+    )
+}
+
+pub fn missing_clause(at: Region, item: &ItemWord, clause: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{clause}` is missing here; the form is `{}`", item.form),
+    )
+}
+
+pub fn repeated_clause(at: Region, clause: &str, first: Region) -> Report {
+    Report::new(at, format!("`{clause}` is given twice")).also(first, "first given here")
+}
+
+pub fn empty_value(at: Region, clause: &str) -> Report {
+    Report::new(at, format!("expected a value after `{clause}`"))
+}
+
+pub fn missing_separator(at: Region, sign: char) -> Report {
+    Report::new(at, format!("expected `{sign}` after this"))
+}
+
+pub fn wrong_separator(at: Region) -> Report {
+    Report::new(at, "between braces fields are separated by `,`")
+}
+
+pub fn no_fields(at: Region, item: &ItemWord) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a `{}` has no fields; the form is `{}`",
+            item.word, item.form
+        ),
+    )
+}
+
+pub fn range(at: Region) -> Report {
+    Report::new(
+        at,
+        "expected a repetition such as `[i in 0..3]`, or an index such as `[0]`",
+    )
+}
+
+pub fn value_range(at: Region) -> Report {
+    Report::new(
+        at,
+        "expected a range such as `600 kg ..= 900 kg`, both ends included",
+    )
+}
+
+pub fn half_open_range(at: Region) -> Report {
+    Report::new(at, "a range includes both its ends: write `..=`")
+}
+
+pub fn unknown_unit(at: Region, word: &str) -> Report {
+    let known = crate::units::known();
+    let text = match crate::units::foreign(word) {
+        Some(ours) => format!("unknown unit `{word}`; here it is called `{ours}`"),
+        None => format!(
+            "unknown unit `{word}`{} known: {}, combined with * / ^ ( )",
+            ended(did_you_mean(word, known.iter().copied())),
+            known.join(" ")
+        ),
+    };
+    Report::new(at, text)
+}
+
+pub fn unit_exponent(at: Region) -> Report {
+    Report::new(
+        at,
+        "expected a whole exponent between -9 and 9, such as `m^2` or `s^-1`",
+    )
+}
+
+pub fn unit_range(at: Region) -> Report {
+    Report::new(
+        at,
+        "no quantity of mechanics has such a unit: its exponents are too large",
+    )
+}
+
+pub fn unit_expected(at: Region) -> Report {
+    Report::new(at, "expected a unit such as `N` or `kg*m^2`")
+}
+
+pub fn huge_number(at: Region, text: &str) -> Report {
+    Report::new(at, format!("`{text}` is too large for a number"))
+}
+
+pub fn deep_expression(at: Region) -> Report {
+    Report::new(
+        at,
+        "this expression nests too deeply; give a part of it a name, or group its terms",
+    )
+}

@@ -1,0 +1,147 @@
+//! Reading a declaration: from tokens, from text, from TOML, to a [`Scene`] or to messages.
+
+use mbd_scene::Scene;
+use proc_macro2::{Span, TokenStream};
+
+use crate::check::check;
+use crate::lexeme::Region;
+use crate::lexeme::{self, Lexeme, Places};
+use crate::messages::{Message, Messages, syntax as say};
+use crate::resolve::{Named, Resolver, resolve};
+use crate::syntax::{self, Model};
+
+/// What reading a declaration gives.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    /// The scene; `None` after errors.
+    pub scene: Option<Scene>,
+    /// The scene as far as it was understood, always well-formed: names for the interface that is emitted in spite of errors.
+    pub skeleton: Scene,
+    /// What is wrong, in the order of the source.
+    pub errors: Vec<Message>,
+    /// What is probably not meant.
+    pub warnings: Vec<Message>,
+    /// Choices that were made.
+    pub notes: Vec<String>,
+    /// Where the names are.
+    pub spans: Spans,
+    /// What is asked for besides the scene.
+    pub options: Options,
+}
+
+/// What a declaration asks for besides the scene.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// `verify;`: emit checks of this model.
+    pub verify: bool,
+    /// `emit: […]`: only these quantities.
+    pub emit: Option<Vec<String>>,
+    /// `<T>` is written: generic over the scalar.
+    pub generic: bool,
+    /// `pub`, `pub(crate)` or nothing.
+    pub visibility: TokenStream,
+}
+
+/// The spans of the names of a declaration; the call site where the source is a text.
+#[derive(Clone, Debug)]
+pub struct Spans {
+    /// The model's name.
+    pub model: Span,
+    /// Per param.
+    pub params: Vec<Span>,
+    /// Per input.
+    pub inputs: Vec<Span>,
+    /// Per load.
+    pub loads: Vec<Span>,
+    /// Per output.
+    pub outputs: Vec<Span>,
+    /// Where a name is used: what it refers to, and the span of the use.
+    pub references: Vec<(Named, Span)>,
+}
+
+/// Reads the tokens of `model! { … }`.
+#[must_use]
+pub fn read_tokens(tokens: TokenStream) -> Reading {
+    let (lexemes, places, messages) = lexeme::from_tokens(tokens);
+    read(&lexemes, &places, messages)
+}
+
+/// Reads the same language from a text.
+#[must_use]
+pub fn read_text(text: &str) -> Reading {
+    let (lexemes, places, messages) = lexeme::from_text(text);
+    read(&lexemes, &places, messages)
+}
+
+/// Reads lexemes. What could not be lexed is told alone: everything after it may be its consequence.
+fn read(lexemes: &[Lexeme], places: &Places, mut messages: Messages) -> Reading {
+    let lexed = messages.is_empty();
+    let mut syntax = Messages::default();
+    let model = syntax::model(lexemes, &mut syntax);
+    if lexed {
+        messages = syntax;
+        if model.is_none() {
+            messages.push(say::no_model(Region::START));
+        }
+    }
+    finish(&model.unwrap_or_default(), places, messages, lexed)
+}
+
+/// Resolves and checks a model and gathers what came of it.
+pub(crate) fn finish(
+    model: &Model<'_>,
+    places: &Places,
+    messages: Messages,
+    lexed: bool,
+) -> Reading {
+    let mut resolver = resolve(model);
+    check(&mut resolver, messages.is_empty());
+    let mut errors = messages;
+    if lexed && !(model.items.is_empty() && !errors.is_empty()) {
+        errors.extend(std::mem::take(&mut resolver.messages));
+    }
+    let good = errors.is_empty();
+    let spans = spans(&resolver, places);
+    Reading {
+        scene: good.then(|| resolver.scene.clone()),
+        skeleton: resolver.scene,
+        errors: errors.located(places),
+        warnings: resolver.warnings.located(places),
+        notes: resolver.notes,
+        spans,
+        options: Options {
+            verify: resolver.asked.verify,
+            emit: resolver.asked.emit,
+            generic: model.generic,
+            visibility: model.visibility.parse().unwrap_or_default(),
+        },
+    }
+}
+
+fn spans(resolver: &Resolver<'_>, places: &Places) -> Spans {
+    let of = |named: Named| {
+        resolver
+            .declared
+            .get(&named)
+            .map_or_else(Span::call_site, |region| places.span(region.first))
+    };
+    let scene = &resolver.scene;
+    Spans {
+        model: places.span(resolver.head.first),
+        params: (0..scene.params.len())
+            .map(|i| of(Named::Param(i)))
+            .collect(),
+        inputs: (0..scene.inputs.len())
+            .map(|i| of(Named::Input(i)))
+            .collect(),
+        loads: (0..scene.loads.len()).map(|i| of(Named::Load(i))).collect(),
+        outputs: (0..scene.outputs.len())
+            .map(|i| of(Named::Output(i)))
+            .collect(),
+        references: resolver
+            .used
+            .iter()
+            .map(|(named, at)| (*named, places.span(*at)))
+            .collect(),
+    }
+}

@@ -1,0 +1,397 @@
+//! Bodies, their inertia and their frames; frames of the world.
+
+use mbd_scene::{Formula, Function, Inertia, Unit};
+
+use super::fields::Accept;
+use super::{Instance, Named, Resolver, Scope, Stage, Typed, fold};
+use crate::lexeme::{Bracket, Kind, Lexeme, Region};
+use crate::messages::resolve as say;
+use crate::syntax::expression::{self, Expression};
+use crate::syntax::{Cursor, Value, unit, words};
+use crate::units;
+
+/// The rows of a rotation matrix.
+type Rows = [[Formula; 3]; 3];
+
+impl Resolver<'_> {
+    /// Fills the frames of the world.
+    pub fn world_frames(&mut self) {
+        for instance in self.of("world") {
+            let known = words::find("world", false).and_then(|spec| spec.fields);
+            self.fields(&instance.item.block, known.unwrap_or(&[]));
+        }
+        for instance in self.of("world frame") {
+            let named = Named::WorldFrame(instance.slot);
+            self.poison(named, |this| {
+                let (position, rotation) = this.frame(&instance)?;
+                let frame = this.scene.world_frames.get_mut(instance.slot)?;
+                frame.position = position;
+                frame.rotation = rotation;
+                Some(())
+            });
+        }
+    }
+
+    /// Fills the bodies.
+    pub fn bodies(&mut self) {
+        for instance in self.of("body") {
+            self.body(&instance);
+        }
+        for instance in self.of("frame") {
+            let (body, frame) = (instance.owner, instance.slot);
+            self.poison(Named::Frame(body, frame), |this| {
+                let (position, rotation) = this.frame(&instance)?;
+                let entry = this.scene.bodies.get_mut(body)?.frames.get_mut(frame)?;
+                entry.position = position;
+                entry.rotation = rotation;
+                Some(())
+            });
+        }
+        for instance in self.of("body") {
+            self.center(&instance);
+        }
+    }
+
+    fn body(&mut self, instance: &Instance<'_>) {
+        let Some(name) = self.scene.bodies.get(instance.slot).map(|b| b.name.clone()) else {
+            return;
+        };
+        let known = words::find("body", false)
+            .and_then(|spec| spec.fields)
+            .unwrap_or(&[]);
+        let fields = self.fields(&instance.item.block, known);
+        let doubtful = fields.doubtful || instance.item.broken;
+        let scope = instance.scope(Stage::Fixed);
+        let at = instance.item.name_at();
+        match fields.value("mass") {
+            Some(value) => {
+                let mass =
+                    self.quantity(&name, "mass", value, units::MASS, Accept::Positive, scope);
+                if let (Some(mass), Some(body)) = (mass, self.scene.bodies.get_mut(instance.slot)) {
+                    body.mass = mass;
+                }
+            }
+            None if !doubtful => self.messages.push(say::no_mass(at, &name)),
+            None => {}
+        }
+        match fields.value("inertia") {
+            Some(value) => {
+                let inertia = self.inertia(&name, value, scope);
+                if let (Some(inertia), Some(body)) =
+                    (inertia, self.scene.bodies.get_mut(instance.slot))
+                {
+                    body.inertia = inertia;
+                }
+            }
+            None if !doubtful => self.messages.push(say::no_inertia(at, &name)),
+            None => {}
+        }
+    }
+
+    /// With `center_of_mass` declared, frames are measured from the declared origin: shift them.
+    fn center(&mut self, instance: &Instance<'_>) {
+        let field = instance
+            .item
+            .block
+            .iter()
+            .find(|field| field.word.text == "center_of_mass" && !field.broken);
+        let Some(value) = field.and_then(|field| field.clause(":")) else {
+            return;
+        };
+        let scope = instance.scope(Stage::Fixed);
+        let Some(center) = self.triple("center_of_mass", value, units::LENGTH, scope) else {
+            return;
+        };
+        let Some(body) = self.scene.bodies.get(instance.slot) else {
+            return;
+        };
+        let mut frames = body.frames.clone();
+        for frame in frames.iter_mut().skip(1) {
+            for (part, offset) in frame.position.iter_mut().zip(&center) {
+                let arguments = vec![part.clone(), offset.clone()];
+                match self.apply(Function::Sub, arguments, value.at) {
+                    Some(shifted) => *part = shifted,
+                    None => return,
+                }
+            }
+        }
+        if let Some(body) = self.scene.bodies.get_mut(instance.slot) {
+            body.frames = frames;
+        }
+    }
+
+    /// Position and rotation of a frame.
+    fn frame(&mut self, instance: &Instance<'_>) -> Option<([Formula; 3], Option<Rows>)> {
+        let scope = instance.scope(Stage::Fixed);
+        let position = self.triple("at", instance.item.clause("at")?, units::LENGTH, scope);
+        let rotation = match instance.item.clause("rotated") {
+            Some(value) => self.rotation(value, scope)?,
+            None => None,
+        };
+        Some((position?, rotation))
+    }
+
+    /// `rpy(roll, pitch, yaw)` about fixed axes x, y, z: R = Rz Ry Rx; `euler_zyx(yaw, pitch, roll)` about moving axes is the same R;
+    /// `matrix([…], […], […])` gives the rows.
+    fn rotation(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Option<Rows>> {
+        let parsed = match expression::whole(value) {
+            Ok(parsed) => parsed,
+            Err(report) => return self.fail(report),
+        };
+        let Expression::Call {
+            name, arguments, ..
+        } = &parsed
+        else {
+            return self.fail(say::rotation_form(value.at));
+        };
+        if arguments.len() != 3 {
+            return self.fail(say::rotation_form(value.at));
+        }
+        let rows = match name.text.as_str() {
+            "rpy" | "euler_zyx" => {
+                let mut angles = Vec::new();
+                for argument in arguments {
+                    let typed = self.typed(argument, scope);
+                    angles.push(typed.and_then(|t| self.fits(t, &name.text, false, units::NONE)));
+                }
+                let mut angles: Vec<Formula> = angles.into_iter().collect::<Option<_>>()?;
+                if name.text == "euler_zyx" {
+                    angles.reverse();
+                }
+                let [roll, pitch, yaw]: [Formula; 3] = angles.try_into().ok()?;
+                self.turned(roll, pitch, yaw, value.at)?
+            }
+            "matrix" => {
+                let mut rows = Vec::new();
+                for argument in arguments {
+                    let typed = self.typed(argument, scope)?;
+                    let row = self.fits(typed, "matrix", true, units::NONE)?;
+                    rows.push(fold::components(row));
+                }
+                rows.try_into().ok()?
+            }
+            _ => return self.fail(say::rotation_form(value.at)),
+        };
+        self.checked_rotation(rows, value.at)
+    }
+
+    /// R = Rz(yaw) Ry(pitch) Rx(roll).
+    fn turned(&mut self, roll: Formula, pitch: Formula, yaw: Formula, at: Region) -> Option<Rows> {
+        let mut sin_cos = |angle: Formula| {
+            let sine = self.apply(Function::Sin, vec![angle.clone()], at)?;
+            let cosine = self.apply(Function::Cos, vec![angle], at)?;
+            Some((sine, cosine))
+        };
+        let ((sr, cr), (sp, cp), (sy, cy)) = (sin_cos(roll)?, sin_cos(pitch)?, sin_cos(yaw)?);
+        let zero = || Formula::Number(0.0);
+        let one = || Formula::Number(1.0);
+        let x = [
+            [one(), zero(), zero()],
+            [zero(), cr.clone(), negative(&sr)],
+            [zero(), sr, cr],
+        ];
+        let y = [
+            [cp.clone(), zero(), sp.clone()],
+            [zero(), one(), zero()],
+            [negative(&sp), zero(), cp],
+        ];
+        let z = [
+            [cy.clone(), negative(&sy), zero()],
+            [sy, cy, zero()],
+            [zero(), zero(), one()],
+        ];
+        let zy = self.times(&z, &y, at)?;
+        self.times(&zy, &x, at)
+    }
+
+    /// The product of two matrices; factors 0 and 1 leave no trace.
+    fn times(&mut self, a: &Rows, b: &Rows, at: Region) -> Option<Rows> {
+        let mut product = Vec::with_capacity(3);
+        for row in a {
+            let mut line = Vec::with_capacity(3);
+            for column in 0..3 {
+                let mut sum = Formula::Number(0.0);
+                for (left, below) in row.iter().zip(b) {
+                    let term = self.plain_product(left, &below[column], at)?;
+                    sum = self.plain_sum(sum, term, at)?;
+                }
+                line.push(sum);
+            }
+            product.push(<[Formula; 3]>::try_from(line).ok()?);
+        }
+        product.try_into().ok()
+    }
+
+    fn plain_product(&mut self, a: &Formula, b: &Formula, at: Region) -> Option<Formula> {
+        let (zero, one) = (Formula::Number(0.0), Formula::Number(1.0));
+        if *a == zero || *b == zero {
+            Some(zero)
+        } else if *a == one {
+            Some(b.clone())
+        } else if *b == one {
+            Some(a.clone())
+        } else {
+            self.apply(Function::Mul, vec![a.clone(), b.clone()], at)
+        }
+    }
+
+    fn plain_sum(&mut self, a: Formula, b: Formula, at: Region) -> Option<Formula> {
+        let zero = Formula::Number(0.0);
+        if a == zero {
+            Some(b)
+        } else if b == zero {
+            Some(a)
+        } else {
+            self.apply(Function::Add, vec![a, b], at)
+        }
+    }
+
+    /// A rotation that is no rotation is an error; one that turns nothing is `None`.
+    fn checked_rotation(&mut self, rows: Rows, at: Region) -> Option<Option<Rows>> {
+        let known: Vec<f64> = rows
+            .iter()
+            .flatten()
+            .filter_map(|part| fold::at_defaults(part, &self.scene))
+            .collect();
+        if let [a, b, c, d, e, f, g, h, i] = known[..] {
+            let r = nalgebra::Matrix3::new(a, b, c, d, e, f, g, h, i);
+            let error = (r.transpose() * r - nalgebra::Matrix3::identity()).norm();
+            if error.is_nan() || error > 1e-9 || r.determinant() < 0.0 {
+                return self.fail(say::no_rotation(at));
+            }
+        }
+        let number = |i: usize, j: usize| Formula::Number(if i == j { 1.0 } else { 0.0 });
+        let identity: Rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(i, j)));
+        Some((rows != identity).then_some(rows))
+    }
+
+    /// `diag(…) unit`, or `full { … } unit (matrix elements)`.
+    fn inertia(&mut self, owner: &str, value: Value<'_>, scope: Scope<'_>) -> Option<Inertia> {
+        let mut cursor = Cursor::new(value);
+        let form = cursor.word();
+        let inertia = match form.as_ref().map(|word| word.text.as_str()) {
+            Some("diag") => self.diagonal(&mut cursor, value.at, scope)?,
+            Some("full") => self.full(&mut cursor, value.at, scope)?,
+            _ => return self.fail(say::inertia_form(value.at)),
+        };
+        if let Err(report) = cursor.finish("the end of the inertia") {
+            return self.fail(report);
+        }
+        match crate::check::inertia(&inertia, &self.scene) {
+            Ok(()) => Some(inertia),
+            Err(wrong) => self.fail(say::impossible_inertia(value.at, owner, wrong)),
+        }
+    }
+
+    fn diagonal(
+        &mut self,
+        cursor: &mut Cursor<'_>,
+        at: Region,
+        scope: Scope<'_>,
+    ) -> Option<Inertia> {
+        let Some(group) = cursor.group(Bracket::Round) else {
+            return self.fail(say::inertia_form(at));
+        };
+        let parts = Cursor::new(group).comma_separated();
+        if parts.len() != 3 {
+            return self.fail(say::inertia_form(group.at));
+        }
+        let unit = self.trailing_unit(cursor)?;
+        let mut moments = Vec::new();
+        for part in parts {
+            moments.push(self.element("inertia", part, unit.as_ref(), scope));
+        }
+        let moments: Vec<Formula> = moments.into_iter().collect::<Option<_>>()?;
+        let [xx, yy, zz]: [Formula; 3] = moments.try_into().ok()?;
+        let zero = || Formula::Number(0.0);
+        Some(Inertia {
+            xx,
+            yy,
+            zz,
+            xy: zero(),
+            xz: zero(),
+            yz: zero(),
+        })
+    }
+
+    fn full(&mut self, cursor: &mut Cursor<'_>, at: Region, scope: Scope<'_>) -> Option<Inertia> {
+        const ELEMENTS: &[&str] = &["xx", "yy", "zz", "xy", "xz", "yz"];
+        let Some(group) = cursor.group(Bracket::Brace) else {
+            return self.fail(say::inertia_form(at));
+        };
+        let block = self.block(group);
+        let fields = self.fields(&block, ELEMENTS);
+        let unit = self.trailing_unit(cursor)?;
+        let products = self.sign_of_products(cursor, at)?;
+        let mut elements = Vec::new();
+        for (k, word) in ELEMENTS.iter().enumerate() {
+            let element = match fields.value(word) {
+                Some(value) => self.element(word, value, unit.as_ref(), scope),
+                None if k >= 3 => Some(Formula::Number(0.0)),
+                None if fields.doubtful => None,
+                None => self.fail(say::missing_element(at, word)),
+            };
+            elements.push(match element {
+                Some(element) if k >= 3 && products => self.apply(Function::Neg, vec![element], at),
+                element => element,
+            });
+        }
+        let elements: Vec<Formula> = elements.into_iter().collect::<Option<_>>()?;
+        let [xx, yy, zz, xy, xz, yz]: [Formula; 6] = elements.try_into().ok()?;
+        Some(Inertia {
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        })
+    }
+
+    /// `(matrix elements)` is false, `(products of inertia)` true.
+    fn sign_of_products(&mut self, cursor: &mut Cursor<'_>, at: Region) -> Option<bool> {
+        let words: Option<Vec<String>> = cursor.group(Bracket::Round).map(|group| {
+            let word = |lexeme: &'_ Lexeme| match &lexeme.kind {
+                Kind::Word(word) => word.clone(),
+                _ => String::new(),
+            };
+            group.lexemes.iter().map(word).collect()
+        });
+        let words = words.map(|words| words.join(" "));
+        match words.as_deref() {
+            Some("matrix elements") => Some(false),
+            Some("products of inertia") => Some(true),
+            _ => self.fail(say::products_sign(at)),
+        }
+    }
+
+    fn trailing_unit(&mut self, cursor: &mut Cursor<'_>) -> Option<Option<Unit>> {
+        match unit::suffix(cursor) {
+            Ok(unit) => Some(unit),
+            Err(report) => self.fail(report),
+        }
+    }
+
+    /// One element of an inertia, with the unit behind the bracket if there is one.
+    fn element(
+        &mut self,
+        field: &str,
+        value: Value<'_>,
+        unit: Option<&Unit>,
+        scope: Scope<'_>,
+    ) -> Option<Formula> {
+        let typed: Typed = self.value(value, scope)?;
+        let typed = match unit {
+            Some(unit) => self.with_unit(typed, unit)?,
+            None => typed,
+        };
+        self.fits(typed, field, false, units::INERTIA)
+    }
+}
+
+fn negative(formula: &Formula) -> Formula {
+    match formula {
+        Formula::Number(value) => Formula::Number(-value),
+        other => Formula::Apply(Function::Neg, vec![other.clone()]),
+    }
+}

@@ -1,0 +1,110 @@
+//! Fields between braces: which are known, which are given, what they hold.
+
+use mbd_scene::{Dimension, Formula};
+
+use super::{Resolver, Scope, fold};
+use crate::lexeme::Region;
+use crate::messages::{resolve as say, syntax as say_syntax};
+use crate::syntax::{Item, Value};
+
+/// The fields of an item: each at most once.
+#[derive(Debug)]
+pub struct Fields<'i, 'a> {
+    given: Vec<(&'i str, &'i Item<'a>)>,
+    /// Whether something in the braces was not understood: what seems missing may be that.
+    pub doubtful: bool,
+}
+
+impl<'i, 'a> Fields<'i, 'a> {
+    /// A field, if it is given.
+    pub fn get(&self, word: &str) -> Option<&'i Item<'a>> {
+        self.given
+            .iter()
+            .find(|(known, _)| *known == word)
+            .map(|(_, item)| *item)
+    }
+
+    /// The value of a field.
+    pub fn value(&self, word: &str) -> Option<Value<'a>> {
+        self.get(word)?.clause(":")
+    }
+}
+
+/// Which values of a number make sense.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accept {
+    /// > 0
+    Positive,
+    /// ≥ 0
+    NotNegative,
+}
+
+impl Resolver<'_> {
+    /// Sorts the fields of an item; unknown and repeated ones are errors.
+    pub fn fields<'i, 'a>(&mut self, block: &'i [Item<'a>], known: &[&str]) -> Fields<'i, 'a> {
+        let mut fields = Fields {
+            given: Vec::new(),
+            doubtful: false,
+        };
+        for item in block {
+            let word = item.word.text.as_str();
+            let at = Region::from(item.word.at);
+            if word == "frame" && known.contains(&word) {
+                fields.doubtful |= item.broken && item.name.is_none();
+            } else if item.broken {
+                fields.doubtful = true;
+            } else if !known.contains(&word) {
+                self.messages.push(say::unknown_field(at, word, known));
+                fields.doubtful = true;
+            } else if let Some(first) = fields.get(word) {
+                let first = Region::from(first.word.at);
+                self.messages
+                    .push(say_syntax::repeated_clause(at, word, first));
+            } else {
+                fields.given.push((word, item));
+            }
+        }
+        fields
+    }
+
+    /// A scalar field of a known dimension; checked for its sign with all params at their defaults.
+    pub fn quantity(
+        &mut self,
+        owner: &str,
+        field: &str,
+        value: Value<'_>,
+        wanted: Dimension,
+        accept: Accept,
+        scope: Scope<'_>,
+    ) -> Option<Formula> {
+        let typed = self.value(value, scope)?;
+        let at = typed.at;
+        let formula = self.fits(typed, field, false, wanted)?;
+        let found = fold::at_defaults(&formula, &self.scene);
+        let wrong = found.is_some_and(|x| {
+            !x.is_finite()
+                || match accept {
+                    Accept::Positive => x <= 0.0,
+                    Accept::NotNegative => x < 0.0,
+                }
+        });
+        if wrong {
+            let (found, positive) = (found.unwrap_or(f64::NAN), accept == Accept::Positive);
+            return self.fail(say::sign(at, owner, field, found, wanted, positive));
+        }
+        Some(formula)
+    }
+
+    /// A vector field of a known dimension, in components.
+    pub fn triple(
+        &mut self,
+        field: &str,
+        value: Value<'_>,
+        wanted: Dimension,
+        scope: Scope<'_>,
+    ) -> Option<[Formula; 3]> {
+        let typed = self.value(value, scope)?;
+        let formula = self.fits(typed, field, true, wanted)?;
+        Some(fold::components(formula))
+    }
+}

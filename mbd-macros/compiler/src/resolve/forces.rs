@@ -1,0 +1,259 @@
+//! Loads, outputs and events: expressions over the moving scene.
+
+use mbd_scene::{Direction, Formula, Function, LoadKind, Place, PointKind, Unit};
+
+use super::{Instance, Named, Resolver, Scope, Stage, Typed};
+use crate::lexeme::{Kind, Region};
+use crate::messages::resolve as say;
+use crate::syntax::expression;
+use crate::syntax::{Cursor, Value, unit};
+use crate::units;
+
+impl Resolver<'_> {
+    /// Fills the loads.
+    pub fn loads(&mut self) {
+        for instance in self.of("load") {
+            self.poison(Named::Load(instance.slot), |this| this.load(&instance));
+        }
+    }
+
+    fn load(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let item = instance.item;
+        let scope = instance.scope(Stage::Live);
+        let place = self.load_place(instance, scope);
+        let kind = match (item.given("="), item.given(":")) {
+            (Some(_), Some(given)) => return self.fail(say::load_twice(given.at)),
+            (None, None) if item.broken => return None,
+            (None, None) => return self.fail(say::load_without_value(item.name_at())),
+            (None, Some(given)) => {
+                let value = given.value;
+                let external =
+                    matches!(value.lexemes, [only] if only.kind == Kind::Word("external".into()));
+                if !external {
+                    return self.fail(say::load_kind(value.at));
+                }
+                LoadKind::External
+            }
+            (Some(given), None) => {
+                let unit = self.in_unit(item.clause("in"));
+                let typed = self.value(given.value, scope)?;
+                self.load_kind(typed, unit?.map(|(unit, _)| unit))?
+            }
+        };
+        let place = place?;
+        self.load_on_node(&kind, place, item.clause("=").map_or(item.at, |v| v.at))?;
+        let entry = self.scene.loads.get_mut(instance.slot)?;
+        entry.at = place;
+        entry.kind = kind;
+        Some(())
+    }
+
+    /// `on body at frame`, `on point`.
+    fn load_place(&mut self, instance: &Instance<'_>, scope: Scope<'_>) -> Option<Place> {
+        let item = instance.item;
+        let on = item.clause("on")?;
+        let steps = match expression::path(on) {
+            Ok(steps) => steps,
+            Err(report) => return self.fail(report),
+        };
+        let (first, rest) = steps.split_first()?;
+        if first.word.text == "world" {
+            return self.fail(say::load_on_world(on.at));
+        }
+        let owner = self.place_owner(first, scope)?;
+        if let Some(step) = rest.first() {
+            let frame = &step.word.text;
+            return self.fail(say::load_on_frame(on.at, &first.word.text, frame));
+        }
+        match owner {
+            Named::Body(body) => {
+                let Some(at) = item.clause("at") else {
+                    return Some(Place::Body(body, 0));
+                };
+                let steps = match expression::path(at) {
+                    Ok(steps) => steps,
+                    Err(report) => return self.fail(report),
+                };
+                match steps.as_slice() {
+                    [step] => Some(Place::Body(body, self.body_frame(body, step, scope)?)),
+                    _ => self.fail(say::load_at(at.at)),
+                }
+            }
+            Named::Point(point) => match item.given("at") {
+                Some(at) => self.fail(say::load_at_point(at.at)),
+                None => Some(Place::Point(point)),
+            },
+            other => self.fail(say::no_place(on.at, &first.word.text, other.kind())),
+        }
+    }
+
+    /// A force or a couple, by its dimension.
+    fn load_kind(&mut self, typed: Typed, unit: Option<Unit>) -> Option<LoadKind> {
+        if !typed.vector {
+            return self.fail(say::load_is_scalar(typed.at));
+        }
+        let wanted = unit.map(|unit| unit.dimension);
+        if let (Some(wanted), Some(found)) = (wanted, typed.dimension)
+            && wanted != found
+        {
+            return self.fail(say::wrong_dimension(typed.at, "in", wanted, found));
+        }
+        match wanted.or(typed.dimension) {
+            None | Some(units::FORCE) => Some(LoadKind::Force(typed.formula)),
+            Some(units::TORQUE) => Some(LoadKind::Torque(typed.formula)),
+            Some(found) => match &typed.bare {
+                Some(text) if found == units::NONE => {
+                    self.fail(say::needs_unit(typed.at, "load", units::FORCE, text))
+                }
+                _ => self.fail(say::load_dimension(typed.at, found)),
+            },
+        }
+    }
+
+    /// The balance that gives a node its place cannot depend on that place, on its speed, or on what follows from them.
+    fn load_on_node(&mut self, kind: &LoadKind, place: Place, at: Region) -> Option<()> {
+        let Place::Point(point) = place else {
+            return Some(());
+        };
+        let owner = self.scene.points.get(point)?;
+        let name = owner.name.clone();
+        let node = matches!(owner.kind, PointKind::Node(_));
+        let (LoadKind::Force(formula), true) = (kind, node) else {
+            let couple = matches!(kind, LoadKind::Torque(_));
+            return if couple {
+                self.fail(say::couple_on_point(at, &name))
+            } else {
+                Some(())
+            };
+        };
+        let scene = &self.scene;
+        let is_node = |place: &Place| match place {
+            Place::Point(p) => scene
+                .points
+                .get(*p)
+                .is_some_and(|p| matches!(p.kind, PointKind::Node(_))),
+            _ => false,
+        };
+        let mut culprit: Option<String> = None;
+        formula.walk(&mut |part| {
+            let found = match part {
+                Formula::Position(Place::Point(p)) | Formula::Velocity(Place::Point(p))
+                    if is_node(&Place::Point(*p)) =>
+                {
+                    scene.points.get(*p).map(|p| p.name.clone())
+                }
+                Formula::Tension(line)
+                | Formula::Length(line)
+                | Formula::Stretch(line)
+                | Formula::StretchRate(line) => scene
+                    .lines
+                    .get(*line)
+                    .filter(|line| is_node(&line.from) || is_node(&line.to))
+                    .map(|line| line.name.clone()),
+                _ => None,
+            };
+            culprit = culprit.take().or(found);
+        });
+        match culprit {
+            Some(culprit) => self.fail(say::load_on_node(at, &name, &culprit)),
+            None => Some(()),
+        }
+    }
+
+    /// The unit after `in`, with its place.
+    fn in_unit(&mut self, value: Option<Value<'_>>) -> Option<Option<(Unit, Region)>> {
+        let Some(value) = value else {
+            return Some(None);
+        };
+        match unit::whole(Cursor::new(value)) {
+            Ok(unit) => Some(Some((unit, value.at))),
+            Err(report) => self.fail(report),
+        }
+    }
+
+    /// Fills the outputs.
+    pub fn outputs(&mut self) {
+        for instance in self.of("output") {
+            self.poison(Named::Output(instance.slot), |this| this.output(&instance));
+        }
+    }
+
+    fn output(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let item = instance.item;
+        let typed = self.value(item.clause("=")?, instance.scope(Stage::Live))?;
+        let (mut unit, components) = (typed.unit(), if typed.vector { 3 } else { 1 });
+        let mut value = typed.formula;
+        if let Some((wanted, at)) = self.in_unit(item.clause("in"))? {
+            if let Some(found) = typed.dimension
+                && found != wanted.dimension
+            {
+                let report = say::wrong_dimension(at, "in", found, wanted.dimension);
+                return self.fail(report);
+            }
+            unit = wanted;
+        }
+        if unit.factor != 1.0 {
+            let arguments = vec![value, Formula::Number(unit.factor)];
+            value = self.apply(Function::Div, arguments, typed.at)?;
+        }
+        let entry = self.scene.outputs.get_mut(instance.slot)?;
+        entry.value = value;
+        entry.components = components;
+        entry.unit = unit;
+        Some(())
+    }
+
+    /// Fills the events.
+    pub fn events(&mut self) {
+        for instance in self.of("event") {
+            self.poison(Named::Event(instance.slot), |this| this.event(&instance));
+        }
+    }
+
+    fn event(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let item = instance.item;
+        let scope = instance.scope(Stage::Live);
+        let left = self.value(item.clause("=")?, scope);
+        let mut passages = [
+            ("crosses", Direction::Crosses),
+            ("rises", Direction::Rises),
+            ("falls", Direction::Falls),
+        ]
+        .into_iter()
+        .filter_map(|(sign, direction)| item.given(sign).map(|given| (given, direction)));
+        let Some((given, direction)) = passages.next() else {
+            if item.broken {
+                return None;
+            }
+            return self.fail(say::event_without_value(item.name_at()));
+        };
+        if let Some((extra, _)) = passages.next() {
+            return self.fail(say::event_twice(extra.at));
+        }
+        let right = self.value(given.value, scope)?;
+        let left = left?;
+        if left.vector {
+            return self.fail(say::scalar_wanted(left.at, "an event"));
+        }
+        if let (Some(wanted), Some(found)) = (left.dimension, right.dimension)
+            && wanted != found
+        {
+            return self.fail(match &right.bare {
+                Some(text) if found == units::NONE => {
+                    say::needs_unit(right.at, given.sign, wanted, text)
+                }
+                _ => say::wrong_dimension(right.at, given.sign, wanted, found),
+            });
+        }
+        let guard = if right.formula == Formula::Number(0.0) {
+            left.formula
+        } else {
+            let at = left.at.to(right.at);
+            self.alike(Function::Sub, left, right, at)?.formula
+        };
+        let entry = self.scene.events.get_mut(instance.slot)?;
+        entry.guard = guard;
+        entry.direction = direction;
+        Some(())
+    }
+}

@@ -1,0 +1,215 @@
+//! Points, lines, springs and joints.
+
+use mbd_scene::{Clamp, Difference, Formula, JointLaw, NodeModel, Place, PointKind};
+
+use super::fields::Accept;
+use super::{Instance, Named, Resolver, Stage};
+use crate::lexeme::Bracket;
+use crate::messages::resolve as say;
+use crate::syntax::{Cursor, Item, Value, Word, words};
+use crate::units;
+
+impl Resolver<'_> {
+    /// Fills the points; a massless one without a declared model is `static` until its lines are known.
+    pub fn points(&mut self) {
+        for instance in self.of("point") {
+            self.poison(Named::Point(instance.slot), |this| this.point(&instance));
+        }
+    }
+
+    fn point(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let name = self.scene.points.get(instance.slot)?.name.clone();
+        let fields = self.fields(&instance.item.block, &["mass", "equilibrium"]);
+        let scope = instance.scope(Stage::Fixed);
+        let kind = match (fields.get("mass"), fields.get("equilibrium")) {
+            (Some(_), Some(other)) => {
+                return self.fail(say::mass_and_equilibrium(other.word.at.into(), &name));
+            }
+            (Some(mass), None) => {
+                let value = mass.clause(":")?;
+                let accept = Accept::Positive;
+                PointKind::Mass(self.quantity(&name, "mass", value, units::MASS, accept, scope)?)
+            }
+            (None, Some(model)) => {
+                let model = self.node_model(model.clause(":")?)?;
+                self.chosen.insert(instance.slot);
+                PointKind::Node(model)
+            }
+            (None, None) => PointKind::Node(NodeModel::Static),
+        };
+        self.scene.points.get_mut(instance.slot)?.kind = kind;
+        (!fields.doubtful).then_some(())
+    }
+
+    /// `static`, `rate`, `stepwise`, or `stepwise { formula: euler, clamp: literal }`.
+    fn node_model(&mut self, value: Value<'_>) -> Option<NodeModel> {
+        const MODELS: &[&str] = &["static", "stepwise", "rate"];
+        let mut cursor = Cursor::new(value);
+        let word = cursor.word();
+        let model = match word.as_ref().map(|word| word.text.as_str()) {
+            Some("static") => NodeModel::Static,
+            Some("rate") => NodeModel::Rate,
+            Some("stepwise") => {
+                let block = cursor.group(Bracket::Brace).map(|group| self.block(group));
+                self.stepwise(&block.unwrap_or_default())?
+            }
+            Some(other) => {
+                return self.fail(say::unknown_word(value.at, "node model", other, MODELS));
+            }
+            None => return self.fail(cursor.expected("`static`, `stepwise` or `rate`")),
+        };
+        match cursor.finish("the end of the field") {
+            Ok(()) => Some(model),
+            Err(report) => self.fail(report),
+        }
+    }
+
+    fn stepwise(&mut self, block: &[Item<'_>]) -> Option<NodeModel> {
+        let fields = self.fields(block, &["formula", "clamp"]);
+        let formula = match fields.value("formula") {
+            None => Difference::default(),
+            Some(value) => self.choice(
+                value,
+                "difference formula",
+                &[("euler", Difference::Euler), ("bdf2", Difference::Bdf2)],
+            )?,
+        };
+        let clamp = match fields.value("clamp") {
+            None => Clamp::default(),
+            Some(value) => self.choice(
+                value,
+                "clamp",
+                &[("positive", Clamp::Positive), ("literal", Clamp::Literal)],
+            )?,
+        };
+        Some(NodeModel::Stepwise { formula, clamp })
+    }
+
+    /// One word of a closed set.
+    pub fn choice<T: Copy>(
+        &mut self,
+        value: Value<'_>,
+        what: &str,
+        set: &[(&str, T)],
+    ) -> Option<T> {
+        let words: Vec<&str> = set.iter().map(|(word, _)| *word).collect();
+        let mut cursor = Cursor::new(value);
+        let Some(word) = cursor.word() else {
+            let report = cursor.expected(&format!("one of {}", words.join(", ")));
+            return self.fail(report);
+        };
+        if let Err(report) = cursor.finish("the end of the value") {
+            return self.fail(report);
+        }
+        match set.iter().find(|(known, _)| *known == word.text) {
+            Some((_, value)) => Some(*value),
+            None => self.fail(say::unknown_word(word.at.into(), what, &word.text, &words)),
+        }
+    }
+
+    /// Fills the lines and springs.
+    pub fn lines(&mut self) {
+        for kind in ["line", "spring"] {
+            for instance in self.of(kind) {
+                self.poison(Named::Line(instance.slot), |this| this.line(&instance));
+            }
+        }
+    }
+
+    fn line(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let item = instance.item;
+        let name = self.scene.lines.get(instance.slot)?.name.clone();
+        let scope = instance.scope(Stage::Fixed);
+        let from = item.clause("from").and_then(|v| self.place(v, scope));
+        let to = item.clause("to").and_then(|v| self.place(v, scope));
+        let known = words::find("line", false)?.fields?;
+        let fields = self.fields(&item.block, known);
+        let mut values = Vec::new();
+        for (field, dimension, accept) in [
+            ("free_length", units::LENGTH, Accept::NotNegative),
+            ("stiffness", units::STIFFNESS, Accept::Positive),
+            ("damping", units::DAMPING, Accept::NotNegative),
+        ] {
+            let value = match fields.value(field) {
+                Some(value) => self.quantity(&name, field, value, dimension, accept, scope),
+                None if field == "damping" => Some(Formula::Number(0.0)),
+                None if fields.doubtful || item.broken => None,
+                None => {
+                    let unit = units::si_text(dimension);
+                    let (kind, at) = (item.word.text.as_str(), item.name_at());
+                    self.fail(say::no_field(at, kind, &name, field, &unit))
+                }
+            };
+            values.push(value);
+        }
+        let values: Option<Vec<Formula>> = values.into_iter().collect();
+        let [free_length, stiffness, damping]: [Formula; 3] = values?.try_into().ok()?;
+        let entry = self.scene.lines.get_mut(instance.slot)?;
+        entry.free_length = free_length;
+        entry.stiffness = stiffness;
+        entry.damping = damping;
+        (entry.from, entry.to) = (from?, to?);
+        Some(())
+    }
+
+    /// Fills the joints.
+    pub fn joints(&mut self) {
+        for instance in self.of("joint") {
+            self.poison(Named::Joint(instance.slot), |this| this.joint(&instance));
+        }
+    }
+
+    fn joint(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let item = instance.item;
+        let scope = instance.scope(Stage::Fixed);
+        let law = item.clause(":").and_then(|value| self.joint_law(value));
+        let [parent, child] = ["from", "to"].map(|end| {
+            item.clause(end)
+                .and_then(|value| self.joint_end(value, scope))
+        });
+        let fields = self.fields(&item.block, &["coordinates"]);
+        if let Some(value) = fields.value("coordinates") {
+            self.choice(value, "coordinates of a free joint", &[("quaternion", ())])?;
+        }
+        let (law, parent, child) = (law?, parent?, child?);
+        if !matches!(parent, Place::World(_)) {
+            let at = item.clause("from").map_or(item.at, |value| value.at);
+            return self.fail(say::free_from_body(at));
+        }
+        if !matches!(child, Place::Body(..)) {
+            let at = item.clause("to").map_or(item.at, |value| value.at);
+            return self.fail(say::free_to_world(at));
+        }
+        let entry = self.scene.joints.get_mut(instance.slot)?;
+        entry.law = law;
+        entry.parent = parent;
+        entry.child = child;
+        Some(())
+    }
+
+    fn joint_law(&mut self, value: Value<'_>) -> Option<JointLaw> {
+        let mut cursor = Cursor::new(value);
+        let Some(Word { text, at }) = cursor.word() else {
+            return self.fail(cursor.expected("the kind of the joint, such as `free`"));
+        };
+        if let Err(report) = cursor.finish("`from`") {
+            return self.fail(report);
+        }
+        match text.as_str() {
+            "free" => Some(JointLaw::Free),
+            word => self.fail(say::joint_law(at.into(), word)),
+        }
+    }
+
+    fn joint_end(&mut self, value: Value<'_>, scope: super::Scope<'_>) -> Option<Place> {
+        let place = self.place(value, scope)?;
+        match place {
+            Place::Point(point) => {
+                let name = self.scene.points.get(point)?.name.clone();
+                let massless = matches!(self.scene.points.get(point)?.kind, PointKind::Node(_));
+                self.fail(say::joint_on_point(value.at, &name, massless))
+            }
+            place => Some(place),
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Resolving: names become indices, expressions become formulas in SI, items become the [`Scene`].
+//!
+//! The driver [`resolve`] reads as the list of what a declaration has. Every list of the scene gets all its entries first, with
+//! placeholders, so that a name can be used before it is declared and a scene with mistakes still has its shape.
+
+mod bodies;
+mod collect;
+mod fields;
+pub mod fold;
+mod forces;
+mod lines;
+mod names;
+mod numbers;
+mod path;
+mod settings;
+mod value;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use mbd_scene::Scene;
+
+pub use names::{Named, Namespace};
+pub use value::{Scope, Stage, Typed};
+
+use crate::lexeme::{At, Region};
+use crate::messages::Messages;
+use crate::syntax::{Item, Model};
+
+/// An item, once for every value of its index.
+#[derive(Clone, Debug)]
+pub struct Instance<'a> {
+    /// The item.
+    pub item: &'a Item<'a>,
+    /// Its index in the list of the scene, or of its body.
+    pub slot: usize,
+    /// The body of a frame.
+    pub owner: usize,
+    /// The name of the index and its value.
+    pub index: Option<(String, i64)>,
+}
+
+impl Instance<'_> {
+    /// The scope of its values.
+    pub fn scope(&self, stage: Stage) -> Scope<'_> {
+        Scope {
+            stage,
+            index: self
+                .index
+                .as_ref()
+                .map(|(name, value)| (name.as_str(), *value)),
+        }
+    }
+}
+
+/// What the declaration asks for besides the scene.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// `verify;`
+    pub verify: bool,
+    /// `emit: […]`
+    pub emit: Option<Vec<String>>,
+}
+
+/// A scene in the making, and everything the later stages need to know about it.
+pub struct Resolver<'a> {
+    /// The scene.
+    pub scene: Scene,
+    /// What is asked for besides.
+    pub asked: Asked,
+    /// All names but frames.
+    pub names: Namespace,
+    /// The frames of the world.
+    pub world: Namespace,
+    /// The frames of each body.
+    pub frames: Vec<Namespace>,
+    /// The items of each kind, repeated ones expanded: by keyword, in order.
+    pub instances: BTreeMap<&'static str, Vec<Instance<'a>>>,
+    /// Errors.
+    pub messages: Messages,
+    /// Warnings.
+    pub warnings: Messages,
+    /// Choices made.
+    pub notes: Vec<String>,
+    /// Where each thing is declared.
+    pub declared: BTreeMap<Named, Region>,
+    /// Where each thing is used.
+    pub used: Vec<(Named, At)>,
+    /// What has been used at least once.
+    pub mentioned: BTreeSet<Named>,
+    /// What has a mistake of its own: its users are not blamed.
+    pub bad: BTreeSet<Named>,
+    /// Names of items that could not be read, or are used twice: what refers to them is not blamed.
+    pub broken: BTreeSet<String>,
+    /// Names that are declared but not collected yet, while the numbers are made.
+    pub later: BTreeSet<String>,
+    /// Whether reading lost no item.
+    pub whole: bool,
+    /// Points whose model is declared.
+    pub chosen: BTreeSet<usize>,
+    /// Whether bare numbers are SI.
+    pub si: bool,
+    /// Where the model's name is.
+    pub head: Region,
+}
+
+/// Resolves a model as far as it goes.
+pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
+    let mut resolver = Resolver::new(model);
+    resolver.settings(model);
+    resolver.collect_numbers(model);
+    resolver.numbers();
+    resolver.collect_things(model);
+    resolver.world_frames();
+    resolver.bodies();
+    resolver.points();
+    resolver.lines();
+    resolver.joints();
+    resolver.gravity(model);
+    resolver.loads();
+    resolver.outputs();
+    resolver.events();
+    resolver
+}
+
+impl<'a> Resolver<'a> {
+    fn new(model: &'a Model<'a>) -> Self {
+        let name = model.name.as_ref();
+        Resolver {
+            scene: Scene {
+                name: name.map_or_else(|| "Model".to_string(), |word| word.text.clone()),
+                doc: model.doc.clone(),
+                ..Scene::default()
+            },
+            asked: Asked::default(),
+            names: Namespace::default(),
+            world: Namespace::default(),
+            frames: Vec::new(),
+            instances: BTreeMap::new(),
+            messages: Messages::default(),
+            warnings: Messages::default(),
+            notes: Vec::new(),
+            declared: BTreeMap::new(),
+            used: Vec::new(),
+            mentioned: BTreeSet::new(),
+            bad: BTreeSet::new(),
+            broken: BTreeSet::new(),
+            later: BTreeSet::new(),
+            whole: true,
+            chosen: BTreeSet::new(),
+            si: false,
+            head: name.map_or(Region::START, |word| word.at.into()),
+        }
+    }
+
+    /// Remembers that something is used here.
+    pub fn mention(&mut self, named: Named, at: At) {
+        self.mentioned.insert(named);
+        if !self.used.contains(&(named, at)) && self.used.len() < 2000 {
+            self.used.push((named, at));
+        }
+    }
+
+    /// The instances of a kind.
+    pub fn of(&self, word: &str) -> Vec<Instance<'a>> {
+        self.instances.get(word).cloned().unwrap_or_default()
+    }
+
+    /// The table of this name.
+    pub fn table(&self, word: &str) -> Option<usize> {
+        match self.names.get(word).map(|entry| &entry.members) {
+            Some(names::Members::One(Named::Table(index))) => Some(*index),
+            _ => None,
+        }
+    }
+}

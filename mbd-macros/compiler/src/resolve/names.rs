@@ -1,0 +1,135 @@
+//! Names: what every word of the declaration refers to.
+
+use std::collections::BTreeMap;
+
+use crate::lexeme::Region;
+
+/// Something that has a name: index into its list of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Named {
+    /// A const.
+    Const(usize),
+    /// A param.
+    Param(usize),
+    /// An input.
+    Input(usize),
+    /// A table.
+    Table(usize),
+    /// A frame of the world.
+    WorldFrame(usize),
+    /// A body.
+    Body(usize),
+    /// A frame of a body: body, frame.
+    Frame(usize, usize),
+    /// A point.
+    Point(usize),
+    /// A joint.
+    Joint(usize),
+    /// A line or spring.
+    Line(usize),
+    /// A load.
+    Load(usize),
+    /// An output.
+    Output(usize),
+    /// An event.
+    Event(usize),
+}
+
+impl Named {
+    /// The word for its kind.
+    pub fn kind(self) -> &'static str {
+        match self {
+            Named::Const(_) => "const",
+            Named::Param(_) => "param",
+            Named::Input(_) => "input",
+            Named::Table(_) => "table",
+            Named::WorldFrame(_) | Named::Frame(..) => "frame",
+            Named::Body(_) => "body",
+            Named::Point(_) => "point",
+            Named::Joint(_) => "joint",
+            Named::Line(_) => "line",
+            Named::Load(_) => "load",
+            Named::Output(_) => "output",
+            Named::Event(_) => "event",
+        }
+    }
+}
+
+/// What one word stands for.
+#[derive(Clone, Debug)]
+pub enum Members {
+    /// One thing.
+    One(Named),
+    /// Several, by index: `leg[0]`, `leg[1]`.
+    Many(BTreeMap<i64, Named>),
+}
+
+/// A word with what it stands for and where it was declared.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// What it stands for.
+    pub members: Members,
+    /// Where it is declared first.
+    pub at: Region,
+}
+
+/// The words of one namespace, in alphabetical order.
+#[derive(Clone, Debug, Default)]
+pub struct Namespace {
+    entries: BTreeMap<String, Entry>,
+    /// The words in the order of declaration.
+    pub order: Vec<String>,
+}
+
+impl Namespace {
+    /// Adds a name, with an index if it is repeated. Returns the place of the first one when it is taken.
+    pub fn add(
+        &mut self,
+        word: &str,
+        index: Option<i64>,
+        named: Named,
+        at: Region,
+    ) -> Result<(), Region> {
+        if let Some(entry) = self.entries.get_mut(word) {
+            return match (&mut entry.members, index) {
+                (Members::Many(members), Some(index))
+                    if !members.contains_key(&index)
+                        && members.values().all(|other| other.kind() == named.kind()) =>
+                {
+                    members.insert(index, named);
+                    Ok(())
+                }
+                _ => Err(entry.at),
+            };
+        }
+        let members = match index {
+            None => Members::One(named),
+            Some(index) => Members::Many([(index, named)].into()),
+        };
+        self.order.push(word.to_string());
+        self.entries.insert(word.to_string(), Entry { members, at });
+        Ok(())
+    }
+
+    /// What a word stands for.
+    pub fn get(&self, word: &str) -> Option<&Entry> {
+        self.entries.get(word)
+    }
+
+    /// The words in the order of declaration.
+    pub fn words(&self) -> impl Iterator<Item = &str> {
+        self.order.iter().map(String::as_str)
+    }
+
+    /// The words whose kind passes, in the order of declaration.
+    pub fn words_of(&self, wanted: impl Fn(Named) -> bool) -> Vec<&str> {
+        self.words()
+            .filter(|word| {
+                self.get(word).is_some_and(|entry| match &entry.members {
+                    Members::One(named) => wanted(*named),
+                    Members::Many(members) => members.values().any(|named| wanted(*named)),
+                })
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,389 @@
+//! Numbers of the declaration: consts, params, inputs and tables.
+
+use std::collections::BTreeSet;
+
+use mbd_scene::{
+    Constant, Dimension, Direction, Event, Formula, Input, Output, Parameter, Table, Unit,
+};
+
+use super::{Instance, Named, Resolver, Stage, Typed, fold};
+use crate::lexeme::{Bracket, Kind, Lexeme, Region};
+use crate::messages::{resolve as say, syntax as say_syntax};
+use crate::syntax::expression::{self, Expression};
+use crate::syntax::{Cursor, Value, unit};
+use crate::units;
+
+impl Resolver<'_> {
+    /// Fills consts, then what is made of them.
+    pub fn numbers(&mut self) {
+        self.consts();
+        for param in self.of("param") {
+            self.poison(Named::Param(param.slot), |this| this.param(&param));
+        }
+        for input in self.of("input") {
+            self.poison(Named::Input(input.slot), |this| this.input(&input));
+        }
+        for table in self.of("table") {
+            self.poison(Named::Table(table.slot), |this| this.fill_table(&table));
+        }
+    }
+
+    /// Runs a step; what it could not finish is not blamed on its users.
+    pub fn poison(&mut self, named: Named, step: impl FnOnce(&mut Self) -> Option<()>) {
+        if self.bad.contains(&named) || step(self).is_none() {
+            self.bad.insert(named);
+        }
+    }
+
+    /// Entries for the lists of numbers and results.
+    pub fn number_placeholder(&mut self, word: &str, name: String, doc: String) {
+        let scene = &mut self.scene;
+        let unit = Unit {
+            factor: 1.0,
+            ..Unit::default()
+        };
+        match word {
+            "const" => scene.consts.push(Constant {
+                name,
+                doc,
+                value: 0.0,
+                unit,
+            }),
+            "param" => scene.params.push(Parameter {
+                name,
+                doc,
+                default: 0.0,
+                range: None,
+                unit,
+            }),
+            "input" => scene.inputs.push(Input {
+                name,
+                doc,
+                components: 1,
+                unit,
+            }),
+            "table" => scene.tables.push(Table {
+                name,
+                doc,
+                x: vec![0.0],
+                y: vec![0.0],
+                x_unit: unit.clone(),
+                y_unit: unit,
+            }),
+            "output" => scene.outputs.push(Output {
+                name,
+                doc,
+                value: Formula::Number(0.0),
+                components: 1,
+                unit,
+            }),
+            _ => scene.events.push(Event {
+                name,
+                doc,
+                guard: Formula::Number(1.0),
+                direction: Direction::Crosses,
+            }),
+        }
+    }
+
+    /// Fills consts in the order of what they depend on.
+    fn consts(&mut self) {
+        let mut waiting: Vec<(Instance<'_>, Expression)> = Vec::new();
+        for instance in self.of("const") {
+            let named = Named::Const(instance.slot);
+            let parsed = instance.item.clause("=").map(expression::whole);
+            match parsed {
+                Some(Ok(parsed)) if !self.bad.contains(&named) => waiting.push((instance, parsed)),
+                Some(Err(report)) => {
+                    self.messages.push(report);
+                    self.bad.insert(named);
+                }
+                _ => {
+                    self.bad.insert(named);
+                }
+            }
+        }
+        let mut open: BTreeSet<usize> = waiting.iter().map(|(i, _)| i.slot).collect();
+        loop {
+            let before = waiting.len();
+            let mut later = Vec::new();
+            for (instance, parsed) in waiting {
+                let mut needs = BTreeSet::new();
+                self.const_names(&parsed, &mut needs);
+                if needs.is_disjoint(&open) {
+                    open.remove(&instance.slot);
+                    self.poison(Named::Const(instance.slot), |this| {
+                        this.constant(&instance, &parsed)
+                    });
+                } else {
+                    later.push((instance, parsed));
+                }
+            }
+            waiting = later;
+            if waiting.is_empty() || waiting.len() == before {
+                break;
+            }
+        }
+        for (instance, _) in waiting {
+            let name = self.scene.consts.get(instance.slot).map(|c| c.name.clone());
+            let report = say::circular(instance.item.name_at(), &name.unwrap_or_default());
+            self.messages.push(report);
+            self.bad.insert(Named::Const(instance.slot));
+        }
+    }
+
+    /// The consts an expression names.
+    fn const_names(&self, parsed: &Expression, needs: &mut BTreeSet<usize>) {
+        match parsed {
+            Expression::Number { .. } => {}
+            Expression::Vector { parts, .. } => {
+                parts.iter().for_each(|part| self.const_names(part, needs));
+            }
+            Expression::Call { arguments, .. } => {
+                arguments.iter().for_each(|a| self.const_names(a, needs));
+            }
+            Expression::Component { of, .. } => self.const_names(of, needs),
+            Expression::Negative(inner, _) => self.const_names(inner, needs),
+            Expression::Binary { sides, .. } => {
+                sides.iter().for_each(|side| self.const_names(side, needs));
+            }
+            Expression::Path(steps) => {
+                let first = steps
+                    .first()
+                    .and_then(|step| self.names.get(&step.word.text));
+                if let Some(super::names::Members::One(Named::Const(index))) =
+                    first.map(|entry| &entry.members)
+                {
+                    needs.insert(*index);
+                }
+            }
+        }
+    }
+
+    fn constant(&mut self, instance: &Instance<'_>, parsed: &Expression) -> Option<()> {
+        let typed = self.typed(parsed, instance.scope(Stage::Constant))?;
+        let unit = written_unit(parsed).unwrap_or_else(|| typed.unit());
+        let value = self.constant_value(typed)?;
+        let entry = self.scene.consts.get_mut(instance.slot)?;
+        entry.value = value;
+        entry.unit = unit;
+        Some(())
+    }
+
+    /// The number of a constant scalar.
+    fn constant_value(&mut self, typed: Typed) -> Option<f64> {
+        if typed.vector {
+            return self.fail(say::scalar_wanted(typed.at, "a const or param"));
+        }
+        match fold::known(&typed.formula, &self.scene, false) {
+            Some(fold::Fixed::Scalar(value)) => Some(value),
+            _ => self.fail(say::not_constant(typed.at, "this")),
+        }
+    }
+
+    fn param(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let parsed = match expression::whole(instance.item.clause("=")?) {
+            Ok(parsed) => parsed,
+            Err(report) => return self.fail(report),
+        };
+        let typed = self.typed(&parsed, instance.scope(Stage::Constant))?;
+        let unit = written_unit(&parsed).unwrap_or_else(|| typed.unit());
+        let (at, dimension) = (typed.at, typed.dimension);
+        let bare = typed.bare.clone();
+        let default = self.constant_value(typed)?;
+        if let Some(entry) = self.scene.params.get_mut(instance.slot) {
+            entry.default = default;
+            entry.unit = unit.clone();
+        }
+        if let Some(range) = instance.item.clause("in") {
+            let (ends, found) = self.range(range, instance, &unit)?;
+            let name = self.scene.params.get(instance.slot)?.name.clone();
+            if let (Some(wanted), Some(this)) = (dimension, found)
+                && wanted != this
+            {
+                return self.fail(match bare {
+                    Some(text) if wanted == units::NONE => say::needs_unit(at, &name, this, &text),
+                    _ => say::wrong_dimension(range.at, "in", wanted, this),
+                });
+            }
+            let [low, high] = ends;
+            if low > high {
+                return self.fail(say::empty_range(range.at, &name));
+            }
+            if default < low || default > high {
+                return self.fail(say::default_outside(at, &name, range.at));
+            }
+            self.scene.params.get_mut(instance.slot)?.range = Some([low, high]);
+        }
+        Some(())
+    }
+
+    /// `600 kg ..= 900 kg`: both ends and their dimension. An end without a unit is told here, if the default has one.
+    fn range(
+        &mut self,
+        value: Value<'_>,
+        instance: &Instance<'_>,
+        unit: &Unit,
+    ) -> Option<([f64; 2], Option<Dimension>)> {
+        let mut cursor = Cursor::new(value);
+        let low = match expression::prefix(&mut cursor) {
+            Ok(low) => low,
+            Err(report) => return self.fail(report),
+        };
+        if cursor.signs("..=").is_none() {
+            let half = cursor.signs("..").is_some();
+            return self.fail(if half {
+                say_syntax::half_open_range(value.at)
+            } else {
+                say_syntax::value_range(value.at)
+            });
+        }
+        let high = match expression::prefix(&mut cursor) {
+            Ok(high) => high,
+            Err(report) => return self.fail(report),
+        };
+        if let Err(report) = cursor.finish("the end of the range") {
+            return self.fail(report);
+        }
+        let mut ends = [0.0; 2];
+        let mut dimension = None;
+        for (end, parsed) in ends.iter_mut().zip([low, high]) {
+            let typed = self.typed(&parsed, instance.scope(Stage::Constant))?;
+            match (&typed.bare, typed.dimension) {
+                (Some(text), Some(units::NONE)) if unit.dimension != units::NONE => {
+                    return self.fail(say::needs_unit(typed.at, "in", unit.dimension, text));
+                }
+                (_, Some(found)) if dimension.is_some_and(|known| known != found) => {
+                    let known = dimension.unwrap_or(found);
+                    return self.fail(say::wrong_dimension(typed.at, "in", known, found));
+                }
+                (_, found) => dimension = dimension.or(found),
+            }
+            *end = self.constant_value(typed)?;
+        }
+        Some((ends, dimension))
+    }
+
+    /// `wind: [speed; 3]` or `thrust: force`.
+    fn input(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let value = instance.item.clause(":")?;
+        let mut cursor = Cursor::new(value);
+        let (inner, components) = match cursor.group(Bracket::Square) {
+            Some(group) => {
+                if let Err(report) = cursor.finish("`;`") {
+                    return self.fail(report);
+                }
+                let [lexemes @ .., semicolon, count] = group.lexemes else {
+                    return self.fail(say::input_type(value.at));
+                };
+                if semicolon.kind != Kind::Sign(';') || count.kind != Kind::Number("3".into()) {
+                    return self.fail(say::input_type(value.at));
+                }
+                (lexemes, 3)
+            }
+            None => (value.lexemes, 1),
+        };
+        let unit = self.input_unit(inner, value.at)?;
+        let entry = self.scene.inputs.get_mut(instance.slot)?;
+        entry.components = components;
+        entry.unit = unit;
+        Some(())
+    }
+
+    fn input_unit(&mut self, lexemes: &[Lexeme], at: Region) -> Option<Unit> {
+        if let [only] = lexemes
+            && let Kind::Word(word) = &only.kind
+        {
+            if let Some(unit) = units::of_quantity(word) {
+                return Some(unit);
+            }
+            if units::find(word).is_none() {
+                return self.fail(say::unknown_input_type(only.at.into(), word));
+            }
+        }
+        let unit = match unit::whole(Cursor::new(Value { lexemes, at })) {
+            Ok(unit) => unit,
+            Err(report) => return self.fail(report),
+        };
+        if unit.factor != 1.0 {
+            return self.fail(say::input_in_si(at, unit.dimension));
+        }
+        Some(unit)
+    }
+
+    /// `{ 0 km: 0.0145 kg/m^3, 10 km: 0.006 kg/m^3 }`
+    fn fill_table(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let value = instance.item.clause("=")?;
+        let mut cursor = Cursor::new(value);
+        let Some(group) = cursor.group(Bracket::Brace) else {
+            return self.fail(cursor.expected("`{ argument: value, … }`"));
+        };
+        if let Err(report) = cursor.finish("`;`") {
+            return self.fail(report);
+        }
+        let rows = Cursor::new(group).comma_separated();
+        if rows.len() < 2 {
+            return self.fail(say::short_table(group.at));
+        }
+        let mut columns: [(Vec<f64>, Option<Unit>); 2] = [(Vec::new(), None), (Vec::new(), None)];
+        let mut good = true;
+        for row in rows {
+            good &= self.table_row(row, instance, &mut columns).is_some();
+        }
+        let [(x, x_unit), (y, y_unit)] = columns;
+        let pure = || units::si("", units::NONE);
+        let entry = self.scene.tables.get_mut(instance.slot)?;
+        entry.x = x;
+        entry.y = y;
+        entry.x_unit = x_unit.unwrap_or_else(pure);
+        entry.y_unit = y_unit.unwrap_or_else(pure);
+        good.then_some(())
+    }
+
+    fn table_row(
+        &mut self,
+        row: Value<'_>,
+        instance: &Instance<'_>,
+        columns: &mut [(Vec<f64>, Option<Unit>); 2],
+    ) -> Option<()> {
+        let mut cursor = Cursor::new(row);
+        for (column, (values, unit)) in columns.iter_mut().enumerate() {
+            let parsed = match expression::prefix(&mut cursor) {
+                Ok(parsed) => parsed,
+                Err(report) => return self.fail(report),
+            };
+            if column == 0 && cursor.sign(':').is_none() {
+                return self.fail(cursor.expected("`:` and the value at this argument"));
+            }
+            let typed = self.typed(&parsed, instance.scope(Stage::Constant))?;
+            let (at, dimension) = (typed.at, typed.dimension);
+            let this = written_unit(&parsed).unwrap_or_else(|| typed.unit());
+            let value = self.constant_value(typed)?;
+            if column == 0 && values.last().is_some_and(|&last| value <= last) {
+                return self.fail(say::table_order(at));
+            }
+            match (unit.as_ref(), dimension) {
+                (Some(known), Some(found)) if known.dimension != found => {
+                    let wanted = known.dimension;
+                    return self.fail(say::table_dimension(at, wanted, found));
+                }
+                (None, Some(_)) => *unit = Some(this),
+                _ => {}
+            }
+            values.push(value);
+        }
+        match cursor.finish("`,`") {
+            Ok(()) => Some(()),
+            Err(report) => self.fail(report),
+        }
+    }
+}
+
+/// The unit of a value that is one number.
+fn written_unit(parsed: &Expression) -> Option<Unit> {
+    match parsed {
+        Expression::Number { unit, .. } => unit.clone(),
+        Expression::Negative(inner, _) => written_unit(inner),
+        _ => None,
+    }
+}

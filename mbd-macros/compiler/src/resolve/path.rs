@@ -1,0 +1,439 @@
+//! Paths: `capsule.bridle[i].position`, `riser.tension`, `wind.x`, and the ends of lines and joints.
+
+use mbd_scene::{Dimension, Formula, Place};
+
+use super::names::{Entry, Members};
+use super::{Named, Resolver, Scope, Stage, Typed, fold};
+use crate::lexeme::Region;
+use crate::messages::{Report, resolve as say};
+use crate::syntax::expression::{self, Step};
+use crate::syntax::{Value, words};
+use crate::units;
+
+impl Resolver<'_> {
+    /// A path inside an expression.
+    pub fn path(&mut self, steps: &[Step], at: Region, scope: Scope<'_>) -> Option<Typed> {
+        let (first, rest) = steps.split_first()?;
+        let word = first.word.text.as_str();
+        let here = Region::from(first.word.at);
+        if let Some((name, value)) = scope.index
+            && name == word
+        {
+            let index = Typed::of(Formula::Number(value as f64), false, units::NONE, here);
+            return self.tail(index, rest);
+        }
+        if word == "time" {
+            self.live(scope, here, "time")?;
+            return self.tail(Typed::of(Formula::Time, false, units::TIME, here), rest);
+        }
+        if word == "world" {
+            let (place, rest) = self.world_place(first, rest, scope)?;
+            return self.frame_quantity(place, "world", rest, at, scope);
+        }
+        let named = self.find(first, scope, rest.is_empty())?;
+        self.mention(named, first.word.at);
+        let number = matches!(
+            named,
+            Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::Table(_)
+        );
+        if number && self.bad.contains(&named) {
+            return None;
+        }
+        match named {
+            Named::Const(index) => {
+                let dimension = self.scene.consts.get(index)?.unit.dimension;
+                self.tail(
+                    self.declared(Formula::Const(index), false, dimension, here, named),
+                    rest,
+                )
+            }
+            Named::Param(index) => {
+                if scope.stage == Stage::Constant {
+                    return self.fail(say::not_constant(at, "a param"));
+                }
+                let dimension = self.scene.params.get(index)?.unit.dimension;
+                self.tail(
+                    self.declared(Formula::Param(index), false, dimension, here, named),
+                    rest,
+                )
+            }
+            Named::Input(index) => {
+                self.live(scope, at, &format!("the input `{word}`"))?;
+                let input = self.scene.inputs.get(index)?;
+                let (vector, dimension) = (input.components == 3, input.unit.dimension);
+                self.tail(
+                    self.declared(Formula::Input(index), vector, dimension, here, named),
+                    rest,
+                )
+            }
+            Named::Body(body) => self.body_quantity(body, first, rest, at, scope),
+            Named::Point(point) => {
+                self.live(scope, at, &format!("the motion of `{word}`"))?;
+                self.point_quantity(point, word, rest, at)
+            }
+            Named::Line(line) => {
+                self.live(scope, at, &format!("the state of `{word}`"))?;
+                self.line_quantity(line, word, rest, at)
+            }
+            Named::Table(_) => self.fail(say::table_without_argument(here, word)),
+            other => self.fail(say::not_a_quantity(here, word, other.kind())),
+        }
+    }
+
+    /// The typed value of something with a declared unit.
+    fn declared(
+        &self,
+        formula: Formula,
+        vector: bool,
+        dimension: Dimension,
+        at: Region,
+        named: Named,
+    ) -> Typed {
+        let text = match named {
+            Named::Const(i) => self.scene.consts.get(i).map(|c| c.unit.text.clone()),
+            Named::Param(i) => self.scene.params.get(i).map(|p| p.unit.text.clone()),
+            Named::Input(i) => self.scene.inputs.get(i).map(|i| i.unit.text.clone()),
+            _ => None,
+        };
+        let text = text.unwrap_or_default();
+        let free = self.si && text.is_empty() && dimension == units::NONE;
+        let angle = text.starts_with("rad") || text.starts_with("deg");
+        Typed {
+            dimension: (!free).then_some(dimension),
+            angle: i8::from(angle),
+            ..Typed::of(formula, vector, dimension, at)
+        }
+    }
+
+    /// The components at the end of a path.
+    fn tail(&mut self, typed: Typed, rest: &[Step]) -> Option<Typed> {
+        let mut typed = typed;
+        for step in rest {
+            if step.index.is_some() {
+                return self.fail(say::no_index(step.word.at.into(), &step.word.text));
+            }
+            typed = self.component(typed, &step.word)?;
+        }
+        Some(typed)
+    }
+
+    /// What changes during a run is an error before it.
+    fn live(&mut self, scope: Scope<'_>, at: Region, what: &str) -> Option<()> {
+        match scope.stage {
+            Stage::Live => Some(()),
+            Stage::Fixed => self.fail(say::not_fixed(at, what)),
+            Stage::Constant => self.fail(say::not_constant(at, what)),
+        }
+    }
+
+    /// What the first name of a path refers to.
+    fn find(&mut self, step: &Step, scope: Scope<'_>, alone: bool) -> Option<Named> {
+        let word = &step.word.text;
+        match self.names.get(word).cloned() {
+            Some(_) if self.broken.contains(word) => None,
+            Some(entry) => self.member(&entry, step, scope),
+            None => {
+                let report = self.unknown(step, alone);
+                self.fail_unless_broken(word, report)
+            }
+        }
+    }
+
+    fn unknown(&self, step: &Step, alone: bool) -> Report {
+        let word = &step.word.text;
+        let at = step.word.at.into();
+        if alone {
+            let known = self
+                .names
+                .words_of(|n| matches!(n, Named::Const(_) | Named::Param(_) | Named::Input(_)));
+            say::unknown_parameter(at, word, &known)
+        } else {
+            let known = self.names.words_of(|n| {
+                matches!(
+                    n,
+                    Named::Body(_) | Named::Point(_) | Named::Line(_) | Named::Input(_)
+                )
+            });
+            say::unknown_thing(at, word, &known)
+        }
+    }
+
+    /// A report, unless the name belongs to an item whose own mistake has been reported.
+    fn fail_unless_broken<T>(&mut self, word: &str, report: Report) -> Option<T> {
+        if self.broken.contains(word) {
+            return None;
+        }
+        if self.later.contains(word) {
+            return self.fail(say::not_constant(report.at, &format!("`{word}`")));
+        }
+        self.fail(report)
+    }
+
+    /// The member of a repeated name that an index picks.
+    fn member(&mut self, entry: &Entry, step: &Step, scope: Scope<'_>) -> Option<Named> {
+        let at = Region::from(step.word.at);
+        match (&entry.members, &step.index) {
+            (Members::One(named), None) => Some(*named),
+            (Members::One(_), Some(_)) => self.fail(say::no_index(at, &step.word.text)),
+            (Members::Many(members), None) => {
+                let first = members.keys().next().copied().unwrap_or(0);
+                self.fail(say::index_wanted(at, &step.word.text, first))
+            }
+            (Members::Many(members), Some(index)) => {
+                let value = self.whole_number(index, scope)?;
+                match members.get(&value) {
+                    Some(named) => Some(*named),
+                    None => {
+                        let keys: Vec<i64> = members.keys().copied().collect();
+                        self.fail(say::index_range(index.at(), &step.word.text, value, &keys))
+                    }
+                }
+            }
+        }
+    }
+
+    /// An index: a whole number made of numbers, consts and the index of the repetition.
+    pub fn whole_number(
+        &mut self,
+        parsed: &expression::Expression,
+        scope: Scope<'_>,
+    ) -> Option<i64> {
+        let constant = Scope {
+            stage: Stage::Constant,
+            ..scope
+        };
+        let typed = self.typed(parsed, constant)?;
+        match fold::known(&typed.formula, &self.scene, false) {
+            Some(fold::Fixed::Scalar(n)) if n.fract() == 0.0 && n.abs() < 1e15 => Some(n as i64),
+            _ => self.fail(say::whole_index(parsed.at())),
+        }
+    }
+
+    /// A frame of the world, and what follows it.
+    fn world_place<'s>(
+        &mut self,
+        first: &Step,
+        rest: &'s [Step],
+        scope: Scope<'_>,
+    ) -> Option<(Place, &'s [Step])> {
+        if first.index.is_some() {
+            return self.fail(say::no_index(first.word.at.into(), "world"));
+        }
+        let Some((step, after)) = rest.split_first() else {
+            return Some((Place::World(0), rest));
+        };
+        if let Some(entry) = self.world.get(&step.word.text).cloned() {
+            let named = self.member(&entry, step, scope)?;
+            self.mention(named, step.word.at);
+            if let Named::WorldFrame(index) = named {
+                return Some((Place::World(index), after));
+            }
+        }
+        if words::FRAME_QUANTITIES.contains(&step.word.text.as_str()) {
+            return Some((Place::World(0), rest));
+        }
+        let frames: Vec<&str> = self.world.words().collect();
+        let report = say::unknown_world_frame(step.word.at.into(), &step.word.text, &frames);
+        self.fail(report)
+    }
+
+    /// A frame of a body by its step.
+    pub fn body_frame(&mut self, body: usize, step: &Step, scope: Scope<'_>) -> Option<usize> {
+        let word = &step.word.text;
+        if word == "com" && step.index.is_none() {
+            return Some(0);
+        }
+        if let Some(entry) = self.frames.get(body).and_then(|f| f.get(word)).cloned() {
+            let named = self.member(&entry, step, scope)?;
+            self.mention(named, step.word.at);
+            return match named {
+                Named::Frame(_, frame) => Some(frame),
+                _ => None,
+            };
+        }
+        let owner = self.scene.bodies.get(body)?.name.clone();
+        if self.broken.contains(&format!("{owner}.{word}")) {
+            return None;
+        }
+        let frames = self.frame_words(body);
+        let report = say::unknown_frame(step.word.at.into(), &owner, word, &frames);
+        self.fail(report)
+    }
+
+    /// The frames of a body in the user's words, `com` last.
+    fn frame_words(&self, body: usize) -> Vec<String> {
+        let mut words: Vec<String> = self
+            .frames
+            .get(body)
+            .map(|frames| frames.words().map(str::to_string).collect())
+            .unwrap_or_default();
+        words.push("com".to_string());
+        words
+    }
+
+    fn body_quantity(
+        &mut self,
+        body: usize,
+        first: &Step,
+        rest: &[Step],
+        at: Region,
+        scope: Scope<'_>,
+    ) -> Option<Typed> {
+        let owner = &first.word.text;
+        self.live(scope, at, &format!("the motion of `{owner}`"))?;
+        let Some((step, after)) = rest.split_first() else {
+            return self.fail(say::body_without_quantity(at, owner));
+        };
+        let word = step.word.text.as_str();
+        let angular = match word {
+            "omega_body" => Some(Formula::AngularVelocityBody(body)),
+            "omega_world" => Some(Formula::AngularVelocityWorld(body)),
+            _ => None,
+        };
+        if let Some(formula) = angular {
+            let omega = Typed {
+                angle: 1,
+                ..Typed::of(formula, true, units::RATE, at)
+            };
+            return self.tail(omega, after);
+        }
+        if words::BODY_QUANTITIES.contains(&word) {
+            return self.frame_quantity(Place::Body(body, 0), owner, rest, at, scope);
+        }
+        if !self.frame_words(body).iter().any(|frame| frame == word) {
+            let frames = self.frame_words(body);
+            let report = say::unknown_body_quantity(step.word.at.into(), owner, word, &frames);
+            let frame = format!("{owner}.{word}");
+            return self.fail_unless_broken(&frame, report);
+        }
+        let frame = self.body_frame(body, step, scope)?;
+        let name = format!("{owner}.{word}");
+        self.frame_quantity(Place::Body(body, frame), &name, after, at, scope)
+    }
+
+    /// Position, velocity or an axis of a frame.
+    fn frame_quantity(
+        &mut self,
+        place: Place,
+        owner: &str,
+        rest: &[Step],
+        at: Region,
+        scope: Scope<'_>,
+    ) -> Option<Typed> {
+        self.live(scope, at, &format!("the motion of `{owner}`"))?;
+        let Some((step, after)) = rest.split_first() else {
+            return self.fail(say::frame_without_quantity(at, owner));
+        };
+        let (formula, dimension) = match step.word.text.as_str() {
+            "position" => (Formula::Position(place), units::LENGTH),
+            "velocity" => (Formula::Velocity(place), units::SPEED),
+            "x" => (Formula::Axis(place, 0), units::NONE),
+            "y" => (Formula::Axis(place, 1), units::NONE),
+            "z" => (Formula::Axis(place, 2), units::NONE),
+            word => {
+                let known = words::FRAME_QUANTITIES;
+                let report = say::unknown_quantity(step.word.at.into(), owner, word, known);
+                return self.fail(report);
+            }
+        };
+        self.tail(Typed::of(formula, true, dimension, at), after)
+    }
+
+    fn point_quantity(
+        &mut self,
+        point: usize,
+        owner: &str,
+        rest: &[Step],
+        at: Region,
+    ) -> Option<Typed> {
+        let place = Place::Point(point);
+        let known = words::POINT_QUANTITIES;
+        let Some((step, after)) = rest.split_first() else {
+            return self.fail(say::without_quantity(at, owner, "point", known));
+        };
+        let (formula, dimension) = match step.word.text.as_str() {
+            "position" => (Formula::Position(place), units::LENGTH),
+            "velocity" => (Formula::Velocity(place), units::SPEED),
+            word => {
+                let report = say::unknown_quantity(step.word.at.into(), owner, word, known);
+                return self.fail(report);
+            }
+        };
+        self.tail(Typed::of(formula, true, dimension, at), after)
+    }
+
+    fn line_quantity(
+        &mut self,
+        line: usize,
+        owner: &str,
+        rest: &[Step],
+        at: Region,
+    ) -> Option<Typed> {
+        let known = words::LINE_QUANTITIES;
+        let Some((step, after)) = rest.split_first() else {
+            return self.fail(say::without_quantity(at, owner, "line", known));
+        };
+        let (formula, dimension) = match step.word.text.as_str() {
+            "tension" => (Formula::Tension(line), units::FORCE),
+            "length" => (Formula::Length(line), units::LENGTH),
+            "stretch" => (Formula::Stretch(line), units::LENGTH),
+            "stretch_rate" => (Formula::StretchRate(line), units::SPEED),
+            word => {
+                let report = say::unknown_quantity(step.word.at.into(), owner, word, known);
+                return self.fail(report);
+            }
+        };
+        self.tail(Typed::of(formula, false, dimension, at), after)
+    }
+
+    /// A place where a line or joint ends: `body.frame`, a point, `world`, `world.frame`.
+    pub fn place(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Place> {
+        let steps = match expression::path(value) {
+            Ok(steps) => steps,
+            Err(report) => return self.fail(report),
+        };
+        let (first, rest) = steps.split_first()?;
+        let word = first.word.text.as_str();
+        let place = if word == "world" {
+            let (place, rest) = self.world_place(first, rest, scope)?;
+            (place, rest)
+        } else {
+            match self.place_owner(first, scope)? {
+                Named::Body(body) => {
+                    let Some((step, after)) = rest.split_first() else {
+                        let frame = self.frame_words(body).swap_remove(0);
+                        return self.fail(say::frame_wanted(value.at, word, &frame));
+                    };
+                    (
+                        Place::Body(body, self.body_frame(body, step, scope)?),
+                        after,
+                    )
+                }
+                Named::Point(point) => (Place::Point(point), rest),
+                other => return self.fail(say::no_place(value.at, word, other.kind())),
+            }
+        };
+        match place.1.first() {
+            None => Some(place.0),
+            Some(extra) => self.fail(say::after_place(extra.word.at.into(), &extra.word.text)),
+        }
+    }
+
+    /// The body or point at the start of a place.
+    pub fn place_owner(&mut self, step: &Step, scope: Scope<'_>) -> Option<Named> {
+        let word = &step.word.text;
+        let Some(entry) = self.names.get(word).cloned() else {
+            let known = self
+                .names
+                .words_of(|n| matches!(n, Named::Body(_) | Named::Point(_)));
+            let report = say::unknown_place(step.word.at.into(), word, &known);
+            return self.fail_unless_broken(word, report);
+        };
+        if self.broken.contains(word) {
+            return None;
+        }
+        let named = self.member(&entry, step, scope)?;
+        self.mention(named, step.word.at);
+        Some(named)
+    }
+}

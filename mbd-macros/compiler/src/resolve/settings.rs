@@ -1,0 +1,203 @@
+//! Settings of the whole model: coordinates, units, gravity, what is generated.
+
+use mbd_scene::{AngularVelocity, Coordinates, Dimension, Formula, Gravity, Triple};
+
+use super::{Resolver, Scope, Stage};
+use crate::lexeme::{Bracket, Region};
+use crate::messages::{resolve as say, syntax as say_syntax};
+use crate::syntax::item::items;
+use crate::syntax::{Cursor, Item, Model, Value, words};
+use crate::units;
+
+/// Settings are made of numbers, consts and params.
+const FIXED: Scope<'static> = Scope {
+    stage: Stage::Fixed,
+    index: None,
+};
+
+impl Resolver<'_> {
+    /// Everything but gravity, which may use params.
+    pub fn settings(&mut self, model: &Model<'_>) {
+        self.repeated_settings(model);
+        for item in &model.items {
+            let value = item.clause(":");
+            match (item.word.text.as_str(), value) {
+                ("verify", _) => self.asked.verify = true,
+                ("units", Some(value)) => {
+                    self.si = self
+                        .choice(value, "system of units", &[("si", true)])
+                        .is_some();
+                }
+                ("coordinates", Some(value)) => {
+                    let set = [
+                        ("absolute", Coordinates::Absolute),
+                        ("relative", Coordinates::Relative),
+                    ];
+                    match self.choice(value, "kind of coordinates", &set) {
+                        Some(Coordinates::Relative) => {
+                            self.messages.push(say::relative(value.at));
+                        }
+                        Some(chosen) => self.scene.coordinates = chosen,
+                        None => {}
+                    }
+                }
+                ("angular_velocity", Some(value)) => {
+                    let set = [
+                        ("body", AngularVelocity::Body),
+                        ("world", AngularVelocity::World),
+                    ];
+                    if let Some(chosen) = self.choice(value, "angular velocity", &set) {
+                        self.scene.angular_velocity = chosen;
+                    }
+                }
+                ("emit", Some(value)) => self.asked.emit = self.word_list(value),
+                _ => {}
+            }
+        }
+    }
+
+    /// Each setting at most once.
+    fn repeated_settings(&mut self, model: &Model<'_>) {
+        for (k, item) in model.items.iter().enumerate() {
+            let single = item.name.is_none()
+                && words::find(&item.word.text, false).is_some_and(|spec| !spec.named);
+            if !single {
+                continue;
+            }
+            let mut earlier = model.items.iter().take(k);
+            if let Some(first) = earlier.find(|other| other.word.text == item.word.text) {
+                let (at, first) = (item.word.at.into(), first.word.at.into());
+                self.messages
+                    .push(say_syntax::repeated_clause(at, &item.word.text, first));
+            }
+        }
+    }
+
+    /// The fields between braces inside a value.
+    pub fn block<'b>(&mut self, group: Value<'b>) -> Vec<Item<'b>> {
+        items(Cursor::new(group), true, &mut self.messages)
+    }
+
+    /// The acceleration of gravity; there is no default.
+    pub fn gravity(&mut self, model: &Model<'_>) {
+        let item = model.items.iter().find(|item| item.word.text == "gravity");
+        let Some(item) = item else {
+            self.messages.push(say::no_gravity(self.head));
+            return;
+        };
+        if let Some(value) = item.clause(":")
+            && let Some(gravity) = self.gravity_law(value)
+        {
+            self.scene.gravity = gravity;
+        }
+    }
+
+    fn gravity_law(&mut self, value: Value<'_>) -> Option<Gravity> {
+        const LAWS: &[&str] = &["none", "field", "point_mass", "oblate"];
+        let mut cursor = Cursor::new(value);
+        let word = cursor.word();
+        let law = match word.as_ref().map(|word| word.text.as_str()) {
+            None => {
+                let acceleration = self.triple("gravity", value, units::ACCELERATION, FIXED)?;
+                return Some(Gravity::Uniform { acceleration });
+            }
+            Some("none") => Gravity::None,
+            Some("field") => Gravity::Field,
+            Some("point_mass" | "oblate") => {
+                let oblate = word.is_some_and(|word| word.text == "oblate");
+                let Some(group) = cursor.group(Bracket::Brace) else {
+                    return self.fail(cursor.expected("`{ mu: …, center: … }`"));
+                };
+                self.planet(group, oblate)?
+            }
+            Some(other) => return self.fail(say::unknown_word(value.at, "gravity", other, LAWS)),
+        };
+        match cursor.finish("the end of the gravity") {
+            Ok(()) => Some(law),
+            Err(report) => self.fail(report),
+        }
+    }
+
+    /// A point mass, or one with the J2 term.
+    fn planet(&mut self, group: Value<'_>, oblate: bool) -> Option<Gravity> {
+        let known: &[&str] = if oblate {
+            &["mu", "center", "radius", "j2", "axis"]
+        } else {
+            &["mu", "center"]
+        };
+        let block = self.block(group);
+        let fields = self.fields(&block, known);
+        if fields.doubtful {
+            return None;
+        }
+        let mu = self.number_of("mu", fields.value("mu"), units::GRAVITATIONAL, group.at);
+        let center = self.vector_of("center", fields.value("center"), units::LENGTH, group.at);
+        if !oblate {
+            return Some(Gravity::PointMass {
+                mu: mu?,
+                center: center?,
+            });
+        }
+        let radius = self.number_of("radius", fields.value("radius"), units::LENGTH, group.at);
+        let j2 = self.number_of("j2", fields.value("j2"), units::NONE, group.at);
+        let axis = self.vector_of("axis", fields.value("axis"), units::NONE, group.at);
+        Some(Gravity::Oblate {
+            mu: mu?,
+            center: center?,
+            radius: radius?,
+            j2: j2?,
+            axis: axis?,
+        })
+    }
+
+    fn vector_of(
+        &mut self,
+        field: &str,
+        value: Option<Value<'_>>,
+        wanted: Dimension,
+        whole: Region,
+    ) -> Option<Triple> {
+        match value {
+            Some(value) => self.triple(field, value, wanted, FIXED),
+            None => self.fail(say::gravity_field(whole, field, wanted)),
+        }
+    }
+
+    /// A scalar that the law needs.
+    fn number_of(
+        &mut self,
+        field: &str,
+        value: Option<Value<'_>>,
+        wanted: Dimension,
+        whole: Region,
+    ) -> Option<Formula> {
+        let Some(value) = value else {
+            return self.fail(say::gravity_field(whole, field, wanted));
+        };
+        let typed = self.value(value, FIXED)?;
+        self.fits(typed, field, false, wanted)
+    }
+
+    /// The emitted quantities and other lists of words.
+    fn word_list(&mut self, value: Value<'_>) -> Option<Vec<String>> {
+        let mut cursor = Cursor::new(value);
+        let Some(group) = cursor.group(Bracket::Square) else {
+            return self.fail(cursor.expected("a list such as `[derivative, outputs]`"));
+        };
+        let mut list = Vec::new();
+        for part in Cursor::new(group).comma_separated() {
+            match part.lexemes {
+                [only] => {
+                    let word = only.shown();
+                    if !words::EMITTED.contains(&word.as_str()) {
+                        let at = only.at.into();
+                        return self.fail(say::unknown_word(at, "quantity", &word, words::EMITTED));
+                    }
+                    list.push(word);
+                }
+                _ => return self.fail(Cursor::new(part).expected("one word")),
+            }
+        }
+        Some(list)
+    }
+}

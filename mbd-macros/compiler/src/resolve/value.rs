@@ -1,0 +1,628 @@
+//! Values: an expression becomes a formula, checked for shape, dimension and what it may depend on.
+
+use mbd_scene::{Dimension, Formula, Function, Unit};
+
+use super::{Resolver, fold};
+use crate::lexeme::Region;
+use crate::messages::{Report, resolve as say};
+use crate::syntax::expression::{self, Expression};
+use crate::syntax::{Value, Word, words};
+use crate::units;
+
+/// What an expression may depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Numbers and consts.
+    Constant,
+    /// Also params: known before a run.
+    Fixed,
+    /// Everything in the scene.
+    Live,
+}
+
+/// Where an expression stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Scope<'s> {
+    /// What it may depend on.
+    pub stage: Stage,
+    /// The repetition it is in: the name of the index and its value.
+    pub index: Option<(&'s str, i64)>,
+}
+
+/// A formula with its shape and dimension.
+#[derive(Clone, Debug)]
+pub struct Typed {
+    /// The formula.
+    pub formula: Formula,
+    /// Whether it is a vector.
+    pub vector: bool,
+    /// Its dimension; `None`: a bare zero, or a bare number under `units: si`, which fits everywhere.
+    pub dimension: Option<Dimension>,
+    /// The exponent of radians in its unit, for the header of a column.
+    pub angle: i8,
+    /// Its text, if it is numbers without a unit.
+    pub bare: Option<String>,
+    /// Its place.
+    pub at: Region,
+}
+
+impl Typed {
+    /// A scalar or vector of the scene.
+    pub fn of(formula: Formula, vector: bool, dimension: Dimension, at: Region) -> Self {
+        Typed {
+            formula,
+            vector,
+            dimension: Some(dimension),
+            angle: 0,
+            bare: None,
+            at,
+        }
+    }
+
+    /// Its SI unit; angles are told apart from pure numbers where that is known.
+    pub fn unit(&self) -> Unit {
+        let dimension = self.dimension.unwrap_or(units::NONE);
+        let text = match (self.angle, dimension) {
+            (1, units::NONE) => "rad".to_string(),
+            (1, units::RATE) => "rad/s".to_string(),
+            _ => units::si_text(dimension),
+        };
+        let text = if dimension == units::NONE && self.angle != 1 {
+            String::new()
+        } else {
+            text
+        };
+        units::si(&text, dimension)
+    }
+}
+
+impl Resolver<'_> {
+    /// Reads a value as an expression.
+    pub fn value(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Typed> {
+        match expression::whole(value) {
+            Ok(parsed) => self.typed(&parsed, scope),
+            Err(report) => self.fail(report),
+        }
+    }
+
+    /// Reports and gives up.
+    pub fn fail<T>(&mut self, report: Report) -> Option<T> {
+        self.messages.push(report);
+        None
+    }
+
+    /// A parsed expression with its shape and dimension.
+    pub fn typed(&mut self, parsed: &Expression, scope: Scope<'_>) -> Option<Typed> {
+        match parsed {
+            Expression::Number {
+                value,
+                text,
+                unit,
+                at,
+            } => Some(self.number(*value, text, unit.as_ref(), *at)),
+            Expression::Vector { parts, unit, at } => self.vector(parts, unit.as_ref(), *at, scope),
+            Expression::Path(steps) => self.path(steps, parsed.at(), scope),
+            Expression::Call {
+                name,
+                arguments,
+                at,
+            } => self.call(name, arguments, *at, scope),
+            Expression::Component { of, axis } => {
+                let of = self.typed(of, scope)?;
+                self.component(of, axis)
+            }
+            Expression::Negative(inner, at) => {
+                let inner = self.typed(inner, scope)?;
+                let bare = inner.bare.as_ref().map(|text| format!("-{text}"));
+                let formula = self.apply(Function::Neg, vec![inner.formula], *at)?;
+                Some(Typed {
+                    formula,
+                    bare,
+                    at: *at,
+                    ..inner
+                })
+            }
+            Expression::Binary { sign, sides } => {
+                let left = self.typed(&sides[0], scope);
+                let right = self.typed(&sides[1], scope);
+                self.binary(*sign, left?, right?, parsed.at())
+            }
+        }
+    }
+
+    /// A function of formulas, folded; an error when the result is not finite.
+    pub fn apply(
+        &mut self,
+        function: Function,
+        arguments: Vec<Formula>,
+        at: Region,
+    ) -> Option<Formula> {
+        match fold::apply(function, arguments, &self.scene) {
+            Some(formula) => Some(formula),
+            None => self.fail(say::not_finite(at)),
+        }
+    }
+
+    fn number(&self, value: f64, text: &str, unit: Option<&Unit>, at: Region) -> Typed {
+        let free = unit.is_none() && (value == 0.0 || self.si);
+        let dimension = unit.map_or(units::NONE, |unit| unit.dimension);
+        Typed {
+            formula: Formula::Number(value * unit.map_or(1.0, |unit| unit.factor)),
+            vector: false,
+            dimension: (!free).then_some(dimension),
+            angle: unit.map_or(0, angle_of),
+            bare: unit.is_none().then(|| text.to_string()),
+            at,
+        }
+    }
+
+    fn vector(
+        &mut self,
+        parts: &[Expression],
+        unit: Option<&Unit>,
+        at: Region,
+        scope: Scope<'_>,
+    ) -> Option<Typed> {
+        if parts.len() != 3 {
+            return self.fail(say::three_components(at, parts.len()));
+        }
+        let typed: Vec<Option<Typed>> = parts.iter().map(|part| self.typed(part, scope)).collect();
+        let typed: Vec<Typed> = typed.into_iter().collect::<Option<_>>()?;
+        let mut formulas = Vec::with_capacity(3);
+        let mut dimension: Option<Dimension> = unit.map(|unit| unit.dimension);
+        let mut bare: Option<Vec<String>> = unit.is_none().then(Vec::new);
+        let angle = unit.map_or(typed[0].angle, angle_of);
+        for part in typed {
+            if part.vector {
+                return self.fail(say::scalar_wanted(part.at, "a component"));
+            }
+            if let Some(list) = bare.as_mut() {
+                match part.bare {
+                    Some(ref text) => list.push(text.clone()),
+                    None => bare = None,
+                }
+            }
+            match unit {
+                Some(unit) => formulas.push(self.with_unit(part, unit)?.formula),
+                None => {
+                    if let (Some(first), Some(this)) = (dimension, part.dimension)
+                        && first != this
+                    {
+                        return self.fail(say::mixed_components(part.at, first, this));
+                    }
+                    dimension = dimension.or(part.dimension);
+                    formulas.push(part.formula);
+                }
+            }
+        }
+        Some(Typed {
+            formula: Formula::Vector(formulas),
+            vector: true,
+            dimension,
+            angle,
+            bare: bare.map(|list| format!("[{}]", list.join(", "))),
+            at,
+        })
+    }
+
+    /// A pure number with a unit that stands behind its bracket.
+    pub fn with_unit(&mut self, typed: Typed, unit: &Unit) -> Option<Typed> {
+        if typed.dimension.is_some_and(|d| d != units::NONE) || typed.angle != 0 {
+            return self.fail(say::unit_twice(typed.at, &unit.text));
+        }
+        let formula = if unit.factor == 1.0 {
+            typed.formula
+        } else {
+            let factor = Formula::Number(unit.factor);
+            self.apply(Function::Mul, vec![typed.formula, factor], typed.at)?
+        };
+        Some(Typed {
+            formula,
+            dimension: Some(unit.dimension),
+            angle: angle_of(unit),
+            bare: None,
+            ..typed
+        })
+    }
+
+    /// A component `.x`, `.y`, `.z` of a vector.
+    pub fn component(&mut self, of: Typed, axis: &Word) -> Option<Typed> {
+        let index = match axis.text.as_str() {
+            _ if !of.vector => return self.fail(say::no_components(axis.at.into(), &axis.text)),
+            "x" => 0,
+            "y" => 1,
+            "z" => 2,
+            _ => return self.fail(say::unknown_component(axis.at.into(), &axis.text)),
+        };
+        Some(Typed {
+            formula: fold::component(of.formula, index),
+            vector: false,
+            bare: None,
+            at: of.at.to(axis.at.into()),
+            ..of
+        })
+    }
+
+    fn binary(&mut self, sign: char, a: Typed, b: Typed, at: Region) -> Option<Typed> {
+        match sign {
+            '+' | '-' => {
+                let function = if sign == '+' {
+                    Function::Add
+                } else {
+                    Function::Sub
+                };
+                self.alike(function, a, b, at)
+            }
+            '*' => {
+                if a.vector && b.vector {
+                    return self.fail(say::two_vectors(at));
+                }
+                self.product(Function::Mul, a, b, at)
+            }
+            '/' => {
+                if b.vector {
+                    return self.fail(say::divide_by_vector(b.at));
+                }
+                self.product(Function::Div, a, b, at)
+            }
+            _ => self.power(a, b, at),
+        }
+    }
+
+    /// A function of two values of the same shape and dimension.
+    pub fn alike(&mut self, function: Function, a: Typed, b: Typed, at: Region) -> Option<Typed> {
+        if a.vector != b.vector {
+            return self.fail(say::number_and_vector(at));
+        }
+        if let (Some(first), Some(second)) = (a.dimension, b.dimension)
+            && first != second
+        {
+            let needs_unit = a.bare.is_some() || b.bare.is_some();
+            return self.fail(say::unlike(at, first, second, needs_unit));
+        }
+        let bare = a.bare.is_some() && b.bare.is_some();
+        let angle = if a.angle == b.angle || b.dimension.is_none() {
+            a.angle
+        } else {
+            0
+        };
+        let formula = self.apply(function, vec![a.formula, b.formula], at)?;
+        Some(Typed {
+            bare: bare.then(|| shown(&formula)).flatten(),
+            formula,
+            vector: a.vector,
+            dimension: a.dimension.or(b.dimension),
+            angle,
+            at,
+        })
+    }
+
+    fn product(&mut self, function: Function, a: Typed, b: Typed, at: Region) -> Option<Typed> {
+        let divide = function == Function::Div;
+        let dimension = match (a.dimension, b.dimension) {
+            (Some(first), Some(second)) => {
+                let combined = if divide {
+                    units::over(first, second)
+                } else {
+                    units::times(first, second)
+                };
+                match combined {
+                    Some(dimension) => Some(dimension),
+                    None => return self.fail(say::dimension_range(at)),
+                }
+            }
+            _ => None,
+        };
+        let bare = a.bare.is_some() && b.bare.is_some();
+        let formula = self.apply(function, vec![a.formula, b.formula], at)?;
+        Some(Typed {
+            bare: bare.then(|| shown(&formula)).flatten(),
+            formula,
+            vector: a.vector || b.vector,
+            dimension,
+            angle: a.angle.saturating_add(if divide {
+                b.angle.saturating_neg()
+            } else {
+                b.angle
+            }),
+            at,
+        })
+    }
+
+    fn power(&mut self, a: Typed, b: Typed, at: Region) -> Option<Typed> {
+        if a.vector {
+            return self.fail(say::power_of_vector(a.at));
+        }
+        let exponent = match fold::known(&b.formula, &self.scene, false) {
+            Some(fold::Fixed::Scalar(n)) if n.fract() == 0.0 && n.abs() <= 20.0 => n,
+            _ => return self.fail(say::whole_exponent(b.at)),
+        };
+        if b.dimension.is_some_and(|d| d != units::NONE) {
+            return self.fail(say::whole_exponent(b.at));
+        }
+        let dimension = match a.dimension.map(|d| units::power(d, exponent as i32)) {
+            Some(None) => return self.fail(say::dimension_range(at)),
+            Some(Some(dimension)) => Some(dimension),
+            None => None,
+        };
+        let arguments = vec![a.formula, Formula::Number(exponent)];
+        let formula = self.apply(Function::Power, arguments, at)?;
+        Some(Typed {
+            bare: a.bare.is_some().then(|| shown(&formula)).flatten(),
+            formula,
+            vector: false,
+            dimension,
+            angle: 0,
+            at,
+        })
+    }
+
+    fn call(
+        &mut self,
+        name: &Word,
+        arguments: &[Expression],
+        at: Region,
+        scope: Scope<'_>,
+    ) -> Option<Typed> {
+        let typed: Vec<Option<Typed>> = arguments
+            .iter()
+            .map(|argument| self.typed(argument, scope))
+            .collect();
+        if let Some(found) = self.table(&name.text) {
+            self.mention(super::Named::Table(found), name.at);
+            let [argument] = self.arguments(typed, name, at)?;
+            return self.lookup(found, argument, at, scope);
+        }
+        match name.text.as_str() {
+            "norm" => {
+                let [a] = self.vectors(typed, name, at)?;
+                let dimension = a.dimension;
+                self.result(Function::Norm, [a], false, dimension, 0, at)
+            }
+            "dot" | "cross" => {
+                let [a, b] = self.vectors(typed, name, at)?;
+                let cross = name.text == "cross";
+                let function = if cross {
+                    Function::Cross
+                } else {
+                    Function::Dot
+                };
+                let product = self.product(function, a, b, at)?;
+                Some(Typed {
+                    vector: cross,
+                    ..product
+                })
+            }
+            "min" | "max" => {
+                let [a, b] = self.scalars(typed, name, at)?;
+                let function = if name.text == "min" {
+                    Function::Min
+                } else {
+                    Function::Max
+                };
+                self.alike(function, a, b, at)
+            }
+            "abs" => {
+                let [a] = self.scalars(typed, name, at)?;
+                let (dimension, angle) = (a.dimension, a.angle);
+                self.result(Function::Abs, [a], false, dimension, angle, at)
+            }
+            "exp" | "sin" | "cos" => {
+                let [a] = self.scalars(typed, name, at)?;
+                if a.dimension.is_some_and(|d| d != units::NONE) {
+                    let found = a.dimension.unwrap_or(units::NONE);
+                    return self.fail(say::pure_number_wanted(a.at, &name.text, found));
+                }
+                let function = match name.text.as_str() {
+                    "exp" => Function::Exp,
+                    "sin" => Function::Sin,
+                    _ => Function::Cos,
+                };
+                self.result(function, [a], false, Some(units::NONE), 0, at)
+            }
+            "sqrt" => {
+                let [a] = self.scalars(typed, name, at)?;
+                let dimension = match a.dimension.map(units::root) {
+                    Some(None) => return self.fail(say::dimension_range(at)),
+                    Some(Some(dimension)) => Some(dimension),
+                    None => None,
+                };
+                self.result(Function::Sqrt, [a], false, dimension, 0, at)
+            }
+            "angle" => {
+                let [a, b] = self.vectors(typed, name, at)?;
+                self.result(Function::Angle, [a, b], false, Some(units::NONE), 1, at)
+            }
+            "polar" => {
+                let [radius, angle, height] = self.scalars(typed, name, at)?;
+                self.polar(radius, angle, height, at)
+            }
+            other => {
+                let tables = self.names.words_of(|n| matches!(n, super::Named::Table(_)));
+                let known: Vec<&str> = words::FUNCTIONS.iter().copied().chain(tables).collect();
+                let report = say::unknown_function(name.at.into(), other, &known);
+                self.fail(report)
+            }
+        }
+    }
+
+    /// The vector (r cos φ, r sin φ, h).
+    fn polar(&mut self, r: Typed, phi: Typed, h: Typed, at: Region) -> Option<Typed> {
+        if phi.dimension.is_some_and(|d| d != units::NONE) {
+            let found = phi.dimension.unwrap_or(units::NONE);
+            return self.fail(say::angle_wanted(phi.at, found));
+        }
+        if let (Some(first), Some(second)) = (r.dimension, h.dimension)
+            && first != second
+        {
+            return self.fail(say::mixed_components(h.at, first, second));
+        }
+        let cosine = self.apply(Function::Cos, vec![phi.formula.clone()], at)?;
+        let sine = self.apply(Function::Sin, vec![phi.formula], at)?;
+        let x = self.apply(Function::Mul, vec![r.formula.clone(), cosine], at)?;
+        let y = self.apply(Function::Mul, vec![r.formula, sine], at)?;
+        Some(Typed {
+            formula: Formula::Vector(vec![x, y, h.formula]),
+            vector: true,
+            dimension: r.dimension.or(h.dimension),
+            angle: 0,
+            bare: None,
+            at,
+        })
+    }
+
+    fn lookup(
+        &mut self,
+        table: usize,
+        argument: Typed,
+        at: Region,
+        scope: Scope<'_>,
+    ) -> Option<Typed> {
+        if scope.stage == Stage::Constant {
+            return self.fail(say::not_constant(at, "a table"));
+        }
+        let declared = self.scene.tables.get(table)?.clone();
+        if argument.vector {
+            return self.fail(say::scalar_wanted(argument.at, "the argument of a table"));
+        }
+        let bare = |unit: &Unit| self.si && unit.text.is_empty();
+        let (any_argument, any_value) = (bare(&declared.x_unit), bare(&declared.y_unit));
+        if let Some(found) = argument.dimension
+            && found != declared.x_unit.dimension
+            && !any_argument
+        {
+            let wanted = declared.x_unit.dimension;
+            return self.fail(say::argument_dimension(
+                argument.at,
+                &declared.name,
+                wanted,
+                found,
+            ));
+        }
+        Some(Typed {
+            formula: Formula::Lookup(table, vec![argument.formula]),
+            vector: false,
+            dimension: (!any_value).then_some(declared.y_unit.dimension),
+            angle: angle_of(&declared.y_unit),
+            bare: None,
+            at,
+        })
+    }
+
+    fn result<const N: usize>(
+        &mut self,
+        function: Function,
+        arguments: [Typed; N],
+        vector: bool,
+        dimension: Option<Dimension>,
+        angle: i8,
+        at: Region,
+    ) -> Option<Typed> {
+        let arguments = arguments.into_iter().map(|a| a.formula).collect();
+        Some(Typed {
+            formula: self.apply(function, arguments, at)?,
+            vector,
+            dimension,
+            angle,
+            bare: None,
+            at,
+        })
+    }
+
+    fn arguments<const N: usize>(
+        &mut self,
+        typed: Vec<Option<Typed>>,
+        name: &Word,
+        at: Region,
+    ) -> Option<[Typed; N]> {
+        let count = typed.len();
+        if count != N {
+            return self.fail(say::argument_count(at, &name.text, N, count));
+        }
+        let all: Vec<Typed> = typed.into_iter().collect::<Option<_>>()?;
+        all.try_into().ok()
+    }
+
+    fn scalars<const N: usize>(
+        &mut self,
+        typed: Vec<Option<Typed>>,
+        name: &Word,
+        at: Region,
+    ) -> Option<[Typed; N]> {
+        let all: [Typed; N] = self.arguments(typed, name, at)?;
+        match all.iter().find(|a| a.vector) {
+            Some(wrong) => {
+                let what = format!("an argument of `{}`", name.text);
+                self.fail(say::scalar_wanted(wrong.at, &what))
+            }
+            None => Some(all),
+        }
+    }
+
+    fn vectors<const N: usize>(
+        &mut self,
+        typed: Vec<Option<Typed>>,
+        name: &Word,
+        at: Region,
+    ) -> Option<[Typed; N]> {
+        let all: [Typed; N] = self.arguments(typed, name, at)?;
+        match all.iter().find(|a| !a.vector) {
+            Some(wrong) => {
+                let what = format!("an argument of `{}`", name.text);
+                self.fail(say::vector_wanted(wrong.at, &what))
+            }
+            None => Some(all),
+        }
+    }
+
+    /// Checks a value against what a field holds, and gives its formula.
+    pub fn fits(
+        &mut self,
+        typed: Typed,
+        field: &str,
+        vector: bool,
+        wanted: Dimension,
+    ) -> Option<Formula> {
+        if typed.vector != vector {
+            let what = format!("`{field}`");
+            return self.fail(if vector {
+                say::vector_wanted(typed.at, &what)
+            } else {
+                say::scalar_wanted(typed.at, &what)
+            });
+        }
+        match typed.dimension {
+            Some(found) if found != wanted => {
+                let report = match &typed.bare {
+                    Some(text) if found == units::NONE => {
+                        say::needs_unit(typed.at, field, wanted, text)
+                    }
+                    _ => say::wrong_dimension(typed.at, field, wanted, found),
+                };
+                self.fail(report)
+            }
+            _ => Some(typed.formula),
+        }
+    }
+}
+
+/// The text of a folded number.
+fn shown(formula: &Formula) -> Option<String> {
+    match formula {
+        Formula::Number(value) => Some(value.to_string()),
+        _ => None,
+    }
+}
+
+/// The exponent of radians in a unit as written.
+fn angle_of(unit: &Unit) -> i8 {
+    let mut words = unit
+        .text
+        .split(|c: char| !c.is_ascii_alphabetic())
+        .filter(|word| !word.is_empty());
+    i8::from(
+        words
+            .next()
+            .is_some_and(|word| word == "rad" || word == "deg"),
+    )
+}

@@ -1,0 +1,193 @@
+//! A position in a list of balanced lexemes.
+
+use super::{Value, Word};
+use crate::lexeme::{At, Bracket, Kind, Lexeme, Region};
+use crate::messages::{Report, syntax as say};
+
+/// A position in a list of balanced lexemes.
+#[derive(Clone, Copy, Debug)]
+pub struct Cursor<'a> {
+    lexemes: &'a [Lexeme],
+    next: usize,
+    /// Where the list is, for messages at its end.
+    pub whole: Region,
+}
+
+impl<'a> Cursor<'a> {
+    /// The start of a value.
+    pub fn new(value: Value<'a>) -> Self {
+        Cursor {
+            lexemes: value.lexemes,
+            next: 0,
+            whole: value.at,
+        }
+    }
+
+    /// Whether nothing is left.
+    pub fn at_end(&self) -> bool {
+        self.next >= self.lexemes.len()
+    }
+
+    /// The next lexeme.
+    pub fn peek(&self) -> Option<&'a Lexeme> {
+        self.lexemes.get(self.next)
+    }
+
+    /// The lexeme `n` after the next.
+    pub fn ahead(&self, n: usize) -> Option<&'a Lexeme> {
+        self.lexemes.get(self.next + n)
+    }
+
+    /// The next lexeme's place, or the last one's at the end.
+    pub fn here(&self) -> Region {
+        match self.peek().or_else(|| self.lexemes.last()) {
+            Some(lexeme) => lexeme.at.into(),
+            None => self.whole,
+        }
+    }
+
+    /// The place of the lexeme before.
+    pub fn before(&self) -> Region {
+        self.next
+            .checked_sub(1)
+            .and_then(|i| self.lexemes.get(i))
+            .map_or(self.whole, |lexeme| lexeme.at.into())
+    }
+
+    /// Takes the next lexeme; of a bracket only the bracket.
+    pub fn take(&mut self) -> Option<&'a Lexeme> {
+        let lexeme = self.peek()?;
+        self.next += 1;
+        Some(lexeme)
+    }
+
+    /// Takes the next lexeme; of a bracket everything up to its end.
+    pub fn take_tree(&mut self) {
+        let skip = match self.peek().map(|lexeme| &lexeme.kind) {
+            Some(Kind::Open(_, skip)) => skip + 1,
+            Some(_) => 1,
+            None => 0,
+        };
+        self.next = (self.next + skip).min(self.lexemes.len());
+    }
+
+    /// The lexemes taken since `start`.
+    pub fn since(&self, start: Cursor<'a>) -> Value<'a> {
+        let lexemes = self.lexemes.get(start.next..self.next).unwrap_or(&[]);
+        let at = match (lexemes.first(), lexemes.last()) {
+            (Some(first), Some(last)) => Region {
+                first: first.at,
+                last: last.at,
+            },
+            _ => start.before(),
+        };
+        Value { lexemes, at }
+    }
+
+    /// Takes this sign if it comes next.
+    pub fn sign(&mut self, sign: char) -> Option<At> {
+        match self.peek() {
+            Some(lexeme) if lexeme.kind == Kind::Sign(sign) => {
+                self.next += 1;
+                Some(lexeme.at)
+            }
+            _ => None,
+        }
+    }
+
+    /// Takes these signs if they come next, one after another.
+    pub fn signs(&mut self, signs: &str) -> Option<Region> {
+        let mut ahead = *self;
+        let mut region: Option<Region> = None;
+        for sign in signs.chars() {
+            let at: Region = ahead.sign(sign)?.into();
+            region = Some(region.map_or(at, |first| first.to(at)));
+        }
+        *self = ahead;
+        region
+    }
+
+    /// The next lexeme if it is a word.
+    pub fn peek_word(&self) -> Option<&'a str> {
+        match self.peek().map(|lexeme| &lexeme.kind) {
+            Some(Kind::Word(word)) => Some(word),
+            _ => None,
+        }
+    }
+
+    /// Takes a word.
+    pub fn word(&mut self) -> Option<Word> {
+        let text = self.peek_word()?.to_string();
+        let at = self.take()?.at;
+        Some(Word { text, at })
+    }
+
+    /// Takes this word if it comes next.
+    pub fn keyword(&mut self, word: &str) -> Option<At> {
+        if self.peek_word() == Some(word) {
+            self.take().map(|lexeme| lexeme.at)
+        } else {
+            None
+        }
+    }
+
+    /// Takes a bracket with its content, if it comes next.
+    pub fn group(&mut self, bracket: Bracket) -> Option<Value<'a>> {
+        let open = self.peek()?;
+        let Kind::Open(found, skip) = open.kind else {
+            return None;
+        };
+        if found != bracket {
+            return None;
+        }
+        let end = self.next + skip;
+        let lexemes = self.lexemes.get(self.next + 1..end).unwrap_or(&[]);
+        let close = self.lexemes.get(end).unwrap_or(open);
+        self.next = (end + 1).min(self.lexemes.len());
+        Some(Value {
+            lexemes,
+            at: Region {
+                first: open.at,
+                last: close.at,
+            },
+        })
+    }
+
+    /// The report that something else was expected here.
+    pub fn expected(&self, what: &str) -> Report {
+        match self.peek() {
+            Some(lexeme) => say::expected(lexeme.at.into(), what, &lexeme.shown()),
+            None => say::expected_at_end(self.before(), what),
+        }
+    }
+
+    /// An error unless nothing is left.
+    pub fn finish(&self, what: &str) -> Result<(), Report> {
+        if self.at_end() {
+            Ok(())
+        } else {
+            Err(self.expected(what))
+        }
+    }
+
+    /// Splits what is left at top-level commas; a comma at the end is allowed.
+    pub fn comma_separated(mut self) -> Vec<Value<'a>> {
+        let mut parts = Vec::new();
+        while !self.at_end() {
+            let start = self;
+            while self
+                .peek()
+                .is_some_and(|lexeme| lexeme.kind != Kind::Sign(','))
+            {
+                self.take_tree();
+            }
+            let mut part = self.since(start);
+            if part.lexemes.is_empty() {
+                part.at = self.here();
+            }
+            parts.push(part);
+            self.sign(',');
+        }
+        parts
+    }
+}

@@ -1,0 +1,322 @@
+//! Expressions: numbers with units, vectors, paths, calls and operators.
+
+use mbd_scene::Unit;
+
+use super::{Cursor, Value, Word, unit};
+use crate::lexeme::{Bracket, Kind, Region};
+use crate::messages::{Report, syntax as say};
+
+/// Brackets and operators may nest this deep.
+const DEEPEST: usize = 120;
+
+/// An expression as written.
+#[derive(Clone, Debug)]
+pub enum Expression {
+    /// A number.
+    Number {
+        /// Its value, without the unit.
+        value: f64,
+        /// Its text.
+        text: String,
+        /// Its unit.
+        unit: Option<Unit>,
+        /// Its place.
+        at: Region,
+    },
+    /// `[a, b, c]` with a unit for all.
+    Vector {
+        /// The components.
+        parts: Vec<Expression>,
+        /// The unit after the bracket.
+        unit: Option<Unit>,
+        /// Its place.
+        at: Region,
+    },
+    /// `capsule.bridle[i].position`
+    Path(Vec<Step>),
+    /// `norm(v)`
+    Call {
+        /// The function.
+        name: Word,
+        /// Its arguments.
+        arguments: Vec<Expression>,
+        /// Its place.
+        at: Region,
+    },
+    /// `(…).x`
+    Component {
+        /// The vector.
+        of: Box<Expression>,
+        /// `x`, `y` or `z`.
+        axis: Word,
+    },
+    /// `-a`
+    Negative(Box<Expression>, Region),
+    /// `a + b`
+    Binary {
+        /// `+ - * / ^`
+        sign: char,
+        /// The operands.
+        sides: Box<[Expression; 2]>,
+    },
+}
+
+/// One name of a path.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// The name.
+    pub word: Word,
+    /// Its index.
+    pub index: Option<Box<Expression>>,
+}
+
+impl Expression {
+    /// From its first to its last lexeme.
+    pub fn at(&self) -> Region {
+        match self {
+            Expression::Number { at, .. }
+            | Expression::Vector { at, .. }
+            | Expression::Call { at, .. }
+            | Expression::Negative(_, at) => *at,
+            Expression::Path(steps) => match (steps.first(), steps.last()) {
+                (Some(first), Some(last)) => Region {
+                    first: first.word.at,
+                    last: last.word.at,
+                },
+                _ => Region::START,
+            },
+            Expression::Component { of, axis } => of.at().to(axis.at.into()),
+            Expression::Binary { sides, .. } => sides[0].at().to(sides[1].at()),
+        }
+    }
+}
+
+/// Parses a value that is one expression.
+pub fn whole(value: Value<'_>) -> Result<Expression, Report> {
+    let mut cursor = Cursor::new(value);
+    let parsed = Parser { depth: 0 }.sum(&mut cursor)?.0;
+    cursor.finish("an operator or the end")?;
+    Ok(parsed)
+}
+
+/// Parses an expression at the start of the cursor.
+pub fn prefix(cursor: &mut Cursor<'_>) -> Result<Expression, Report> {
+    Ok(Parser { depth: 0 }.sum(cursor)?.0)
+}
+
+/// Parses a path that fills the value.
+pub fn path(value: Value<'_>) -> Result<Vec<Step>, Report> {
+    let mut cursor = Cursor::new(value);
+    let steps = Parser { depth: 0 }.path(&mut cursor)?;
+    cursor.finish("the end of the name")?;
+    Ok(steps)
+}
+
+struct Parser {
+    depth: usize,
+}
+
+/// An expression with the depth of its tree.
+type Deep = Result<(Expression, usize), Report>;
+
+impl Parser {
+    fn enter(&mut self, at: Region) -> Result<(), Report> {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err(say::deep_expression(at));
+        }
+        Ok(())
+    }
+
+    fn sum(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        self.chain(cursor, &['+', '-'], Self::product)
+    }
+
+    fn product(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        self.chain(cursor, &['*', '/'], Self::negative)
+    }
+
+    /// Operands of one rank, grouped from the left.
+    fn chain(
+        &mut self,
+        cursor: &mut Cursor<'_>,
+        signs: &[char],
+        operand: fn(&mut Self, &mut Cursor<'_>) -> Deep,
+    ) -> Deep {
+        let (mut left, mut depth) = operand(self, cursor)?;
+        while let Some(sign) = signs.iter().find(|&&s| cursor.sign(s).is_some()) {
+            let (right, other) = operand(self, cursor)?;
+            depth = depth.max(other) + 1;
+            if depth > DEEPEST {
+                return Err(say::deep_expression(right.at()));
+            }
+            left = Expression::Binary {
+                sign: *sign,
+                sides: Box::new([left, right]),
+            };
+        }
+        Ok((left, depth))
+    }
+
+    fn negative(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        let Some(at) = cursor.sign('-') else {
+            return self.power(cursor);
+        };
+        self.enter(at.into())?;
+        let (inner, depth) = self.negative(cursor)?;
+        self.depth -= 1;
+        let at = Region::from(at).to(inner.at());
+        Ok((Expression::Negative(Box::new(inner), at), depth + 1))
+    }
+
+    fn power(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        let (base, depth) = self.postfix(cursor)?;
+        if cursor.sign('^').is_none() {
+            return Ok((base, depth));
+        }
+        self.enter(base.at())?;
+        let (exponent, other) = self.negative(cursor)?;
+        self.depth -= 1;
+        let sides = Box::new([base, exponent]);
+        Ok((
+            Expression::Binary { sign: '^', sides },
+            depth.max(other) + 1,
+        ))
+    }
+
+    fn postfix(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        let (mut inner, mut depth) = self.primary(cursor)?;
+        while !range(cursor) && cursor.sign('.').is_some() {
+            let axis = cursor
+                .word()
+                .ok_or_else(|| cursor.expected("a component `x`, `y` or `z`"))?;
+            depth += 1;
+            if depth > DEEPEST {
+                return Err(say::deep_expression(axis.at.into()));
+            }
+            inner = Expression::Component {
+                of: Box::new(inner),
+                axis,
+            };
+        }
+        Ok((inner, depth))
+    }
+
+    fn primary(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        let here = cursor.here();
+        match cursor.peek().map(|lexeme| &lexeme.kind) {
+            Some(Kind::Number(text)) => {
+                cursor.take();
+                let value = number(text, here)?;
+                let unit = unit::suffix(cursor)?;
+                let at = here.to(cursor.before());
+                let text = text.clone();
+                Ok((
+                    Expression::Number {
+                        value,
+                        text,
+                        unit,
+                        at,
+                    },
+                    1,
+                ))
+            }
+            Some(Kind::Open(Bracket::Round, _)) => {
+                let group = cursor
+                    .group(Bracket::Round)
+                    .ok_or_else(|| say::deep_expression(here))?;
+                self.enter(here)?;
+                let mut inner = Cursor::new(group);
+                let parsed = self.sum(&mut inner)?;
+                inner.finish("an operator or `)`")?;
+                self.depth -= 1;
+                Ok(parsed)
+            }
+            Some(Kind::Open(Bracket::Square, _)) => {
+                let group = cursor
+                    .group(Bracket::Square)
+                    .ok_or_else(|| say::deep_expression(here))?;
+                let (parts, depth) = self.list(group)?;
+                let unit = unit::suffix(cursor)?;
+                let at = group.at.to(cursor.before());
+                Ok((Expression::Vector { parts, unit, at }, depth + 1))
+            }
+            Some(Kind::Word(_)) => self.named(cursor),
+            _ => Err(cursor.expected("a number, a name, `(` or `[`")),
+        }
+    }
+
+    /// A call or a path.
+    fn named(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        let mut ahead = *cursor;
+        let name = ahead.word();
+        if let (Some(name), Some(group)) = (name, ahead.group(Bracket::Round)) {
+            *cursor = ahead;
+            let (arguments, depth) = self.list(group)?;
+            let at = Region::from(name.at).to(group.at);
+            return Ok((
+                Expression::Call {
+                    name,
+                    arguments,
+                    at,
+                },
+                depth + 1,
+            ));
+        }
+        let steps = self.path(cursor)?;
+        Ok((Expression::Path(steps), 1))
+    }
+
+    /// Expressions separated by commas.
+    fn list(&mut self, group: Value<'_>) -> Result<(Vec<Expression>, usize), Report> {
+        self.enter(group.at)?;
+        let mut parts = Vec::new();
+        let mut deepest = 0;
+        for part in Cursor::new(group).comma_separated() {
+            let mut inner = Cursor::new(part);
+            let (parsed, depth) = self.sum(&mut inner)?;
+            inner.finish("an operator or `,`")?;
+            parts.push(parsed);
+            deepest = deepest.max(depth);
+        }
+        self.depth -= 1;
+        Ok((parts, deepest))
+    }
+
+    fn path(&mut self, cursor: &mut Cursor<'_>) -> Result<Vec<Step>, Report> {
+        let mut steps = Vec::new();
+        loop {
+            let word = cursor.word().ok_or_else(|| cursor.expected("a name"))?;
+            let index = match cursor.group(Bracket::Square) {
+                Some(group) => {
+                    self.enter(group.at)?;
+                    let mut inner = Cursor::new(group);
+                    let (index, _) = self.sum(&mut inner)?;
+                    inner.finish("`]`")?;
+                    self.depth -= 1;
+                    Some(Box::new(index))
+                }
+                None => None,
+            };
+            steps.push(Step { word, index });
+            if range(cursor) || cursor.sign('.').is_none() {
+                return Ok(steps);
+            }
+        }
+    }
+}
+
+/// Whether the two dots of a range come next.
+pub fn range(cursor: &Cursor<'_>) -> bool {
+    let mut ahead = *cursor;
+    ahead.signs("..").is_some()
+}
+
+/// The value of a number's text.
+fn number(text: &str, at: Region) -> Result<f64, Report> {
+    let digits: String = text.chars().filter(|&c| c != '_').collect();
+    match digits.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(say::huge_number(at, text)),
+    }
+}

@@ -1,0 +1,268 @@
+//! Items and fields: split into keyword, name, clauses and braces. After a mistake reading goes on at the next item.
+
+use super::model::docs;
+use super::words::{self, ItemWord};
+use super::{Cursor, Given, Item, Name, Value, Word};
+use crate::lexeme::{Bracket, Kind, Region};
+use crate::messages::{Messages, Report, syntax as say};
+
+/// Reads all items of a model, or all fields of an item (`inside`).
+pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) -> Vec<Item<'a>> {
+    let mut items = Vec::new();
+    loop {
+        let doc = docs(&mut cursor);
+        if cursor.at_end() {
+            return items;
+        }
+        if let Some(at) = cursor.sign(if inside { ',' } else { ';' }) {
+            if doc.is_empty() {
+                messages.push(say::expected(
+                    at.into(),
+                    "an item",
+                    if inside { "," } else { ";" },
+                ));
+            }
+            continue;
+        }
+        if let Some(at) = cursor.sign('#') {
+            messages.push(say::attribute(at.into()));
+            cursor.group(Bracket::Square);
+            continue;
+        }
+        let Some(word) = cursor.word() else {
+            messages.push(cursor.expected(if inside { "a field" } else { "an item" }));
+            recover(&mut cursor, inside);
+            continue;
+        };
+        let spec = words::find(&word.text, inside);
+        if spec.is_none() && !inside {
+            messages.push(say::unknown_item(word.at.into(), &word.text));
+            items.push(lost(&cursor, word));
+            recover(&mut cursor, inside);
+            continue;
+        }
+        let mut item = Item {
+            doc,
+            at: word.at.into(),
+            word,
+            name: None,
+            clauses: Vec::new(),
+            block: Vec::new(),
+            broken: false,
+        };
+        let result = match spec {
+            Some(spec) => rest(&mut cursor, spec, &mut item, inside, messages),
+            None => field(&mut cursor, &mut item),
+        };
+        item.at = item.at.to(cursor.before());
+        if let Err(report) = result {
+            messages.push(report);
+            item.broken = true;
+            recover(&mut cursor, inside);
+        }
+        items.push(item);
+    }
+}
+
+/// An item with an unknown keyword: its name may be used elsewhere.
+fn lost<'a>(cursor: &Cursor<'a>, word: Word) -> Item<'a> {
+    let mut ahead = *cursor;
+    Item {
+        doc: String::new(),
+        at: word.at.into(),
+        word,
+        name: ahead.word().map(|word| Name { word, index: None }),
+        clauses: Vec::new(),
+        block: Vec::new(),
+        broken: true,
+    }
+}
+
+/// `key: value`, after the key.
+fn field<'a>(cursor: &mut Cursor<'a>, item: &mut Item<'a>) -> Result<(), Report> {
+    let sign = cursor.sign(':').ok_or_else(|| {
+        let what = format!("`:` and a value after `{}`", item.word.text);
+        cursor.expected(&what)
+    })?;
+    let start = *cursor;
+    while !ends(cursor, true) {
+        cursor.take_tree();
+    }
+    push_clause(item, ":", sign.into(), cursor.since(start))?;
+    separator(cursor, true)
+}
+
+/// What follows the keyword of an item.
+fn rest<'a>(
+    cursor: &mut Cursor<'a>,
+    spec: &'static ItemWord,
+    item: &mut Item<'a>,
+    inside: bool,
+    messages: &mut Messages,
+) -> Result<(), Report> {
+    if spec.named {
+        item.name = Some(name(cursor, spec)?);
+    }
+    loop {
+        if ends(cursor, inside) {
+            break;
+        }
+        if let Some((sign, at)) = clause(cursor, spec) {
+            let value = clause_value(cursor, spec, sign, inside);
+            push_clause(item, sign, at, value)?;
+        } else if let Some(block) = cursor.group(Bracket::Brace) {
+            if spec.fields.is_none() {
+                return Err(say::no_fields(block.at, spec));
+            }
+            item.block = items(Cursor::new(block), true, messages);
+            item.broken |= item.block.iter().any(|field| field.broken);
+            cursor.sign(if inside { ',' } else { ';' });
+            return needed(item, spec);
+        } else {
+            let found = cursor.peek().map(|lexeme| lexeme.shown());
+            return Err(say::form(cursor.here(), spec, &found.unwrap_or_default()));
+        }
+    }
+    needed(item, spec)?;
+    separator(cursor, inside)
+}
+
+/// The name after a keyword, with its repetition.
+fn name<'a>(cursor: &mut Cursor<'a>, spec: &'static ItemWord) -> Result<Name<'a>, Report> {
+    let is_clause = cursor
+        .peek_word()
+        .is_some_and(|word| spec.clauses.iter().any(|clause| clause.sign == word));
+    let word = match cursor.word() {
+        Some(word) if !is_clause => word,
+        _ => return Err(say::no_name(cursor.before(), spec)),
+    };
+    let index = cursor.group(Bracket::Square);
+    if let (Some(index), false) = (index, spec.repeats) {
+        return Err(say::form(index.at, spec, "["));
+    }
+    Ok(Name { word, index })
+}
+
+/// Takes the sign of a clause of this item.
+fn clause(cursor: &mut Cursor<'_>, spec: &'static ItemWord) -> Option<(&'static str, Region)> {
+    spec.clauses.iter().find_map(|clause| {
+        let sign = clause.sign;
+        let at = match sign {
+            ":" | "=" => cursor.signs(sign),
+            word => cursor.keyword(word).map(Region::from),
+        };
+        at.map(|at| (sign, at))
+    })
+}
+
+/// The value of a clause: up to the next clause, the braces, or the end of the item.
+fn clause_value<'a>(
+    cursor: &mut Cursor<'a>,
+    spec: &'static ItemWord,
+    sign: &str,
+    inside: bool,
+) -> Value<'a> {
+    let start = *cursor;
+    let braces = sign == "=" || !spec.named;
+    while !ends(cursor, inside) {
+        if cursor.signs("..=").is_some() {
+            continue;
+        }
+        let brace = matches!(
+            cursor.peek().map(|lexeme| &lexeme.kind),
+            Some(Kind::Open(Bracket::Brace, _))
+        );
+        let mut ahead = *cursor;
+        if (brace && !braces) || clause(&mut ahead, spec).is_some() {
+            break;
+        }
+        cursor.take_tree();
+    }
+    cursor.since(start)
+}
+
+/// Adds a clause: each once, none empty.
+pub fn push_clause<'a>(
+    item: &mut Item<'a>,
+    sign: &'static str,
+    at: Region,
+    value: Value<'a>,
+) -> Result<(), Report> {
+    if let Some(first) = item.given(sign) {
+        return Err(say::repeated_clause(at, sign, first.at));
+    }
+    if value.lexemes.is_empty() {
+        return Err(say::empty_value(at, sign));
+    }
+    item.clauses.push(Given { sign, at, value });
+    Ok(())
+}
+
+fn needed(item: &Item<'_>, spec: &'static ItemWord) -> Result<(), Report> {
+    let missing = spec
+        .clauses
+        .iter()
+        .find(|clause| clause.needed && item.given(clause.sign).is_none());
+    match missing {
+        Some(clause) => Err(say::missing_clause(item.name_at(), spec, clause.sign)),
+        None => Ok(()),
+    }
+}
+
+/// Whether the item ends here: at its separator, at the end, or where the next item begins without one.
+fn ends(cursor: &Cursor<'_>, inside: bool) -> bool {
+    match cursor.peek().map(|lexeme| &lexeme.kind) {
+        None | Some(Kind::Doc(_)) => true,
+        Some(Kind::Sign(',')) if inside => true,
+        Some(Kind::Sign(';')) => true,
+        Some(Kind::Word(word)) => {
+            let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
+            let named = words::find(word, inside).is_some_and(|spec| spec.named);
+            (named && matches!(next, Some(Kind::Word(_))))
+                || (inside && matches!(next, Some(Kind::Sign(':'))))
+        }
+        _ => false,
+    }
+}
+
+/// Takes the separator after an item.
+fn separator(cursor: &mut Cursor<'_>, inside: bool) -> Result<(), Report> {
+    let sign = if inside { ',' } else { ';' };
+    if cursor.sign(sign).is_some() || (inside && cursor.at_end()) {
+        return Ok(());
+    }
+    if inside && matches!(cursor.peek().map(|l| &l.kind), Some(Kind::Sign(';'))) {
+        return Err(say::wrong_separator(cursor.here()));
+    }
+    Err(say::missing_separator(cursor.before(), sign))
+}
+
+/// Goes on after the next separator or braces, or at the next item.
+fn recover(cursor: &mut Cursor<'_>, inside: bool) {
+    let just_ended = |cursor: &Cursor<'_>| {
+        let mut ahead = *cursor;
+        docs(&mut ahead);
+        ahead.peek_word().is_some_and(|word| {
+            let next = ahead.ahead(1).map(|lexeme| &lexeme.kind);
+            let spec = words::find(word, inside);
+            match (spec, next) {
+                (Some(spec), Some(Kind::Word(_))) => spec.named,
+                (Some(spec), Some(Kind::Sign(':' | ';'))) => !spec.named,
+                (Some(spec), Some(Kind::Open(Bracket::Brace, _))) => !spec.named,
+                (None, Some(Kind::Sign(':'))) => inside,
+                _ => false,
+            }
+        })
+    };
+    while !cursor.at_end() && !just_ended(cursor) {
+        let kind = cursor.peek().map(|lexeme| &lexeme.kind);
+        let separator = matches!(kind, Some(Kind::Sign(';')))
+            || (inside && matches!(kind, Some(Kind::Sign(','))));
+        let braces = !inside && matches!(kind, Some(Kind::Open(Bracket::Brace, _)));
+        cursor.take_tree();
+        if separator || braces {
+            cursor.sign(';');
+            return;
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Reading: lexemes to a tree of items. Values stay lexemes; [`expression`] and [`unit`] parse them when their meaning is known.
+
+pub mod cursor;
+pub mod expression;
+pub mod item;
+pub mod model;
+pub mod unit;
+pub mod words;
+
+pub use cursor::Cursor;
+pub use model::model;
+
+use crate::lexeme::{At, Lexeme, Region};
+
+/// A word with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Word {
+    /// The word.
+    pub text: String,
+    /// Its place.
+    pub at: At,
+}
+
+/// The lexemes of a value.
+#[derive(Clone, Copy, Debug)]
+pub struct Value<'a> {
+    /// The lexemes, balanced.
+    pub lexemes: &'a [Lexeme],
+    /// Where they are, or where they should be.
+    pub at: Region,
+}
+
+/// A name, possibly repeated.
+#[derive(Clone, Debug)]
+pub struct Name<'a> {
+    /// The word.
+    pub word: Word,
+    /// What stands in its brackets: `i in 0..3`, or an index.
+    pub index: Option<Value<'a>>,
+}
+
+/// The sign of a clause and its value.
+#[derive(Clone, Debug)]
+pub struct Given<'a> {
+    /// The sign or word, as in [`words::Clause::sign`].
+    pub sign: &'static str,
+    /// Where the sign is.
+    pub at: Region,
+    /// Its value.
+    pub value: Value<'a>,
+}
+
+/// An item, a setting or a field: keyword, name, clauses, fields between braces.
+#[derive(Clone, Debug)]
+pub struct Item<'a> {
+    /// Its documentation.
+    pub doc: String,
+    /// The keyword, or the name of the field.
+    pub word: Word,
+    /// The name.
+    pub name: Option<Name<'a>>,
+    /// The values outside the braces.
+    pub clauses: Vec<Given<'a>>,
+    /// The fields between the braces.
+    pub block: Vec<Item<'a>>,
+    /// From the first to the last lexeme of its head.
+    pub at: Region,
+    /// Whether it could not be read whole: what is missing has been reported.
+    pub broken: bool,
+}
+
+impl<'a> Item<'a> {
+    /// The value of a clause.
+    pub fn clause(&self, sign: &str) -> Option<Value<'a>> {
+        self.given(sign).map(|given| given.value)
+    }
+
+    /// A clause.
+    pub fn given(&self, sign: &str) -> Option<&Given<'a>> {
+        self.clauses.iter().find(|given| given.sign == sign)
+    }
+
+    /// The name's place, or the keyword's.
+    pub fn name_at(&self) -> Region {
+        self.name
+            .as_ref()
+            .map_or(self.word.at, |name| name.word.at)
+            .into()
+    }
+}
+
+/// A model as written.
+#[derive(Clone, Debug, Default)]
+pub struct Model<'a> {
+    /// Its documentation.
+    pub doc: String,
+    /// Its name.
+    pub name: Option<Word>,
+    /// `pub`, `pub(crate)`, or nothing.
+    pub visibility: String,
+    /// Whether `<T>` is written.
+    pub generic: bool,
+    /// Its items.
+    pub items: Vec<Item<'a>>,
+}

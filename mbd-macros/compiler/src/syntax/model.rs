@@ -1,0 +1,80 @@
+//! The head of a model: `/// doc`, `pub model Name<T> { … }`.
+
+use super::item::items;
+use super::{Cursor, Model, Value};
+use crate::lexeme::{Bracket, Kind, Lexeme, Region};
+use crate::messages::{Messages, Report, syntax as say};
+
+/// Reads a model from all lexemes of a source. Nothing is `None` only when the source is empty.
+pub fn model<'a>(lexemes: &'a [Lexeme], messages: &mut Messages) -> Option<Model<'a>> {
+    let (first, last) = (lexemes.first()?, lexemes.last()?);
+    let mut cursor = Cursor::new(Value {
+        lexemes,
+        at: Region {
+            first: first.at,
+            last: last.at,
+        },
+    });
+    let mut model = Model {
+        doc: docs(&mut cursor),
+        ..Model::default()
+    };
+    if let Err(report) = head(&mut cursor, &mut model) {
+        messages.push(report);
+    }
+    match cursor.group(Bracket::Brace) {
+        Some(body) => {
+            model.items = items(Cursor::new(body), false, messages);
+            if !cursor.at_end() {
+                messages.push(say::after_model(cursor.here()));
+            }
+        }
+        None if messages.is_empty() => messages.push(say::no_model(cursor.here())),
+        None => {}
+    }
+    Some(model)
+}
+
+/// Takes doc comments: one line each, without the space after `///`.
+pub fn docs(cursor: &mut Cursor<'_>) -> String {
+    let mut lines = Vec::new();
+    while let Some(Kind::Doc(text)) = cursor.peek().map(|lexeme| &lexeme.kind) {
+        lines.push(text.strip_prefix(' ').unwrap_or(text).to_string());
+        cursor.take();
+    }
+    lines.join("\n").trim_end().to_string()
+}
+
+/// `pub(crate) model Name<T>`.
+pub fn head<'a>(cursor: &mut Cursor<'a>, model: &mut Model<'a>) -> Result<(), Report> {
+    if cursor.keyword("pub").is_some() {
+        model.visibility = "pub".to_string();
+        if let Some(within) = cursor.group(Bracket::Round) {
+            let path: Vec<String> = within.lexemes.iter().map(Lexeme::shown).collect();
+            model.visibility = format!("pub({})", path.join(" "));
+        }
+    }
+    cursor
+        .keyword("model")
+        .ok_or_else(|| say::no_model(cursor.here()))?;
+    name(cursor, model)
+}
+
+/// `Name<T>`.
+pub fn name<'a>(cursor: &mut Cursor<'a>, model: &mut Model<'a>) -> Result<(), Report> {
+    let word = cursor
+        .word()
+        .ok_or_else(|| cursor.expected("the name of the model"))?;
+    if super::words::reserved(&word.text).is_some() {
+        return Err(say::reserved_name(word.at.into(), &word.text));
+    }
+    model.name = Some(word);
+    if cursor.sign('<').is_some() {
+        cursor
+            .word()
+            .ok_or_else(|| cursor.expected("the name of the scalar, such as `T`"))?;
+        cursor.sign('>').ok_or_else(|| cursor.expected("`>`"))?;
+        model.generic = true;
+    }
+    Ok(())
+}

@@ -1,0 +1,157 @@
+//! Units: words combined with `*`, `/`, `^` and round brackets.
+
+use mbd_scene::{Dimension, Unit};
+
+use super::Cursor;
+use crate::lexeme::{Bracket, Kind};
+use crate::messages::{Report, syntax as say};
+use crate::units;
+
+/// Takes a unit that must fill the rest of the cursor: after `in`, in the type of an input, after brackets.
+pub fn whole(mut cursor: Cursor<'_>) -> Result<Unit, Report> {
+    let first = match reciprocal(&mut cursor) {
+        Some(one) => one,
+        None if cursor.peek_word().is_some() => factor(&mut cursor)?,
+        None => return Err(say::unit_expected(cursor.here())),
+    };
+    let unit = product(&mut cursor, first, true)?;
+    cursor.finish("the end of the unit")?;
+    Ok(unit)
+}
+
+/// Takes a unit if one comes next. A word right after a number must be a unit; after `*` or `/` it may be something else.
+pub fn suffix(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, Report> {
+    let first = match reciprocal(cursor) {
+        Some(one) => one,
+        None if cursor.peek_word().is_some() => factor(cursor)?,
+        None => return Ok(None),
+    };
+    product(cursor, first, false).map(Some)
+}
+
+/// Takes the `1` of `1/s`.
+fn reciprocal(cursor: &mut Cursor<'_>) -> Option<Unit> {
+    let (one, over) = (cursor.peek()?, cursor.ahead(1)?);
+    let fits = one.kind == Kind::Number("1".to_string()) && over.kind == Kind::Sign('/');
+    fits.then(|| {
+        cursor.take();
+        units::si("1", units::NONE)
+    })
+}
+
+/// The `* a / b` after a first factor. Without `strict` it stops before what is no unit.
+fn product(cursor: &mut Cursor<'_>, first: Unit, strict: bool) -> Result<Unit, Report> {
+    let mut unit = first;
+    loop {
+        let mut ahead = *cursor;
+        let divide = if ahead.sign('*').is_some() {
+            false
+        } else if ahead.sign('/').is_some() {
+            true
+        } else {
+            return Ok(unit);
+        };
+        let here = ahead.here();
+        let next = match factor(&mut ahead) {
+            Ok(next) => next,
+            Err(report) if strict => return Err(report),
+            Err(_) => return Ok(unit),
+        };
+        *cursor = ahead;
+        let sign = if divide { '/' } else { '*' };
+        let dimension = if divide {
+            units::over(unit.dimension, next.dimension)
+        } else {
+            units::times(unit.dimension, next.dimension)
+        };
+        unit = Unit {
+            text: format!("{}{sign}{}", unit.text, next.text),
+            factor: if divide {
+                unit.factor / next.factor
+            } else {
+                unit.factor * next.factor
+            },
+            dimension: bounded(dimension).ok_or_else(|| say::unit_range(here))?,
+        };
+    }
+}
+
+/// One word or bracket, with its exponent.
+fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, Report> {
+    let here = cursor.here();
+    let base = if let Some(inner) = cursor.group(Bracket::Round) {
+        let inner = whole(Cursor::new(inner))?;
+        Unit {
+            text: format!("({})", inner.text),
+            ..inner
+        }
+    } else {
+        let word = cursor
+            .word()
+            .ok_or_else(|| say::unit_expected(cursor.here()))?;
+        let call = word.text == "min" && cursor.group(Bracket::Round).is_some();
+        let path = matches!(cursor.peek().map(|l| &l.kind), Some(Kind::Sign('.')));
+        if call || (path && !super::expression::range(cursor)) {
+            return Err(say::unknown_unit(here, &word.text));
+        }
+        let (factor, dimension) =
+            units::find(&word.text).ok_or_else(|| say::unknown_unit(here, &word.text))?;
+        Unit {
+            text: word.text,
+            factor,
+            dimension,
+        }
+    };
+    if cursor.sign('^').is_none() {
+        return Ok(base);
+    }
+    let (n, halves) = exponent(cursor)?;
+    let raised =
+        units::power(base.dimension, n).and_then(|d| if halves { units::root(d) } else { Some(d) });
+    let factor = base.factor.powi(n);
+    Ok(Unit {
+        text: if halves {
+            format!("{}^({n}/2)", base.text)
+        } else {
+            format!("{}^{n}", base.text)
+        },
+        factor: if halves { factor.sqrt() } else { factor },
+        dimension: bounded(raised).ok_or_else(|| say::unit_range(here))?,
+    })
+}
+
+/// A whole exponent, or `(n/2)`.
+fn exponent(cursor: &mut Cursor<'_>) -> Result<(i32, bool), Report> {
+    if let Some(inner) = cursor.group(Bracket::Round) {
+        let mut inner = Cursor::new(inner);
+        let n = whole_number(&mut inner)?;
+        let halves = inner.sign('/').is_some();
+        if halves {
+            let two = inner.here();
+            if whole_number(&mut inner)? != 2 {
+                return Err(say::unit_exponent(two));
+            }
+        }
+        inner.finish("`)`")?;
+        return Ok((n, halves));
+    }
+    whole_number(cursor).map(|n| (n, false))
+}
+
+fn whole_number(cursor: &mut Cursor<'_>) -> Result<i32, Report> {
+    let negative = cursor.sign('-').is_some();
+    let here = cursor.here();
+    let value = match cursor.take().map(|lexeme| &lexeme.kind) {
+        Some(Kind::Number(text)) => text.parse::<i32>().ok(),
+        _ => None,
+    };
+    match value {
+        Some(n) if n <= 9 => Ok(if negative { -n } else { n }),
+        _ => Err(say::unit_exponent(here)),
+    }
+}
+
+/// A dimension of sensible size.
+fn bounded(dimension: Option<Dimension>) -> Option<Dimension> {
+    dimension.filter(|d| [d.mass, d.length, d.time].iter().all(|e| e.abs() <= 40))
+}

@@ -1,0 +1,433 @@
+//! The vocabulary: every item with its clauses and fields, once. The text reader, the TOML reader and writer, and all messages use it.
+
+/// An item of the language, or a setting.
+#[derive(Debug, PartialEq, Eq)]
+pub struct ItemWord {
+    /// The keyword.
+    pub word: &'static str,
+    /// Whether a name follows.
+    pub named: bool,
+    /// Whether the name may be repeated: `leg[i in 0..3]`.
+    pub repeats: bool,
+    /// What stands outside the braces, in order: the sign or word before each value.
+    pub clauses: &'static [Clause],
+    /// The fields between the braces; `None`: no braces.
+    pub fields: Option<&'static [&'static str]>,
+    /// How it is written.
+    pub form: &'static str,
+}
+
+/// A value outside the braces of an item.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Clause {
+    /// The sign or word before the value.
+    pub sign: &'static str,
+    /// Its key in TOML.
+    pub key: &'static str,
+    /// Whether it must be there.
+    pub needed: bool,
+}
+
+const fn needs(sign: &'static str, key: &'static str) -> Clause {
+    Clause {
+        sign,
+        key,
+        needed: true,
+    }
+}
+
+const fn may(sign: &'static str, key: &'static str) -> Clause {
+    Clause {
+        sign,
+        key,
+        needed: false,
+    }
+}
+
+const VALUE: &[Clause] = &[needs(":", "value")];
+
+const fn setting(word: &'static str, form: &'static str) -> ItemWord {
+    ItemWord {
+        word,
+        named: false,
+        repeats: false,
+        clauses: VALUE,
+        fields: None,
+        form,
+    }
+}
+
+const fn item(
+    word: &'static str,
+    clauses: &'static [Clause],
+    fields: Option<&'static [&'static str]>,
+    form: &'static str,
+) -> ItemWord {
+    ItemWord {
+        word,
+        named: true,
+        repeats: false,
+        clauses,
+        fields,
+        form,
+    }
+}
+
+const fn repeated(item: ItemWord) -> ItemWord {
+    ItemWord {
+        repeats: true,
+        ..item
+    }
+}
+
+const ENDS: &[Clause] = &[needs("from", "from"), needs("to", "to")];
+const LINE_FIELDS: Option<&[&str]> = Some(&["free_length", "stiffness", "damping"]);
+
+/// A frame on a body or in the world; the only item inside another.
+pub const FRAME: ItemWord = repeated(item(
+    "frame",
+    &[needs("at", "at"), may("rotated", "rotated")],
+    None,
+    "frame NAME at [x, y, z] m rotated rpy(a, b, c)",
+));
+
+/// Every item and setting of a model.
+pub const ITEMS: &[ItemWord] = &[
+    setting("coordinates", "coordinates: absolute;"),
+    setting("angular_velocity", "angular_velocity: body;"),
+    setting("units", "units: si;"),
+    setting("gravity", "gravity: [0.0, 0.0, -9.81] m/s^2;"),
+    setting("emit", "emit: [derivative, outputs];"),
+    ItemWord {
+        word: "verify",
+        named: false,
+        repeats: false,
+        clauses: &[],
+        fields: None,
+        form: "verify;",
+    },
+    item("const", &[needs("=", "value")], None, "const NAME = 2.1 m;"),
+    item(
+        "param",
+        &[needs("=", "value"), may("in", "in")],
+        None,
+        "param NAME = 761 kg in 600 kg ..= 900 kg;",
+    ),
+    item(
+        "input",
+        &[needs(":", "kind")],
+        None,
+        "input NAME: [speed; 3];",
+    ),
+    item(
+        "table",
+        &[needs("=", "value")],
+        None,
+        "table NAME = { 0 km: 0.0145 kg/m^3, 10 km: 0.006 kg/m^3 };",
+    ),
+    ItemWord {
+        word: "world",
+        named: false,
+        repeats: false,
+        clauses: &[],
+        fields: Some(&["frame"]),
+        form: "world { frame NAME at [x, y, z] m }",
+    },
+    item(
+        "body",
+        &[],
+        Some(&["mass", "center_of_mass", "inertia", "frame"]),
+        "body NAME { mass: 2.0 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2 }",
+    ),
+    repeated(item(
+        "point",
+        &[],
+        Some(&["mass", "equilibrium"]),
+        "point NAME;",
+    )),
+    item(
+        "joint",
+        &[needs(":", "kind"), needs("from", "from"), needs("to", "to")],
+        Some(&["coordinates"]),
+        "joint NAME: free from world to body.com;",
+    ),
+    repeated(item(
+        "line",
+        ENDS,
+        LINE_FIELDS,
+        "line NAME from body.frame to point { free_length: 1.0 m, stiffness: 1.0 kN/m }",
+    )),
+    repeated(item(
+        "spring",
+        ENDS,
+        LINE_FIELDS,
+        "spring NAME from body.frame to body.frame { free_length: 1.0 m, stiffness: 1.0 kN/m }",
+    )),
+    item(
+        "load",
+        &[
+            needs("on", "on"),
+            may("at", "at"),
+            may(":", "kind"),
+            may("=", "value"),
+            may("in", "in"),
+        ],
+        None,
+        "load NAME on body at frame = expression;",
+    ),
+    item(
+        "output",
+        &[needs("=", "value"), may("in", "in")],
+        None,
+        "output NAME = expression;",
+    ),
+    item(
+        "event",
+        &[
+            needs("=", "value"),
+            may("crosses", "crosses"),
+            may("rises", "rises"),
+            may("falls", "falls"),
+        ],
+        None,
+        "event NAME = expression crosses value;",
+    ),
+];
+
+/// Everything that may stand between the braces of a model.
+pub fn top_level() -> impl Iterator<Item = &'static ItemWord> {
+    ITEMS.iter()
+}
+
+/// The item of this keyword at the top (`inside` false) or inside a body or the world.
+pub fn find(word: &str, inside: bool) -> Option<&'static ItemWord> {
+    if inside {
+        (word == FRAME.word).then_some(&FRAME)
+    } else {
+        ITEMS.iter().find(|item| item.word == word)
+    }
+}
+
+/// Words of other tools, and ours.
+pub type Dictionary = &'static [(&'static str, &'static str)];
+
+/// Our word for a word of another tool.
+pub fn translated(dictionary: Dictionary, word: &str) -> Option<&'static str> {
+    let word = word.to_lowercase();
+    dictionary
+        .iter()
+        .find(|(theirs, _)| *theirs == word)
+        .map(|(_, ours)| *ours)
+}
+
+/// Items of other tools.
+pub const FOREIGN_ITEMS: Dictionary = &[
+    ("link", "body"),
+    ("rigid_body", "body"),
+    ("rigidbody", "body"),
+    ("segment", "body"),
+    ("node", "point"),
+    ("junction", "point"),
+    ("particle", "point"),
+    ("cable", "line"),
+    ("rope", "line"),
+    ("tether", "line"),
+    ("tendon", "line"),
+    ("string", "line"),
+    ("force", "load"),
+    ("torque", "load"),
+    ("wrench", "load"),
+    ("sensor", "output"),
+    ("measure", "output"),
+    ("constant", "const"),
+    ("let", "const"),
+    ("parameter", "param"),
+    ("marker", "frame"),
+    ("site", "frame"),
+    ("constraint", "joint"),
+];
+
+/// Fields of other tools.
+pub const FOREIGN_FIELDS: Dictionary = &[
+    ("length", "free_length"),
+    ("l0", "free_length"),
+    ("rest_length", "free_length"),
+    ("natural_length", "free_length"),
+    ("springlength", "free_length"),
+    ("k", "stiffness"),
+    ("c", "damping"),
+    ("damper", "damping"),
+    ("com", "center_of_mass"),
+    ("cg", "center_of_mass"),
+    ("cog", "center_of_mass"),
+    ("moi", "inertia"),
+    ("weight", "mass"),
+    ("site", "frame"),
+    ("marker", "frame"),
+];
+
+/// Functions of other tools.
+pub const FOREIGN_FUNCTIONS: Dictionary = &[
+    ("mag", "norm"),
+    ("magnitude", "norm"),
+    ("length", "norm"),
+    ("pow", "^"),
+    ("fabs", "abs"),
+    ("inner", "dot"),
+    ("fmin", "min"),
+    ("fmax", "max"),
+];
+
+/// Quantities of other tools.
+pub const FOREIGN_QUANTITIES: Dictionary = &[
+    ("force", "tension"),
+    ("elongation", "stretch"),
+    ("extension", "stretch"),
+    ("pos", "position"),
+    ("vel", "velocity"),
+    ("rate", "stretch_rate"),
+    ("omega", "omega_body"),
+    ("angular_velocity", "omega_body"),
+    ("cog", "com"),
+    ("cg", "com"),
+];
+
+/// Joints of this language that are built.
+pub const JOINTS: &[&str] = &["free"];
+
+/// Joints of this language that are not built yet.
+pub const LATER_JOINTS: &[&str] = &[
+    "rigid",
+    "hinge",
+    "universal",
+    "spherical",
+    "prismatic",
+    "cylindrical",
+];
+
+/// Joints of other tools.
+pub const FOREIGN_JOINTS: Dictionary = &[
+    ("revolute", "hinge"),
+    ("pin", "hinge"),
+    ("continuous", "hinge"),
+    ("ball", "spherical"),
+    ("weld", "rigid"),
+    ("fixed", "rigid"),
+    ("slider", "prismatic"),
+    ("slide", "prismatic"),
+    ("cardan", "universal"),
+    ("hooke", "universal"),
+    ("floating", "free"),
+    ("freejoint", "free"),
+];
+
+/// The functions of an expression.
+pub const FUNCTIONS: &[&str] = &[
+    "norm", "dot", "cross", "min", "max", "abs", "exp", "sqrt", "sin", "cos", "angle", "polar",
+];
+
+/// What may be asked of a body or one of its frames, of a point, of a line.
+pub const FRAME_QUANTITIES: &[&str] = &["position", "velocity", "x", "y", "z"];
+/// What may be asked of a body besides its frames.
+pub const BODY_QUANTITIES: &[&str] = &[
+    "position",
+    "velocity",
+    "x",
+    "y",
+    "z",
+    "omega_body",
+    "omega_world",
+];
+/// What may be asked of a point.
+pub const POINT_QUANTITIES: &[&str] = &["position", "velocity"];
+/// What may be asked of a line.
+pub const LINE_QUANTITIES: &[&str] = &["tension", "length", "stretch", "stretch_rate"];
+
+/// The quantities that `emit` knows.
+pub const EMITTED: &[&str] = &[
+    "ends",
+    "equilibrium",
+    "derivative",
+    "balance",
+    "guards",
+    "outputs",
+    "energy",
+    "momentum",
+    "mass_matrix",
+    "bias_force",
+    "forces",
+    "lines",
+    "node_by_anchor",
+    "condensed_stiffness",
+    "partial",
+];
+
+/// Words of the language besides item keywords, functions and units.
+const OTHER_RESERVED: &[&str] = &[
+    "model",
+    "frame",
+    "from",
+    "to",
+    "on",
+    "at",
+    "in",
+    "rotated",
+    "crosses",
+    "rises",
+    "falls",
+    "external",
+    "time",
+    "com",
+    "diag",
+    "full",
+    "rpy",
+    "euler_zyx",
+    "matrix",
+    "none",
+    "loop",
+];
+
+/// Keywords of Rust: names become fields and functions.
+const RUST: &[&str] = &[
+    "as", "async", "await", "break", "const", "continue", "crate", "dyn", "else", "enum", "extern",
+    "false", "fn", "for", "if", "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub",
+    "ref", "return", "self", "Self", "static", "struct", "super", "trait", "true", "type",
+    "unsafe", "use", "where", "while", "abstract", "become", "box", "do", "final", "gen", "macro",
+    "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "_",
+];
+
+/// Why a word cannot be a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reserved {
+    /// It has a meaning in the language.
+    Language,
+    /// It is a unit.
+    Unit,
+    /// It is a keyword of Rust, or begins with two underscores.
+    Rust,
+}
+
+/// Whether and why a word cannot be the name of an item.
+pub fn reserved(word: &str) -> Option<Reserved> {
+    let language = ITEMS.iter().any(|item| item.word == word)
+        || FUNCTIONS.contains(&word)
+        || OTHER_RESERVED.contains(&word);
+    if RUST.contains(&word) || word.starts_with("__") || word.starts_with("r#") {
+        Some(Reserved::Rust)
+    } else if language {
+        Some(Reserved::Language)
+    } else if crate::units::known().contains(&word) {
+        Some(Reserved::Unit)
+    } else {
+        None
+    }
+}
+
+/// Whether a word cannot be the name of a frame: it is a quantity of bodies, or a keyword.
+pub fn reserved_frame(word: &str) -> bool {
+    BODY_QUANTITIES.contains(&word)
+        || ["com", "on", "at", "in", "from", "to", "rotated"].contains(&word)
+        || word.starts_with("__")
+        || word.starts_with("r#")
+        || RUST.contains(&word)
+}

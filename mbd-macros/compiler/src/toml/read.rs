@@ -1,0 +1,393 @@
+//! A TOML document as items.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::lexeme::{At, Lexeme, Lexer, Lines, Region, piece};
+use crate::messages::{Messages, resolve as say_resolve, syntax as say, toml as say_toml};
+use crate::reading::{Reading, finish};
+use crate::syntax::item::push_clause;
+use crate::syntax::words::{self, ItemWord};
+use crate::syntax::{Cursor, Item, Model, Name, Value, Word, model};
+
+/// Reads a scene from TOML.
+#[must_use]
+pub fn read_toml(text: &str) -> Reading {
+    let mut reader = Reader {
+        text,
+        lines: Lines::new(text),
+        lexer: Lexer::of_text(),
+        messages: Messages::default(),
+    };
+    // The first place of all is the start of the document.
+    reader.mark(0);
+    let drafts = match DeTable::parse(text) {
+        Ok(table) => reader.document(table.get_ref()),
+        Err(error) => {
+            let offset = error.span().map_or(0, |span| span.start);
+            let at = reader.mark(offset);
+            reader
+                .messages
+                .push(say_toml::parse(at.into(), error.message()));
+            Document::default()
+        }
+    };
+    let lexed = reader.messages.is_empty();
+    let mut messages = reader.messages;
+    let model = drafts.model(&reader.lexer.lexemes, &mut messages);
+    finish(&model, &reader.lexer.places, messages, lexed)
+}
+
+/// A value: lexemes from here to there, and its place.
+#[derive(Clone, Debug)]
+struct Piece {
+    range: Range<usize>,
+    at: At,
+}
+
+/// An item whose lexemes are still being collected.
+#[derive(Clone, Debug)]
+struct Draft {
+    doc: String,
+    word: Word,
+    name: Option<Piece>,
+    clauses: Vec<(&'static str, Piece)>,
+    block: Vec<Draft>,
+    spec: Option<&'static ItemWord>,
+    /// Whether one of its values could not be read.
+    broken: bool,
+}
+
+/// The items of a document.
+#[derive(Debug, Default)]
+struct Document {
+    doc: String,
+    name: Option<Piece>,
+    items: Vec<Draft>,
+}
+
+struct Reader<'t> {
+    text: &'t str,
+    lines: Lines<'t>,
+    lexer: Lexer,
+    messages: Messages,
+}
+
+type Entry<'e, 't> = (
+    &'e Spanned<std::borrow::Cow<'t, str>>,
+    &'e Spanned<DeValue<'t>>,
+);
+
+/// The entries of a table in the order of the document.
+fn entries<'e, 't>(table: &'e DeTable<'t>) -> Vec<Entry<'e, 't>> {
+    let mut entries: Vec<Entry<'e, 't>> = table.iter().collect();
+    entries.sort_by_key(|(key, _)| key.span().start);
+    entries
+}
+
+impl<'t> Reader<'t> {
+    /// A place without a lexeme of its own.
+    fn mark(&mut self, offset: usize) -> At {
+        let position = self.lines.position(offset);
+        self.lexer.place(position)
+    }
+
+    fn document(&mut self, table: &DeTable<'_>) -> Document {
+        let mut document = Document::default();
+        let mut items: Vec<(usize, Draft)> = Vec::new();
+        for (key, value) in entries(table) {
+            let word: &str = key.get_ref();
+            let at = self.mark(key.span().start);
+            match (word, words::find(word, false)) {
+                ("model", _) => document.name = self.value(value),
+                ("doc", _) => document.doc = self.doc(value),
+                (_, None) => self.messages.push(say::unknown_item(at.into(), word)),
+                ("verify", Some(spec)) => match value.get_ref() {
+                    DeValue::Boolean(true) => {
+                        items.push((key.span().start, draft(word, at, Some(spec))));
+                    }
+                    DeValue::Boolean(false) => {}
+                    _ => self.messages.push(say_toml::boolean(at.into(), word)),
+                },
+                (_, Some(spec)) if spec.named => match value.get_ref() {
+                    DeValue::Table(table) => {
+                        for (name, value) in entries(table) {
+                            if let Some(draft) = self.named(spec, name, value) {
+                                items.push((name.span().start, draft));
+                            }
+                        }
+                    }
+                    _ => self.messages.push(say_toml::table(at.into(), spec)),
+                },
+                (_, Some(spec)) => {
+                    if let Some(draft) = self.unnamed(spec, at, value) {
+                        items.push((key.span().start, draft));
+                    }
+                }
+            }
+        }
+        items.sort_by_key(|(start, _)| *start);
+        document.items = items.into_iter().map(|(_, draft)| draft).collect();
+        document
+    }
+
+    /// A setting, or the world.
+    fn unnamed(
+        &mut self,
+        spec: &'static ItemWord,
+        at: At,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Option<Draft> {
+        let mut item = draft(spec.word, at, Some(spec));
+        match value.get_ref() {
+            DeValue::Table(table) if spec.fields.is_some() => self.fields(&mut item, spec, table),
+            _ if spec.fields.is_some() => {
+                self.messages.push(say_toml::table(at.into(), spec));
+                return None;
+            }
+            _ => item.clauses.push((":", self.value(value)?)),
+        }
+        Some(item)
+    }
+
+    /// An item with a name: a table, or its one value.
+    fn named(
+        &mut self,
+        spec: &'static ItemWord,
+        key: &Spanned<std::borrow::Cow<'_, str>>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Option<Draft> {
+        let at = self.mark(key.span().start);
+        let mut item = draft(spec.word, at, Some(spec));
+        item.name = Some(self.key(key));
+        match value.get_ref() {
+            DeValue::Table(table) => self.fields(&mut item, spec, table),
+            _ => {
+                let mut needed = spec.clauses.iter().filter(|clause| clause.needed);
+                match (needed.next(), needed.next()) {
+                    (Some(only), None) => item.clauses.push((only.sign, self.value(value)?)),
+                    _ => {
+                        self.messages.push(say_toml::table(at.into(), spec));
+                        return None;
+                    }
+                }
+            }
+        }
+        Some(item)
+    }
+
+    /// Clauses, fields and inner items of an item.
+    fn fields(&mut self, item: &mut Draft, spec: &'static ItemWord, table: &DeTable<'_>) {
+        for (key, value) in entries(table) {
+            let word: &str = key.get_ref();
+            let at = self.mark(key.span().start);
+            let clause = spec.clauses.iter().find(|clause| clause.key == word);
+            let inner = words::find(word, true).filter(|_| spec.fields.is_some());
+            match (clause, inner, value.get_ref()) {
+                (Some(clause), ..) => {
+                    let value = self.value(value);
+                    item.broken |= value.is_none();
+                    item.clauses.extend(value.map(|value| (clause.sign, value)));
+                }
+                (None, Some(inner), DeValue::Table(table)) => {
+                    for (name, value) in entries(table) {
+                        let draft = self.named(inner, name, value);
+                        item.block.extend(draft);
+                    }
+                }
+                (None, Some(inner), _) => self.messages.push(say_toml::table(at.into(), inner)),
+                (None, None, _) if word == "doc" => item.doc = self.doc(value),
+                (None, None, _) if spec.fields.is_none() => {
+                    let known: Vec<&str> = spec.clauses.iter().map(|clause| clause.key).collect();
+                    let report = say_resolve::unknown_field(at.into(), word, &known);
+                    self.messages.push(report);
+                }
+                (None, None, _) => {
+                    let mut field = draft(word, at, None);
+                    match self.value(value) {
+                        Some(value) => field.clauses.push((":", value)),
+                        None => field.broken = true,
+                    }
+                    item.block.push(field);
+                }
+            }
+        }
+    }
+
+    /// A string of documentation.
+    fn doc(&mut self, value: &Spanned<DeValue<'_>>) -> String {
+        match value.get_ref() {
+            DeValue::String(text) => text.trim_end().to_string(),
+            _ => {
+                let at = self.mark(value.span().start);
+                self.messages.push(say_toml::string(at.into()));
+                String::new()
+            }
+        }
+    }
+
+    /// A key with its repetition.
+    fn key(&mut self, key: &Spanned<std::borrow::Cow<'_, str>>) -> Piece {
+        let raw = self.text.get(key.span()).unwrap_or("");
+        let quoted = raw.starts_with(['"', '\'']);
+        let start = key.span().start + usize::from(quoted);
+        self.piece(key.get_ref(), key.span().start, start, raw.contains('\\'))
+    }
+
+    /// The lexemes of a value.
+    fn value(&mut self, value: &Spanned<DeValue<'_>>) -> Option<Piece> {
+        let span = value.span();
+        let raw = self.text.get(span.clone()).unwrap_or("");
+        match value.get_ref() {
+            DeValue::String(text) => {
+                let quotes = if raw.starts_with("\"\"\"") || raw.starts_with("'''") {
+                    3
+                } else {
+                    1
+                };
+                let escaped = raw.starts_with('"') && raw.contains('\\');
+                // A line break right after three quotes belongs to them.
+                let body = raw.get(quotes..).unwrap_or("");
+                let skipped = match (quotes, body.starts_with("\r\n"), body.starts_with('\n')) {
+                    (3, true, _) => 2,
+                    (3, _, true) => 1,
+                    _ => 0,
+                };
+                Some(self.piece(text, span.start, span.start + quotes + skipped, escaped))
+            }
+            DeValue::Integer(_) | DeValue::Float(_) | DeValue::Array(_) => {
+                Some(self.piece(raw, span.start, span.start, false))
+            }
+            DeValue::Boolean(_) | DeValue::Datetime(_) | DeValue::Table(_) => {
+                let at = self.mark(span.start);
+                self.messages.push(say_toml::string(at.into()));
+                None
+            }
+        }
+    }
+
+    /// Lexes a piece that lies at `start` of the document; an escaped one is placed at `begin` as a whole.
+    fn piece(&mut self, text: &str, begin: usize, start: usize, escaped: bool) -> Piece {
+        let at = self.mark(begin);
+        let first = self.lexer.lexemes.len();
+        let base = (!escaped).then_some(start);
+        piece(&mut self.lexer, &self.lines, text, base, &mut self.messages);
+        Piece {
+            range: first..self.lexer.lexemes.len(),
+            at,
+        }
+    }
+}
+
+fn draft(word: &str, at: At, spec: Option<&'static ItemWord>) -> Draft {
+    Draft {
+        doc: String::new(),
+        word: Word {
+            text: word.to_string(),
+            at,
+        },
+        name: None,
+        clauses: Vec::new(),
+        block: Vec::new(),
+        spec,
+        broken: false,
+    }
+}
+
+impl Piece {
+    fn value<'a>(&self, lexemes: &'a [Lexeme]) -> Value<'a> {
+        let lexemes = lexemes.get(self.range.clone()).unwrap_or(&[]);
+        let at = match (lexemes.first(), lexemes.last()) {
+            (Some(first), Some(last)) => Region {
+                first: first.at,
+                last: last.at,
+            },
+            _ => self.at.into(),
+        };
+        Value { lexemes, at }
+    }
+}
+
+impl Document {
+    /// The model, once all lexemes are there.
+    fn model<'a>(&self, lexemes: &'a [Lexeme], messages: &mut Messages) -> Model<'a> {
+        let mut read = Model {
+            doc: self.doc.clone(),
+            ..Model::default()
+        };
+        match &self.name {
+            Some(piece) => {
+                let mut cursor = Cursor::new(piece.value(lexemes));
+                let name = model::name(&mut cursor, &mut read)
+                    .and_then(|()| cursor.finish("the end of the name"));
+                if let Err(report) = name {
+                    messages.push(report);
+                }
+            }
+            None if messages.is_empty() => messages.push(say_toml::no_model(Region::START)),
+            None => {}
+        }
+        for draft in &self.items {
+            let item = draft.item(lexemes, messages);
+            read.items.push(item);
+        }
+        read
+    }
+}
+
+impl Draft {
+    fn item<'a>(&self, lexemes: &'a [Lexeme], messages: &mut Messages) -> Item<'a> {
+        let mut item = Item {
+            doc: self.doc.clone(),
+            word: self.word.clone(),
+            name: None,
+            clauses: Vec::new(),
+            block: Vec::new(),
+            at: self.word.at.into(),
+            broken: false,
+        };
+        let mut reports = Vec::new();
+        if let (Some(piece), Some(spec)) = (&self.name, self.spec) {
+            let value = piece.value(lexemes);
+            match name(value, spec) {
+                Ok(name) => item.name = Some(name),
+                Err(report) => reports.push(report),
+            }
+        }
+        for (sign, piece) in &self.clauses {
+            let value = piece.value(lexemes);
+            reports.extend(push_clause(&mut item, sign, piece.at.into(), value).err());
+        }
+        let clauses = self.spec.map_or(&[][..], |spec| spec.clauses);
+        let mut missing = clauses
+            .iter()
+            .filter(|clause| clause.needed && item.given(clause.sign).is_none());
+        if let (Some(spec), Some(clause), false) = (self.spec, missing.next(), self.broken) {
+            reports.push(say_toml::missing(item.name_at(), spec, clause.key));
+        }
+        for field in &self.block {
+            item.block.push(field.item(lexemes, messages));
+        }
+        item.broken =
+            self.broken || !reports.is_empty() || item.block.iter().any(|field| field.broken);
+        reports.into_iter().for_each(|report| messages.push(report));
+        item
+    }
+}
+
+/// A name from a key: `leg`, `leg[0]`, `leg[i in 0..3]`.
+fn name<'a>(
+    value: Value<'a>,
+    spec: &'static ItemWord,
+) -> Result<Name<'a>, crate::messages::Report> {
+    let mut cursor = Cursor::new(value);
+    let word = cursor.word().ok_or_else(|| say::no_name(value.at, spec))?;
+    let index = cursor.group(crate::lexeme::Bracket::Square);
+    if let (Some(index), false) = (index, spec.repeats) {
+        return Err(say::form(index.at, spec, "["));
+    }
+    cursor.finish("the end of the name")?;
+    Ok(Name { word, index })
+}

@@ -1,0 +1,359 @@
+//! A scene as a TOML document that reads back as the same scene.
+
+use std::fmt::Write;
+
+use mbd_scene::{
+    AngularVelocity, Body, Clamp, Coordinates, Difference, Dimension, Direction, Formula, Frame,
+    Function, Gravity, Inertia, JointLaw, Line, LineKind, LoadKind, NodeModel, Output, PointKind,
+    Scene, Unit,
+};
+
+use super::formula::{number, place, text, vector};
+use crate::units;
+
+/// Writes a scene as TOML. Numbers without a unit are SI; repeated items are written one by one.
+#[must_use]
+pub fn write_toml(scene: &Scene) -> String {
+    let mut out = String::new();
+    head(&mut out, scene);
+    numbers(&mut out, scene);
+    bodies(&mut out, scene);
+    connections(&mut out, scene);
+    results(&mut out, scene);
+    out
+}
+
+/// A string in quotes; one without escapes keeps its places when it is read.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' => quoted.push_str("\\\""),
+            '\\' => quoted.push_str("\\\\"),
+            '\n' => quoted.push_str("\\n"),
+            '\t' => quoted.push_str("\\t"),
+            c if c.is_control() => {
+                let _ = write!(quoted, "\\u{:04X}", u32::from(c));
+            }
+            c => quoted.push(c),
+        }
+    }
+    quoted.push('"');
+    quoted
+}
+
+/// A key, in quotes where it has an index.
+fn key(name: &str) -> String {
+    let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if plain {
+        name.to_string()
+    } else {
+        quoted(name)
+    }
+}
+
+fn entry(out: &mut String, name: &str, value: &str) {
+    let _ = writeln!(out, "{name} = {}", quoted(value));
+}
+
+fn doc(out: &mut String, doc: &str) {
+    if !doc.is_empty() {
+        entry(out, "doc", doc);
+    }
+}
+
+fn table(out: &mut String, word: &str, name: &str) {
+    let _ = writeln!(out, "\n[{word}.{}]", key(name));
+}
+
+fn head(out: &mut String, scene: &Scene) {
+    out.push_str("# Numbers without a unit are SI.\n");
+    entry(out, "model", &scene.name);
+    doc(out, &scene.doc);
+    entry(out, "units", "si");
+    let coordinates = match scene.coordinates {
+        Coordinates::Absolute => "absolute",
+        Coordinates::Relative => "relative",
+    };
+    entry(out, "coordinates", coordinates);
+    let components = match scene.angular_velocity {
+        AngularVelocity::Body => "body",
+        AngularVelocity::World => "world",
+    };
+    entry(out, "angular_velocity", components);
+    let gravity = match &scene.gravity {
+        Gravity::None => "none".to_string(),
+        Gravity::Field => "field".to_string(),
+        Gravity::Uniform { acceleration } => vector(acceleration, scene),
+        Gravity::PointMass { mu, center } => format!(
+            "point_mass {{ mu: {}, center: {} }}",
+            text(mu, scene),
+            vector(center, scene)
+        ),
+        Gravity::Oblate {
+            mu,
+            center,
+            radius,
+            j2,
+            axis,
+        } => format!(
+            "oblate {{ mu: {}, center: {}, radius: {}, j2: {}, axis: {} }}",
+            text(mu, scene),
+            vector(center, scene),
+            text(radius, scene),
+            text(j2, scene),
+            vector(axis, scene)
+        ),
+    };
+    entry(out, "gravity", &gravity);
+}
+
+/// A number in the unit it was declared in; in SI where no decimal number of that unit gives it exactly.
+fn with_unit(value: f64, unit: &Unit) -> String {
+    if unit.text.is_empty() {
+        return number(value);
+    }
+    match inverse(value, |x| x * unit.factor, value / unit.factor) {
+        Some(x) => format!("{} {}", number(x), unit.text),
+        None => format!("{} {}", number(value), units::si_text(unit.dimension)),
+    }
+}
+
+/// The number near `guess` whose image is `value`.
+fn inverse(value: f64, image: impl Fn(f64) -> f64, guess: f64) -> Option<f64> {
+    let (mut up, mut down) = (guess, guess);
+    for _ in 0..4 {
+        for x in [up, down] {
+            if image(x) == value {
+                return Some(x);
+            }
+        }
+        (up, down) = (up.next_up(), down.next_down());
+    }
+    None
+}
+
+fn numbers(out: &mut String, scene: &Scene) {
+    for constant in &scene.consts {
+        table(out, "const", &constant.name);
+        doc(out, &constant.doc);
+        entry(out, "value", &with_unit(constant.value, &constant.unit));
+    }
+    for param in &scene.params {
+        table(out, "param", &param.name);
+        doc(out, &param.doc);
+        entry(out, "value", &with_unit(param.default, &param.unit));
+        if let Some([low, high]) = param.range {
+            let (low, high) = (with_unit(low, &param.unit), with_unit(high, &param.unit));
+            entry(out, "in", &format!("{low} ..= {high}"));
+        }
+    }
+    for input in &scene.inputs {
+        table(out, "input", &input.name);
+        doc(out, &input.doc);
+        let unit = match input.unit.text.as_str() {
+            "" => "number",
+            text => text,
+        };
+        let kind = match input.components {
+            3 => format!("[{unit}; 3]"),
+            _ => unit.to_string(),
+        };
+        entry(out, "kind", &kind);
+    }
+    for declared in &scene.tables {
+        table(out, "table", &declared.name);
+        doc(out, &declared.doc);
+        let rows: Vec<String> = declared
+            .x
+            .iter()
+            .zip(&declared.y)
+            .map(|(x, y)| {
+                format!(
+                    "{}: {}",
+                    with_unit(*x, &declared.x_unit),
+                    with_unit(*y, &declared.y_unit)
+                )
+            })
+            .collect();
+        entry(out, "value", &format!("{{ {} }}", rows.join(", ")));
+    }
+}
+
+fn bodies(out: &mut String, scene: &Scene) {
+    for frame in scene.world_frames.iter().skip(1) {
+        let _ = writeln!(out, "\n[world.frame.{}]", key(&frame.name));
+        place_and_axes(out, frame, scene);
+    }
+    for body in &scene.bodies {
+        table(out, "body", &body.name);
+        doc(out, &body.doc);
+        entry(out, "mass", &text(&body.mass, scene));
+        entry(out, "inertia", &inertia(&body.inertia, scene));
+        frames(out, body, scene);
+    }
+    for point in &scene.points {
+        table(out, "point", &point.name);
+        doc(out, &point.doc);
+        match &point.kind {
+            PointKind::Mass(mass) => entry(out, "mass", &text(mass, scene)),
+            PointKind::Node(model) => entry(out, "equilibrium", &node_model(*model)),
+        }
+    }
+}
+
+fn inertia(inertia: &Inertia, scene: &Scene) -> String {
+    let zero = Formula::Number(0.0);
+    let [xx, yy, zz] = [&inertia.xx, &inertia.yy, &inertia.zz].map(|element| text(element, scene));
+    let products = [&inertia.xy, &inertia.xz, &inertia.yz];
+    if products.iter().all(|element| **element == zero) {
+        return format!("diag({xx}, {yy}, {zz})");
+    }
+    let [xy, xz, yz] = products.map(|element| text(element, scene));
+    format!(
+        "full {{ xx: {xx}, yy: {yy}, zz: {zz}, xy: {xy}, xz: {xz}, yz: {yz} }} (matrix elements)"
+    )
+}
+
+fn frames(out: &mut String, body: &Body, scene: &Scene) {
+    for frame in body.frames.iter().skip(1) {
+        let _ = writeln!(
+            out,
+            "\n[body.{}.frame.{}]",
+            key(&body.name),
+            key(&frame.name)
+        );
+        place_and_axes(out, frame, scene);
+    }
+}
+
+fn place_and_axes(out: &mut String, frame: &Frame, scene: &Scene) {
+    entry(out, "at", &vector(&frame.position, scene));
+    if let Some(rows) = &frame.rotation {
+        let rows: Vec<String> = rows.iter().map(|row| vector(row, scene)).collect();
+        entry(out, "rotated", &format!("matrix({})", rows.join(", ")));
+    }
+}
+
+fn node_model(model: NodeModel) -> String {
+    match model {
+        NodeModel::Static => "static".to_string(),
+        NodeModel::Rate => "rate".to_string(),
+        NodeModel::Stepwise { formula, clamp } => {
+            let formula = match formula {
+                Difference::Euler => "euler",
+                Difference::Bdf2 => "bdf2",
+            };
+            let clamp = match clamp {
+                Clamp::Positive => "positive",
+                Clamp::Literal => "literal",
+            };
+            format!("stepwise {{ formula: {formula}, clamp: {clamp} }}")
+        }
+    }
+}
+
+fn connections(out: &mut String, scene: &Scene) {
+    for joint in &scene.joints {
+        table(out, "joint", &joint.name);
+        doc(out, &joint.doc);
+        let law = match joint.law {
+            JointLaw::Free => "free",
+        };
+        entry(out, "kind", law);
+        entry(out, "from", &place(joint.parent, scene));
+        entry(out, "to", &place(joint.child, scene));
+    }
+    for line in &scene.lines {
+        write_line(out, line, scene);
+    }
+    for load in &scene.loads {
+        table(out, "load", &load.name);
+        doc(out, &load.doc);
+        let at = place(load.at, scene);
+        match (load.at, at.split_once('.')) {
+            (mbd_scene::Place::Body(..), Some((body, frame))) => {
+                entry(out, "on", body);
+                entry(out, "at", frame);
+            }
+            _ => entry(out, "on", &at),
+        }
+        let unit = |dimension: Dimension| units::si_text(dimension);
+        match &load.kind {
+            LoadKind::External => entry(out, "kind", "external"),
+            LoadKind::Force(formula) => {
+                entry(out, "value", &text(formula, scene));
+                entry(out, "in", &unit(units::FORCE));
+            }
+            LoadKind::Torque(formula) => {
+                entry(out, "value", &text(formula, scene));
+                entry(out, "in", &unit(units::TORQUE));
+            }
+        }
+    }
+}
+
+fn write_line(out: &mut String, line: &Line, scene: &Scene) {
+    let word = match line.kind {
+        LineKind::Line => "line",
+        LineKind::Spring => "spring",
+    };
+    table(out, word, &line.name);
+    doc(out, &line.doc);
+    entry(out, "from", &place(line.from, scene));
+    entry(out, "to", &place(line.to, scene));
+    entry(out, "free_length", &text(&line.free_length, scene));
+    entry(out, "stiffness", &text(&line.stiffness, scene));
+    entry(out, "damping", &text(&line.damping, scene));
+}
+
+fn results(out: &mut String, scene: &Scene) {
+    for output in &scene.outputs {
+        table(out, "output", &output.name);
+        doc(out, &output.doc);
+        entry(out, "value", &output_value(output, scene));
+        if !output.unit.text.is_empty() {
+            entry(out, "in", &output.unit.text);
+        }
+    }
+    for event in &scene.events {
+        table(out, "event", &event.name);
+        doc(out, &event.doc);
+        entry(out, "value", &text(&event.guard, scene));
+        let direction = match event.direction {
+            Direction::Crosses => "crosses",
+            Direction::Rises => "rises",
+            Direction::Falls => "falls",
+        };
+        entry(out, direction, "0.0");
+    }
+}
+
+/// An output in SI: its formula holds it in the unit of its column.
+fn output_value(output: &Output, scene: &Scene) -> String {
+    let factor = output.unit.factor;
+    if factor == 1.0 {
+        return text(&output.value, scene);
+    }
+    let in_si = |value: f64| inverse(value, |x| x / factor, value * factor);
+    match &output.value {
+        Formula::Apply(Function::Div, parts) => match parts.as_slice() {
+            [value, Formula::Number(by)] if *by == factor => text(value, scene),
+            _ => text(&output.value, scene),
+        },
+        Formula::Number(value) => number(in_si(*value).unwrap_or(value * factor)),
+        Formula::Vector(parts) => {
+            let parts: Vec<Formula> = parts
+                .iter()
+                .map(|part| match part {
+                    Formula::Number(value) => {
+                        Formula::Number(in_si(*value).unwrap_or(value * factor))
+                    }
+                    other => other.clone(),
+                })
+                .collect();
+            vector(&parts, scene)
+        }
+        other => text(other, scene),
+    }
+}

@@ -1,0 +1,290 @@
+//! Units and dimensions: what a suffix such as `kN/m` means in SI.
+//!
+//! Exponents of mass, length and time are doubled so that √ stays whole. An angle has no dimension; `deg` is π/180.
+
+use mbd_scene::{Dimension, Unit};
+
+/// A dimension from (not doubled) exponents of mass, length and time.
+pub const fn dimension(mass: i8, length: i8, time: i8) -> Dimension {
+    Dimension {
+        mass: 2 * mass,
+        length: 2 * length,
+        time: 2 * time,
+    }
+}
+
+/// No dimension.
+pub const NONE: Dimension = dimension(0, 0, 0);
+/// kg
+pub const MASS: Dimension = dimension(1, 0, 0);
+/// m
+pub const LENGTH: Dimension = dimension(0, 1, 0);
+/// s
+pub const TIME: Dimension = dimension(0, 0, 1);
+/// m/s
+pub const SPEED: Dimension = dimension(0, 1, -1);
+/// m/s²
+pub const ACCELERATION: Dimension = dimension(0, 1, -2);
+/// N
+pub const FORCE: Dimension = dimension(1, 1, -2);
+/// N m
+pub const TORQUE: Dimension = dimension(1, 2, -2);
+/// kg m²
+pub const INERTIA: Dimension = dimension(1, 2, 0);
+/// N/m
+pub const STIFFNESS: Dimension = dimension(1, 0, -2);
+/// N s/m
+pub const DAMPING: Dimension = dimension(1, 0, -1);
+/// 1/s
+pub const RATE: Dimension = dimension(0, 0, -1);
+/// m³/s²
+pub const GRAVITATIONAL: Dimension = dimension(0, 3, -2);
+const PRESSURE: Dimension = dimension(1, -1, -2);
+const POWER: Dimension = dimension(1, 2, -3);
+const DENSITY: Dimension = dimension(1, -3, 0);
+const AREA: Dimension = dimension(0, 2, 0);
+const VOLUME: Dimension = dimension(0, 3, 0);
+const ANGULAR_ACCELERATION: Dimension = dimension(0, 0, -2);
+
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+const POUND: f64 = 0.453_592_37;
+
+/// The units, with their SI values.
+const UNITS: &[(&str, f64, Dimension)] = &[
+    ("kg", 1.0, MASS),
+    ("g", 1e-3, MASS),
+    ("m", 1.0, LENGTH),
+    ("mm", 1e-3, LENGTH),
+    ("cm", 1e-2, LENGTH),
+    ("km", 1e3, LENGTH),
+    ("ft", 0.3048, LENGTH),
+    ("s", 1.0, TIME),
+    ("ms", 1e-3, TIME),
+    ("min", 60.0, TIME),
+    ("Hz", 1.0, RATE),
+    ("rad", 1.0, NONE),
+    ("deg", DEGREE, NONE),
+    ("N", 1.0, FORCE),
+    ("kN", 1e3, FORCE),
+    ("lbf", POUND * 9.806_65, FORCE),
+    ("J", 1.0, TORQUE),
+    ("W", 1.0, POWER),
+    ("Pa", 1.0, PRESSURE),
+    ("kPa", 1e3, PRESSURE),
+];
+
+/// Names people write for them.
+const FOREIGN: &[(&str, &str)] = &[
+    ("meter", "m"),
+    ("meters", "m"),
+    ("metre", "m"),
+    ("metres", "m"),
+    ("sec", "s"),
+    ("second", "s"),
+    ("seconds", "s"),
+    ("newton", "N"),
+    ("newtons", "N"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("radian", "rad"),
+    ("radians", "rad"),
+    ("kilogram", "kg"),
+    ("kilograms", "kg"),
+    ("feet", "ft"),
+    ("hertz", "Hz"),
+];
+
+/// Named dimensions: the word of an input, and its SI unit.
+const QUANTITIES: &[(&str, &str, Dimension)] = &[
+    ("mass", "kg", MASS),
+    ("length", "m", LENGTH),
+    ("time", "s", TIME),
+    ("number", "", NONE),
+    ("angle", "rad", NONE),
+    ("speed", "m/s", SPEED),
+    ("acceleration", "m/s^2", ACCELERATION),
+    ("force", "N", FORCE),
+    ("torque", "N*m", TORQUE),
+    ("inertia", "kg*m^2", INERTIA),
+    ("stiffness", "N/m", STIFFNESS),
+    ("damping", "N*s/m", DAMPING),
+    ("angular_velocity", "rad/s", RATE),
+    ("angular_acceleration", "rad/s^2", ANGULAR_ACCELERATION),
+    ("gravitational_parameter", "m^3/s^2", GRAVITATIONAL),
+    ("pressure", "Pa", PRESSURE),
+    ("power", "W", POWER),
+    ("density", "kg/m^3", DENSITY),
+    ("area", "m^2", AREA),
+    ("volume", "m^3", VOLUME),
+];
+
+/// The words of all units.
+pub fn known() -> Vec<&'static str> {
+    UNITS.iter().map(|(word, ..)| *word).collect()
+}
+
+/// Our word for a unit that people call otherwise.
+pub fn foreign(word: &str) -> Option<&'static str> {
+    let lower = word.to_lowercase();
+    FOREIGN
+        .iter()
+        .find(|(theirs, _)| *theirs == lower)
+        .map(|(_, ours)| *ours)
+}
+
+/// SI value and dimension of a unit word.
+pub fn find(word: &str) -> Option<(f64, Dimension)> {
+    UNITS
+        .iter()
+        .find(|(known, ..)| *known == word)
+        .map(|(_, factor, dimension)| (*factor, *dimension))
+}
+
+/// The words of all named quantities.
+pub fn quantities() -> Vec<&'static str> {
+    QUANTITIES.iter().map(|(word, ..)| *word).collect()
+}
+
+/// The SI unit of a named quantity.
+pub fn of_quantity(word: &str) -> Option<Unit> {
+    QUANTITIES
+        .iter()
+        .find(|(known, ..)| *known == word)
+        .map(|(_, text, dimension)| si(text, *dimension))
+}
+
+/// An SI unit.
+pub fn si(text: &str, dimension: Dimension) -> Unit {
+    Unit {
+        text: text.to_string(),
+        factor: 1.0,
+        dimension,
+    }
+}
+
+/// The name of a dimension, if it has one: `force`.
+pub fn name(dimension: Dimension) -> Option<String> {
+    QUANTITIES
+        .iter()
+        .find(|(.., known)| *known == dimension)
+        .map(|(word, ..)| word.replace('_', " "))
+}
+
+/// The SI unit of a dimension: `kg*m^2`; empty for none.
+pub fn si_text(dimension: Dimension) -> String {
+    if dimension == RATE {
+        return "1/s".to_string();
+    }
+    if dimension == ANGULAR_ACCELERATION {
+        return "1/s^2".to_string();
+    }
+    if let Some((_, text, _)) = QUANTITIES.iter().find(|(.., known)| *known == dimension) {
+        return (*text).to_string();
+    }
+    let powers = [
+        ("kg", dimension.mass),
+        ("m", dimension.length),
+        ("s", dimension.time),
+    ];
+    let factor = |(word, doubled): &(&str, i8)| match doubled.abs() {
+        2 => (*word).to_string(),
+        n if n % 2 == 0 => format!("{word}^{}", n / 2),
+        n => format!("{word}^({n}/2)"),
+    };
+    let over: Vec<String> = powers.iter().filter(|p| p.1 > 0).map(factor).collect();
+    let under: Vec<String> = powers.iter().filter(|p| p.1 < 0).map(factor).collect();
+    let top = if over.is_empty() {
+        "1".to_string()
+    } else {
+        over.join("*")
+    };
+    match under.len() {
+        0 => top,
+        1 => format!("{top}/{}", under[0]),
+        _ => format!("{top}/({})", under.join("*")),
+    }
+}
+
+/// A dimension for the reader: `a force (N)`, `in kg*m/s`, `a pure number`.
+pub fn described(dimension: Dimension) -> String {
+    if dimension == NONE {
+        return "a pure number".to_string();
+    }
+    let unit = si_text(dimension);
+    match name(dimension) {
+        Some(name) => {
+            let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) {
+                "an"
+            } else {
+                "a"
+            };
+            format!("{article} {name} ({unit})")
+        }
+        None => format!("in {unit}"),
+    }
+}
+
+/// The dimension of a product; `None` when an exponent grows beyond all sense.
+pub fn times(a: Dimension, b: Dimension) -> Option<Dimension> {
+    combine(a, b, i8::checked_add)
+}
+
+/// The dimension of a quotient.
+pub fn over(a: Dimension, b: Dimension) -> Option<Dimension> {
+    combine(a, b, i8::checked_sub)
+}
+
+fn combine(a: Dimension, b: Dimension, with: impl Fn(i8, i8) -> Option<i8>) -> Option<Dimension> {
+    Some(Dimension {
+        mass: with(a.mass, b.mass)?,
+        length: with(a.length, b.length)?,
+        time: with(a.time, b.time)?,
+    })
+}
+
+/// The dimension of a whole power.
+pub fn power(a: Dimension, n: i32) -> Option<Dimension> {
+    let raise = |e: i8| i8::try_from(i32::from(e).checked_mul(n)?).ok();
+    Some(Dimension {
+        mass: raise(a.mass)?,
+        length: raise(a.length)?,
+        time: raise(a.time)?,
+    })
+}
+
+/// The dimension of a square root; `None` when it would have quarter exponents.
+pub fn root(a: Dimension) -> Option<Dimension> {
+    let halve = |e: i8| (e % 2 == 0).then_some(e / 2);
+    Some(Dimension {
+        mass: halve(a.mass)?,
+        length: halve(a.length)?,
+        time: halve(a.time)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_newton_is_a_kilogram_metre_per_second_squared() {
+        let built = over(times(MASS, LENGTH).unwrap(), power(TIME, 2).unwrap()).unwrap();
+        assert_eq!(built, FORCE);
+        assert_eq!(si_text(built), "N");
+        assert_eq!(described(built), "a force (N)");
+        assert_eq!(described(INERTIA), "an inertia (kg*m^2)");
+    }
+
+    #[test]
+    fn the_root_of_a_root_of_an_area_has_half_exponents_and_no_quarter() {
+        let half = root(root(AREA).unwrap()).unwrap();
+        assert_eq!(si_text(half), "m^(1/2)");
+        assert_eq!(root(half), None);
+    }
+
+    #[test]
+    fn si_units_without_a_name_are_spelled_out() {
+        assert_eq!(si_text(dimension(1, 3, -3)), "kg*m^3/s^3");
+        assert_eq!(si_text(dimension(0, -1, -1)), "1/(m*s)");
+    }
+}

@@ -1,0 +1,266 @@
+//! Scenes in TOML: the same scene, the same mistakes, each at its line and column.
+
+use mbd_compiler::{Reading, read_text, read_toml, write_toml};
+
+fn told(reading: &Reading) -> Vec<String> {
+    reading
+        .errors
+        .iter()
+        .map(|message| message.in_file("scene.toml"))
+        .collect()
+}
+
+#[test]
+fn text_to_scene_to_toml_to_scene_is_the_identity() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pass");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let scene = read_text(&text).scene.unwrap();
+        let written = write_toml(&scene);
+        let again = read_toml(&written);
+        let read = again.scene.clone().unwrap_or_else(|| {
+            panic!("{}\n{written}\n{}", path.display(), told(&again).join("\n"))
+        });
+        assert_eq!(scene, read, "{}\n{written}", path.display());
+    }
+}
+
+const LINK: &str = r#"
+model = "Link<T>"
+doc = "A link on a line."
+gravity = "[0.0, 0.0, -9.81] m/s^2"
+verify = true
+
+[const]
+L = "1.6 m"
+
+[param.mass]
+value = "2.0 kg"
+in = "1 kg ..= 3 kg"
+doc = "Mass of the link."
+
+[input]
+wind = "[speed; 3]"
+
+[world.frame]
+anchor = "[0.6, 0.3, 0.0] m"
+
+[body.link]
+mass = "mass"
+inertia = "diag(0.17, 0.17, 0.02) kg*m^2"
+frame.top = "[0.0, 0.0, 0.5] m"
+frame.tip = { at = "[0.0, 0.0, -0.5] m", rotated = "rpy(0.0, 0.0, 90 deg)" }
+
+[joint.link_free]
+kind = "free"
+from = "world"
+to = "link.com"
+
+[line."side[i in 0..2]"]
+from = "world.anchor"
+to = "link.top"
+free_length = "L + i * 10 cm"
+stiffness = "1 kN/m"
+
+[load.drag]
+on = "link"
+at = "tip"
+value = """
+-(0.5 kg/s)
+* (link.tip.velocity - wind)"""
+
+[output]
+pull = "side[1].tension"
+
+[event.slack]
+value = "side[0].tension"
+falls = "0 N"
+"#;
+
+/// The same scene as text.
+const TEXT: &str = r#"
+/// A link on a line.
+model Link<T> {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    verify;
+    const L = 1.6 m;
+    /// Mass of the link.
+    param mass = 2.0 kg in 1 kg ..= 3 kg;
+    input wind: [speed; 3];
+    world { frame anchor at [0.6, 0.3, 0.0] m }
+    body link {
+        mass: mass,
+        inertia: diag(0.17, 0.17, 0.02) kg*m^2,
+        frame top at [0.0, 0.0, 0.5] m,
+        frame tip at [0.0, 0.0, -0.5] m rotated rpy(0.0, 0.0, 90 deg),
+    }
+    joint link_free: free from world to link.com;
+    line side[i in 0..2] from world.anchor to link.top { free_length: L + i * 10 cm, stiffness: 1 kN/m }
+    load drag on link at tip = -(0.5 kg/s) * (link.tip.velocity - wind);
+    output pull = side[1].tension;
+    event slack = side[0].tension falls 0 N;
+}
+"#;
+
+#[test]
+fn a_scene_written_by_hand_in_toml_is_the_scene_of_the_text() {
+    let (toml, text) = (read_toml(LINK), read_text(TEXT));
+    assert_eq!(told(&toml), Vec::<String>::new());
+    assert_eq!(told(&text), Vec::<String>::new());
+    assert_eq!(toml.scene, text.scene);
+    assert!(toml.options.generic && toml.options.verify);
+}
+
+/// What is said about the scene above with one part replaced.
+fn with(old: &str, new: &str) -> Vec<String> {
+    assert!(LINK.contains(old), "{old}");
+    told(&read_toml(&LINK.replacen(old, new, 1)))
+}
+
+#[test]
+fn mistakes_in_toml_are_told_with_line_and_column() {
+    let cases: &[(&str, &str, &[&str])] = &[
+        (
+            "link.top\"\nfree",
+            "link.tpo\"\nfree",
+            &[
+                "scene.toml:34:12: body `link` has no frame `tpo`; did you mean `top`? its frames: top, tip, com",
+            ],
+        ),
+        (
+            "world.anchor",
+            "world.anchro",
+            &[
+                "scene.toml:33:15: the world has no frame `anchro`; did you mean `anchor`? its frames: anchor",
+            ],
+        ),
+        (
+            "\"1 kN/m\"",
+            "\"1 kN\"",
+            &["scene.toml:36:14: `stiffness` must be in N/m, this is a force (N)"],
+        ),
+        (
+            "\"2.0 kg\"",
+            "2.0",
+            &[
+                "scene.toml:11:9: `mass` needs a unit: mass (kg). write it as `2.0 kg`, or put `units: si;` at the top of the model",
+            ],
+        ),
+        (
+            "stiffness",
+            "stifness",
+            &[
+                "scene.toml:36:1: unknown field `stifness`; did you mean `stiffness`? fields here: free_length, stiffness, damping",
+            ],
+        ),
+        (
+            "kind = \"free\"",
+            "kind = \"revolute\"",
+            &["scene.toml:28:9: unknown joint `revolute`; here it is called `hinge`"],
+        ),
+        (
+            "diag(0.17, 0.17, 0.02)",
+            "diag(0.17, 0.017, 0.002)",
+            &[
+                "scene.toml:23:12: no rigid body has these principal moments: the largest (0.17) exceeds the sum of the other two (0.019). check the unit, and that it is about the centre of mass",
+            ],
+        ),
+        (
+            "1 kg ..= 3 kg",
+            "3 kg ..= 4 kg",
+            &[
+                "scene.toml:11:10: the default of `mass` lies outside its own range\nscene.toml:12:7: its range",
+            ],
+        ),
+        (
+            "from = \"world.anchor\"\n",
+            "",
+            &[
+                "scene.toml:32:8: this line has no `from`; its keys: from, to, free_length, stiffness, damping",
+            ],
+        ),
+        (
+            "* (link.tip.velocity",
+            "* (link.tip.velocty",
+            &[
+                "scene.toml:43:13: `link.tip` has no quantity `velocty`; did you mean `velocity`? known: position, velocity, x, y, z",
+            ],
+        ),
+        (
+            "[body.link]",
+            "[bdy.link]",
+            &[
+                "scene.toml:21:2: unknown item `bdy`; did you mean `body`? items here: coordinates, angular_velocity, units, gravity, emit, verify, const, param, input, table, world, body, point, joint, line, spring, load, output, event",
+            ],
+        ),
+        (
+            "mass = \"mass\"",
+            "mass = [\"mass\"",
+            &[
+                "scene.toml:23:1: this is no TOML: missing comma between array elements, expected `,`",
+            ],
+        ),
+        (
+            "model = \"Link<T>\"",
+            "",
+            &["scene.toml:1:1: the scene has no name: add `model = \"Name\"` at its top"],
+        ),
+        (
+            "verify = true",
+            "verify = 1",
+            &["scene.toml:5:1: `verify` is `true` or `false`"],
+        ),
+        (
+            "[load.drag]\non",
+            "[load.drag]\nunit = \"N\"\non",
+            &["scene.toml:39:1: unknown field `unit`. fields here: on, at, kind, value, in"],
+        ),
+        (
+            "value = \"side[0].tension\"",
+            "value = true",
+            &[
+                "scene.toml:49:9: write this as a string in the language of `model!`, such as `\"2.0 kg\"`",
+            ],
+        ),
+        (
+            "pull = \"side[1].tension\"",
+            "pull = \"side[1].tension + (1.0 N\"",
+            &["scene.toml:46:27: this `(` is never closed: add `)`"],
+        ),
+        (
+            "\"link.com\"",
+            "\"link\\u002ecmo\"",
+            &[
+                "scene.toml:30:6: body `link` has no frame `cmo`; did you mean `com`? its frames: top, tip, com",
+            ],
+        ),
+    ];
+    for (old, new, wanted) in cases {
+        assert_eq!(with(old, new), *wanted, "{new}");
+    }
+}
+
+#[test]
+fn no_toml_makes_the_reader_panic() {
+    let mut seed = 0x5EED_u64;
+    let mut below = |n: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (seed >> 33) as usize % n
+    };
+    let signs: Vec<char> = "\"'[]{}=.,\n#\\ 0azé²^*".chars().collect();
+    for _ in 0..5_000 {
+        let mut text: Vec<char> = LINK.chars().collect();
+        for _ in 0..=below(4) {
+            let at = below(text.len());
+            match below(3) {
+                0 => drop(text.remove(at)),
+                1 => text[at] = signs[below(signs.len())],
+                _ => text.insert(at, signs[below(signs.len())]),
+            }
+        }
+        let text: String = text.into_iter().collect();
+        let reading = read_toml(&text);
+        assert!(reading.scene.is_some() != reading.errors.iter().any(|e| !e.places.is_empty()));
+    }
+}

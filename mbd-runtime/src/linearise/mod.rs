@@ -1,0 +1,249 @@
+//! Linearisation of a model through its nodes: total derivatives of ẋ, of the node unknowns and of the outputs.
+//!
+//! ```text
+//! ẋ = F(x, y, θ),   0 = G(x, y, θ),   o = O(x, y, θ)                      y: node positions (`static`, `stepwise`) or velocities (`rate`)
+//! ∂y/∂x = −G_y⁻¹ G_x          A = F_x + F_y ∂y/∂x          C = O_x + O_y ∂y/∂x          the same with θ for x
+//! ```
+//!
+//! F, G, O and their partial derivatives are the model's own; only the small solve with G_y, one network at a time, is done here.
+//! Everything is finite at every state: where G_y is singular nothing pulls in the missing directions, and y follows its anchors there
+//! (slack rule of `static` and `stepwise`: ∂p/∂p_i = 1/n; rules 3 and 4 of `rate`). Modes, the memory of stepwise nodes and the weights of rule 4 stay
+//! fixed; at a switch these are the derivatives on one side.
+
+mod duals;
+mod networks;
+
+use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable};
+
+use networks::Elimination;
+
+/// A matrix, dense, row by row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Matrix<T> {
+    rows: usize,
+    columns: usize,
+    values: Vec<T>,
+}
+
+/// Total derivatives at one state, with the room to compute them again.
+#[derive(Clone, Debug)]
+pub struct Linearisation<T: Float> {
+    layout: Layout,
+    states: Total<T>,
+    parameters: Total<T>,
+    /// F_y, G_y, O_y.
+    by_node: Partials<T>,
+}
+
+/// Derivatives by one variable, through the nodes.
+#[derive(Clone, Debug)]
+struct Total<T> {
+    /// F, G, O by the variable at fixed nodes; F and O become total derivatives.
+    partials: Partials<T>,
+    /// ∂y by the variable.
+    node: Matrix<T>,
+}
+
+#[derive(Clone, Debug)]
+struct Partials<T> {
+    derivative: Matrix<T>,
+    balance: Matrix<T>,
+    outputs: Matrix<T>,
+}
+
+impl<T: Float> Matrix<T> {
+    fn new(rows: usize, columns: usize) -> Self {
+        Matrix {
+            rows,
+            columns,
+            values: vec![T::zero(); rows * columns],
+        }
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// All elements, row by row.
+    #[must_use]
+    pub fn values(&self) -> &[T] {
+        &self.values
+    }
+
+    /// One element; zero outside the matrix.
+    #[must_use]
+    pub fn at(&self, row: usize, column: usize) -> T {
+        if column < self.columns {
+            self.row(row).get(column).copied().unwrap_or_default()
+        } else {
+            T::zero()
+        }
+    }
+
+    fn row(&self, row: usize) -> &[T] {
+        self.values
+            .get(row * self.columns..(row + 1) * self.columns)
+            .unwrap_or(&[])
+    }
+
+    fn row_mut(&mut self, row: usize) -> &mut [T] {
+        self.values
+            .get_mut(row * self.columns..(row + 1) * self.columns)
+            .unwrap_or(&mut [])
+    }
+
+    /// Adds `left` · `right`.
+    fn add_product(&mut self, left: &Matrix<T>, right: &Matrix<T>) {
+        for row in 0..self.rows {
+            for (k, &factor) in left.row(row).iter().enumerate() {
+                if factor != T::zero() {
+                    for (target, &x) in self.row_mut(row).iter_mut().zip(right.row(k)) {
+                        *target += factor * x;
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<T: Float> Partials<T> {
+    fn new(layout: &Layout, by: Variable) -> Self {
+        let room =
+            |of: Differentiated| Matrix::new(layout.len(of.quantity()), layout.variables(by));
+        Partials {
+            derivative: room(Differentiated::Derivative),
+            balance: room(Differentiated::Balance),
+            outputs: room(Differentiated::Outputs),
+        }
+    }
+
+    fn each(&mut self) -> [(Differentiated, &mut Matrix<T>); 3] {
+        [
+            (Differentiated::Derivative, &mut self.derivative),
+            (Differentiated::Balance, &mut self.balance),
+            (Differentiated::Outputs, &mut self.outputs),
+        ]
+    }
+
+    fn evaluate<M: Model<T>>(
+        &mut self,
+        model: &M,
+        by: Variable,
+        at: &At<'_, T>,
+        work: &mut M::Work,
+    ) {
+        for (of, matrix) in self.each() {
+            matrix.values.fill(T::zero());
+            if !matrix.values.is_empty() {
+                model.evaluate(Quantity::Partial(of, by), at, work, &mut matrix.values);
+            }
+        }
+    }
+}
+
+impl<T: Float> Total<T> {
+    fn new(layout: &Layout, by: Variable) -> Self {
+        Total {
+            partials: Partials::new(layout, by),
+            node: Matrix::new(3 * layout.nodes.len(), layout.variables(by)),
+        }
+    }
+
+    /// Adds what comes through the nodes.
+    fn complete(&mut self, by_node: &Partials<T>) {
+        let (partials, node) = (&mut self.partials, &self.node);
+        partials.derivative.add_product(&by_node.derivative, node);
+        partials.outputs.add_product(&by_node.outputs, node);
+    }
+}
+
+impl<T: Float> Linearisation<T> {
+    /// Room for a layout.
+    #[must_use]
+    pub fn new(layout: &Layout) -> Self {
+        Linearisation {
+            states: Total::new(layout, Variable::State),
+            parameters: Total::new(layout, Variable::Parameter),
+            by_node: Partials::new(layout, Variable::Node),
+            layout: layout.clone(),
+        }
+    }
+
+    /// Linearises at `at`, whose node unknowns solve the balance (`Nodes::solve`, `Nodes::at`).
+    ///
+    /// Parameters of node lines enter K_e and L_e as they enter K and L0. A model of another layout leaves the result unchanged.
+    pub fn evaluate<M: Model<T>>(&mut self, model: &M, at: &At<'_, T>, work: &mut M::Work) {
+        if *model.layout() != self.layout {
+            return;
+        }
+        self.states
+            .partials
+            .evaluate(model, Variable::State, at, work);
+        self.by_node.evaluate(model, Variable::Node, at, work);
+        if self.layout.effective_lines > 0 {
+            for (of, matrix) in self.parameters.partials.each() {
+                duals::by_parameter(model, of.quantity(), at, &mut matrix.values);
+            }
+        } else {
+            let partials = &mut self.parameters.partials;
+            partials.evaluate(model, Variable::Parameter, at, work);
+        }
+        for network in 0..self.layout.networks.len() {
+            let Some(elimination) = Elimination::new(model, network, &self.by_node.balance) else {
+                continue;
+            };
+            for (by, total) in [
+                (Variable::State, &mut self.states),
+                (Variable::Parameter, &mut self.parameters),
+            ] {
+                elimination.solve(model, at, by, &total.partials.balance, &mut total.node);
+            }
+        }
+        self.states.complete(&self.by_node);
+        self.parameters.complete(&self.by_node);
+    }
+
+    /// A = dẋ/dx, n_x × n_x.
+    #[must_use]
+    pub fn state(&self) -> &Matrix<T> {
+        &self.states.partials.derivative
+    }
+
+    /// dẋ/dθ, n_x × n_p.
+    #[must_use]
+    pub fn parameter(&self) -> &Matrix<T> {
+        &self.parameters.partials.derivative
+    }
+
+    /// dy/dx of the node unknowns, 3n × n_x.
+    #[must_use]
+    pub fn node_by_state(&self) -> &Matrix<T> {
+        &self.states.node
+    }
+
+    /// dy/dθ of the node unknowns, 3n × n_p.
+    #[must_use]
+    pub fn node_by_parameter(&self) -> &Matrix<T> {
+        &self.parameters.node
+    }
+
+    /// do/dx of the output columns.
+    #[must_use]
+    pub fn outputs_by_state(&self) -> &Matrix<T> {
+        &self.states.partials.outputs
+    }
+
+    /// do/dθ of the output columns.
+    #[must_use]
+    pub fn outputs_by_parameter(&self) -> &Matrix<T> {
+        &self.parameters.partials.outputs
+    }
+}

@@ -1,0 +1,329 @@
+//! Advancing: try a step, test its error, look for events inside it, record, commit.
+
+use mbd_scene::{Float, Model};
+
+use super::{Pace, Simulation, Stop};
+use crate::error::{Collapse, RunError, StepError};
+use crate::event::{Happening, Occurrence};
+use crate::integrate::Verdict;
+use crate::system::External;
+use crate::trajectory::{Trajectory, resolution};
+use crate::watch::{NEGLIGIBLE, suggestion};
+
+/// A step beyond this says nothing about a scene [s].
+const LONGEST: f64 = 1e9;
+
+impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
+    /// Runs until a time [s].
+    ///
+    /// # Errors
+    /// What [`StepError`] lists; the state is the last accepted step.
+    pub fn run(&mut self, until: f64) -> Result<Stop, RunError> {
+        self.drive(until, None, &mut |_| true)
+    }
+
+    /// Runs until a time [s] and records rows; after an error the rows so far are kept.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`].
+    pub fn record(&mut self, until: f64, trajectory: &mut Trajectory) -> Result<Stop, RunError> {
+        self.drive(until, Some(trajectory), &mut |_| true)
+    }
+
+    /// Runs until a time [s] or until `go_on`, asked with the time of every accepted step, says no.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`], and [`StepError::Cancelled`].
+    pub fn run_while(
+        &mut self,
+        until: f64,
+        trajectory: Option<&mut Trajectory>,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Stop, RunError> {
+        self.drive(until, trajectory, go_on)
+    }
+
+    /// One accepted step.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`].
+    pub fn step(&mut self) -> Result<(), RunError> {
+        if !self.started {
+            self.start()?;
+        }
+        let steps = self.system.counters.steps;
+        while self.system.counters.steps == steps {
+            let taken = self.advance(f64::INFINITY, &mut None);
+            taken.map_err(|cause| self.failed(cause))?;
+        }
+        Ok(())
+    }
+
+    fn drive(
+        &mut self,
+        until: f64,
+        mut trajectory: Option<&mut Trajectory>,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Stop, RunError> {
+        if !until.is_finite() {
+            return Err(self.failed(StepError::InvalidInput {
+                slot: "end time".into(),
+                value: until,
+            }));
+        }
+        if !self.started {
+            self.start()?;
+        }
+        self.chatter.window = 1e-3 * (until - self.time);
+        let outcome = self.drive_steps(until, &mut trajectory, go_on);
+        if let Some(trajectory) = trajectory {
+            trajectory.statistics = self.system.statistics();
+        }
+        outcome.map_err(|cause| self.failed(cause))
+    }
+
+    fn drive_steps(
+        &mut self,
+        until: f64,
+        trajectory: &mut Option<&mut Trajectory>,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Stop, StepError> {
+        if let Some(trajectory) = trajectory
+            && trajectory.open(self.time)?
+        {
+            trajectory.push(
+                &mut self.system,
+                self.time,
+                0.0,
+                &self.state,
+                &mut self.scratch,
+            )?;
+        }
+        let mut trials: u64 = 0;
+        while until - self.time > resolution(self.time) {
+            if trials >= self.options.max_steps {
+                return Err(StepError::TooManySteps { steps: trials });
+            }
+            trials += 1;
+            let seen = self.events.len();
+            self.advance(until, trajectory)?;
+            if self.options.stop_at_events
+                && let Some(event) = self.declared_since(seen)
+            {
+                return Ok(Stop::Event(event));
+            }
+            if !go_on(self.time) {
+                return Err(StepError::Cancelled);
+            }
+        }
+        Ok(Stop::Reached)
+    }
+
+    /// Tries one step, and takes it if it passes.
+    fn advance(
+        &mut self,
+        until: f64,
+        trajectory: &mut Option<&mut Trajectory>,
+    ) -> Result<(), StepError> {
+        let (step, lands) = self.propose(until);
+        if !self.attempt(step)? {
+            return Ok(());
+        }
+        let Some(found) = self.find_event(step)? else {
+            self.watch_step(step)?;
+            self.record_inside(step, trajectory)?;
+            self.count += 1;
+            let end = match self.pace {
+                _ if lands => until,
+                Pace::Fixed(size) => self.origin + self.count as f64 * size,
+                Pace::Adaptive(..) => self.time + step,
+            };
+            self.take(step, end)?;
+            self.record_step(trajectory)?;
+            if lands && until.is_finite() {
+                self.regrid();
+            }
+            return Ok(());
+        };
+        if found.step > 0.0 {
+            self.record_inside(found.step, trajectory)?;
+            self.take(found.step, self.time + found.step)?;
+        }
+        self.regrid();
+        let before = self.events.len();
+        self.happen()?;
+        self.record_step(trajectory)?;
+        if let Some(trajectory) = trajectory {
+            for occurrence in self.events.get(before..).unwrap_or(&[]) {
+                trajectory
+                    .events
+                    .push((occurrence.time, self.event_name(occurrence.what)));
+            }
+        }
+        Ok(())
+    }
+
+    /// The size of the next step, and whether it ends the run.
+    fn propose(&self, until: f64) -> (f64, bool) {
+        let left = until - self.time;
+        let step = match &self.pace {
+            Pace::Fixed(step) => *step,
+            Pace::Adaptive(control, _) => control.step.min(control.largest).min(LONGEST),
+        };
+        if step >= left * (1.0 - 1e-9) {
+            (left, true)
+        } else {
+            (step, false)
+        }
+    }
+
+    /// Fixed steps count from here on.
+    fn regrid(&mut self) {
+        self.origin = self.time;
+        self.count = 0;
+    }
+
+    /// Tries a step; false when it was rejected and the next trial is smaller.
+    fn attempt(&mut self, step: f64) -> Result<bool, StepError> {
+        let smallest = resolution(self.time);
+        if step < smallest {
+            return Err(self.collapse(step));
+        }
+        let tried = self
+            .method
+            .attempt(&mut self.system, self.time, step, &self.state);
+        let Pace::Adaptive(control, norm) = &mut self.pace else {
+            return tried.map(|()| true);
+        };
+        let (verdict, failure) = match tried {
+            Ok(()) => {
+                let (error, next) = self.method.estimate(step);
+                let error = norm.measure(error, &self.state, next);
+                (control.judge(step, error, smallest), None)
+            }
+            Err(cause) => (control.fail(step, smallest), Some(cause)),
+        };
+        if verdict == Verdict::Accepted {
+            return Ok(true);
+        }
+        let counters = &mut self.system.counters;
+        counters.rejected = counters.rejected.saturating_add(1);
+        match (verdict, failure) {
+            (Verdict::Rejected, _) => Ok(false),
+            (_, Some(cause)) => Err(cause),
+            (_, None) => Err(self.collapse(step)),
+        }
+    }
+
+    #[cold]
+    fn collapse(&self, step: f64) -> StepError {
+        let block = match &self.pace {
+            Pace::Fixed(_) => "state".into(),
+            Pace::Adaptive(_, norm) => norm.worst(self.system.model.scene()),
+        };
+        StepError::StepCollapse {
+            time: self.time,
+            step_size: step,
+            block,
+            cause: Collapse::ErrorTest,
+        }
+    }
+
+    fn watch_step(&mut self, step: f64) -> Result<(), StepError> {
+        if !self.watched {
+            return Ok(());
+        }
+        let stiffness = self.method.stiffness(&self.watch_weights, NEGLIGIBLE);
+        if self.watch.sees(stiffness) {
+            return Err(StepError::UnstableStep {
+                step_size: step,
+                rho: stiffness,
+                suggestion: suggestion(step, stiffness),
+            });
+        }
+        Ok(())
+    }
+
+    /// Takes the last attempt: memory, state and time move on together.
+    fn take(&mut self, step: f64, end: f64) -> Result<(), StepError> {
+        self.system.commit(step);
+        self.method.accept(&mut self.state);
+        self.time = end;
+        let counters = &mut self.system.counters;
+        counters.steps = counters.steps.saturating_add(1);
+        if self.system.project(&mut self.state) {
+            self.method
+                .begin(&mut self.system, self.time, &self.state)?;
+        }
+        Ok(())
+    }
+
+    /// Rows due strictly inside the attempted step, or at its end.
+    fn record_inside(
+        &mut self,
+        step: f64,
+        trajectory: &mut Option<&mut Trajectory>,
+    ) -> Result<(), StepError> {
+        let Some(trajectory) = trajectory else {
+            return Ok(());
+        };
+        let end = self.time + step;
+        while let Some(due) = trajectory.due() {
+            if due > end + resolution(end) {
+                break;
+            }
+            self.inside_state(((due - self.time) / step).min(1.0), step);
+            trajectory.push(
+                &mut self.system,
+                due,
+                due - self.time,
+                &self.inside,
+                &mut self.scratch,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// A row at the accepted step, when every step is asked for.
+    fn record_step(&mut self, trajectory: &mut Option<&mut Trajectory>) -> Result<(), StepError> {
+        match trajectory {
+            Some(trajectory) if trajectory.due().is_none() => trajectory.push(
+                &mut self.system,
+                self.time,
+                0.0,
+                &self.state,
+                &mut self.scratch,
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    /// Puts the state at `theta` of the attempted step into `inside`.
+    pub(crate) fn inside_state(&mut self, theta: f64, step: f64) {
+        if theta >= 1.0 {
+            self.inside.copy_from_slice(self.method.next());
+        } else {
+            self.method
+                .interpolate(theta, step, &self.state, &mut self.inside);
+            self.system.normalise(&mut self.inside);
+        }
+    }
+
+    /// Notes a located event.
+    pub(crate) fn note(&mut self, what: Happening) {
+        self.events.push(Occurrence {
+            time: self.time,
+            what,
+        });
+    }
+
+    fn declared_since(&self, first: usize) -> Option<usize> {
+        self.events
+            .get(first..)?
+            .iter()
+            .find_map(|occurrence| match occurrence.what {
+                Happening::Declared(event) => Some(event),
+                Happening::Line(..) => None,
+            })
+    }
+}

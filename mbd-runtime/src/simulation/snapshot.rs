@@ -1,0 +1,88 @@
+//! Everything a run needs to go on exactly as it would have.
+
+use mbd_scene::{Float, Model};
+use serde::{Deserialize, Serialize};
+
+use super::{Pace, Simulation};
+use crate::error::{RunError, StepError};
+use crate::integrate::Control;
+use crate::node::NodeMemory;
+use crate::system::External;
+use crate::watch::Watch;
+
+/// Everything a run needs to go on exactly as it would have: same model, same options, same bits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot<T> {
+    time: f64,
+    origin: f64,
+    count: u64,
+    state: Vec<T>,
+    memory: NodeMemory<T>,
+    control: Option<Control>,
+    watch: Watch,
+    watch_weights: Vec<T>,
+    sides: Vec<bool>,
+    drift: f64,
+}
+
+impl<T> Snapshot<T> {
+    /// Time of the snapshot [s].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+}
+
+impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
+    /// Everything needed to go on from here later, in this process or another.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot<T> {
+        Snapshot {
+            time: self.time,
+            origin: self.origin,
+            count: self.count,
+            state: self.state.clone(),
+            memory: self.system.memory.clone(),
+            control: match &self.pace {
+                Pace::Fixed(_) => None,
+                Pace::Adaptive(control, _) => Some(control.clone()),
+            },
+            watch: self.watch,
+            watch_weights: self.watch_weights.clone(),
+            sides: self.margins.sides.clone(),
+            drift: self.system.drift,
+        }
+    }
+
+    /// Continues from a snapshot of the same model with the same options: every later step is equal to the bit.
+    ///
+    /// # Errors
+    /// A snapshot of another model or method; and what the first evaluation may return.
+    pub fn restore(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
+        let fits = snapshot.state.len() == self.state.len()
+            && snapshot.sides.len() == self.margins.sides.len()
+            && snapshot.control.is_some() == matches!(self.pace, Pace::Adaptive(..));
+        if !fits {
+            return Err(self.failed(StepError::Unsupported {
+                what: "a snapshot of another model or method".into(),
+                instead: "restore it into a simulation made with the same model and options".into(),
+            }));
+        }
+        self.time = snapshot.time;
+        self.origin = snapshot.origin;
+        self.count = snapshot.count;
+        self.state.copy_from_slice(&snapshot.state);
+        self.system.memory = snapshot.memory.clone();
+        self.system.drift = snapshot.drift;
+        self.watch = snapshot.watch;
+        self.margins.sides.copy_from_slice(&snapshot.sides);
+        if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
+            *control = saved.clone();
+        }
+        self.started = true;
+        self.watch_weights.clone_from(&snapshot.watch_weights);
+        let begun = self.method.begin(&mut self.system, self.time, &self.state);
+        let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));
+        begun.map_err(|cause| self.failed(cause))
+    }
+}

@@ -1,0 +1,163 @@
+//! The start of a run: a state that can be used, nodes in balance, a mode for every line, a first step.
+
+use mbd_scene::{Float, Model, NodeModel};
+
+use super::{Pace, Simulation};
+use crate::columns::{input_name, node_name, state_names};
+use crate::error::{RunError, StepError};
+use crate::integrate::{Control, Rates};
+use crate::locate::Chatter;
+use crate::options::{Method, Options};
+use crate::system::{External, WORKS};
+use crate::watch::Watch;
+
+impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
+    /// Sets time [s] and state x = [q | v | z]; `rate` nodes are placed by [`Simulation::start`] where z is all zero. Quaternions are normalised.
+    ///
+    /// # Errors
+    /// A number that is not finite, a quaternion off unit length by more than 1e-3, or a wrong length.
+    pub fn set_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
+        let invalid = |slot: String, value: f64| StepError::InvalidInput { slot, value };
+        let names = || state_names(self.system.model.scene(), self.system.model.layout());
+        let cause = if state.len() != self.system.nx {
+            Some(invalid(
+                format!("length of the state (this model has {})", self.system.nx),
+                state.len() as f64,
+            ))
+        } else if !time.is_finite() {
+            Some(invalid("time".into(), time))
+        } else if let Some(at) = state
+            .iter()
+            .position(|x| !x.is_finite() || x.to_f64().abs() > 1e150)
+        {
+            let name = names()
+                .into_iter()
+                .nth(at)
+                .map_or_else(String::new, |name| name.name);
+            Some(invalid(
+                name,
+                state.get(at).map_or(f64::NAN, |x| x.to_f64()),
+            ))
+        } else {
+            None
+        };
+        if let Some(cause) = cause {
+            return Err(self.failed(cause));
+        }
+        let mut fresh = state.to_vec();
+        self.system.settle(&mut fresh);
+        if self.system.drift > 1e-3 {
+            let cause = invalid(
+                "deviation of a quaternion from unit length".into(),
+                self.system.drift,
+            );
+            return Err(self.failed(cause));
+        }
+        for (to, from) in self
+            .state
+            .iter_mut()
+            .zip(fresh.into_iter().chain([T::zero(); WORKS]))
+        {
+            *to = from;
+        }
+        self.time = time;
+        self.started = false;
+        Ok(())
+    }
+
+    /// Gives positions of the nodes (3 each) to start their search from.
+    ///
+    /// # Errors
+    /// A number that is not finite, or a wrong length.
+    pub fn set_nodes(&mut self, guess: &[T]) -> Result<(), RunError> {
+        let expected = 3 * self.system.model.layout().nodes.len();
+        let bad = guess.iter().find(|x| !x.is_finite());
+        if guess.len() != expected || bad.is_some() {
+            let value = bad.map_or(guess.len() as f64, |x| x.to_f64());
+            let slot = format!("positions of the nodes ({expected} numbers)");
+            return Err(self.failed(StepError::InvalidInput { slot, value }));
+        }
+        self.guess = Some(guess.to_vec());
+        self.started = false;
+        Ok(())
+    }
+
+    /// Makes the start consistent: places the nodes, decides the mode of every line, evaluates the first rates. [`Simulation::run`] does it when
+    /// it was not done.
+    ///
+    /// # Errors
+    /// No equilibrium of a node, or rates that are not finite.
+    pub fn start(&mut self) -> Result<(), RunError> {
+        self.started = true;
+        self.origin = self.time;
+        self.count = 0;
+        self.watch = Watch::default();
+        self.chatter = Chatter::new();
+        self.stalled = f64::NAN;
+        let started = self.consistent_start();
+        started.map_err(|cause| {
+            self.started = false;
+            self.failed(cause)
+        })
+    }
+
+    fn consistent_start(&mut self) -> Result<(), StepError> {
+        self.system
+            .start(self.time, &mut self.state, self.guess.as_deref())?;
+        self.watch_weights = self.system.watch_weights(self.time, &self.state)?;
+        self.method
+            .begin(&mut self.system, self.time, &self.state)?;
+        if let Pace::Adaptive(control, norm) = &mut self.pace {
+            // The first step moves no block by more than a hundredth of its scale.
+            let speed =
+                norm.measure(self.method.first(), &self.state, &self.state) * norm.tolerance;
+            let step = if speed > 0.0 { 0.01 / speed } else { 1e-3 };
+            *control = Control::new(
+                step.min(control.largest),
+                control.largest,
+                self.method.exponent,
+            );
+        }
+        self.begin_margins(&mut |_| ())
+    }
+}
+
+/// Whether this combination of model, method and loads is offered.
+pub(super) fn offered<T: Float, M: Model<T>>(
+    model: &M,
+    options: &Options,
+    supplies: bool,
+) -> Result<(), StepError> {
+    let (scene, layout) = (model.scene(), model.layout());
+    if let (Some(point), Method::Tsit5 { .. }) = (stepwise(model), options.method) {
+        return Err(StepError::Unsupported {
+            what: format!(
+                "an adaptive method with the `stepwise` node `{}`",
+                node_name(scene, point)
+            ),
+            instead: "take Method::Rk4 with a fixed step, or declare the node `rate` or `static`"
+                .into(),
+        });
+    }
+    if layout.ni > 0 && !supplies {
+        let names: Vec<String> = layout
+            .inputs
+            .iter()
+            .map(|slots| input_name(scene, layout, slots.at))
+            .collect();
+        return Err(StepError::Unsupported {
+            what: format!("a run without the inputs {}", names.join(", ")),
+            instead: "give them: Simulation::with_loads(&model, options, loads)".into(),
+        });
+    }
+    Ok(())
+}
+
+/// The first point with a `stepwise` node.
+pub(super) fn stepwise<T: Float, M: Model<T>>(model: &M) -> Option<usize> {
+    let nodes = &model.layout().nodes;
+    nodes
+        .iter()
+        .find(|node| matches!(node.model, NodeModel::Stepwise { .. }))
+        .map(|node| node.point)
+}

@@ -1,0 +1,139 @@
+//! What `verify;` in a declaration tests: generated code against the laws, and the laws against physics.
+
+use mbd_scene::{At, Model, PointSlots, Quantity};
+
+use crate::Generic;
+
+/// Places at which a model is compared.
+const PLACES: usize = 10;
+
+/// Everything a quantity reads, at one place.
+struct Place {
+    state: Vec<f64>,
+    nodes: Vec<f64>,
+    effective: Vec<f64>,
+    hold: Vec<f64>,
+    ends: Vec<f64>,
+    inputs: Vec<f64>,
+}
+
+/// Compares a model with the laws run on numbers, its derivatives with dual numbers, and asks that M is symmetric and positive definite.
+///
+/// # Errors
+/// What differs, by how much and where.
+pub fn verify(model: &impl Model<f64>) -> Result<(), String> {
+    let generic =
+        Generic::new(model.scene().clone(), model.params()).map_err(|error| error.to_string())?;
+    let mut seed = 1;
+    for _ in 0..PLACES {
+        let place = Place::random(model, &mut seed);
+        for what in model.layout().quantities() {
+            compare(model, &generic, what, &place)?;
+        }
+        check_mass_matrix(model, &place)?;
+    }
+    Ok(())
+}
+
+fn evaluate<M: Model<f64>>(model: &M, what: Quantity, place: &Place) -> Vec<f64> {
+    let mut out = vec![0.0; model.layout().len(what)];
+    model.evaluate(what, &place.at(), &mut model.work(), &mut out);
+    out
+}
+
+fn compare(
+    model: &impl Model<f64>,
+    generic: &Generic<f64>,
+    what: Quantity,
+    place: &Place,
+) -> Result<(), String> {
+    let (got, want) = (evaluate(model, what, place), evaluate(generic, what, place));
+    let scale = want.iter().fold(1.0_f64, |scale, x| scale.max(x.abs()));
+    for (index, (a, b)) in got.iter().zip(&want).enumerate() {
+        let near = (a - b).abs() <= 1e-12 * scale;
+        if !near && a.to_bits() != b.to_bits() {
+            return Err(format!(
+                "{what:?}[{index}]: generated {a}, by the laws {b}, scale {scale}"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Symmetric to rounding, and positive definite by Cholesky.
+fn check_mass_matrix(model: &impl Model<f64>, place: &Place) -> Result<(), String> {
+    let n = model.layout().nv;
+    let values = evaluate(model, Quantity::MassMatrix, place);
+    let m = nalgebra::DMatrix::from_row_slice(n, n, &values);
+    let asymmetry = (&m - m.transpose()).amax();
+    if asymmetry > 1e-12 * m.amax() {
+        return Err(format!("the mass matrix is not symmetric: {asymmetry}"));
+    }
+    if n > 0 && m.cholesky().is_none() {
+        return Err("the mass matrix is not positive definite".to_owned());
+    }
+    Ok(())
+}
+
+impl Place {
+    /// Unit quaternions, everything else within ±1; a stiffness where one is expected.
+    fn random(model: &impl Model<f64>, seed: &mut u64) -> Self {
+        let layout = model.layout();
+        let mut list = |count: usize| -> Vec<f64> { (0..count).map(|_| random(seed)).collect() };
+        let mut state = list(layout.nx());
+        for slots in &layout.bodies {
+            let turn = slots.q + 3..slots.q + 7;
+            let norm = state[turn.clone()]
+                .iter()
+                .map(|x| x * x)
+                .sum::<f64>()
+                .sqrt();
+            state[turn].iter_mut().for_each(|x| *x /= norm.max(1e-3));
+        }
+        for (index, slots) in layout.points.iter().enumerate() {
+            if let PointSlots::Mass(slots) = slots {
+                state[slots.q] += index as f64;
+            }
+        }
+        let stiffness =
+            |(index, x): (usize, f64)| if index % 2 == 0 { 1e3 * (2.0 + x) } else { 0.5 };
+        Place {
+            nodes: list(3 * layout.nodes.len()),
+            effective: list(2 * layout.effective_lines)
+                .into_iter()
+                .enumerate()
+                .map(stiffness)
+                .collect(),
+            hold: list(layout.lines.len())
+                .into_iter()
+                .map(|x| (1.4 * x).round())
+                .collect(),
+            ends: list(layout.len(Quantity::Ends))
+                .into_iter()
+                .map(|x| 3.0 * x)
+                .collect(),
+            inputs: list(layout.ni),
+            state,
+        }
+    }
+
+    fn at(&self) -> At<'_, f64> {
+        At {
+            time: 0.3,
+            state: &self.state,
+            nodes: &self.nodes,
+            effective: &self.effective,
+            hold: &self.hold,
+            ends: &self.ends,
+            inputs: &self.inputs,
+        }
+    }
+}
+
+/// A number in (−1, 1), the same in every run.
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed
+        .wrapping_mul(6_364_136_223_846_793_005)
+        .wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}

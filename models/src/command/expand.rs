@@ -1,0 +1,12 @@
+//! `mbd expand`: the Rust that `model!` makes of a scene.
+
+use std::path::Path;
+
+use super::failure::Failure;
+use super::scene_file::SceneFile;
+
+/// The expansion as formatted text.
+pub fn expand(path: &Path) -> Result<String, Failure> {
+    let file = SceneFile::read(path)?;
+    mbd_compiler::expand(&file.reading).map_err(Failure::Invalid)
+}

@@ -1,0 +1,32 @@
+//! Why a command did not succeed, and its exit code.
+
+use std::fmt;
+
+/// A command that did not succeed: the text is for the user.
+#[derive(Debug)]
+pub enum Failure {
+    /// The command was not understood, or a file cannot be read or written.
+    Usage(String),
+    /// The scene or its params are invalid.
+    Invalid(String),
+    /// The run stopped before its end.
+    Aborted(String),
+}
+
+impl Failure {
+    /// The exit code of the process.
+    pub fn code(&self) -> u8 {
+        match self {
+            Failure::Usage(_) => 1,
+            Failure::Invalid(_) => 2,
+            Failure::Aborted(_) => 4,
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Failure::Usage(text) | Failure::Invalid(text) | Failure::Aborted(text)) = self;
+        f.write_str(text)
+    }
+}

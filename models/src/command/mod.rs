@@ -1,0 +1,94 @@
+//! The commands of `mbd`: what can be typed, and which file answers it.
+
+mod check;
+mod convert;
+mod expand;
+mod failure;
+mod list;
+mod parachute;
+mod run;
+mod scene_file;
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use failure::Failure;
+use parachute::ParachuteArgs;
+use run::RunArgs;
+
+/// Multibody dynamics compiled from a declaration. Without a command it flies the parachute, the main job.
+#[derive(Debug, Parser)]
+#[command(
+    name = "mbd",
+    version,
+    after_help = "Exit codes: 0 ok, 1 usage, 2 model or params invalid, 3 some cases failed, 4 run aborted."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Fly the parachute with every model of its confluence: report, figures, histories, summary (the default).
+    Parachute(ParachuteArgs),
+    /// List the ready scenes.
+    List,
+    /// Run a scene: history, figures, report and summary.
+    Run(RunArgs),
+    /// Check a scene file and say what it contains: bodies, freedoms, nodes, operations.
+    Check(SceneArgs),
+    /// Print the Rust that `model!` makes of a scene.
+    Expand(SceneArgs),
+    /// Print a scene as TOML, with the settings of its run.
+    Convert(SceneArgs),
+}
+
+/// A scene file.
+#[derive(Args, Debug)]
+struct SceneArgs {
+    /// A scene: `.toml`, or the text of a `model!` declaration in a file of any other name.
+    scene: PathBuf,
+}
+
+/// Reads the arguments, does what they say, and tells how it went.
+pub fn main() -> ExitCode {
+    let (code, text) = match answer(std::env::args_os()) {
+        Ok(text) => (0, text),
+        Err(failure) => (failure.code(), failure.to_string()),
+    };
+    // Nobody reading any more (`mbd list | head`) is no error.
+    let _ = if code == 0 {
+        write!(std::io::stdout(), "{text}")
+    } else {
+        writeln!(std::io::stderr(), "{}", text.trim_end())
+    };
+    ExitCode::from(code)
+}
+
+/// The text a command prints.
+fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failure> {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => return Err(Failure::Usage(error.to_string())),
+        Err(help) => return Ok(help.to_string()),
+    };
+    match cli
+        .command
+        .unwrap_or_else(|| Command::Parachute(ParachuteArgs::default()))
+    {
+        Command::Parachute(args) => parachute::parachute(&args),
+        Command::List => Ok(list::list()),
+        Command::Run(args) => run::run(&args),
+        Command::Check(args) => check::check(&args.scene),
+        Command::Expand(args) => expand::expand(&args.scene),
+        Command::Convert(args) => convert::convert(&args.scene),
+    }
+}
+
+#[cfg(test)]
+mod tests;

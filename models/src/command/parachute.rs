@@ -1,0 +1,42 @@
+//! The main job: the parachute, flown with every model of its confluence.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use models::parachute::{self, study, summary};
+use models::progress::Progress;
+
+use super::failure::Failure;
+
+/// Where the results of the main job go.
+#[derive(Args, Debug)]
+pub struct ParachuteArgs {
+    /// Folder for report, figures, histories and summary.
+    #[arg(long, value_name = "DIR", default_value = "out/parachute")]
+    out: PathBuf,
+}
+
+impl Default for ParachuteArgs {
+    fn default() -> Self {
+        ParachuteArgs {
+            out: PathBuf::from("out/parachute"),
+        }
+    }
+}
+
+/// Flies the study, writes it and tells its table.
+pub fn parachute(args: &ParachuteArgs) -> Result<String, Failure> {
+    let mut progress = Progress::new();
+    let study = study::study(|what, share| progress.show(share, what))
+        .map_err(|error| Failure::Aborted(error.to_string()))?;
+    progress.clear();
+    let folder = args.out.display();
+    let found = parachute::write(&study, &args.out)
+        .map_err(|error| Failure::Usage(format!("cannot write into {folder}: {error}")))?;
+    Ok(format!(
+        "{}\n{}\nSteady riser force over the weight of the capsule: {:.6}\nWritten to {folder}: report.html, figures, histories, summary.json\n",
+        summary::table(&study).text(),
+        summary::ratios(&study).text(),
+        found.steady_over_weight
+    ))
+}

@@ -1,0 +1,139 @@
+//! `mbd run`: flies a scene and writes what came out.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use mbd_runtime::scene::Scene;
+use models::progress::Progress;
+use models::run::{Outcome, Plan, Settings, fly, publish, summary_json};
+use toml::Value;
+
+use super::failure::Failure;
+use super::list;
+use super::scene_file::SceneFile;
+
+/// What to run, and how; flags go before the `[run]` table of the file.
+#[derive(Args, Debug)]
+pub struct RunArgs {
+    /// A ready scene (`mbd list`) or a scene file.
+    scene: PathBuf,
+    /// Folder for history, figures, report and summary [default: out/<scene>].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Fixed step of RK4, with unit (`0.01s`, `5 ms`) or in seconds [default: 0.001 s if an equilibrium point is stepwise].
+    #[arg(long, value_name = "STEP", conflicts_with = "tol")]
+    dt: Option<String>,
+    /// Relative tolerance of adaptive steps, Tsit5 [default: 1e-8 if no equilibrium point is stepwise].
+    #[arg(long, value_name = "NUMBER")]
+    tol: Option<String>,
+    /// End of the run, with unit or in seconds.
+    #[arg(long, value_name = "TIME")]
+    until: Option<String>,
+    /// Distance of the rows of the history, with unit or in seconds [default: every step].
+    #[arg(long, value_name = "TIME")]
+    every: Option<String>,
+    /// Value of a param with its unit, `riser_k=50kN/m`; may be repeated. `mbd check` shows the params with their ranges.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Print the summary as JSON instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs a scene.
+pub fn run(args: &RunArgs) -> Result<String, Failure> {
+    let SceneFile {
+        scene,
+        settings,
+        remarks,
+        ..
+    } = find(&args.scene)?;
+    let settings = with_flags(settings, args)?;
+    let invalid = |error: &dyn std::fmt::Display| {
+        Failure::Invalid(format!("{}: {error}", args.scene.display()))
+    };
+    let plan = Plan::new(&scene, &settings).map_err(|error| invalid(&error))?;
+    let outcome = fly(&scene, &plan, &mut Progress::new()).map_err(|error| invalid(&error))?;
+    let folder = args
+        .out
+        .clone()
+        .unwrap_or_else(|| Path::new("out").join(folder_name(&scene)));
+    let table =
+        publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&folder, &error))?;
+    let told = if args.json {
+        summary_json(&scene, &plan, &outcome).map_err(|error| unwritten(&folder, &error))?
+    } else {
+        let remarks: String = remarks.iter().map(|remark| format!("{remark}\n")).collect();
+        format!("{remarks}{}\n{}", table.text(), written(&outcome, &folder))
+    };
+    match &outcome.error {
+        None => Ok(told),
+        Some(error) => Err(Failure::Aborted(format!("{told}\n{}: {error}", scene.name))),
+    }
+}
+
+/// A ready scene by name, else a file.
+fn find(scene: &Path) -> Result<SceneFile, Failure> {
+    match scene.to_str().and_then(list::ready) {
+        Some(ready) if !scene.exists() => SceneFile::of_text(ready.text, ready.name, ready.is_toml),
+        _ if scene.exists() || scene.extension().is_some() => SceneFile::read(scene),
+        _ => Err(Failure::Usage(list::unknown(&scene.display().to_string()))),
+    }
+}
+
+fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Failure> {
+    if args.dt.is_some() || args.tol.is_some() {
+        (settings.step, settings.tolerance) = (value(&args.dt), value(&args.tol));
+    }
+    settings.until = value(&args.until).or(settings.until);
+    settings.every = value(&args.every).or(settings.every);
+    for set in &args.set {
+        let Some((name, given)) = set.split_once('=') else {
+            return Err(Failure::Usage(format!(
+                "--set `{set}`: write it as NAME=VALUE, such as riser_k=50kN/m"
+            )));
+        };
+        settings
+            .params
+            .insert(name.trim().to_string(), typed(given));
+    }
+    Ok(settings)
+}
+
+fn value(flag: &Option<String>) -> Option<Value> {
+    flag.as_deref().map(typed)
+}
+
+/// A bare number, or a text that carries its unit.
+fn typed(text: &str) -> Value {
+    let text = text.trim();
+    text.parse()
+        .map_or_else(|_| Value::String(text.to_string()), Value::Float)
+}
+
+/// The name of a scene as the name of a folder.
+fn folder_name(scene: &Scene) -> String {
+    scene
+        .name
+        .to_lowercase()
+        .replace(|c: char| !c.is_alphanumeric(), "_")
+}
+
+fn unwritten(folder: &Path, error: &std::io::Error) -> Failure {
+    Failure::Usage(format!("cannot write into {}: {error}", folder.display()))
+}
+
+fn written(outcome: &Outcome, folder: &Path) -> String {
+    let speed = if outcome.wall_s > 0.0 {
+        format!(
+            "{:.0} simulated seconds a second; ",
+            outcome.time / outcome.wall_s
+        )
+    } else {
+        String::new()
+    };
+    format!(
+        "{speed}written to {}: report.html, history.csv, summary.json\n",
+        folder.display()
+    )
+}

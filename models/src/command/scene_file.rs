@@ -1,0 +1,93 @@
+//! Scene files: reading them, and telling every mistake of a file with its place.
+
+use std::path::Path;
+
+use mbd_compiler::{Message, Reading, read_text, read_toml};
+use mbd_runtime::scene::Scene;
+use models::run::{Settings, split};
+
+use super::failure::Failure;
+
+/// A scene file that was read without errors.
+#[derive(Debug)]
+pub struct SceneFile {
+    /// The scene.
+    pub scene: Scene,
+    /// Everything that was read.
+    pub reading: Reading,
+    /// How its run is set: the table `[run]`.
+    pub settings: Settings,
+    /// That table as written.
+    pub run: String,
+    /// Warnings, and choices that were made, one line each.
+    pub remarks: Vec<String>,
+}
+
+/// Files above this size are no scenes [bytes].
+const LARGEST: u64 = 10_000_000;
+
+impl SceneFile {
+    /// Reads `.toml`, or the text of a `model!` declaration from a file of any other name.
+    pub fn read(path: &Path) -> Result<SceneFile, Failure> {
+        let text = read_file(path)?;
+        let is_toml = path
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        SceneFile::of_text(&text, &path.display().to_string(), is_toml)
+    }
+
+    /// Reads a text; `name` is the file's name in messages.
+    pub fn of_text(text: &str, name: &str, is_toml: bool) -> Result<SceneFile, Failure> {
+        let (scene, run) = split(text);
+        let read = if is_toml { read_toml } else { read_text };
+        let (reading, settings) = (read(&scene), Settings::read(&run));
+        let mut mistakes = told(&reading.errors, name);
+        if let Err(text) = &settings {
+            mistakes.push(format!("{name}: {}", text.trim_end()));
+        }
+        match (reading.scene.clone(), settings) {
+            (Some(scene), Ok(settings)) if mistakes.is_empty() => {
+                let warnings = told(&reading.warnings, name);
+                let mut remarks: Vec<String> = warnings
+                    .iter()
+                    .map(|text| format!("warning: {text}"))
+                    .collect();
+                remarks.extend(reading.notes.iter().map(|note| format!("note: {note}")));
+                Ok(SceneFile {
+                    scene,
+                    reading,
+                    settings,
+                    run: run.trim().to_string(),
+                    remarks,
+                })
+            }
+            _ => Err(Failure::Invalid(counted(&mistakes))),
+        }
+    }
+}
+
+fn read_file(path: &Path) -> Result<String, Failure> {
+    let cannot = |why: String| Failure::Usage(format!("cannot read {}: {why}", path.display()));
+    let size = std::fs::metadata(path)
+        .map_err(|error| cannot(error.to_string()))?
+        .len();
+    if size > LARGEST {
+        return Err(cannot(format!("{size} bytes are no scene")));
+    }
+    std::fs::read_to_string(path).map_err(|error| cannot(error.to_string()))
+}
+
+fn told(messages: &[Message], name: &str) -> Vec<String> {
+    messages
+        .iter()
+        .map(|message| message.in_file(name))
+        .collect()
+}
+
+fn counted(mistakes: &[String]) -> String {
+    let count = match mistakes.len() {
+        1 => "1 error".to_string(),
+        count => format!("{count} errors"),
+    };
+    format!("{}\n{count}", mistakes.join("\n"))
+}

@@ -1,0 +1,204 @@
+//! What is typed, and what comes of it.
+
+use super::*;
+
+fn run(arguments: &[&str]) -> Result<String, Failure> {
+    answer(["mbd"].iter().chain(arguments).map(OsString::from))
+}
+
+/// A folder of one test, taken away at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("mbd_{name}_{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+
+    fn file(&self, name: &str, text: &str) -> String {
+        let path = self.0.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn help_is_no_error_and_a_typing_mistake_is_one() {
+    assert!(run(&["--help"]).unwrap().contains("Exit codes"));
+    assert!(run(&["run", "--help"]).unwrap().contains("--dt"));
+    assert_eq!(run(&["chek"]).unwrap_err().code(), 1);
+    assert_eq!(run(&["check"]).unwrap_err().code(), 1);
+    assert_eq!(
+        run(&["run", "swing", "--dt", "1", "--tol", "1"])
+            .unwrap_err()
+            .code(),
+        1
+    );
+}
+
+#[test]
+fn an_unknown_scene_is_a_usage_error_with_a_suggestion() {
+    let error = run(&["run", "swnig"]).unwrap_err();
+    assert_eq!(error.code(), 1);
+    assert!(
+        error.to_string().contains("did you mean `swing`"),
+        "{error}"
+    );
+    assert_eq!(run(&["check", "not_here.toml"]).unwrap_err().code(), 1);
+}
+
+#[test]
+fn every_listed_scene_runs() {
+    for ready in list::READY {
+        let folder = Folder::new(&format!("list_{}", ready.name));
+        let out = folder.0.join("out").display().to_string();
+        let told = run(&["run", ready.name, "--out", &out]).unwrap();
+        assert!(told.contains("report.html"), "{told}");
+        assert!(folder.0.join("out/summary.json").is_file());
+    }
+}
+
+#[test]
+fn flags_go_before_the_file() {
+    let folder = Folder::new("flags");
+    let out = folder.0.join("out").display().to_string();
+    let flags = [
+        "--dt",
+        "2 ms",
+        "--until",
+        "0.1",
+        "--every",
+        "10ms",
+        "--set",
+        "k=20 kN/m",
+        "--json",
+    ];
+    let told = run(&[&["run", "swing", "--out", &out][..], &flags].concat()).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&told).unwrap();
+    assert_eq!(summary["method"], "rk4");
+    assert_eq!(summary["step_s"], 0.002);
+    assert_eq!(summary["reached_s"], 0.1);
+    assert_eq!(summary["params"]["k"], 20e3);
+    let history = std::fs::read_to_string(folder.0.join("out/history.csv")).unwrap();
+    assert_eq!(history.lines().count(), 1 + 11);
+}
+
+#[test]
+fn a_param_that_does_not_exist_or_leaves_its_range_is_invalid() {
+    let folder = Folder::new("params");
+    let out = folder.0.join("out").display().to_string();
+    for (set, what) in [
+        ("kk=1", "no `kk`"),
+        ("k=1 kg", "wrong unit"),
+        ("k=1", "k"),
+        ("m_bob=20 kg", "range"),
+        ("k", "NAME=VALUE"),
+    ] {
+        let error = run(&["run", "swing", "--out", &out, "--set", set]).unwrap_err();
+        assert_eq!(error.code(), if set == "k" { 1 } else { 2 }, "{set}");
+        assert!(error.to_string().contains(what), "{set}: {error}");
+    }
+    assert!(!folder.0.join("out").exists());
+}
+
+#[test]
+fn a_run_that_stops_early_says_why_and_keeps_its_files() {
+    let folder = Folder::new("early");
+    let out = folder.0.join("out").display().to_string();
+    let error = run(&[
+        "run",
+        "swing",
+        "--out",
+        &out,
+        "--set",
+        "k=100 kN/m",
+        "--set",
+        "m_bob=0.1 kg",
+        "--dt",
+        "0.05",
+        "--until",
+        "50",
+    ])
+    .unwrap_err();
+    assert_eq!(error.code(), 4);
+    assert!(folder.0.join("out/history.csv").is_file());
+}
+
+#[test]
+fn every_mistake_of_a_file_is_told_with_its_place() {
+    let folder = Folder::new("mistakes");
+    let drop = include_str!("../../scenes/drop.toml");
+    let text = drop
+        .replace("\"16 kg\"", "\"16 kgs\"")
+        .replace("\"chute.riser_end\"", "\"chute.riser\"")
+        .replace("until =", "untl =");
+    let path = folder.file("scene.toml", &text);
+    for command in ["check", "run", "expand", "convert"] {
+        let error = run(&[command, &path]).unwrap_err();
+        assert_eq!(error.code(), 2);
+        let told = error.to_string();
+        let place = |what: &str| text.lines().position(|line| line.contains(what)).unwrap() + 1;
+        for (what, word) in [("16 kgs", "`kgs`"), ("\"chute.riser\"", "`riser`")] {
+            let line = told
+                .lines()
+                .find(|line| line.contains(word))
+                .unwrap_or_else(|| panic!("{told}"));
+            assert!(
+                line.starts_with(&format!("{path}:{}:", place(what))),
+                "{told}"
+            );
+        }
+        assert!(
+            told.contains(&format!("line {}", place("untl")))
+                && told.contains("unknown field `untl`"),
+            "{told}"
+        );
+        assert!(told.ends_with("3 errors"), "{told}");
+    }
+}
+
+#[test]
+fn a_scene_survives_conversion_to_toml_and_runs_to_the_same_history() {
+    let folder = Folder::new("convert");
+    let text = folder.file("swing.mbd", include_str!("../../scenes/swing.mbd"));
+    let toml = folder.file("swing.toml", &run(&["convert", &text]).unwrap());
+    let histories = [&text, &toml].map(|path| {
+        let out = folder.0.join("out").display().to_string();
+        run(&["run", path, "--out", &out, "--until", "0.5 s"]).unwrap();
+        std::fs::read(folder.0.join("out/history.csv")).unwrap()
+    });
+    assert_eq!(histories[0], histories[1]);
+}
+
+#[test]
+fn check_tells_bodies_nodes_and_operations() {
+    let folder = Folder::new("check");
+    let told = run(&[
+        "check",
+        &folder.file("drop.toml", include_str!("../../scenes/drop.toml")),
+    ])
+    .unwrap();
+    for word in [
+        "Scene Drop",
+        "capsule",
+        "stepwise (bdf2)",
+        "leg[2]",
+        "derivative of the state",
+        "riser_k",
+    ] {
+        assert!(told.contains(word), "{word}:\n{told}");
+    }
+    let expanded = run(&[
+        "expand",
+        &folder.file("again.toml", include_str!("../../scenes/drop.toml")),
+    ])
+    .unwrap();
+    assert!(expanded.contains("struct DropParams"));
+}

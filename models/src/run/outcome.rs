@@ -1,0 +1,68 @@
+//! The run itself: the compiled equations of the scene, interpreted.
+
+use std::time::Instant;
+
+use mbd_compiler::Interpreted;
+use mbd_runtime::scene::Scene;
+use mbd_runtime::{Content, External, ParamError, RunError, Sampling, Simulation, Trajectory};
+
+use super::plan::Plan;
+use crate::progress::Progress;
+
+/// What a run gave, also when it stopped early.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The history up to the end or to the last accepted step.
+    pub trajectory: Trajectory,
+    /// Where the run stands [s].
+    pub time: f64,
+    /// Why it stopped before its end.
+    pub error: Option<RunError>,
+    /// Time the run took on the clock [s].
+    pub wall_s: f64,
+}
+
+/// Numbers that stay the same.
+struct Held<'a>(&'a [f64]);
+
+impl External<f64> for Held<'_> {
+    fn evaluate(&self, _time: f64, _state: &[f64], out: &mut [f64]) {
+        for (to, from) in out.iter_mut().zip(self.0) {
+            *to = *from;
+        }
+    }
+}
+
+/// Runs a scene as planned.
+///
+/// # Errors
+/// Params that the scene cannot be run with. A run that stops early is an [`Outcome`] with its reason.
+pub fn fly(scene: &Scene, plan: &Plan, progress: &mut Progress) -> Result<Outcome, ParamError> {
+    let model = Interpreted::<f64>::new(scene.clone(), &plan.params)?;
+    let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
+    let mut trajectory = Trajectory::new(&model, sampling, Content::ALL);
+    let started = Instant::now();
+    let mut time = 0.0;
+    let mut run = || {
+        let mut simulation = Simulation::with_loads(&model, plan.options, Held(&plan.inputs))?;
+        simulation.set_state(0.0, &plan.state)?;
+        if let Some(nodes) = &plan.nodes {
+            simulation.set_nodes(nodes)?;
+        }
+        let mut watch = |now: f64| {
+            progress.show(now / plan.until, &scene.name);
+            true
+        };
+        let stop = simulation.run_while(plan.until, Some(&mut trajectory), &mut watch);
+        time = simulation.time();
+        stop
+    };
+    let error = run().err();
+    progress.clear();
+    Ok(Outcome {
+        time,
+        error,
+        wall_s: started.elapsed().as_secs_f64(),
+        trajectory,
+    })
+}

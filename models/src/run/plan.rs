@@ -1,0 +1,334 @@
+//! From settings to numbers: everything a run needs, checked against the scene.
+
+use std::fmt;
+
+use mbd_compiler::{nearest, read_number};
+use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::{InputSource, NodeModel};
+use mbd_runtime::{Layout, Options, state_names};
+use toml::{Table, Value};
+
+use super::settings::Settings;
+
+/// Everything a run needs, in SI numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// End of the run [s].
+    pub until: f64,
+    /// Method, step, events.
+    pub options: Options,
+    /// Distance of the rows of the history [s]; `None`: every step.
+    pub every: Option<f64>,
+    /// The params, in declaration order.
+    pub params: Vec<f64>,
+    /// The state at the start, x = [q | v | z].
+    pub state: Vec<f64>,
+    /// Where the equilibrium points are searched from [m], 3 a node; `None` if nothing was said.
+    pub nodes: Option<Vec<f64>>,
+    /// What the caller supplies, held constant.
+    pub inputs: Vec<f64>,
+}
+
+/// A setting that cannot be used: its name and what is wrong with it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PlanError {
+    /// The setting, `start.capsule.z`.
+    pub setting: String,
+    /// What is wrong, and what to write.
+    pub text: String,
+}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}`: {}", self.setting, self.text)
+    }
+}
+
+impl std::error::Error for PlanError {}
+
+fn wrong(setting: impl Into<String>, text: impl Into<String>) -> PlanError {
+    PlanError {
+        setting: setting.into(),
+        text: text.into(),
+    }
+}
+
+/// A step that is taken when neither step nor tolerance is given and the scene needs fixed steps [s].
+const STEP: f64 = 1e-3;
+/// The relative tolerance of adaptive steps when nothing is given.
+const TOLERANCE: f64 = 1e-8;
+
+impl Plan {
+    /// Checks settings against a scene.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used.
+    pub fn new(scene: &Scene, settings: &Settings) -> Result<Plan, PlanError> {
+        let layout = Layout::new(scene);
+        let seconds = |name: &str, value: &Option<Value>| match value {
+            Some(value) => positive(name, value, "s").map(Some),
+            None => Ok(None),
+        };
+        let until = seconds("until", &settings.until)?.ok_or_else(|| {
+            wrong(
+                "until",
+                "say when the run ends: `until = \"10 s\"` under [run], or `--until 10`",
+            )
+        })?;
+        let (state, nodes) = start(scene, &layout, &settings.start)?;
+        Ok(Plan {
+            until,
+            options: options(&layout, settings)?,
+            every: seconds("every", &settings.every)?,
+            params: params(scene, &settings.params)?,
+            state,
+            nodes,
+            inputs: inputs(scene, &layout, &settings.inputs)?,
+        })
+    }
+}
+
+/// A number in SI from `"2.6 m"` or from a bare number; `unit` is what it must measure.
+fn number(setting: &str, value: &Value, unit: &str) -> Result<f64, PlanError> {
+    let number = match value {
+        Value::Integer(whole) => *whole as f64,
+        Value::Float(number) => *number,
+        Value::String(text) => return with_unit(setting, text, unit),
+        other => {
+            return Err(wrong(
+                setting,
+                format!("expected a number, found {}", other.type_str()),
+            ));
+        }
+    };
+    if number.is_finite() {
+        Ok(number)
+    } else {
+        Err(wrong(setting, "give it a finite value"))
+    }
+}
+
+fn with_unit(setting: &str, text: &str, unit: &str) -> Result<f64, PlanError> {
+    let (value, given) = read_number(text).map_err(|text| wrong(setting, text))?;
+    let expected = match unit {
+        "" => None,
+        unit => read_number(&format!("1 {unit}"))
+            .ok()
+            .map(|(_, unit)| unit.dimension),
+    };
+    if given.text.is_empty() && !unit.is_empty() && value != 0.0 {
+        return Err(wrong(
+            setting,
+            format!("`{text}` needs a unit, such as {unit}"),
+        ));
+    }
+    let bare = given.text.is_empty();
+    if !bare && expected.unwrap_or_default() != given.dimension {
+        let unit = if unit.is_empty() { "no unit" } else { unit };
+        return Err(wrong(
+            setting,
+            format!("`{text}` has the wrong unit: expected {unit}"),
+        ));
+    }
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(wrong(setting, "give it a finite value"))
+    }
+}
+
+fn positive(setting: &str, value: &Value, unit: &str) -> Result<f64, PlanError> {
+    let number = number(setting, value, unit)?;
+    if number > 0.0 {
+        Ok(number)
+    } else {
+        Err(wrong(setting, "must be positive"))
+    }
+}
+
+fn options(layout: &Layout, settings: &Settings) -> Result<Options, PlanError> {
+    let stepwise = layout
+        .nodes
+        .iter()
+        .any(|node| matches!(node.model, NodeModel::Stepwise { .. }));
+    let mut options = match (&settings.step, &settings.tolerance) {
+        (Some(_), Some(_)) => {
+            return Err(wrong(
+                "tolerance",
+                "give either a step (fixed RK4) or a tolerance (adaptive Tsit5)",
+            ));
+        }
+        (Some(step), None) => Options::rk4(positive("step", step, "s")?),
+        (None, Some(tolerance)) => Options::tsit5(positive("tolerance", tolerance, "")?),
+        (None, None) if stepwise => Options::rk4(STEP),
+        (None, None) => Options::tsit5(TOLERANCE),
+    };
+    options.locate = settings.locate.unwrap_or(true);
+    Ok(options)
+}
+
+fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError> {
+    let mut params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+    let names = || scene.params.iter().map(|param| param.name.as_str());
+    for (name, value) in given {
+        let setting = format!("params.{name}");
+        let Some((param, slot)) = scene
+            .params
+            .iter()
+            .zip(&mut params)
+            .find(|(param, _)| param.name == *name)
+        else {
+            return Err(unknown(&setting, name, names()));
+        };
+        *slot = number(&setting, value, &param.unit.text)?;
+    }
+    Ok(params)
+}
+
+/// The state and the places of the equilibrium points, from names of coordinates.
+fn start(
+    scene: &Scene,
+    layout: &Layout,
+    given: &Table,
+) -> Result<(Vec<f64>, Option<Vec<f64>>), PlanError> {
+    let mut slots: Vec<(String, &str, f64)> = Vec::new();
+    let names = state_names(scene, layout);
+    for name in &names {
+        let upright = f64::from(u8::from(name.name.ends_with(".qw")));
+        slots.push((name.name.clone(), &name.unit, upright));
+    }
+    for node in &layout.nodes {
+        let owner = scene.points.get(node.point).map_or("", |point| &point.name);
+        // The position of a `rate` node is part of the state already.
+        let owner = if node.z.is_some() { "" } else { owner };
+        slots.extend(["x", "y", "z"].map(|c| (format!("{owner}.{c}"), "m", 0.0)));
+    }
+    let mut places_given = false;
+    for (name, value) in flat(given) {
+        let setting = format!("start.{name}");
+        let Some(index) = slots.iter().position(|(slot, ..)| *slot == name) else {
+            let known = slots.iter().map(|(slot, ..)| slot.as_str());
+            return Err(unknown(
+                &setting,
+                &name,
+                known.filter(|slot| !slot.starts_with('.')),
+            ));
+        };
+        slots[index].2 = number(&setting, value, slots[index].1)?;
+        places_given |= index >= names.len();
+    }
+    let mut numbers: Vec<f64> = slots.into_iter().map(|(.., number)| number).collect();
+    let nodes = numbers.split_off(names.len());
+    for body in &layout.bodies {
+        normalise(scene, &mut numbers, body.q + 3)?;
+    }
+    Ok((numbers, places_given.then_some(nodes)))
+}
+
+/// Makes a quaternion a unit one; it needs a direction for that.
+fn normalise(scene: &Scene, numbers: &mut [f64], at: usize) -> Result<(), PlanError> {
+    let Some(quaternion) = numbers.get_mut(at..at + 4) else {
+        return Ok(());
+    };
+    let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !(length.is_finite() && length > 1e-6) {
+        let layout = Layout::new(scene);
+        let name = state_names(scene, &layout)
+            .into_iter()
+            .nth(at)
+            .map_or_else(String::new, |name| name.name);
+        return Err(wrong(
+            format!("start.{name}"),
+            "qw, qx, qy, qz of this body must not all vanish",
+        ));
+    }
+    quaternion.iter_mut().for_each(|x| *x /= length);
+    Ok(())
+}
+
+/// Nested tables as dotted names, in the order of the names.
+fn flat(table: &Table) -> Vec<(String, &Value)> {
+    let mut list = Vec::new();
+    for (name, value) in table {
+        match value {
+            Value::Table(inner) => {
+                list.extend(
+                    flat(inner)
+                        .into_iter()
+                        .map(|(rest, value)| (format!("{name}.{rest}"), value)),
+                );
+            }
+            value => list.push((name.clone(), value)),
+        }
+    }
+    list
+}
+
+fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, PlanError> {
+    let mut numbers = vec![0.0; layout.ni];
+    let mut known: Vec<&str> = Vec::new();
+    for slots in &layout.inputs {
+        let (name, units): (Option<&str>, Vec<&str>) = match slots.source {
+            InputSource::Input(index) => {
+                let input = scene.inputs.get(index);
+                let unit = input.map_or("", |input| input.unit.text.as_str());
+                (
+                    input.map(|input| input.name.as_str()),
+                    vec![unit; slots.len],
+                )
+            }
+            InputSource::Load(index) => {
+                let units = ["N", "N", "N", "N*m", "N*m", "N*m"];
+                (
+                    scene.loads.get(index).map(|load| load.name.as_str()),
+                    units.to_vec(),
+                )
+            }
+            InputSource::BodyGravity(index) => (
+                scene.bodies.get(index).map(|body| body.name.as_str()),
+                vec!["m/s^2"; 3],
+            ),
+            InputSource::PointGravity(index) => (
+                scene.points.get(index).map(|point| point.name.as_str()),
+                vec!["m/s^2"; 3],
+            ),
+        };
+        let name = name.unwrap_or_default();
+        known.push(name);
+        let setting = format!("inputs.{name}");
+        let Some(value) = given.get(name) else {
+            let text = format!(
+                "this scene takes `{name}` from its caller: give {} number(s) under [run.inputs]",
+                slots.len
+            );
+            return Err(wrong(setting, text));
+        };
+        let list = match value {
+            Value::Array(list) => list.as_slice(),
+            single => std::slice::from_ref(single),
+        };
+        if list.len() != slots.len {
+            return Err(wrong(
+                setting,
+                format!("expected {} numbers, found {}", slots.len, list.len()),
+            ));
+        }
+        for ((to, value), unit) in numbers.iter_mut().skip(slots.at).zip(list).zip(units) {
+            *to = number(&setting, value, unit)?;
+        }
+    }
+    match given.keys().find(|name| !known.contains(&name.as_str())) {
+        Some(name) => Err(unknown(&format!("inputs.{name}"), name, known.into_iter())),
+        None => Ok(numbers),
+    }
+}
+
+fn unknown<'a>(setting: &str, name: &str, known: impl Iterator<Item = &'a str>) -> PlanError {
+    let known: Vec<&str> = known.collect();
+    let text = match nearest(name, known.iter().copied()) {
+        Some(near) => format!("this scene has no `{name}`; did you mean `{near}`?"),
+        None if known.is_empty() => format!("this scene has no `{name}`, nor any other here"),
+        None => format!("this scene has no `{name}`; it has {}", known.join(", ")),
+    };
+    wrong(setting, text)
+}

@@ -1,0 +1,124 @@
+//! The part of a scene file that says how to run the scene: the table `[run]`.
+//!
+//! ```toml
+//! [run]
+//! until = "70 s"
+//! step = "0.01 s"        # fixed RK4 steps; or: tolerance = 1e-8, adaptive Tsit5
+//! every = "0.02 s"       # rows of the history
+//! locate = true          # steps end on slack/taut switches and on events
+//!
+//! [run.start]            # what is not given is zero; attitudes are upright
+//! capsule.z = "2.6 m"
+//! capsule.vx = "1 m/s"
+//!
+//! [run.inputs]           # held constant
+//! wind = ["3 m/s", 0.0, 0.0]
+//! ```
+
+use serde::Deserialize;
+use toml::{Table, Value};
+
+/// How to run a scene, as written; every field may be left out.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// End of the run, with unit or in seconds.
+    pub until: Option<Value>,
+    /// Fixed step of RK4, with unit or in seconds.
+    pub step: Option<Value>,
+    /// Relative tolerance of adaptive steps.
+    pub tolerance: Option<Value>,
+    /// Distance of the rows of the history, with unit or in seconds; without it every step is a row.
+    pub every: Option<Value>,
+    /// Whether steps end on slack/taut switches and on declared events.
+    pub locate: Option<bool>,
+    /// Coordinates and speeds at the start, positions of equilibrium points to search from: `capsule.z = "2.6 m"`.
+    #[serde(default)]
+    pub start: Table,
+    /// What the caller of the model would supply, held constant: inputs, external loads, gravity of a field.
+    #[serde(default)]
+    pub inputs: Table,
+    /// Values of params, with units: `riser_k = "50 kN/m"`.
+    #[serde(default)]
+    pub params: Table,
+}
+
+/// Parts a scene file into the scene and the settings of its run. Each part keeps its lines where they are, so that places in messages stay true.
+#[must_use]
+pub fn split(text: &str) -> (String, String) {
+    let (mut scene, mut run) = (String::new(), String::new());
+    let mut in_run = false;
+    for line in text.lines() {
+        if let Some(header) = line.trim_start().strip_prefix('[') {
+            let name = header.trim_start_matches('[').trim_start();
+            in_run = name
+                .strip_prefix("run")
+                .is_some_and(|rest| rest.trim_start().starts_with([']', '.']));
+        }
+        let (here, there) = if in_run {
+            (&mut run, &mut scene)
+        } else {
+            (&mut scene, &mut run)
+        };
+        here.push_str(line);
+        here.push('\n');
+        there.push('\n');
+    }
+    (scene, run)
+}
+
+impl Settings {
+    /// Reads the second part of [`split`].
+    ///
+    /// # Errors
+    /// A text that says where and what.
+    pub fn read(text: &str) -> Result<Settings, String> {
+        #[derive(Deserialize)]
+        struct Whole {
+            #[serde(default)]
+            run: Settings,
+        }
+        toml::from_str::<Whole>(text)
+            .map(|whole| whole.run)
+            .map_err(|error| error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FILE: &str = "model = \"A\"\n[run]\nuntil = \"2 s\"\n[body.a]\nmass = \"1 kg\"\n[ run.start ]\na.z = \"3 m\"\n";
+
+    #[test]
+    fn both_parts_keep_their_lines() {
+        let (scene, run) = split(FILE);
+        assert_eq!(scene, "model = \"A\"\n\n\n[body.a]\nmass = \"1 kg\"\n\n\n");
+        assert_eq!(
+            run,
+            "\n[run]\nuntil = \"2 s\"\n\n\n[ run.start ]\na.z = \"3 m\"\n"
+        );
+    }
+
+    #[test]
+    fn settings_are_read_and_a_mistake_in_them_has_its_line() {
+        let settings = Settings::read(&split(FILE).1).unwrap();
+        assert_eq!(settings.until, Some(Value::String("2 s".into())));
+        assert!(settings.start.contains_key("a"));
+        let error = Settings::read(&split("x = 1\n[run]\nuntl = 3\n").1).unwrap_err();
+        assert!(
+            error.contains("line 3") && error.contains("untl"),
+            "{error}"
+        );
+        assert_eq!(Settings::read(""), Ok(Settings::default()));
+    }
+
+    #[test]
+    fn a_table_whose_name_only_begins_like_run_belongs_to_the_scene() {
+        let (scene, run) = split("[runner]\na = 1\n");
+        assert_eq!(
+            (scene.as_str(), run.as_str()),
+            ("[runner]\na = 1\n", "\n\n")
+        );
+    }
+}

@@ -1,0 +1,217 @@
+//! A scene, its settings, the run and its files.
+
+use mbd_runtime::scene::{
+    Dimension, Formula, Frame, Gravity, Input, Line, LineKind, NodeModel, Output, Parameter, Place,
+    Point, PointKind, Scene, Unit,
+};
+use mbd_runtime::{Method, Options};
+
+use super::*;
+use crate::progress::Progress;
+
+fn unit(text: &str, factor: f64, mass: i8, length: i8, time: i8) -> Unit {
+    let dimension = Dimension {
+        mass: 2 * mass,
+        length: 2 * length,
+        time: 2 * time,
+    };
+    Unit {
+        text: text.into(),
+        factor,
+        dimension,
+    }
+}
+
+fn point(name: &str, kind: PointKind) -> Point {
+    Point {
+        name: name.into(),
+        doc: String::new(),
+        kind,
+    }
+}
+
+fn line(name: &str, from: Place, to: Place) -> Line {
+    Line {
+        name: name.into(),
+        doc: String::new(),
+        kind: LineKind::Line,
+        from,
+        to,
+        free_length: Formula::Number(1.0),
+        stiffness: Formula::Param(0),
+        damping: Formula::Number(0.0),
+    }
+}
+
+/// A bob of 2 kg on a line, a knot, and two lines to the ceiling; 9.81 m/s².
+fn swing() -> Scene {
+    let ceiling = |name: &str, x: f64| Frame {
+        name: name.into(),
+        position: [x, 0.0, 0.0].map(Formula::Number),
+        rotation: None,
+    };
+    Scene {
+        name: "Swing".into(),
+        gravity: Gravity::Uniform {
+            acceleration: [0.0, 0.0, -9.81].map(Formula::Number),
+        },
+        params: vec![Parameter {
+            name: "k".into(),
+            doc: "Stiffness of the lines.".into(),
+            default: 5e3,
+            range: Some([1e3, 1e5]),
+            unit: unit("kN/m", 1e3, 1, 0, -2),
+        }],
+        world_frames: vec![
+            ceiling("world", 0.0),
+            ceiling("left", -0.5),
+            ceiling("right", 0.5),
+        ],
+        points: vec![
+            point("knot", PointKind::Node(NodeModel::Static)),
+            point("bob", PointKind::Mass(Formula::Number(2.0))),
+        ],
+        lines: vec![
+            line("rope[0]", Place::World(1), Place::Point(0)),
+            line("rope[1]", Place::World(2), Place::Point(0)),
+            line("fall", Place::Point(1), Place::Point(0)),
+        ],
+        outputs: vec![Output {
+            name: "height".into(),
+            doc: String::new(),
+            value: Formula::Component(vec![Formula::Position(Place::Point(1))], 2),
+            components: 1,
+            unit: unit("m", 1.0, 0, 1, 0),
+        }],
+        ..Scene::default()
+    }
+}
+
+fn settings(text: &str) -> Settings {
+    Settings::read(text).unwrap()
+}
+
+const SETTINGS: &str = "[run]\nuntil = \"500 ms\"\nstep = \"2 ms\"\nevery = 0.01\n[run.start]\nbob.z = \"-1.9 m\"\nbob.vx = \"1 m/s\"\nknot.z = \"-0.8 m\"\n[run.params]\nk = \"8 kN/m\"\n";
+
+#[test]
+fn settings_become_si_numbers_in_the_places_of_the_state() {
+    let plan = Plan::new(&swing(), &settings(SETTINGS)).unwrap();
+    assert_eq!((plan.until, plan.every), (0.5, Some(0.01)));
+    assert_eq!(plan.options.method, Method::Rk4 { step: 0.002 });
+    assert_eq!(plan.params, [8e3]);
+    assert_eq!(plan.state, [0.0, 0.0, -1.9, 1.0, 0.0, 0.0]);
+    assert_eq!(plan.nodes, Some(vec![0.0, 0.0, -0.8]));
+}
+
+#[test]
+fn what_is_not_said_is_zero_and_adaptive() {
+    let plan = Plan::new(&swing(), &settings("[run]\nuntil = 1\n")).unwrap();
+    assert_eq!(plan.options, Options::tsit5(1e-8));
+    assert_eq!((plan.nodes, plan.every), (None, None));
+    assert_eq!(plan.state, [0.0; 6]);
+}
+
+#[test]
+fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
+    let mut scene = swing();
+    scene.inputs.push(Input {
+        name: "wind".into(),
+        doc: String::new(),
+        components: 3,
+        unit: unit("m/s", 1.0, 0, 1, -1),
+    });
+    let winded = "[run.inputs]\nwind = [1, 2.0, \"3 m/s\"]\n";
+    let fails = |text: &str, what: &str| {
+        let error = Plan::new(&scene, &settings(text)).unwrap_err().to_string();
+        assert!(error.contains(what), "{text}: {error}");
+    };
+    fails("", "`until`: say when the run ends");
+    fails(
+        "[run]\nuntil = \"2 m\"",
+        "`until`: `2 m` has the wrong unit: expected s",
+    );
+    fails("[run]\nuntil = \"2\"", "needs a unit, such as s");
+    fails("[run]\nuntil = -1", "must be positive");
+    fails("[run]\nuntil = true", "expected a number, found boolean");
+    fails("[run]\nuntil = nan", "finite");
+    fails("[run]\nuntil = 1\nstep = 1\ntolerance = 1", "either a step");
+    fails(
+        "[run]\nuntil = 1\n[run.start]\nbob.vz = \"1 m\"",
+        "`start.bob.vz`: `1 m` has the wrong unit: expected m/s",
+    );
+    fails(
+        "[run]\nuntil = 1\n[run.start]\nbop.z = 1",
+        "this scene has no `bop.z`; did you mean `bob.",
+    );
+    fails("[run]\nuntil = 1\n[run.params]\nkk = 1", "it has k");
+    fails(
+        "[run]\nuntil = 1",
+        "`inputs.wind`: this scene takes `wind` from its caller: give 3 number(s)",
+    );
+    fails(
+        "[run]\nuntil = 1\n[run.inputs]\nwind = 3",
+        "expected 3 numbers, found 1",
+    );
+    fails(
+        &format!("[run]\nuntil = 1\n{winded}rain = 1\n"),
+        "`inputs.rain`",
+    );
+    let plan = Plan::new(&scene, &settings(&format!("[run]\nuntil = 1\n{winded}"))).unwrap();
+    assert_eq!(plan.inputs, [1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn a_swing_is_flown_and_leaves_its_files() {
+    let scene = swing();
+    let plan = Plan::new(&scene, &settings(SETTINGS)).unwrap();
+    let outcome = fly(&scene, &plan, &mut Progress::silent()).unwrap();
+    assert_eq!(outcome.error, None);
+    assert_eq!(outcome.trajectory.len(), 51);
+    let folder = std::env::temp_dir().join(format!("mbd_swing_{}", std::process::id()));
+    let table = publish(&scene, &plan, &outcome, &folder).unwrap();
+    assert!(table.text().contains("RK4, fixed step 0.002 s"));
+    for file in [
+        "history.csv",
+        "report.html",
+        "summary.json",
+        "height.svg",
+        "rope_tension.svg",
+        "fall_tension.svg",
+    ] {
+        assert!(folder.join(file).is_file(), "{file}");
+    }
+    let summary = std::fs::read_to_string(folder.join("summary.json")).unwrap();
+    assert!(
+        summary.contains("\"status\": \"ok\"") && summary.contains("\"k\": 8000.0"),
+        "{summary}"
+    );
+    let rope = std::fs::read_to_string(folder.join("rope_tension.svg")).unwrap();
+    assert!(rope.contains("rope[0].tension") && rope.contains("rope[1].tension"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn params_outside_their_range_are_refused_and_a_failed_run_keeps_its_history() {
+    let scene = swing();
+    let mut plan = Plan::new(&scene, &settings(SETTINGS)).unwrap();
+    plan.params = vec![1.0];
+    let refused = fly(&scene, &plan, &mut Progress::silent())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refused.contains("`k`") && refused.contains("range"),
+        "{refused}"
+    );
+    plan.params = vec![1e5];
+    plan.options = Options::rk4(0.1);
+    plan.until = 50.0;
+    let outcome = fly(&scene, &plan, &mut Progress::silent()).unwrap();
+    let error = outcome.error.as_ref().unwrap();
+    assert_eq!(error.cause.status(), "unstable_step");
+    assert!(!outcome.trajectory.is_empty());
+    assert!(summary_status(&scene, &plan, &outcome).contains("unstable_step"));
+}
+
+fn summary_status(scene: &Scene, plan: &Plan, outcome: &Outcome) -> String {
+    super::publish::summary_json(scene, plan, outcome).unwrap()
+}

@@ -1,0 +1,529 @@
+//! The three node models in an integration: orders, memory, starts, modes, and what they refuse.
+
+mod node_common;
+
+use mbd_runtime::node::{Mode, NodeError, NodeMemory, RateNode, Spread};
+use mbd_runtime::{Generic, Model, Quantity};
+use mbd_scene::laws::LineNumbers;
+use mbd_scene::{
+    Clamp, Difference, Gravity, LineKind, Load, LoadKind, NodeModel, Place, PointKind, Scene,
+};
+use nalgebra::Vector3;
+use node_common::{Run, body, frame, line, node, parachute, state_of};
+use tests::random::Random;
+use tests::reference::{load, numbers};
+
+const EULER: NodeModel = NodeModel::Stepwise {
+    formula: Difference::Euler,
+    clamp: Clamp::Positive,
+};
+const BDF2: NodeModel = NodeModel::Stepwise {
+    formula: Difference::Bdf2,
+    clamp: Clamp::Positive,
+};
+const LITERAL: NodeModel = NodeModel::Stepwise {
+    formula: Difference::Euler,
+    clamp: Clamp::Literal,
+};
+
+/// The parachute at 5.4 s of case 2, all lines taut, the capsule pushed sideways.
+fn swing(model: NodeModel) -> Run<Generic<f64>> {
+    let data = load("parachute/case2_damped.json");
+    let index = 105;
+    let mut state: Vec<f64> = [
+        "chute_x",
+        "chute_v",
+        "chute_q",
+        "chute_w",
+        "capsule_x",
+        "capsule_v",
+        "capsule_q",
+        "capsule_w",
+    ]
+    .iter()
+    .flat_map(|name| numbers(&data[*name][index]))
+    .collect();
+    state[16] += 0.3;
+    let node = numbers(&data["node_x"][index]);
+    let scene = parachute(PointKind::Node(model), 1.0);
+    Run::new(scene, &state_of(&state), Some(&node)).unwrap()
+}
+
+/// Riser force every 0.1 s up to 1 s.
+fn riser(model: NodeModel, h: f64) -> Vec<f64> {
+    let mut run = swing(model);
+    let mut forces = Vec::new();
+    for k in 1..=10 {
+        while run.time < 0.1 * f64::from(k) - 1e-9 {
+            run.step(h).unwrap();
+        }
+        forces.push(run.tensions()[0]);
+    }
+    forces
+}
+
+fn worst(a: &[f64], b: &[f64]) -> f64 {
+    tests::largest_difference(a, b)
+}
+
+#[test]
+fn a_taut_start_keeps_the_order_of_every_model() {
+    let exact = riser(NodeModel::Rate, 3.125e-4);
+    for (model, order, bound) in [
+        (EULER, 0.85, 0.2),
+        (BDF2, 1.8, 0.1),
+        (NodeModel::Rate, 3.8, 1e-3),
+    ] {
+        let errors: Vec<f64> = [0.01, 0.005, 0.0025]
+            .iter()
+            .map(|&h| worst(&riser(model, h), &exact))
+            .collect();
+        println!(
+            "{model:?}: {errors:?} N, orders {:.2} {:.2}",
+            (errors[0] / errors[1]).log2(),
+            (errors[1] / errors[2]).log2()
+        );
+        assert!(
+            (errors[1] / errors[2]).log2() > order,
+            "{model:?}: {errors:?}"
+        );
+        assert!(errors[1] < bound, "{model:?}: {errors:?}");
+    }
+}
+
+#[test]
+fn the_literal_clamp_of_the_paper_does_not_converge_through_the_slack_phase() {
+    let data = load("parachute/case2_damped.json");
+    let (times, forces) = (numbers(&data["t"]), numbers(&data["riser_force"]));
+    let start: Vec<f64> = numbers(&data["initial_state"]);
+    let error = |model| {
+        let scene = parachute(PointKind::Node(model), 1.0);
+        let mut run = Run::new(scene, &state_of(&start), Some(&start[26..29])).unwrap();
+        let mut worst: f64 = 0.0;
+        for (time, force) in times.iter().zip(&forces).filter(|(time, _)| **time <= 1.0) {
+            while run.time < time - 1e-9 {
+                run.step(0.001).unwrap();
+            }
+            worst = worst.max((run.tensions()[0] - force).abs());
+        }
+        worst
+    };
+    let (positive, literal) = (error(EULER), error(LITERAL));
+    println!("positive part {positive} N, literal {literal} N");
+    assert!(positive < 1.0 && literal > 8.0);
+}
+
+#[test]
+fn a_rejected_step_leaves_the_memory_as_it_was_and_repeats_bit_by_bit() {
+    for model in [NodeModel::Static, EULER, BDF2, NodeModel::Rate] {
+        let mut run = swing(model);
+        for _ in 0..5 {
+            run.step(0.01).unwrap();
+        }
+        let memory = run.memory.clone();
+        let state = run.state.clone();
+        let first = run.slope(0.005, &state).unwrap();
+        let mut wild = state.clone();
+        wild.iter_mut().for_each(|x| *x += 0.01);
+        run.slope(0.02, &wild).unwrap();
+        let again = run.slope(0.005, &state).unwrap();
+        assert_eq!(first, again);
+        assert_eq!(memory, run.memory);
+    }
+}
+
+#[test]
+fn the_first_stage_of_a_step_gives_back_the_accepted_forces() {
+    for model in [EULER, BDF2, LITERAL] {
+        let mut run = swing(model);
+        run.step(0.01).unwrap();
+        let state = run.state.clone();
+        let accepted = run.tensions();
+        run.solve(0.01, 0.0, &state).unwrap();
+        let again = run.tensions();
+        assert_eq!(accepted, again);
+    }
+}
+
+#[test]
+fn memory_survives_serialisation_bit_by_bit() {
+    let mut run = swing(BDF2);
+    run.step(0.01).unwrap();
+    run.step(0.01).unwrap();
+    let written = serde_json::to_value(&run.memory).unwrap();
+    let read: NodeMemory<f64> = serde_json::from_value(written.clone()).unwrap();
+    assert_eq!(read, run.memory);
+    let mut broken = written;
+    broken["stretch"].as_array_mut().unwrap().pop();
+    run.memory = serde_json::from_value(broken).unwrap();
+    let state = run.state.clone();
+    assert!(matches!(
+        run.solve(0.0, 0.01, &state),
+        Err(NodeError::Shape { .. })
+    ));
+}
+
+#[test]
+fn states_that_are_not_finite_are_refused() {
+    for model in [NodeModel::Static, EULER, NodeModel::Rate] {
+        let mut run = swing(model);
+        let mut state = run.state.clone();
+        state[1] = f64::NAN;
+        assert!(matches!(
+            run.solve(0.0, 0.01, &state),
+            Err(NodeError::NotFinite { .. })
+        ));
+        assert!(matches!(
+            run.solve(0.0, 0.01, &state[1..]),
+            Err(NodeError::Shape { .. })
+        ));
+    }
+}
+
+#[test]
+fn node_models_refuse_scenes_they_cannot_hold() {
+    let state = swing(EULER).state;
+    let start = |scene: Scene| Run::new(scene, &state, None).err();
+    let undamped = parachute(PointKind::Node(NodeModel::Rate), 0.0);
+    assert!(matches!(
+        start(undamped),
+        Some(NodeError::InvalidLine {
+            line: 0,
+            what: "damping at a node with `equilibrium: rate`",
+            ..
+        })
+    ));
+    let mut sprung = parachute(PointKind::Node(EULER), 1.0);
+    sprung.lines[2].kind = LineKind::Spring;
+    assert!(matches!(
+        start(sprung),
+        Some(NodeError::InvalidLine { line: 2, .. })
+    ));
+    let mut coupled = parachute(PointKind::Node(NodeModel::Rate), 1.0);
+    coupled.points.push(node("second", NodeModel::Rate));
+    coupled.lines.push(line(
+        "tie",
+        Place::Point(0),
+        Place::Point(1),
+        [1e4, 100.0, 1.0],
+    ));
+    coupled.lines.push(line(
+        "stay",
+        Place::World(0),
+        Place::Point(1),
+        [1e4, 100.0, 1.0],
+    ));
+    assert!(matches!(
+        start(coupled),
+        Some(NodeError::Unsupported { .. })
+    ));
+    let mut loaded = parachute(PointKind::Node(NodeModel::Rate), 1.0);
+    loaded.loads.push(Load {
+        name: "weight".into(),
+        doc: String::new(),
+        at: Place::Point(0),
+        kind: LoadKind::Force(mbd_scene::Formula::Vector(vec![
+            0.0.into(),
+            0.0.into(),
+            (-5.0).into(),
+        ])),
+    });
+    let slack = {
+        let mut state = state.clone();
+        state[2] -= 1.0;
+        state
+    };
+    let guess = [0.0, 0.0, state[9] + 2.0];
+    assert!(matches!(
+        Run::new(loaded, &slack, Some(&guess)).err(),
+        Some(NodeError::Unsupported { .. })
+    ));
+}
+
+#[test]
+fn nothing_that_is_not_damped_has_modes_and_guards_lead_where_the_table_says() {
+    let run = swing(NodeModel::Rate);
+    assert!(run.memory.modes().iter().all(|mode| *mode == Mode::Active));
+    let mut seen = Vec::new();
+    run.nodes.guards(
+        &run.model,
+        &[0.1, 60.0, -0.1, 47.0, 0.2, -94.0, 0.3, 0.0],
+        &run.memory,
+        |guard| seen.push((guard.line, guard.value, guard.leads_to)),
+    );
+    assert_eq!(seen[0], (0, 1e-3, Mode::Idle));
+    assert_eq!(seen[1], (0, 0.1, Mode::Slack));
+    assert_eq!(seen[4], (2, -2e-3, Mode::Idle));
+    let other = swing(EULER);
+    assert!(other.memory.modes().iter().all(|mode| *mode == Mode::Free));
+    other
+        .nodes
+        .guards(&other.model, &[0.0; 8], &other.memory, |_| {
+            panic!("stepwise lines have no guards")
+        });
+}
+
+#[test]
+fn a_switch_to_slack_releases_the_lines_that_would_push() {
+    let mut run = swing(NodeModel::Rate);
+    let state = run.state.clone();
+    run.nodes.freeze(true);
+    run.nodes
+        .switch(
+            &run.model,
+            0.0,
+            &state,
+            &[],
+            &[(1, Mode::Slack)],
+            &mut run.memory,
+            &mut run.work,
+        )
+        .unwrap();
+    assert_eq!(run.memory.modes()[1], Mode::Slack);
+    run.solve(0.0, 0.0, &state).unwrap();
+    // The riser and two legs that do not lie in one plane cannot carry: they are dragged, and nothing pulls.
+    assert!(
+        run.tensions().iter().all(|tension| tension.abs() < 1e-6),
+        "{:?}",
+        run.tensions()
+    );
+    let balance = run.ask(Quantity::Balance, &state);
+    assert!(balance.iter().all(|x| x.abs() < 1e-6));
+}
+
+/// Two capsules in free space held by three nodes in a row.
+fn row(model: NodeModel, damping: f64) -> Scene {
+    let c = |k: f64| k * damping;
+    let (left, right) = (Place::Body(0, 1), Place::Body(1, 1));
+    let point = Place::Point;
+    Scene {
+        name: "Row".into(),
+        world_frames: vec![frame("world", [0.0; 3])],
+        bodies: vec![
+            body(
+                "left",
+                2.0,
+                [0.1, 0.2, 0.3],
+                &[[0.1, 0.0, 0.0], [0.0, 0.2, 0.0]],
+            ),
+            body(
+                "right",
+                3.0,
+                [0.2, 0.2, 0.1],
+                &[[-0.1, 0.0, 0.0], [0.0, -0.2, 0.0]],
+            ),
+        ],
+        points: vec![node("a", model), node("b", model), node("c", model)],
+        lines: vec![
+            line("one", left, point(0), [1e4, c(50.0), 0.5]),
+            line("two", Place::Body(0, 2), point(0), [2e4, c(100.0), 0.5]),
+            line("three", point(0), point(1), [1.5e4, c(75.0), 0.4]),
+            line("four", point(1), point(2), [1e4, c(50.0), 0.4]),
+            line("five", point(2), right, [2e4, c(100.0), 0.5]),
+            line("six", Place::Body(1, 2), point(2), [1e4, c(50.0), 0.5]),
+            line("seven", point(1), right, [5e3, c(25.0), 0.8]),
+        ],
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn an_isolated_network_keeps_its_momentum_and_undamped_its_energy() {
+    let mut state = vec![0.0; 26];
+    (state[3], state[7], state[10]) = (1.0, 2.4, 1.0);
+    (state[15], state[20], state[18]) = (0.3, -0.3, 0.5);
+    for (model, damping) in [(NodeModel::Static, 0.0), (BDF2, 1.0), (EULER, 1.0)] {
+        let mut run = Run::new(row(model, damping), &state, None).unwrap();
+        let start = run.state.clone();
+        let momentum = run.ask(Quantity::Momentum, &start);
+        let energy: f64 = run.ask(Quantity::Energy, &start)[..3].iter().sum();
+        for _ in 0..400 {
+            run.step(0.0005).unwrap();
+        }
+        let state = run.state.clone();
+        let after = run.ask(Quantity::Momentum, &state);
+        let (linear, angular) = (
+            worst(&momentum[..3], &after[..3]),
+            worst(&momentum[3..], &after[3..]),
+        );
+        // Angular momentum to the order of the method, linear to the tolerance of the balance.
+        assert!(
+            linear < 1e-10 && angular < 1e-6,
+            "{model:?}: {linear:e} {angular:e}"
+        );
+        let now: f64 = run.ask(Quantity::Energy, &state)[..3].iter().sum();
+        println!(
+            "{model:?}: energy {energy} J, after 0.2 s {now} J, {:?}",
+            run.nodes.statistics()
+        );
+        if damping == 0.0 {
+            // Lines go slack and taut on the way, unlocated.
+            assert!((now / energy - 1.0).abs() < 1e-4);
+        } else {
+            assert!(now < energy);
+        }
+    }
+}
+
+/// A weight that swings on two damped lines in a row, joined by a node.
+fn pendulum(model: NodeModel, height: f64) -> Run<Generic<f64>> {
+    let scene = Scene {
+        name: "Pendulum".into(),
+        gravity: Gravity::Uniform {
+            acceleration: [0.0.into(), 0.0.into(), (-9.81).into()],
+        },
+        world_frames: vec![frame("world", [0.0; 3])],
+        bodies: vec![body("weight", 5.0, [0.1, 0.1, 0.1], &[])],
+        points: vec![node("knot", model)],
+        lines: vec![
+            line("upper", Place::World(0), Place::Point(0), [1e4, 100.0, 1.0]),
+            line(
+                "lower",
+                Place::Body(0, 0),
+                Place::Point(0),
+                [2e4, 200.0, 0.8],
+            ),
+        ],
+        ..Scene::default()
+    };
+    let mut state = vec![0.0; 13];
+    (state[0], state[2], state[3], state[8]) = (0.6, height, 1.0, 0.8);
+    Run::new(scene, &state, None).unwrap()
+}
+
+#[test]
+fn a_rate_node_between_two_carrying_lines_stays_between_them_and_keeps_order_four() {
+    let end = |model, h: f64| {
+        let mut run = pendulum(model, -1.7045);
+        for _ in 0..(0.5 / h).round() as usize {
+            run.step(h).unwrap();
+        }
+        let mut all = run.state[..3].to_vec();
+        all.push(run.tensions()[0] / 1e3);
+        all
+    };
+    let exact = end(NodeModel::Rate, 5e-4);
+    let errors: Vec<f64> = [0.008, 0.004, 0.002]
+        .iter()
+        .map(|&h| worst(&end(NodeModel::Rate, h), &exact))
+        .collect();
+    let implicit: Vec<f64> = [0.004, 0.002, 0.001]
+        .iter()
+        .map(|&h| worst(&end(BDF2, h), &exact))
+        .collect();
+    println!("{exact:?}: rate {errors:?}, BDF2 {implicit:?}");
+    assert!((errors[1] / errors[2]).log2() > 3.6, "{errors:?}");
+    assert!((implicit[1] / implicit[2]).log2() > 1.7, "{implicit:?}");
+    assert!(implicit[2] < 1e-4);
+}
+
+#[test]
+fn a_rate_node_thrown_out_of_line_is_caught_when_its_lines_straighten() {
+    // The weight bounces: the lines go slack, the node leaves their line, and must carry again when they are straight.
+    let heights = |model, h: f64| {
+        let mut run = pendulum(model, -1.72);
+        let mut seen = Vec::new();
+        for step in 1..=(0.6 / h).round() as usize {
+            run.step(h).unwrap();
+            if step % (0.1 / h).round() as usize == 0 {
+                seen.extend_from_slice(&run.state[..3]);
+            }
+        }
+        seen
+    };
+    let exact = heights(EULER, 1e-4);
+    for h in [0.004, 0.002, 0.001] {
+        let error = worst(&heights(NodeModel::Rate, h), &exact);
+        println!("h {h}: {error} m");
+        assert!(error < 0.02, "h {h}: {error} m");
+    }
+}
+
+#[test]
+fn rate_problems_are_decided_as_the_convex_minimum_demands() {
+    let mut random = Random::new(3);
+    let (mut spreads, mut undecided) = ([0; 3], 0);
+    for _ in 0..20_000 {
+        let n = 2 + random.below(7);
+        let mut node: RateNode<f64> = RateNode::new(n);
+        for i in 0..n {
+            let stiffness = random.decades(4.0, 5.0);
+            let numbers = LineNumbers {
+                stiffness,
+                damping: stiffness * random.uniform(0.005, 0.02),
+                free_length: random.uniform(0.8, 1.2),
+            };
+            let direction = Vector3::from(random.vector(1.0)).normalize();
+            node.set_leg(
+                i,
+                direction * random.uniform(0.95, 1.2),
+                Vector3::from(random.vector(3.0)),
+                numbers,
+            );
+            node.set_mode(i, true, random.below(2) == 0);
+        }
+        node.place(Vector3::zeros(), Vector3::zeros());
+        node.taut_by_stretch();
+        if !node.decide() {
+            // Three lines within a milliradian of one plane: on their way to carry, not there yet.
+            assert_eq!(node.spread(), Spread::Algebraic);
+            undecided += 1;
+            continue;
+        }
+        if node.spread() == Spread::Algebraic {
+            spreads[2] += 1;
+            continue;
+        }
+        let (mut force, mut scale) = (Vector3::zeros(), 0.0);
+        for leg in node.legs().iter().filter(|leg| leg.taut) {
+            scale += leg.pull.abs() + 10.0 * leg.numbers.damping;
+            if leg.active {
+                force += leg.anchor.normalize() * leg.pull;
+            }
+        }
+        for leg in node.legs().iter().filter(|leg| leg.taut) {
+            let wrong = if leg.active { -leg.pull } else { leg.pull };
+            assert!(wrong <= 1e-5 * scale, "{:?}", node.legs());
+        }
+        assert!(force.norm() <= 1e-9 * scale, "{force:?} of {scale}");
+        spreads[usize::from(node.spread() == Spread::Idle)] += 1;
+    }
+    println!("full, idle, algebraic: {spreads:?}, undecided {undecided}");
+    assert!(spreads[0] > 1000 && spreads[1] > 1000 && spreads[2] < 100 && undecided < 40);
+}
+
+#[test]
+fn single_precision_runs_the_same_scene() {
+    let model: Generic<f32> =
+        Generic::with_defaults(parachute(PointKind::Node(NodeModel::Static), 0.0)).unwrap();
+    let mut work = model.work();
+    let mut nodes = mbd_runtime::node::Nodes::new(model.layout());
+    let mut memory = NodeMemory::new(model.layout());
+    let mut wide = swing(NodeModel::Static);
+    let mut state: Vec<f32> = wide.state.iter().map(|&x| x as f32).collect();
+    // Near the origin, where single precision resolves the stretch.
+    let z = state[9];
+    (state[2], state[9]) = (state[2] - z, 0.0);
+    nodes
+        .start(&model, 0.0, &mut state, &[], None, &mut memory, &mut work)
+        .unwrap();
+    let mut shifted: Vec<f64> = state.iter().map(|&x| f64::from(x)).collect();
+    wide.state.copy_from_slice(&shifted);
+    wide.solve(0.0, 0.0, &shifted).unwrap();
+    let exact = wide.tensions();
+    let mut lines = vec![0.0; model.layout().len(Quantity::Lines)];
+    model.evaluate(
+        Quantity::Lines,
+        &nodes.at(0.0, &state, &[]),
+        &mut work,
+        &mut lines,
+    );
+    shifted.clear();
+    for (line, exact) in lines.chunks_exact(10).zip(exact) {
+        assert!(
+            (f64::from(line[0]) - exact).abs() < 2.0,
+            "{} {exact}",
+            line[0]
+        );
+    }
+}

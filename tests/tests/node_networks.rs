@@ -1,0 +1,264 @@
+//! Coupled nodes, and single nodes against an independent reference.
+
+use mbd_runtime::node::{
+    Balance, BlockCholesky, Confluence, Evaluation, NodeError, Outcome, Tie, Tolerance, Web,
+    WebBalance, WebLine,
+};
+use nalgebra::DMatrix;
+use tests::assert_close;
+use tests::random::Random;
+use tests::reference::{field, load, numbers};
+
+const TIGHT: Tolerance<f64> = Tolerance {
+    relative: 1e-13,
+    absolute: 1e-16,
+};
+
+/// 2 to 5 nodes, 4 to 15 lines, every node on at least one line.
+fn network(random: &mut Random) -> Web<f64> {
+    let nodes = 2 + random.below(4);
+    let anchors: Vec<[f64; 3]> = (0..3 + random.below(4))
+        .map(|_| random.vector(2.0))
+        .collect();
+    let count = nodes.max(4) + random.below(12);
+    let lines = (0..count)
+        .map(|i| {
+            let from = Tie::Node(if i < nodes { i } else { random.below(nodes) });
+            let mut to = Tie::Anchor(random.below(anchors.len()));
+            if random.uniform(0.0, 1.0) < 0.4 {
+                let other = Tie::Node(random.below(nodes));
+                to = if other == from { to } else { other };
+            }
+            WebLine {
+                ends: [from, to],
+                stiffness: random.decades(3.0, 5.0),
+                free_length: random.uniform(0.1, 2.0),
+            }
+        })
+        .collect();
+    Web {
+        anchors,
+        loads: vec![[0.0; 3]; nodes],
+        lines,
+    }
+}
+
+#[test]
+fn tensions_of_a_network_are_unique_from_any_start() {
+    let mut random = Random::new(5);
+    let (mut steps, mut taut, mut most) = (0, 0, 0);
+    for _ in 0..400 {
+        let web = network(&mut random);
+        let largest = web
+            .lines
+            .iter()
+            .fold(0.0f64, |m, line| m.max(line.stiffness * line.free_length));
+        let mut first: Option<Vec<f64>> = None;
+        for _ in 0..3 {
+            let start: Vec<[f64; 3]> = web.loads.iter().map(|_| random.vector(4.0)).collect();
+            let found = web.solve(&start, Tolerance::inside_step()).unwrap();
+            if matches!(found.outcome, Outcome::Taut { .. }) {
+                taut += 1;
+                steps += found.outcome.iterations();
+                most = most.max(found.outcome.iterations());
+            }
+            match &first {
+                None => first = Some(found.tensions),
+                Some(first) => {
+                    for (a, b) in found.tensions.iter().zip(first) {
+                        assert!((a - b).abs() < 1e-10 * largest, "{a} {b} of {largest}");
+                    }
+                }
+            }
+        }
+    }
+    println!(
+        "{taut} taut solves, mean {:.2} steps, at most {most}",
+        steps as f64 / f64::from(taut)
+    );
+    assert!(taut > 600);
+}
+
+#[test]
+fn forces_on_every_node_of_a_network_balance_its_load() {
+    let mut random = Random::new(6);
+    for _ in 0..200 {
+        let mut web = network(&mut random);
+        for load in &mut web.loads {
+            *load = random.vector(50.0);
+        }
+        let start: Vec<[f64; 3]> = web.loads.iter().map(|_| random.vector(4.0)).collect();
+        let found = match web.solve(&start, Tolerance::inside_step()) {
+            Ok(found) => found,
+            // A loaded group of nodes that no line ties to an anchor has no balance.
+            Err(NodeError::NotConverged { .. }) => continue,
+            Err(other) => panic!("{other}"),
+        };
+        let mut balance = WebBalance::new(&web, &web.blocks());
+        let mut at = Evaluation::new(web.loads.len(), web.blocks().len());
+        let (k, l) = web.constants();
+        balance.evaluate(found.nodes.as_flattened(), &k, &l, &mut at);
+        let strongest = found.tensions.iter().fold(50.0f64, |m, t| m.max(*t));
+        assert!(at.gradient().iter().all(|g| g.abs() < 1e-9 * strongest));
+    }
+}
+
+#[test]
+fn stiffness_of_a_stretched_node_is_positive_definite_with_the_bound_of_its_lines() {
+    let mut random = Random::new(8);
+    for _ in 0..20_000 {
+        let n = 1 + random.below(7);
+        let problem = Confluence {
+            anchors: (0..n).map(|_| random.vector(2.0)).collect(),
+            stiffness: (0..n).map(|_| random.decades(2.0, 6.0)).collect(),
+            free_length: (0..n).map(|_| random.uniform(0.0, 2.0)).collect(),
+            load: [0.0; 3],
+        };
+        let web = problem.web().unwrap();
+        let mut balance = WebBalance::new(&web, &web.blocks());
+        let mut at = Evaluation::new(1, 1);
+        let (k, l) = web.constants();
+        let p = random.vector(3.0);
+        balance.evaluate(&p, &k, &l, &mut at);
+        let tensions = web.tensions(&[p]);
+        let mut bound = 0.0;
+        for (tension, anchor) in tensions.iter().zip(&problem.anchors) {
+            let d = anchor
+                .iter()
+                .zip(p)
+                .map(|(a, p)| (a - p) * (a - p))
+                .sum::<f64>()
+                .sqrt();
+            bound += tension / d;
+        }
+        let h = at.block(0);
+        let trace = h[0][0] + h[1][1] + h[2][2];
+        // H minus slightly less than the bound is still positive definite.
+        let mut factor = BlockCholesky::<f64, 3>::new(1, &[(0, 0)]);
+        let shift = -bound + 1e-14 * trace + 1e-300;
+        assert!(trace == 0.0 || factor.factor(shift, |_| h));
+    }
+}
+
+#[test]
+fn the_sparse_factor_solves_what_the_dense_inverse_solves() {
+    let mut random = Random::new(9);
+    for size in 1..9 {
+        for _ in 0..20 {
+            let mut pattern: Vec<(usize, usize)> = (0..size).map(|k| (k, k)).collect();
+            for row in 0..size {
+                for column in 0..row {
+                    if random.uniform(0.0, 1.0) < 0.35 {
+                        pattern.push(if random.below(2) == 0 {
+                            (row, column)
+                        } else {
+                            (column, row)
+                        });
+                    }
+                }
+            }
+            let blocks: Vec<[[f64; 3]; 3]> = pattern
+                .iter()
+                .map(|&(row, column)| {
+                    let mut block = [random.vector(1.0), random.vector(1.0), random.vector(1.0)];
+                    if row == column {
+                        let plain = block;
+                        for i in 0..3 {
+                            for j in 0..3 {
+                                block[i][j] = plain[i][j] + plain[j][i];
+                            }
+                            block[i][i] += 40.0;
+                        }
+                    }
+                    block
+                })
+                .collect();
+            let mut dense = DMatrix::<f64>::zeros(3 * size, 3 * size);
+            for (&(row, column), block) in pattern.iter().zip(&blocks) {
+                for i in 0..3 {
+                    for j in 0..3 {
+                        dense[(3 * row + i, 3 * column + j)] = block[i][j];
+                        dense[(3 * column + j, 3 * row + i)] = block[i][j];
+                    }
+                }
+            }
+            let expected: Vec<f64> = (0..3 * size).map(|_| random.uniform(-1.0, 1.0)).collect();
+            let right = &dense * nalgebra::DVector::from_vec(expected.clone());
+            let mut factor = BlockCholesky::new(size, &pattern);
+            assert!(factor.factor(0.0, |k| blocks[k]));
+            let mut x: Vec<f64> = right.iter().copied().collect();
+            factor.solve(&mut x);
+            assert_close(&x, &expected, 1e-12, 0.0, "solution");
+        }
+    }
+}
+
+#[test]
+fn a_chain_is_eliminated_without_fill() {
+    let chain: Vec<(usize, usize)> = (0..9)
+        .map(|k| (k, k))
+        .chain((1..9).map(|k| (k, k - 1)))
+        .collect();
+    assert_eq!(
+        BlockCholesky::<f64, 3>::new(9, &chain).stored(),
+        chain.len()
+    );
+    let star: Vec<(usize, usize)> = (0..9)
+        .map(|k| (k, k))
+        .chain((1..9).map(|k| (k, 0)))
+        .collect();
+    assert_eq!(BlockCholesky::<f64, 3>::new(9, &star).stored(), star.len());
+}
+
+#[test]
+fn confluences_agree_with_forty_digit_references() {
+    let data = load("lines/lines_confluence_a.json");
+    let mut seen = 0;
+    for case in data["cases"].as_array().unwrap() {
+        let lines = case["lines"].as_array().unwrap();
+        if lines.iter().any(|line| line["c"].as_f64() != Some(0.0)) {
+            continue;
+        }
+        seen += 1;
+        let of = |name: &str| {
+            lines
+                .iter()
+                .map(|line| line[name].as_f64().unwrap())
+                .collect()
+        };
+        let triple = |list: Vec<f64>| [list[0], list[1], list[2]];
+        let problem = Confluence {
+            anchors: lines.iter().map(|line| triple(field(line, "a"))).collect(),
+            stiffness: of("k"),
+            free_length: of("l0"),
+            load: triple(field(case, "load")),
+        };
+        let web = problem.web().unwrap();
+        let found = web.solve(&[[0.0, 0.0, 1.1]], TIGHT).unwrap();
+        let x = field(case, "x");
+        assert_close(&found.nodes[0], &x, 1e-12, 0.0, "position");
+        assert_close(
+            &found.tensions,
+            &field(case, "tension"),
+            1e-12,
+            0.0,
+            "tensions",
+        );
+        let mut balance = WebBalance::new(&web, &web.blocks());
+        let mut at = Evaluation::new(1, 1);
+        let (k, l) = web.constants();
+        let mut check = |p: &[f64], jacobian: &[f64]| {
+            balance.evaluate(p, &k, &l, &mut at);
+            let block = at.block(0);
+            let found: Vec<f64> = block.as_flattened().iter().map(|h| -h).collect();
+            assert_close(&found, jacobian, 1e-12, 0.0, "Jacobian");
+            at.gradient().iter().map(|g| -g).collect::<Vec<f64>>()
+        };
+        check(&x, &numbers(&case["jacobian_at_x"]));
+        for probe in case["probes"].as_array().unwrap() {
+            let force = check(&field(probe, "x"), &numbers(&probe["jacobian"]));
+            assert_close(&force, &field(probe, "residual"), 1e-12, 0.0, "residual");
+        }
+    }
+    assert_eq!(seen, 6);
+}
