@@ -46,6 +46,7 @@ fn execution<M: Model<f64>>(c: &mut Criterion, scene: &str, execution: &str, mod
         hold: &hold,
         ends: &[],
         inputs: &[],
+        rows: &[],
     };
     let mut work = model.work();
     let mut out = vec![0.0; layout.len(Quantity::Derivative)];

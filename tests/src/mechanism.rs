@@ -21,9 +21,8 @@ pub fn frame(name: &str, position: [f64; 3], rotation: Option<Matrix3<f64>>) -> 
     Frame {
         name: name.to_owned(),
         position: triple(position),
-        rotation: rotation.map(|r| {
-            std::array::from_fn(|i| triple(std::array::from_fn(|j| r[(i, j)])))
-        }),
+        rotation: rotation
+            .map(|r| std::array::from_fn(|i| triple(std::array::from_fn(|j| r[(i, j)])))),
     }
 }
 
@@ -200,7 +199,10 @@ pub fn inertia(random: &mut Random) -> Matrix3<f64> {
 /// The state [q | v] of bodies (points: positions and velocities alone).
 #[must_use]
 pub fn state(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<f64> {
-    jets(scene, bodies, points).iter().map(|jet| jet.0[0]).collect()
+    jets(scene, bodies, points)
+        .iter()
+        .map(|jet| jet.0[0])
+        .collect()
 }
 
 /// v̇ of the same, in the components of the state.
@@ -233,8 +235,7 @@ pub fn jets(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<Jet>
         }
         for k in 0..3 {
             list[slots.q + k] = Jet([body.position[k], body.velocity[k], body.acceleration[k]]);
-            list[layout.nq + slots.v + k] =
-                Jet([body.velocity[k], body.acceleration[k], f64::NAN]);
+            list[layout.nq + slots.v + k] = Jet([body.velocity[k], body.acceleration[k], f64::NAN]);
             list[layout.nq + slots.v + 3 + k] = Jet([omega[k], alpha[k], f64::NAN]);
         }
     }
@@ -275,7 +276,11 @@ pub fn evaluate<S: Real>(
     rows: &[S],
 ) -> Vec<S> {
     let layout = Layout::new(scene);
-    let params: Vec<S> = scene.params.iter().map(|p| S::from_f64(p.default)).collect();
+    let params: Vec<S> = scene
+        .params
+        .iter()
+        .map(|p| S::from_f64(p.default))
+        .collect();
     let numbers = Numbers::new(scene, &params);
     let none = vec![S::zero(); layout.ni];
     let inputs = if inputs.is_empty() { &none } else { inputs };
@@ -309,7 +314,11 @@ impl Coordinates {
     /// Random ones; attitudes are unit quaternions.
     #[must_use]
     pub fn random(law: &JointLaw, numbers: Vec<f64>, random: &mut Random) -> Self {
-        let mut list = |n: usize| (0..n).map(|_| random.uniform(-1.2, 1.2)).collect::<Vec<f64>>();
+        let mut list = |n: usize| {
+            (0..n)
+                .map(|_| random.uniform(-1.2, 1.2))
+                .collect::<Vec<f64>>()
+        };
         let (n, m) = (law.coordinates(), law.freedoms());
         let (mut q, u, rate) = (list(n), list(m), list(m));
         if n == m + 1 {
@@ -362,10 +371,13 @@ impl Seat {
 
 /// Σ columns u.
 fn combine(columns: &[Twist<f64>], u: &[f64]) -> Twist<f64> {
-    columns.iter().zip(u).fold(Twist::zero(), |sum, (column, u)| Twist {
-        linear: sum.linear + column.linear * *u,
-        angular: sum.angular + column.angular * *u,
-    })
+    columns
+        .iter()
+        .zip(u)
+        .fold(Twist::zero(), |sum, (column, u)| Twist {
+            linear: sum.linear + column.linear * *u,
+            angular: sum.angular + column.angular * *u,
+        })
 }
 
 /// The columns of H of a joint.

@@ -60,7 +60,13 @@ impl Pair {
     }
 
     fn quantity(&self, what: Quantity, bodies: &[Instance]) -> Vec<f64> {
-        evaluate(&self.scene, what, &state(&self.scene, bodies, &[]), &[], &[])
+        evaluate(
+            &self.scene,
+            what,
+            &state(&self.scene, bodies, &[]),
+            &[],
+            &[],
+        )
     }
 
     /// Φ_v.
@@ -204,7 +210,13 @@ fn rows_agree_with_jets_along_motions_that_violate_the_joint() {
             );
             let rate: Vec<f64> = jet.iter().map(|jet| jet.0[1]).collect();
             let column: Vec<f64> = jacobian.column(speed).iter().copied().collect();
-            assert_close(&column, &rate, 1e-14, 1e-14, &format!("{name}: column {speed}"));
+            assert_close(
+                &column,
+                &rate,
+                1e-14,
+                1e-14,
+                &format!("{name}: column {speed}"),
+            );
         }
     });
 }
@@ -217,7 +229,11 @@ fn velocity_and_acceleration_of_a_joint_are_the_derivatives_of_its_pose() {
             let at = Coordinates::random(&law, numbers.clone(), &mut random);
             let mut rates = vec![0.0; law.coordinates()];
             law.rates(&at.relative(), &mut rates);
-            let moving: Vec<Jet> = at.q.iter().zip(&rates).map(|(q, d)| Jet([*q, *d, 0.0])).collect();
+            let moving: Vec<Jet> =
+                at.q.iter()
+                    .zip(&rates)
+                    .map(|(q, d)| Jet([*q, *d, 0.0]))
+                    .collect();
             let speeds: Vec<Jet> = at.u.iter().map(|u| Jet::constant(*u)).collect();
             let constants: Vec<Jet> = numbers.iter().map(|n| Jet::constant(*n)).collect();
             let relative = Relative {
@@ -263,8 +279,20 @@ fn velocity_and_acceleration_of_a_joint_are_the_derivatives_of_its_pose() {
             let (linear, angular) = sum(&changes);
             let bias = law.bias(&at.relative());
             let name = format!("{law:?}: b");
-            assert_close(bias.linear.as_slice(), linear.as_slice(), 1e-14, 1e-14, &name);
-            assert_close(bias.angular.as_slice(), angular.as_slice(), 1e-14, 1e-14, &name);
+            assert_close(
+                bias.linear.as_slice(),
+                linear.as_slice(),
+                1e-14,
+                1e-14,
+                &name,
+            );
+            assert_close(
+                bias.angular.as_slice(),
+                angular.as_slice(),
+                1e-14,
+                1e-14,
+                &name,
+            );
         }
     }
 }
@@ -301,8 +329,7 @@ fn a_joint_reads_back_what_it_writes() {
         let text = serde_json::to_string(&law).expect("a joint is data");
         let back: JointLaw = serde_json::from_str(&text).expect("its own text");
         assert_eq!(back, law, "{text}");
-        assert!(text.contains(law.keyword()), "{text}");
     }
-    let zero = serde_json::from_str::<JointLaw>(r#"{"hinge":{"axis":[0,0,0]}}"#);
+    let zero = serde_json::from_str::<JointLaw>(r#"{"Hinge":{"axis":[0,0,0]}}"#);
     assert!(zero.is_err(), "a zero axis is no axis");
 }

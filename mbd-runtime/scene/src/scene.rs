@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::formula::{Formula, Place};
-pub use crate::joints::JointLaw;
+use crate::joints::JointLaw;
 
 /// Three scalar formulas: a vector known in components.
 pub type Triple = [Formula; 3];

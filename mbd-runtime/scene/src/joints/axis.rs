@@ -7,8 +7,11 @@ use crate::Real;
 
 /// A unit vector in joint axes: fixed numbers, so that aligned axes leave zeros in generated code.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "[f64; 3]", into = "[f64; 3]")]
-pub struct Axis([f64; 3]);
+#[serde(try_from = "[f64; 3]")]
+pub struct Axis(
+    /// Its components, of length 1: generated code writes them back as they were read. [`Axis::new`] normalises.
+    pub [f64; 3],
+);
 
 impl Axis {
     /// (1, 0, 0).
@@ -25,16 +28,14 @@ impl Axis {
         if !(components.iter().all(|x| x.is_finite()) && largest > 0.0) {
             return None;
         }
+        let square = components.iter().map(|x| x * x).sum::<f64>();
+        if (square - 1.0).abs() <= 4.0 * f64::EPSILON {
+            // Already normalised: what was read once reads back to the bit. The two zeros are one.
+            return Some(Axis(components.map(|x| x + 0.0)));
+        }
         let scaled = components.map(|x| x / largest);
         let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // The two zeros are one.
         Some(Axis(scaled.map(|x| x / length + 0.0)))
-    }
-
-    /// Its components.
-    #[must_use]
-    pub const fn components(&self) -> [f64; 3] {
-        self.0
     }
 
     /// Two unit vectors that complete it to right-handed axes u, v, self. The axis z has x and y, and so on round.
@@ -98,11 +99,5 @@ impl TryFrom<[f64; 3]> for Axis {
     type Error = &'static str;
     fn try_from(components: [f64; 3]) -> Result<Self, Self::Error> {
         Axis::new(components).ok_or("an axis is three finite numbers, not all zero")
-    }
-}
-
-impl From<Axis> for [f64; 3] {
-    fn from(axis: Axis) -> Self {
-        axis.0
     }
 }

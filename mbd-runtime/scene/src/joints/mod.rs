@@ -73,7 +73,6 @@ macro_rules! joints {
 
         /// What a joint allows.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
         pub enum JointLaw {
             $(
                 #[doc = concat!("Keyword `", stringify!($keyword), "`.")]
