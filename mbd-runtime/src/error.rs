@@ -43,6 +43,7 @@ impl Statistics {
 
 /// What is not finite.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Source {
     /// A value that the caller's loads supplied: the name of the input, load or gravity slot.
     Load(String),
@@ -50,23 +51,21 @@ pub enum Source {
     State(String),
     /// The position or velocity of an equilibrium point, by name.
     Node(String),
-    /// An entry of a Jacobian.
-    Jacobian(usize, usize),
 }
 
 /// Why a step shrank below what time can resolve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Collapse {
     /// The error test never passed.
     ErrorTest,
-    /// A stage was never finite, or never had an equilibrium.
-    Solve,
     /// An event could not be located.
     Event,
 }
 
 /// What went wrong in a step.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum StepError {
     /// A number from the caller that cannot be used, refused before any step.
     InvalidInput {
@@ -198,12 +197,6 @@ impl fmt::Display for StepError {
                     Source::Load(name) => write!(f, "`{name}` is not a finite number"),
                     Source::State(name) => write!(f, "the rate of `{name}` is not a finite number"),
                     Source::Node(name) => write!(f, "the point `{name}` is not at a finite place"),
-                    Source::Jacobian(row, column) => {
-                        write!(
-                            f,
-                            "the Jacobian is not finite in row {row}, column {column}"
-                        )
-                    }
                 }
             }
             StepError::NoEquilibrium {
@@ -223,7 +216,6 @@ impl fmt::Display for StepError {
             } => {
                 let why = match cause {
                     Collapse::ErrorTest => "the error test did not pass",
-                    Collapse::Solve => "a stage could not be evaluated",
                     Collapse::Event => "an event could not be located",
                 };
                 write!(

@@ -1,5 +1,44 @@
 //! The plain values that generated models hand out.
 
+use mbd_scene::Cost;
+
+/// The operations of every quantity of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Costs(
+    /// By the name of its function.
+    pub &'static [(&'static str, Cost)],
+);
+
+impl Costs {
+    /// The operations of one quantity, also at compile time: `const { assert!(Model::COST.of("derivative").unwrap().total() < 500) }`.
+    #[must_use]
+    pub const fn of(&self, name: &str) -> Option<Cost> {
+        let mut index = 0;
+        while index < self.0.len() {
+            if same(self.0[index].0.as_bytes(), name.as_bytes()) {
+                return Some(self.0[index].1);
+            }
+            index += 1;
+        }
+        None
+    }
+}
+
+/// Equality of texts that also works at compile time.
+const fn same(a: &[u8], b: &[u8]) -> bool {
+    if a.len() != b.len() {
+        return false;
+    }
+    let mut index = 0;
+    while index < a.len() {
+        if a[index] != b[index] {
+            return false;
+        }
+        index += 1;
+    }
+    true
+}
+
 /// A force at a place and a couple, world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrench<T> {

@@ -1,4 +1,12 @@
 //! Multibody dynamics compiled from a declaration: the runtime that users depend on.
+//!
+//! - [`model!`] turns a declaration into a type that implements [`Model`]; [`Generic`] runs the same scene by its laws, without compilation.
+//! - [`Simulation`] integrates a model: [`Options`] choose the method, [`External`] supplies inputs and external loads, [`Trajectory`] records named
+//!   columns with units, [`Snapshot`] continues a run to the bit, [`RunError`] says what went wrong in the names of the declaration.
+//! - [`node`] solves the equilibrium points where lines meet; [`Linearisation`] carries derivatives through them.
+//!
+//! One step of a run: `simulation` tries it (`integrate`: one tableau a method, checked when the crate is built), looks for slack/taut switches and
+//! declared events inside it (`event`, `locate`), records it (`trajectory`) and commits state and memory together.
 
 #[doc(hidden)]
 #[path = "private.rs"]
@@ -22,7 +30,7 @@ mod watch;
 pub use columns::{Name, state_names};
 pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError};
 pub use event::{Happening, Occurrence};
-pub use generated::{CoordInfo, Energy, LineState, Momentum, ParamInfo, Wrench};
+pub use generated::{CoordInfo, Costs, Energy, LineState, Momentum, ParamInfo, Wrench};
 pub use generic::{Generic, GenericWork};
 pub use integrate::Scales;
 pub use linearise::{Linearisation, Matrix};

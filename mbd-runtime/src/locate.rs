@@ -3,7 +3,7 @@
 
 use mbd_scene::{Float, Model, Quantity};
 
-use crate::error::StepError;
+use crate::error::{Collapse, StepError};
 use crate::event::Happening;
 use crate::node::Mode;
 use crate::simulation::Simulation;
@@ -27,6 +27,15 @@ const MOST_SWITCHES: usize = 200;
 pub(crate) struct Found {
     /// Its size [s]; zero: it happens at the start.
     pub step: f64,
+}
+
+/// Steps between which the chosen margins change sign, and the smallest of them there.
+#[derive(Clone, Copy, Debug)]
+struct Bracket {
+    low: f64,
+    above: f64,
+    high: f64,
+    below: f64,
 }
 
 /// The times of the last switches, to tell chatter.
@@ -92,15 +101,27 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
 
     /// Reads the margins at `theta` of the attempted step.
     fn look(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
+        if theta >= 1.0 {
+            return self.look_at_end(step);
+        }
         self.inside_state(theta, step);
         self.read_margins(self.time + theta * step, theta * step)
+    }
+
+    /// Reads the margins at the end of the attempted step, whose nodes are solved already.
+    fn look_at_end(&mut self, step: f64) -> Result<(), StepError> {
+        let guards = self.scratch.get_mut(..self.guards).unwrap_or_default();
+        let end = self.method.next();
+        self.system
+            .at_end(Quantity::Guards, self.time + step, end, guards)?;
+        self.margins.read(guards, self.system.modes());
+        Ok(())
     }
 
     /// Reads the margins at the state in `inside`.
     fn read_margins(&mut self, time: f64, span: f64) -> Result<(), StepError> {
         self.system.look(time, span, &self.inside)?;
-        let length = self.system.model.layout().len(Quantity::Guards);
-        let guards = self.scratch.get_mut(..length).unwrap_or_default();
+        let guards = self.scratch.get_mut(..self.guards).unwrap_or_default();
         self.system
             .seen(Quantity::Guards, time, &self.inside, guards);
         self.margins.read(guards, self.system.modes());
@@ -172,12 +193,11 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             .attempt(&mut self.system, self.time, size, &self.state)?;
         let counters = &mut self.system.counters;
         counters.redone = counters.redone.saturating_add(1);
-        self.inside.copy_from_slice(self.method.next());
-        self.read_margins(self.time + size, size)?;
+        self.look_at_end(size)?;
         Ok(self.margins.smallest(&self.chosen))
     }
 
-    /// False position on redone steps between `low`, where the chosen margins are positive, and `high`. Ends on the far side.
+    /// Ends the step on the first passing of the chosen margins between `low`, where they are positive, and `high`: on its far side.
     fn locate(
         &mut self,
         low: f64,
@@ -185,70 +205,105 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         high: f64,
         step: f64,
     ) -> Result<Option<Found>, StepError> {
-        let (mut low, mut above) = (low, above);
-        let mut high = high;
-        // The bracket comes from the interpolant, which differs from a redone step by its own error: check both ends.
-        let stride = step / f64::from(LOOKS);
-        let mut below = self.redo(high)?;
-        while below >= 0.0 {
-            if high >= step {
-                self.margins.start.copy_from_slice(&self.margins.now);
-                return Ok(None);
-            }
-            (low, above) = (high, below);
-            high = (high + stride).min(step);
-            below = self.redo(high)?;
-        }
-        while low > 0.0 {
-            above = self.redo(low)?;
-            if above > 0.0 {
-                break;
-            }
-            (high, below) = (low, above);
-            low = (low - stride).max(0.0);
-            above = f64::MIN_POSITIVE;
-        }
-        let resolved = POINT
-            .max(4.0 * f64::EPSILON * (self.time.abs() + step))
-            .max(T::EPSILON.to_f64() * step);
-        let exact = if self.only_lines() {
-            (1e-3 * self.margins.tolerance).min(1e-12)
-        } else {
-            0.0
+        let Some(bracket) = self.bracket(low, above, high, step)? else {
+            self.margins.start.copy_from_slice(&self.margins.now);
+            return Ok(None);
         };
-        let mut side = 0;
-        for trial in 0..MOST_TRIALS {
-            if high - low <= resolved || -below <= exact && below < 0.0 {
-                break;
-            }
-            let falsi = low + (high - low) * above / (above - below);
-            let inside = falsi > low && falsi < high;
-            // Every third trial halves the bracket, so that a margin which jumps or is flat still ends.
-            let middle = if trial % 3 == 2 || !inside {
-                0.5 * (low + high)
-            } else {
-                falsi
-            };
-            if middle <= low || middle >= high {
-                break;
-            }
-            let margin = self.redo(middle)?;
-            if margin < 0.0 {
-                (high, below) = (middle, margin);
-                above *= if side > 0 { 0.5 } else { 1.0 };
-                side = 1;
-            } else {
-                (low, above) = (middle, margin);
-                below *= if side < 0 { 0.5 } else { 1.0 };
-                side = -1;
-            }
-        }
+        let high = self.close_in(bracket, step)?;
         // The accepted attempt is the last one made.
         self.redo(high)?;
         for (chosen, margin) in self.chosen.iter_mut().zip(&self.margins.now) {
             *chosen &= *margin < 0.0;
         }
         Ok(Some(Found { step: high }))
+    }
+
+    /// A bracket on redone steps. The one given comes from the interpolant, which differs from a redone step by its own error: an end on the
+    /// wrong side moves outward by a sixteenth of the step. `None`: no redone step passes.
+    fn bracket(
+        &mut self,
+        low: f64,
+        above: f64,
+        high: f64,
+        step: f64,
+    ) -> Result<Option<Bracket>, StepError> {
+        let stride = step / f64::from(LOOKS);
+        let below = self.redo(high)?;
+        let mut bracket = Bracket {
+            low,
+            above,
+            high,
+            below,
+        };
+        while bracket.below >= 0.0 {
+            if bracket.high >= step {
+                return Ok(None);
+            }
+            (bracket.low, bracket.above) = (bracket.high, bracket.below);
+            bracket.high = (bracket.high + stride).min(step);
+            bracket.below = self.redo(bracket.high)?;
+        }
+        while bracket.low > 0.0 {
+            bracket.above = self.redo(bracket.low)?;
+            if bracket.above > 0.0 {
+                break;
+            }
+            (bracket.high, bracket.below) = (bracket.low, bracket.above);
+            bracket.low = (bracket.low - stride).max(0.0);
+            bracket.above = f64::MIN_POSITIVE;
+        }
+        Ok(Some(bracket))
+    }
+
+    /// False position (Illinois) on redone steps, until the bracket is a point in time or the margin at its far side is negligible.
+    fn close_in(&mut self, bracket: Bracket, step: f64) -> Result<f64, StepError> {
+        let Bracket {
+            mut low,
+            mut above,
+            mut high,
+            mut below,
+        } = bracket;
+        let rounding =
+            (4.0 * f64::EPSILON * (self.time.abs() + step)).max(T::EPSILON.to_f64() * step);
+        let resolved = POINT.max(rounding);
+        let negligible = if self.only_lines() {
+            (1e-3 * self.margins.tolerance).min(1e-12)
+        } else {
+            0.0
+        };
+        let mut passed = below;
+        // Which end moved last: a second move of the same end halves the weight of the other one.
+        let mut moved = 0;
+        let mut width = high - low;
+        let mut halve = false;
+        for _ in 0..MOST_TRIALS {
+            if high - low <= resolved || passed < 0.0 && -passed <= negligible {
+                return Ok(high);
+            }
+            let straight = low + (high - low) * above / (above - below);
+            let middle = if !halve && straight > low && straight < high {
+                straight
+            } else {
+                0.5 * (low + high)
+            };
+            if middle <= low || middle >= high {
+                return Ok(high);
+            }
+            let margin = self.redo(middle)?;
+            if margin < 0.0 {
+                (high, below, passed) = (middle, margin, margin);
+                above *= if moved > 0 { 0.5 } else { 1.0 };
+                moved = 1;
+            } else {
+                (low, above) = (middle, margin);
+                below *= if moved < 0 { 0.5 } else { 1.0 };
+                moved = -1;
+            }
+            // A margin that jumps or is flat gains nothing from its values: after a poor trial the bracket is halved.
+            halve = high - low > 0.5 * width;
+            width = high - low;
+        }
+        Err(self.collapse(high, Collapse::Event))
     }
 
     fn only_lines(&self) -> bool {
@@ -282,7 +337,12 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         self.switches = switches;
         switched?;
         self.method
-            .begin(&mut self.system, self.time, &self.state)?;
+            .begin(&mut self.system, self.time, 0.0, &self.state)?;
+        self.begin_noting()
+    }
+
+    /// Margins at the accepted state after something jumped there; declared events that jumped past their zero happen now.
+    pub(crate) fn begin_noting(&mut self) -> Result<(), StepError> {
         let mut crossed = std::mem::take(&mut self.crossed);
         crossed.clear();
         let begun = self.begin_margins(&mut |event| crossed.push(event));
@@ -347,11 +407,9 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         }
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)?;
-        let length = self.system.model.layout().len(Quantity::Guards);
-        self.margins
-            .take_sides(self.scratch.get(..length).unwrap_or(&[]), crossed);
+        let guards = self.scratch.get(..self.guards).unwrap_or(&[]);
+        self.margins.take_sides(guards, crossed);
         // The sides are part of the margins of declared events.
-        let guards = self.scratch.get(..length).unwrap_or(&[]);
         self.margins.read(guards, self.system.modes());
         self.margins.start.copy_from_slice(&self.margins.now);
         Ok(())

@@ -47,6 +47,8 @@ pub struct Simulation<'m, T: Float, M: Model<T>, E = NoLoads> {
     pub(crate) chatter: Chatter,
     /// Room for guards, line quantities, outputs.
     pub(crate) scratch: Vec<T>,
+    /// Number of guards.
+    pub(crate) guards: usize,
     /// Room for a state inside a step.
     pub(crate) inside: Vec<T>,
     /// Room for which margins are passed.
@@ -136,6 +138,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
             time: 0.0,
             chatter: Chatter::new(),
             scratch: vec![T::zero(); room.into_iter().max().unwrap_or(0)],
+            guards: layout.len(Quantity::Guards),
             inside: vec![T::zero(); length],
             chosen: vec![false; margins.now.len()],
             switches: Vec::with_capacity(layout.lines.len()),

@@ -1,6 +1,6 @@
 //! One stage: inputs, then equilibrium points, then the state derivative.
 
-use mbd_scene::{At, Float, Model, Quantity};
+use mbd_scene::{Float, Model, Quantity};
 
 use crate::columns::{input_name, line_name, node_name, state_names};
 use crate::error::{Source, Statistics, StepError};
@@ -137,17 +137,24 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
 
     /// A quantity at the state that [`System::look`] saw last.
     pub(crate) fn seen(&mut self, what: Quantity, time: f64, state: &[T], out: &mut [T]) {
-        let at = At {
-            time: T::from_f64(time),
-            state: state.get(..self.nx).unwrap_or_default(),
-            nodes: self.probe.nodes(),
-            effective: self.probe.effective(),
-            hold: self.probe.hold(),
-            ends: &[],
-            inputs: &self.inputs,
-            rows: &[],
-        };
+        let state = state.get(..self.nx).unwrap_or_default();
+        let at = self.probe.at(T::from_f64(time), state, &self.inputs);
         self.model.evaluate(what, &at, &mut self.work, out);
+    }
+
+    /// A quantity at the stage that was evaluated last: the end of a trial step, without another solve of the nodes.
+    pub(crate) fn at_end(
+        &mut self,
+        what: Quantity,
+        time: f64,
+        state: &[T],
+        out: &mut [T],
+    ) -> Result<(), StepError> {
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        self.model.evaluate(what, &at, &mut self.work, out);
+        Ok(())
     }
 
     /// The weights of the stability watch's norm.
@@ -327,16 +334,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
             )
             .map_err(|error| self.node_error(time, error))?;
         self.counters.rhs = self.counters.rhs.saturating_add(1);
-        let at = At {
-            time: t,
-            state,
-            nodes: self.nodes.nodes(),
-            effective: self.nodes.effective(),
-            hold: self.nodes.hold(),
-            ends: &[],
-            inputs: &self.inputs,
-            rows: &[],
-        };
+        let at = self.nodes.at(t, state, &self.inputs);
         let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
         self.model
             .evaluate(Quantity::Derivative, &at, &mut self.work, derivative);

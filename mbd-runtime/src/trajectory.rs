@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use mbd_scene::{Dimension, Float, Layout, Model, Quantity, Scene};
+use mbd_scene::{Float, Layout, Model, Quantity, Scene};
 
 use crate::columns::{Name, line_name, node_name, state_names};
 use crate::error::{Statistics, StepError};
@@ -164,13 +164,21 @@ impl Trajectory {
 
     /// Prepares for a run that starts at `time`; grid times before it are skipped. True when a row is due at the start.
     pub(crate) fn open(&mut self, time: f64) -> Result<bool, StepError> {
-        if let Sampling::Every(interval) = self.sampling
-            && !(interval > 0.0 && interval.is_finite())
-        {
-            return Err(StepError::InvalidInput {
-                slot: "sampling interval".into(),
-                value: interval,
-            });
+        let invalid = match &self.sampling {
+            Sampling::Every(interval) => Some(*interval).filter(|x| !(*x > 0.0 && x.is_finite())),
+            Sampling::At(times) => {
+                let ordered = times
+                    .windows(2)
+                    .find(|pair| !pair.is_sorted_by(|a, b| a < b));
+                let bad = times.iter().find(|time| !time.is_finite());
+                bad.copied()
+                    .or(ordered.and_then(|pair| pair.last().copied()))
+            }
+            Sampling::Steps => None,
+        };
+        if let Some(value) = invalid {
+            let slot = "sampling interval or time (finite, increasing)".into();
+            return Err(StepError::InvalidInput { slot, value });
         }
         if self.first.is_nan() {
             self.first = time;
@@ -279,10 +287,10 @@ fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
     }
     if content.outputs {
         for output in &scene.outputs {
-            let unit = si_text(output.unit.dimension, &output.unit.text, output.unit.factor);
+            let unit = &output.unit.text;
             match output.components {
-                1 => names.push(Name::new(&output.name, "", &unit)),
-                _ => names.extend(["x", "y", "z"].map(|c| Name::new(&output.name, c, &unit))),
+                1 => names.push(Name::new(&output.name, "", unit)),
+                _ => names.extend(["x", "y", "z"].map(|c| Name::new(&output.name, c, unit))),
             }
         }
     }
@@ -295,29 +303,4 @@ fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
         names.extend(["loads", "dampers"].map(|kind| Name::new("work", kind, "J")));
     }
     names
-}
-
-/// The SI unit of a dimension: the declared text where it is SI already, else the base units.
-fn si_text(dimension: Dimension, text: &str, factor: f64) -> String {
-    if factor == 1.0 {
-        return text.to_owned();
-    }
-    let base = [
-        ("kg", dimension.mass),
-        ("m", dimension.length),
-        ("s", dimension.time),
-    ];
-    let mut unit = String::new();
-    for (symbol, twice) in base.into_iter().filter(|(_, twice)| *twice != 0) {
-        if !unit.is_empty() {
-            unit.push('*');
-        }
-        unit.push_str(symbol);
-        match twice {
-            2 => {}
-            _ if twice % 2 == 0 => unit.push_str(&format!("^{}", twice / 2)),
-            _ => unit.push_str(&format!("^({twice}/2)")),
-        }
-    }
-    unit
 }

@@ -2,8 +2,8 @@
 
 mod support;
 
-use mbd_runtime::scene::{Clamp, Difference, NodeModel, PointKind};
-use mbd_runtime::{Options, Simulation};
+use mbd_runtime::scene::{Clamp, Difference, NodeModel, Place, PointKind};
+use mbd_runtime::{Content, Options, Sampling, Simulation, Trajectory};
 use support::*;
 
 const RATE: PointKind = PointKind::Node(NodeModel::Rate);
@@ -168,4 +168,43 @@ fn a_stepwise_node_is_of_order_one_and_its_bdf2_form_of_order_two() {
     println!("{euler:?} {bdf2:?}");
     assert!(euler.iter().all(|order| *order > 0.9), "{euler:?}");
     assert!(bdf2.iter().all(|order| *order > 1.8), "{bdf2:?}");
+}
+
+#[test]
+fn a_misaligned_pair_of_a_rate_node_jumps_to_its_tension_on_the_line_of_its_anchors() {
+    let (a, l, k, c, y) = (1.5_f64, 1.499_f64, 47e3, 470.0, 0.1_f64);
+    let mut scene = empty("Pair");
+    for (index, x) in [a, -a].into_iter().enumerate() {
+        scene
+            .world_frames
+            .push(frame(&format!("post[{index}]"), [x, 0.0, 0.0]));
+        scene.lines.push(line(
+            &format!("stay[{index}]"),
+            Place::World(index + 1),
+            Place::Point(0),
+            [k, c, l],
+        ));
+    }
+    scene.points.push(point("knot", RATE));
+    let model = generic(scene);
+    let jump = c / k * ((a.hypot(y) - l) / (a - l)).ln();
+    for h in [1e-3, 1e-4] {
+        let mut simulation = Simulation::new(&model, Options::rk4(h)).unwrap();
+        simulation.set_state(0.0, &[0.0, y, 0.0]).unwrap();
+        simulation.set_nodes(&[0.0, y, 0.0]).unwrap();
+        let mut trajectory = Trajectory::new(&model, Sampling::Steps, Content::ALL);
+        simulation
+            .record(0.02, &mut trajectory)
+            .unwrap_or_else(|error| panic!("{error}"));
+        let tension = trajectory.column("stay[0].tension").unwrap();
+        let after = tension.iter().position(|t| *t > 1.0).unwrap();
+        let time = trajectory.times()[after];
+        println!("{h:e}: {time} of {jump}, {:?}", tension.last());
+        assert!((time - jump).abs() < 1.5 * h, "{time} {jump}");
+        assert!(
+            (tension.last().unwrap() - k * (a - l)).abs() < 1e-6,
+            "{:?}",
+            tension.last()
+        );
+    }
 }

@@ -68,6 +68,71 @@ fn cost(scene: &Scene, what: Quantity) -> usize {
     equations.program(what).expect("traced").cost().total()
 }
 
+/// Operations of filling, factorising and solving the system, given the rows.
+fn solving(scene: &Scene) -> usize {
+    cost(scene, Quantity::Correction) - cost(scene, Quantity::ConstraintJacobian)
+}
+
+#[test]
+fn an_open_chain_costs_the_same_for_every_further_body() {
+    let whole = |n| cost(&chain(n, false), Quantity::Derivative);
+    let (four, eight, sixteen) = (whole(4), whole(8), whole(16));
+    assert_eq!(sixteen - eight, 2 * (eight - four), "linear in n");
+    assert!(sixteen <= 920 * 16, "{sixteen}");
+    assert!(solving(&chain(16, false)) <= 650 * 16);
+}
+
+#[test]
+fn the_cheap_order_of_elimination_is_found() {
+    let choice = |scene: &Scene| {
+        let candidates = Layout::new(scene).elimination.candidates;
+        let cheapest = candidates.iter().min().copied();
+        candidates.map(|cost| Some(cost) == cheapest)
+    };
+    assert!(choice(&chain(8, false))[0], "a chain: bodies first");
+    assert!(choice(&chain(8, true))[0], "a ring: bodies first");
+    assert!(!choice(&hub(11))[0], "a hub: leaf first");
+    assert!(!choice(&tree(15))[0], "a tree: leaf first");
+    assert!(solving(&hub(11)) <= 6_000);
+    assert!(solving(&tree(15)) <= 9_000);
+    assert!(cost(&hub(11), Quantity::Derivative) <= 8_800);
+    assert!(cost(&tree(15), Quantity::Derivative) <= 12_100);
+}
+
+#[test]
+fn a_joint_pays_for_nothing_it_does_not_need() {
+    let swing = |arm: [f64; 3], law: JointLaw| {
+        let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+        let body = add_body(&mut scene, 1.0, &Matrix3::identity());
+        let place = add_frame(&mut scene, Some(body), frame("pivot", arm, None));
+        add_joint(&mut scene, law, Place::World(0), place);
+        cost(&scene, Quantity::Derivative)
+    };
+    let odd = Axis::new([0.2, 0.3, 0.9]).expect("not zero");
+    let (aligned, tilted) = (
+        swing([0.0, 0.0, 0.5], hinge(Axis::Y)),
+        swing([0.0, 0.0, 0.5], hinge(odd)),
+    );
+    assert!(2 * aligned < tilted, "{aligned} aligned, {tilted} tilted");
+    let spherical = || JointLaw::Spherical(Spherical::default());
+    let (none, one, three) = (
+        swing([0.0; 3], spherical()),
+        swing([0.0, 0.0, 0.5], spherical()),
+        swing([0.1, 0.2, 0.5], spherical()),
+    );
+    assert!(none < one && one < three, "{none} {one} {three}");
+}
+
+#[test]
+fn a_free_joint_costs_nothing() {
+    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+    let (body, ..) = rod(&mut scene);
+    let alone = cost(&scene, Quantity::Derivative);
+    let free = JointLaw::Free(Default::default());
+    add_joint(&mut scene, free, Place::World(0), Place::Body(body, 0));
+    assert_eq!(cost(&scene, Quantity::Derivative), alone);
+}
+
 #[test]
 #[ignore = "prints operation counts"]
 fn counts() {

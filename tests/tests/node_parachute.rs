@@ -6,8 +6,11 @@ use mbd_scene::{Clamp, Difference, NodeModel, PointKind};
 use node_common::{Run, parachute, state_of};
 use tests::reference::{field, load, numbers};
 
+/// Time, state, tensions and node of one instant.
+type Record = (f64, Vec<f64>, Vec<f64>, Vec<f64>);
+
 /// The reference states of a history, in the order of the layout, with the tensions of all lines.
-fn history(name: &str) -> Vec<(f64, Vec<f64>, Vec<f64>, Vec<f64>)> {
+fn history(name: &str) -> Vec<Record> {
     let data = load(name);
     let parts: Vec<Vec<Vec<f64>>> = [
         "chute_x",
@@ -102,18 +105,25 @@ const BDF2: NodeModel = NodeModel::Stepwise {
     formula: Difference::Bdf2,
     clamp: Clamp::Positive,
 };
-const LITERAL: NodeModel = NodeModel::Stepwise {
-    formula: Difference::Euler,
-    clamp: Clamp::Literal,
-};
-
 #[test]
-fn damped_nodes_follow_the_reference_of_case_2_once_taut() {
+fn damped_nodes_follow_the_reference_of_case_2() {
     let name = "parachute/case2_damped.json";
-    for model in [EULER, BDF2, NodeModel::Rate, LITERAL] {
-        for h in [0.01, 0.0025] {
-            riser_error(model, h, name, 2.0, 4.8);
-            riser_error(model, h, name, 0.0, 1.0);
-        }
+    // Largest errors [N] before 1 s, where unlocated switches set them, and from 2 s on: measured, times 1.3. The reference itself stops at 3e-6 N.
+    for (model, h, early, late) in [
+        (EULER, 0.01, 20.0, 4e-4),
+        (EULER, 0.0025, 2.3, 9e-5),
+        (BDF2, 0.01, 20.0, 4.2e-5),
+        (BDF2, 0.0025, 1.1, 1.5e-6),
+        (NodeModel::Rate, 0.01, 20.0, 8e-6),
+        (NodeModel::Rate, 0.0025, 2.7, 4.2e-6),
+    ] {
+        let errors = (
+            riser_error(model, h, name, 0.0, 1.0),
+            riser_error(model, h, name, 2.0, 4.8),
+        );
+        assert!(
+            errors.0 < early && errors.1 < late,
+            "{model:?} {h}: {errors:?}"
+        );
     }
 }

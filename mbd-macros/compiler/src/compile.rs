@@ -48,30 +48,21 @@ pub fn expand(reading: &Reading) -> Result<String, String> {
 }
 
 fn model(reading: &Reading, scene: &Scene) -> TokenStream {
-    let wanted = match wanted(reading, scene) {
-        Ok(wanted) => wanted,
-        Err(error) => return without_equations(reading, error),
-    };
+    let wanted = wanted(reading, scene);
     // The laws first: differentiating too large a scene would take long before it is refused.
-    let laws: Vec<Quantity> =
-        wanted.iter().copied().filter(|what| !matches!(what, Quantity::Partial(..))).collect();
+    let laws: Vec<Quantity> = wanted
+        .iter()
+        .copied()
+        .filter(|what| !matches!(what, Quantity::Partial(..)))
+        .collect();
     let mut equations = Equations::trace_only(scene, &laws);
     if size(&equations) <= TOO_MANY && laws.len() < wanted.len() {
         equations = Equations::trace_only(scene, &wanted);
     }
-    let size = size(&equations);
-    if size > TOO_MANY {
-        let text = format!(
-            "this model takes {size} operations, more than {TOO_MANY}: emit less, for example `emit: [outputs];` at the top of the model, or run the scene with `Generic`"
-        );
-        return without_equations(reading, error(reading.spans.model, &text));
-    }
-    let large = (size > MANY).then(|| {
-        let text = format!(
-            "this model takes {size} operations and will compile slowly: emit less, for example `emit: [outputs];` at the top of the model"
-        );
-        deprecated(reading.spans.model, &text)
-    });
+    let large = match judge(size(&equations)) {
+        Ok(large) => large.map(|text| deprecated(reading.spans.model, &text)),
+        Err(text) => return without_equations(reading, error(reading.spans.model, &text)),
+    };
     let (spans, settings) = settings(reading);
     let model = emit_model(&equations, &spans, &settings);
     let references = references(&equations, &spans, &settings, &reading.spans.references);
@@ -122,22 +113,11 @@ fn settings(reading: &Reading) -> (NameSpans, Settings) {
 }
 
 /// The quantities to emit: all, or what a simulation needs and those that `emit: […]` names.
-fn wanted(reading: &Reading, scene: &Scene) -> Result<Vec<Quantity>, TokenStream> {
-    let layout = Layout::new(scene);
-    let all = layout.quantities();
+fn wanted(reading: &Reading, scene: &Scene) -> Vec<Quantity> {
+    let all = Layout::new(scene).quantities();
     let Some(names) = &reading.options.emit else {
-        return Ok(all);
+        return all;
     };
-    let name = |what: Quantity| quantity::name(scene, &layout, what);
-    let kind = |what: Quantity| quantity::kind(what);
-    for asked in names {
-        if !all.iter().any(|&what| *asked == name(what) || asked == kind(what)) {
-            let mut known: Vec<&str> = all.iter().map(|&what| kind(what)).collect();
-            known.dedup();
-            let text = format!("no quantity named `{asked}`; the quantities here: {}", known.join(", "));
-            return Err(error(reading.spans.model, &text));
-        }
-    }
     let needed = |what: Quantity| {
         matches!(
             what,
@@ -148,8 +128,22 @@ fn wanted(reading: &Reading, scene: &Scene) -> Result<Vec<Quantity>, TokenStream
                 | Quantity::Guards
         )
     };
-    let asked = |what: Quantity| names.iter().any(|n| *n == name(what) || n == kind(what));
-    Ok(all.into_iter().filter(|&what| needed(what) || asked(what)).collect())
+    let asked = |what: Quantity| names.iter().any(|name| name == quantity::kind(what));
+    all.into_iter()
+        .filter(|&what| needed(what) || asked(what))
+        .collect()
+}
+
+/// A warning about a large model, or the refusal of one too large to compile.
+fn judge(size: usize) -> Result<Option<String>, String> {
+    let advice = "emit less, for example `emit: [outputs];` at the top of the model";
+    if size > TOO_MANY {
+        return Err(format!(
+            "this model takes {size} operations, more than {TOO_MANY}: {advice}, or run the scene with `Generic`"
+        ));
+    }
+    let slow = || format!("this model takes {size} operations and will compile slowly: {advice}");
+    Ok((size > MANY).then(slow))
 }
 
 /// Operations as emitted: kernels that pieces share count once.
@@ -163,7 +157,11 @@ fn size(equations: &Equations) -> usize {
             .map(|piece| piece.instructions.len())
             .sum(),
     };
-    equations.programs.iter().map(|(_, program)| length(program)).sum()
+    equations
+        .programs
+        .iter()
+        .map(|(_, program)| length(program))
+        .sum()
 }
 
 fn error(span: Span, text: &str) -> TokenStream {
@@ -188,5 +186,18 @@ fn deprecated(span: Span, text: &str) -> TokenStream {
             struct Warning;
             let _ = #used;
         };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_models_are_warned_about_and_too_large_ones_refused_with_advice() {
+        assert_eq!(judge(MANY), Ok(None));
+        assert!(judge(MANY + 1).is_ok_and(|text| text.is_some_and(|t| t.contains("emit less"))));
+        assert!(judge(TOO_MANY).is_ok());
+        assert!(judge(TOO_MANY + 1).is_err_and(|text| text.contains("emit less")));
     }
 }

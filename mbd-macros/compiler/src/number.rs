@@ -21,13 +21,19 @@ pub fn read_number(text: &str) -> Result<(f64, Unit), String> {
         at: Region::START,
     });
     let told = |report: Report| report.text;
-    let sign = if cursor.sign('-').is_some() { -1.0 } else { 1.0 };
+    let sign = if cursor.sign('-').is_some() {
+        -1.0
+    } else {
+        1.0
+    };
     let number = match cursor.peek().map(|lexeme| &lexeme.kind) {
         Some(Kind::Number(digits)) => digits.replace('_', "").parse::<f64>().ok(),
         _ => None,
     };
     let Some(number) = number.filter(|number| number.is_finite()) else {
-        return Err(format!("`{text}` is no number with a unit, such as `2.5 kN/m`"));
+        return Err(format!(
+            "`{text}` is no number with a unit, such as `2.5 kN/m`"
+        ));
     };
     cursor.take();
     let unit = unit::suffix(&mut cursor).map_err(told)?;
@@ -57,9 +63,15 @@ mod tests {
 
     #[test]
     fn what_is_no_number_is_said() {
-        for text in ["", "kg", "1 kgs", "1 kg kg", "--1", "1e999", "[1, 2] m", "1 kg; 2", "(1"] {
+        for text in [
+            "", "kg", "1 kgs", "1 kg kg", "--1", "1e999", "[1, 2] m", "1 kg; 2", "(1",
+        ] {
             assert!(read_number(text).is_err(), "{text}");
         }
-        assert!(read_number("1 kgs").unwrap_err().contains("unknown unit `kgs`"));
+        assert!(
+            read_number("1 kgs")
+                .unwrap_err()
+                .contains("unknown unit `kgs`")
+        );
     }
 }

@@ -97,7 +97,7 @@ pub(crate) fn finish(
     let mut resolver = resolve(model);
     check(&mut resolver, messages.is_empty());
     let mut errors = messages;
-    if lexed && !(model.items.is_empty() && !errors.is_empty()) {
+    if lexed && (errors.is_empty() || !model.items.is_empty()) {
         errors.extend(std::mem::take(&mut resolver.messages));
     }
     let good = errors.is_empty();

@@ -2,23 +2,25 @@
 
 mod scenes;
 
-use mbd_compiler::{Equations, NameSpans, Settings, emit_model};
-use mbd_scene::{AngularVelocity, NodeModel, Scene};
+use mbd_compiler::{Equations, NameSpans, Settings, compile, emit, emit_model, read_text};
+use proc_macro2::TokenStream;
 
-fn formatted(scene: &Scene, settings: &Settings) -> String {
-    let tokens = emit_model(&Equations::trace(scene), &NameSpans::default(), settings);
-    let file: syn::File = syn::parse2(tokens.clone()).unwrap_or_else(|error| {
-        panic!("not Rust: {error}\n{tokens}");
-    });
+fn formatted(tokens: TokenStream) -> String {
+    let file: syn::File = syn::parse2(tokens.clone()).unwrap_or_else(|error| panic!("not Rust: {error}\n{tokens}"));
     prettyplease::unparse(&file)
 }
 
-fn compare(name: &str, text: &str) {
-    let path = format!("{}/tests/golden/{name}.rs", env!("CARGO_MANIFEST_DIR"));
+/// Expands `tests/golden/<name>.mbd` and compares with `tests/golden/<name>.rs`.
+fn compare(name: &str) {
+    let path = |extension: &str| format!("{}/tests/golden/{name}.{extension}", env!("CARGO_MANIFEST_DIR"));
+    let declaration = std::fs::read_to_string(path("mbd")).expect("the declaration is part of the repository");
+    let reading = read_text(&declaration);
+    assert!(reading.errors.is_empty(), "{}", reading.errors[0]);
+    let text = formatted(emit(&reading));
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
-        std::fs::write(&path, text).expect("the golden folder can be written");
+        std::fs::write(path("rs"), &text).expect("the golden folder can be written");
     }
-    let golden = std::fs::read_to_string(&path).unwrap_or_default();
+    let golden = std::fs::read_to_string(path("rs")).unwrap_or_default();
     let differs = golden.lines().zip(text.lines()).position(|(a, b)| a != b);
     assert!(
         golden == text,
@@ -28,23 +30,86 @@ fn compare(name: &str, text: &str) {
 }
 
 #[test]
-fn a_scene_of_three_points_and_four_lines() {
-    compare("knot", &formatted(&scenes::knot(), &Settings::default()));
+fn a_scene_of_three_points_and_four_lines_reads_as_expected() {
+    compare("knot");
 }
 
 #[test]
-fn the_parachute() {
-    let scene = scenes::parachute(NodeModel::Static, AngularVelocity::Body);
-    compare("parachute", &formatted(&scene, &Settings::default()));
+fn the_parachute_reads_as_expected() {
+    compare("parachute");
 }
 
 #[test]
 fn the_same_scene_gives_the_same_tokens() {
     for scene in scenes::all() {
-        let settings = Settings {
-            verify: true,
-            ..Settings::default()
-        };
-        assert_eq!(formatted(&scene, &settings), formatted(&scene, &settings));
+        let settings = Settings { verify: true, ..Settings::default() };
+        let text = || formatted(emit_model(&Equations::trace(&scene), &NameSpans::default(), &settings));
+        assert_eq!(text(), text());
     }
+}
+
+#[test]
+fn after_an_error_every_name_is_still_there() {
+    let tokens: TokenStream = "pub model Kite<T> {
+        gravity: none;
+        param area = 2.0 m^2;
+        input wind: [speed; 3];
+        body kite { mass: 2.0 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2 }
+        line tether from world to kite.brdle { free_length: 1 m, stiffness: 1 kN/m }
+        load rudder on kite at com: external;
+        output pull = area * 1 N/m^2;
+    }"
+    .parse()
+    .expect("tokens");
+    let text = formatted(compile(tokens));
+    for name in [
+        "compile_error",
+        "pub struct KiteParams",
+        "pub area: T",
+        "pub struct KiteOutputs",
+        "pub pull: T",
+        "pub trait KiteLoads",
+        "fn wind",
+        "fn rudder",
+        "pub fn derivative",
+        "for Kite<T>",
+    ] {
+        assert!(text.contains(name), "{name} is missing");
+    }
+}
+
+#[test]
+fn something_unused_is_a_warning_at_its_place() {
+    let tokens: TokenStream = "pub model Bob {
+        gravity: none;
+        param unused = 2.0 m;
+        point bob { mass: 1.0 kg }
+        line string from world to bob { free_length: 1 m, stiffness: 1 kN/m }
+    }"
+    .parse()
+    .expect("tokens");
+    let text = formatted(compile(tokens));
+    assert!(text.contains("deprecated") && text.contains("unused"), "no warning");
+    assert!(!text.contains("compile_error"));
+}
+
+#[test]
+fn a_list_of_quantities_limits_what_is_emitted() {
+    let model = |emit: &str| {
+        let text = format!(
+            "pub model Bob {{
+                gravity: none;
+                {emit}
+                point bob {{ mass: 1.0 kg }}
+                line string from world to bob {{ free_length: 1 m, stiffness: 1 kN/m }}
+                output force = string.tension;
+            }}"
+        );
+        formatted(compile(text.parse().expect("tokens")))
+    };
+    let (all, few) = (model(""), model("emit: [outputs];"));
+    assert!(all.contains("fn momentum") && !few.contains("fn momentum"));
+    assert!(few.contains("fn derivative") && few.contains("fn outputs"));
+    assert!(few.len() < all.len());
+    assert!(model("emit: [partial];").contains("fn derivative_by_state"));
 }

@@ -13,21 +13,35 @@ fn string_of_bodies(count: usize) -> Scene {
     let mut scene = Scene {
         name: "String".into(),
         angular_velocity: AngularVelocity::Body,
-        gravity: Gravity::Uniform { acceleration: numbers([0.0, 0.0, -9.81]) },
+        gravity: Gravity::Uniform {
+            acceleration: numbers([0.0, 0.0, -9.81]),
+        },
         world_frames: vec![frame("world", [0.0; 3])],
         ..Scene::default()
     };
     for index in 0..count {
-        let ends = vec![frame("top", [0.0, 0.1, 0.5]), frame("bottom", [0.1, 0.0, -0.5])];
+        let ends = vec![
+            frame("top", [0.0, 0.1, 0.5]),
+            frame("bottom", [0.1, 0.0, -0.5]),
+        ];
         scene.bodies.push(body(
             &format!("link[{index}]"),
             (1.0 + index as f64).into(),
             [1.0, 2.0, 2.5, 0.1, 0.2, 0.3],
             ends,
         ));
-        let above = if index == 0 { Place::World(0) } else { Place::Body(index - 1, 2) };
+        let above = if index == 0 {
+            Place::World(0)
+        } else {
+            Place::Body(index - 1, 2)
+        };
         let law = [(100.0 + index as f64).into(), 1.0.into(), 0.2.into()];
-        scene.lines.push(line(&format!("tie[{index}]"), above, Place::Body(index, 1), law));
+        scene.lines.push(line(
+            &format!("tie[{index}]"),
+            above,
+            Place::Body(index, 1),
+            law,
+        ));
     }
     scene
 }
@@ -35,7 +49,12 @@ fn string_of_bodies(count: usize) -> Scene {
 fn programs() -> Vec<Program> {
     let mut all = scenes::all();
     all.push(string_of_bodies(12));
-    let of = |scene: &Scene| Equations::trace(scene).programs.into_iter().map(|(_, program)| program);
+    let of = |scene: &Scene| {
+        Equations::trace(scene)
+            .programs
+            .into_iter()
+            .map(|(_, program)| program)
+    };
     all.iter().flat_map(of).collect()
 }
 
@@ -79,7 +98,11 @@ fn kernels_do_the_same_operations_in_the_same_order() {
         assert_eq!(next, program.instructions.len());
         for &(_, register) in &program.outputs {
             if let Operand::Value(value) = program.operand(register) {
-                assert!(known.contains(&value), "{:?}: a result is lost", program.what);
+                assert!(
+                    known.contains(&value),
+                    "{:?}: a result is lost",
+                    program.what
+                );
             }
         }
     }
@@ -92,10 +115,18 @@ fn equal_bodies_share_their_kernels() {
     let equations = Equations::trace_only(&scene, &[Quantity::Derivative]);
     let program = equations.program(Quantity::Derivative).expect("traced");
     let outline = outline(program).expect("long enough");
-    let code: usize =
-        outline.shapes.iter().map(|&(first, _)| outline.pieces[first].instructions.len()).sum();
+    let code: usize = outline
+        .shapes
+        .iter()
+        .map(|&(first, _)| outline.pieces[first].instructions.len())
+        .sum();
     let total = program.instructions.len();
-    assert!(3 * code < total, "{code} operations of code for {total}, {} shapes of {} pieces", outline.shapes.len(), outline.pieces.len());
+    assert!(
+        3 * code < total,
+        "{code} operations of code for {total}, {} shapes of {} pieces",
+        outline.shapes.len(),
+        outline.pieces.len()
+    );
 }
 
 #[test]
@@ -103,8 +134,16 @@ fn the_cost_of_a_string_grows_with_its_length() {
     let total = |count: usize| {
         let scene = string_of_bodies(count);
         let equations = Equations::trace_only(&scene, &[Quantity::Derivative]);
-        equations.program(Quantity::Derivative).expect("traced").cost().total()
+        equations
+            .program(Quantity::Derivative)
+            .expect("traced")
+            .cost()
+            .total()
     };
     let (eight, sixteen, thirty_two) = (total(8), total(16), total(32));
-    assert_eq!(thirty_two - sixteen, 2 * (sixteen - eight), "linear to the operation");
+    assert_eq!(
+        thirty_two - sixteen,
+        2 * (sixteen - eight),
+        "linear to the operation"
+    );
 }

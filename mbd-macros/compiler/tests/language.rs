@@ -1,6 +1,7 @@
 //! The language: declarations in `pass/` are read, declarations in `fail/` give the message their first line names.
 
-use mbd_compiler::{Reading, read_text};
+use mbd_compiler::{Message, Named, Reading, read_text, read_tokens};
+use mbd_scene::{Formula, NodeModel, PointKind};
 
 /// Messages as text, one a line.
 fn told(reading: &Reading) -> String {
@@ -55,16 +56,22 @@ fn expected(text: &str) -> (Vec<&str>, String) {
 }
 
 /// All messages with all their places.
-fn found(reading: &Reading) -> Vec<String> {
-    reading
-        .errors
-        .iter()
-        .flat_map(|message| {
-            let lines = message.in_file("");
-            let lines: Vec<String> = lines.lines().map(|l| l[1..].to_string()).collect();
-            lines
-        })
-        .collect()
+fn lines(messages: &[Message]) -> Vec<String> {
+    let told = |message: &Message| -> Vec<String> {
+        let lines = message.in_file("");
+        lines.lines().map(|line| line[1..].to_string()).collect()
+    };
+    messages.iter().flat_map(told).collect()
+}
+
+#[test]
+fn what_is_probably_not_meant_is_a_warning() {
+    for (name, text) in files("warn") {
+        let (wanted, declaration) = expected(&text);
+        let reading = read_text(&declaration);
+        assert!(reading.scene.is_some(), "{name}:\n{}", told(&reading));
+        assert_eq!(lines(&reading.warnings), wanted, "{name}");
+    }
 }
 
 #[test]
@@ -74,7 +81,7 @@ fn a_mistake_is_told_at_its_place_with_its_remedy() {
         let (wanted, declaration) = expected(&text);
         let reading = read_text(&declaration);
         assert!(reading.scene.is_none(), "{name} was read");
-        let found = found(&reading);
+        let found = lines(&reading.errors);
         if found != wanted {
             wrong.push(format!("{name}:\n{}", found.join("\n")));
         }
@@ -86,4 +93,170 @@ fn a_mistake_is_told_at_its_place_with_its_remedy() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+fn parachute() -> String {
+    let path = format!("{}/tests/pass/parachute.mbd", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn tokens_and_text_are_the_same_language() {
+    for (name, text) in files("pass") {
+        let tokens = text.parse().unwrap();
+        let (tokens, text) = (read_tokens(tokens), read_text(&text));
+        assert!(tokens.scene.is_some(), "{name}: {:?}", tokens.errors);
+        assert_eq!(tokens.scene, text.scene, "{name}");
+        assert_eq!(tokens.notes, text.notes, "{name}");
+    }
+    for (name, text) in files("fail") {
+        let (_, declaration) = expected(&text);
+        // What is no Rust token, or no balanced text, never reaches a macro; a number beyond f64 is refused by rustc as well.
+        let Ok(tokens) = declaration.parse() else {
+            continue;
+        };
+        let (tokens, text) = (read_tokens(tokens), read_text(&declaration));
+        let (tokens, text): (Vec<_>, Vec<_>) = (
+            tokens.errors.iter().map(|m| &m.text).collect(),
+            text.errors.iter().map(|m| &m.text).collect(),
+        );
+        assert_eq!(tokens, text, "{name}");
+    }
+}
+
+#[test]
+fn every_place_of_a_message_is_a_compile_error_of_its_own() {
+    let twice = "model S { gravity: none; const a = 1.0 m; const a = 2.0 m; }";
+    let reading = read_tokens(twice.parse().unwrap());
+    let told = reading.errors[0].to_compile_error().to_string();
+    assert_eq!(told.matches("compile_error").count(), 2, "{told}");
+    assert!(told.contains("is used twice in this model") && told.contains("first used here"));
+}
+
+#[test]
+fn after_an_error_the_names_of_the_interface_are_still_there() {
+    let broken = parachute().replace("stiffness: riser_k", "stifness: riser_k");
+    let reading = read_text(&broken);
+    assert!(reading.scene.is_none());
+    let names = |list: Vec<&String>| -> Vec<String> { list.into_iter().cloned().collect() };
+    let skeleton = &reading.skeleton;
+    assert_eq!(skeleton.name, "Parachute");
+    assert_eq!(
+        names(skeleton.params.iter().map(|p| &p.name).collect()),
+        ["riser_k", "m_cap", "cd_s"]
+    );
+    assert_eq!(
+        names(skeleton.outputs.iter().map(|o| &o.name).collect()),
+        ["riser_force", "tilt", "imu_speed"]
+    );
+    assert_eq!(skeleton.loads.len(), 2);
+    assert_eq!(reading.spans.params.len(), 3);
+    assert!(reading.options.generic && reading.options.verify);
+    assert_eq!(reading.options.visibility.to_string(), "pub");
+}
+
+#[test]
+fn uses_of_names_are_known_with_their_places() {
+    let reading = read_text(&parachute());
+    let uses = |named: Named| {
+        let references = &reading.spans.references;
+        references.iter().filter(|(used, _)| *used == named).count()
+    };
+    assert_eq!(uses(Named::Param(1)), 1);
+    assert_eq!(uses(Named::Input(0)), 2);
+    assert_eq!(uses(Named::Frame(0, 2)), 3);
+}
+
+/// The model of the point `p` where three legs and one riser meet, by the damping of the lines.
+fn chosen(riser: &str, leg: &str, legs: usize) -> (NodeModel, String) {
+    let text = format!(
+        "model S {{ gravity: none; point p; point end {{ mass: 1.0 kg }}
+         line riser from world to p {{ free_length: 1.0 m, stiffness: 1.0 kN/m{riser} }}
+         line leg[i in 0..{legs}] from end to p {{ free_length: 1.0 m, stiffness: 1.0 kN/m{leg} }} }}"
+    );
+    let reading = read_text(&text);
+    let scene = reading.scene.unwrap();
+    match scene.points[0].kind {
+        PointKind::Node(model) => (model, reading.notes.join("; ")),
+        PointKind::Mass(_) => unreachable!(),
+    }
+}
+
+#[test]
+fn a_node_without_a_declared_model_gets_the_default_of_its_lines() {
+    let damping = ", damping: 1.0 N*s/m";
+    let (model, note) = chosen("", "", 3);
+    assert_eq!(model, NodeModel::Static);
+    assert_eq!(note, "point `p`: static (no damped line)");
+    let (model, note) = chosen(damping, damping, 3);
+    assert_eq!(model, NodeModel::Rate);
+    assert_eq!(
+        note,
+        "point `p`: rate (4 lines, all damped, none to another massless point)"
+    );
+    let (model, note) = chosen(damping, damping, 2);
+    assert!(matches!(model, NodeModel::Stepwise { .. }));
+    assert_eq!(note, "point `p`: stepwise (3 of 3 lines damped)");
+    let (model, _) = chosen(damping, "", 3);
+    assert!(matches!(model, NodeModel::Stepwise { .. }));
+}
+
+#[test]
+fn numbers_and_consts_fold_and_params_stay_live() {
+    let scene = read_text(&parachute()).scene.unwrap();
+    let leg = &scene.lines[1];
+    assert_eq!(leg.free_length, Formula::Const(0));
+    assert_eq!(leg.stiffness, Formula::Number(47e3));
+    assert_eq!(scene.lines[0].stiffness, Formula::Param(0));
+    // Three frames on a circle, 120° apart: the second at (r cos 120°, r sin 120°, h).
+    let [x, y, z] = &scene.bodies[1].frames[2].position;
+    let angle: f64 = 120.0 * std::f64::consts::PI / 180.0;
+    assert_eq!(*x, Formula::Number(0.55 * angle.cos()));
+    assert_eq!(*y, Formula::Number(0.55 * angle.sin()));
+    assert_eq!(*z, Formula::Number(1.23));
+    // A quarter turn about z has true zeros: x to y, y to −x.
+    let rows = scene.bodies[1].frames[4].rotation.clone().unwrap();
+    let expected = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    assert_eq!(rows, expected.map(|row| row.map(Formula::Number)));
+}
+
+#[test]
+fn frames_are_measured_from_the_centre_of_mass() {
+    let path = format!("{}/tests/pass/knots.mbd", env!("CARGO_MANIFEST_DIR"));
+    let scene = read_text(&std::fs::read_to_string(path).unwrap())
+        .scene
+        .unwrap();
+    let tip = &scene.bodies[0].frames[2];
+    assert_eq!(tip.name, "tip");
+    assert_eq!(tip.position, [0.0, 0.0, -0.25].map(Formula::Number));
+    assert_eq!(
+        scene.bodies[0].frames[0].position,
+        [0.0; 3].map(Formula::Number)
+    );
+}
+
+#[test]
+fn products_of_inertia_change_their_sign_and_matrix_elements_do_not() {
+    let with = |note: &str| {
+        let text = format!(
+            "model S {{ gravity: none; body a {{ mass: 1 kg, inertia: full {{ xx: 1.0, yy: 1.0, zz: 1.5, xy: 0.1 }} kg*m^2 ({note}) }}
+             joint f: free from world to a.com; }}"
+        );
+        read_text(&text).scene.unwrap().bodies[0].inertia.xy.clone()
+    };
+    assert_eq!(with("matrix elements"), Formula::Number(0.1));
+    assert_eq!(with("products of inertia"), Formula::Number(-0.1));
+}
+
+#[test]
+fn a_repetition_of_any_size_is_read_or_refused_at_once() {
+    let begin = std::time::Instant::now();
+    for count in ["9000", "10001", "9223372036854775807", "1e300"] {
+        let text = format!(
+            "model S {{ gravity: none; point p[i in 0..{count}] {{ mass: 1 kg }} output x = p[1].position; }}"
+        );
+        let reading = read_text(&text);
+        assert_eq!(reading.scene.is_some(), count == "9000", "{count}");
+    }
+    assert!(begin.elapsed().as_secs_f64() < 5.0);
 }

@@ -372,11 +372,11 @@ pub struct Output {
     pub name: String,
     /// Documentation.
     pub doc: String,
-    /// Value [SI].
+    /// Value, in `unit`.
     pub value: Formula,
     /// 1 or 3 components.
     pub components: usize,
-    /// SI unit.
+    /// Unit of the column: SI, or the one the declaration asks for (`in deg`).
     pub unit: Unit,
 }
 

@@ -17,7 +17,7 @@ const MOST_FAILURES: u32 = 3;
 pub(crate) enum Verdict {
     Accepted,
     Rejected,
-    /// Ten rejections in a row, or below the smallest step.
+    /// Ten rejections or three failures in a row, or below the smallest step.
     Collapsed,
 }
 
@@ -92,7 +92,11 @@ impl Control {
     pub(crate) fn fail(&mut self, tried: f64, smallest: f64) -> Verdict {
         self.failures += 1;
         match self.reject(0.1 * tried, smallest) {
-            Verdict::Rejected if self.failures >= MOST_FAILURES => Verdict::Collapsed,
+            Verdict::Rejected if self.failures >= MOST_FAILURES => {
+                self.failures = 0;
+                self.rejections = 0;
+                Verdict::Collapsed
+            }
             verdict => verdict,
         }
     }

@@ -56,15 +56,16 @@ impl<T: Float> Explicit<T> {
         }
     }
 
-    /// The first stage: the rates at the start of a step. Needed once, and again after anything jumped.
+    /// The first stage: the rates at the start of a step, `span` after the last accepted one. Needed once, and again after anything jumped.
     pub(crate) fn begin(
         &mut self,
         system: &mut impl Rates<T>,
         time: f64,
+        span: f64,
         state: &[T],
     ) -> Result<(), StepError> {
         match self.stages.get_mut(..self.length) {
-            Some(first) => system.rates(time, 0.0, state, first),
+            Some(first) => system.rates(time, span, state, first),
             None => Ok(()),
         }
     }
@@ -214,8 +215,8 @@ mod tests {
         let mut exact = Explicit::<f64>::new(&TSIT5, 2);
         let (mut x, mut y) = ([2.0, 0.0], [2.0, 0.0]);
         let mut worst = [0.0_f64; 2];
-        method.begin(&mut Pendulum, 0.0, &x).unwrap();
-        exact.begin(&mut Pendulum, 0.0, &y).unwrap();
+        method.begin(&mut Pendulum, 0.0, 0.0, &x).unwrap();
+        exact.begin(&mut Pendulum, 0.0, 0.0, &y).unwrap();
         for i in 0..steps {
             let t = i as f64 * h;
             method.attempt(&mut Pendulum, t, h, &x).unwrap();
@@ -260,11 +261,11 @@ mod tests {
     fn the_last_stage_is_the_first_of_the_next_step() {
         let mut method = Explicit::<f64>::new(&TSIT5, 2);
         let mut x = [2.0, 0.0];
-        method.begin(&mut Pendulum, 0.0, &x).unwrap();
+        method.begin(&mut Pendulum, 0.0, 0.0, &x).unwrap();
         method.attempt(&mut Pendulum, 0.0, 0.1, &x).unwrap();
         method.accept(&mut x);
         let carried = method.first().to_vec();
-        method.begin(&mut Pendulum, 0.1, &x).unwrap();
+        method.begin(&mut Pendulum, 0.1, 0.0, &x).unwrap();
         assert_eq!(carried, method.first());
     }
 }

@@ -300,10 +300,8 @@ impl<T: Float> Nodes<T> {
             .iter()
             .filter(|plan| plan.model == NodeModel::Rate)
         {
-            let target = plan
-                .rate
-                .projected()
-                .or_else(|| plan.rate.crossing(self.span));
+            let crossing = || plan.rate.crossing(self.span).map(|(place, _)| place);
+            let target = plan.rate.projected().or_else(crossing);
             if let (Some(z), Some(p)) = (plan.z, target)
                 && let Some(target) = state.get_mut(z..z + 3)
             {

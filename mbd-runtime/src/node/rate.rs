@@ -417,8 +417,9 @@ impl<T: Float> RateNode<T> {
 
     /// Rule 5, the singular approach: independent taut lines without force whose node reaches the line or plane through their anchors within
     /// half a step `span` [s], still taut there. Its velocity grows without bound on the way, so it is put there, where the lines carry.
+    /// The place [m], and the rank to hold from then on.
     #[must_use]
-    pub fn crossing(&self, span: T) -> Option<Vector3<T>> {
+    pub fn crossing(&self, span: T) -> Option<(Vector3<T>, usize)> {
         let rounding = self.rounding();
         let idle = !self.legs.iter().any(|leg| leg.pulls(rounding));
         if !idle || span <= T::zero() || self.load != Vector3::zeros() {
@@ -447,7 +448,7 @@ impl<T: Float> RateNode<T> {
         }
         let speed = directions[weakest].1.dot(&self.slip) * span;
         let half = T::from_f64(0.25) * offset.dot(&offset);
-        (speed * speed > half).then_some(there)
+        (speed * speed > half).then_some((there, weakest))
     }
 
     /// From the node to its projection on the line (`rank` 1) or plane (2) that fits the anchors of the chosen lines best.

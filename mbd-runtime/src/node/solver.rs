@@ -187,28 +187,10 @@ impl<T: Float> Solver<T> {
     ) -> Outcome<T> {
         self.descent.begin(p);
         let (rung, verdict) = self.climb(balance, k, l, tolerance);
-        let iterations = self.descent.taken;
-        match verdict {
-            Verdict::Stopped => Outcome::NotConverged {
-                residual: self.descent.smallest,
-                iterations,
-            },
-            Verdict::Slack => {
-                p.copy_from_slice(&self.descent.p);
-                Outcome::Slack { iterations }
-            }
-            Verdict::Balanced(residual) => {
-                p.copy_from_slice(&self.descent.p);
-                Outcome::Taut {
-                    iterations,
-                    residual,
-                    rung,
-                }
-            }
-        }
+        self.descent.end(rung, verdict, p)
     }
 
-    /// Slope search alone, from `p`: rung 3 as a solver of its own, for problems that are convex but not made of lengths.
+    /// Slope search alone, from `p`: rung 3 as a solver of its own, to compare the rungs.
     pub fn search<B: Balance<T>>(
         &mut self,
         balance: &mut B,
@@ -218,28 +200,9 @@ impl<T: Float> Solver<T> {
         tolerance: Tolerance<T>,
     ) -> Outcome<T> {
         self.descent.begin(p);
-        let verdict = self
-            .descent
-            .newton(balance, k, l, Limits::search(tolerance));
-        let iterations = self.descent.taken;
-        match verdict {
-            Verdict::Stopped => Outcome::NotConverged {
-                residual: self.descent.smallest,
-                iterations,
-            },
-            Verdict::Slack => {
-                p.copy_from_slice(&self.descent.p);
-                Outcome::Slack { iterations }
-            }
-            Verdict::Balanced(residual) => {
-                p.copy_from_slice(&self.descent.p);
-                Outcome::Taut {
-                    iterations,
-                    residual,
-                    rung: Rung::Search,
-                }
-            }
-        }
+        let limits = Limits::search(tolerance);
+        let verdict = self.descent.newton(balance, k, l, limits);
+        self.descent.end(Rung::Search, verdict, p)
     }
 
     fn climb<B: Balance<T>>(
@@ -336,6 +299,29 @@ impl<T: Float> Descent<T> {
         self.p.copy_from_slice(p);
         self.taken = 0;
         self.smallest = T::from_f64(f64::MAX);
+    }
+
+    /// The outcome of a solve; `p` follows if a balance was found.
+    fn end(&self, rung: Rung, verdict: Verdict<T>, p: &mut [T]) -> Outcome<T> {
+        let iterations = self.taken;
+        match verdict {
+            Verdict::Stopped => Outcome::NotConverged {
+                residual: self.smallest,
+                iterations,
+            },
+            Verdict::Slack => {
+                p.copy_from_slice(&self.p);
+                Outcome::Slack { iterations }
+            }
+            Verdict::Balanced(residual) => {
+                p.copy_from_slice(&self.p);
+                Outcome::Taut {
+                    iterations,
+                    residual,
+                    rung,
+                }
+            }
+        }
     }
 
     /// `plain` Newton steps, then steps by search from the point with the smallest residual, `cap` in all.

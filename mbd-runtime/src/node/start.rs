@@ -37,6 +37,7 @@ impl<T: Float> Nodes<T> {
     ) -> Result<(), NodeError> {
         memory.check(&self.layout)?;
         memory.step = T::zero();
+        self.span = T::zero();
         memory.smooth.fill(false);
         memory.ranks.fill(3);
         memory.modes.fill(Mode::Free);

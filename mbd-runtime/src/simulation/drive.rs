@@ -187,7 +187,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     fn attempt(&mut self, step: f64) -> Result<bool, StepError> {
         let smallest = resolution(self.time);
         if step < smallest {
-            return Err(self.collapse(step));
+            return Err(self.collapse(step, Collapse::ErrorTest));
         }
         let tried = self
             .method
@@ -211,12 +211,12 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         match (verdict, failure) {
             (Verdict::Rejected, _) => Ok(false),
             (_, Some(cause)) => Err(cause),
-            (_, None) => Err(self.collapse(step)),
+            (_, None) => Err(self.collapse(step, Collapse::ErrorTest)),
         }
     }
 
     #[cold]
-    fn collapse(&self, step: f64) -> StepError {
+    pub(crate) fn collapse(&self, step: f64, cause: Collapse) -> StepError {
         let block = match &self.pace {
             Pace::Fixed(_) => "state".into(),
             Pace::Adaptive(_, norm) => norm.worst(self.system.model.scene()),
@@ -225,7 +225,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             time: self.time,
             step_size: step,
             block,
-            cause: Collapse::ErrorTest,
+            cause,
         }
     }
 
@@ -244,16 +244,21 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         Ok(())
     }
 
-    /// Takes the last attempt: memory, state and time move on together.
+    /// Takes the last attempt: state, memory and time move on together.
     fn take(&mut self, step: f64, end: f64) -> Result<(), StepError> {
-        self.system.commit(step);
         self.method.accept(&mut self.state);
         self.time = end;
         let counters = &mut self.system.counters;
         counters.steps = counters.steps.saturating_add(1);
-        if self.system.project(&mut self.state) {
-            self.method
-                .begin(&mut self.system, self.time, &self.state)?;
+        let projected = self.system.project(&mut self.state);
+        let begun = match projected {
+            true => self.method.begin(&mut self.system, end, step, &self.state),
+            false => Ok(()),
+        };
+        self.system.commit(step);
+        begun?;
+        if projected {
+            self.begin_noting()?;
         }
         Ok(())
     }

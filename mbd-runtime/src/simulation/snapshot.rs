@@ -81,7 +81,9 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         }
         self.started = true;
         self.watch_weights.clone_from(&snapshot.watch_weights);
-        let begun = self.method.begin(&mut self.system, self.time, &self.state);
+        let begun = self
+            .method
+            .begin(&mut self.system, self.time, 0.0, &self.state);
         let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));
         begun.map_err(|cause| self.failed(cause))
     }

@@ -106,7 +106,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             .start(self.time, &mut self.state, self.guess.as_deref())?;
         self.watch_weights = self.system.watch_weights(self.time, &self.state)?;
         self.method
-            .begin(&mut self.system, self.time, &self.state)?;
+            .begin(&mut self.system, self.time, 0.0, &self.state)?;
         if let Pace::Adaptive(control, norm) = &mut self.pace {
             // The first step moves no block by more than a hundredth of its scale.
             let speed =

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use mbd_runtime::Options;
 
 use super::scene::{Instant, TestCase};
+use super::study::tight;
 use super::variant::{Confluence, Flight, FlightError, Plan, fly};
 
 /// How far the riser force may be off [1].
@@ -29,8 +30,8 @@ pub struct Limit {
 pub fn largest_stable_step(confluence: Confluence) -> Result<Limit, FlightError> {
     let from = taut_start()?;
     let taut_until = TAUT_START + TAUT_SPAN;
-    let tight = Plan { from: from.clone(), ..Plan::new(TestCase::Two, confluence.exact(), Options::tsit5(1e-9), taut_until) };
-    let exact = fly(&tight.sampled(&every(TAUT_START, taut_until, 0.001)))?;
+    let tightly = Plan { from: from.clone(), ..Plan::new(TestCase::Two, confluence.exact(), tight(1e-9), taut_until) };
+    let exact = fly(&tightly.sampled(&every(TAUT_START, taut_until, 0.001)))?;
     let taut = search(|step| {
         let plan = Plan { from: from.clone(), ..Plan::new(TestCase::Two, confluence, fixed(step), taut_until) };
         fly(&plan.every_step()).is_ok_and(|flight| follows(&flight, &exact, TAUT_START))
@@ -39,7 +40,7 @@ pub fn largest_stable_step(confluence: Confluence) -> Result<Limit, FlightError>
         return Ok(Limit { taut, whole: None });
     }
     let end = super::study::END;
-    let exact = fly(&Plan::new(TestCase::Two, confluence.exact(), Options::tsit5(1e-9), end).sampled(&every(0.0, end, 0.01)))?;
+    let exact = fly(&Plan::new(TestCase::Two, confluence.exact(), tight(1e-9), end).sampled(&every(0.0, end, 0.01)))?;
     let passes = |step: f64| {
         let plan = Plan::new(TestCase::Two, confluence, fixed(step), end).every_step();
         fly(&plan).is_ok_and(|flight| follows(&flight, &exact, 2.0))
@@ -53,7 +54,7 @@ fn taut_start() -> Result<Instant, FlightError> {
     if let Some(known) = START.get() {
         return Ok(known.clone());
     }
-    let flight = fly(&Plan::new(TestCase::Two, Confluence::Rate, Options::tsit5(1e-10), TAUT_START))?;
+    let flight = fly(&Plan::new(TestCase::Two, Confluence::Rate, tight(1e-10), TAUT_START))?;
     Ok(START.get_or_init(|| flight.end).clone())
 }
 

@@ -103,7 +103,7 @@ pub struct Study {
 const TABLE: &[(Confluence, f64, bool)] = &[
     (Confluence::Mass(0.1, Damping::On), 1e-4, true),
     (Confluence::Mass(1.0, Damping::On), 1e-3, true),
-    (Confluence::Mass(0.1, Damping::Off), 1e-3, false),
+    (Confluence::Mass(0.1, Damping::Off), 1e-4, false),
     (Confluence::Mass(1.0, Damping::Off), 1e-3, false),
     (Confluence::Static, 0.01, false),
     (Confluence::Stepwise, 0.01, false),
@@ -139,7 +139,7 @@ pub fn study(mut tell: impl FnMut(&str, f64)) -> Result<Study, FlightError> {
             tell(&format!("case {}, {confluence}, step {step} s", case.number()), runs.len() as f64 / total);
             let exact = confluence.exact();
             if !references.iter().any(|(known, _)| *known == exact) {
-                references.push((exact, fly(&Plan::new(case, exact, Options::tsit5(TIGHT), END).sampled(&times))?));
+                references.push((exact, fly(&Plan::new(case, exact, tight(TIGHT), END).sampled(&times))?));
             }
             let reference = references.iter().find(|(known, _)| *known == exact).map(|(_, flight)| flight);
             let limit = match runs.iter().find(|run: &&Run| run.confluence == confluence) {
@@ -168,6 +168,12 @@ pub fn study(mut tell: impl FnMut(&str, f64)) -> Result<Study, FlightError> {
     }
     tell("drawing", 1.0);
     Ok(Study { runs, races, weight })
+}
+
+/// Adaptive steps at a tight tolerance: the light point with mass keeps them at its stability limit, a million for 100 s.
+#[must_use]
+pub fn tight(rtol: f64) -> Options {
+    Options { max_steps: u64::MAX, ..Options::tsit5(rtol) }
 }
 
 /// RK4 at a fixed step. The tables search for and cross the limit, so the watch is off where it would stop the search.
@@ -218,7 +224,7 @@ fn race(mass: Confluence, node: Confluence, weight: f64) -> Result<Race, FlightE
 /// The largest of a ladder of steps (ratio 0.9) at which the riser force of case 2 is accurate from 2 s on, and its error.
 fn accurate_step(confluence: Confluence, weight: f64) -> Result<(f64, f64), FlightError> {
     let times: Vec<f64> = (0..=136).map(|i| 2.0 + 0.5 * f64::from(i)).collect();
-    let exact = fly(&Plan::new(TestCase::Two, confluence.exact(), Options::tsit5(TIGHT), END).sampled(&times))?;
+    let exact = fly(&Plan::new(TestCase::Two, confluence.exact(), tight(TIGHT), END).sampled(&times))?;
     let mut step = largest_stable_step(confluence)?.taut;
     loop {
         let plan = Plan::new(TestCase::Two, confluence, Options { watch: false, ..options(step, false) }, END).sampled(&times);

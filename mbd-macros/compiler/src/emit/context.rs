@@ -165,7 +165,7 @@ impl Context<'_> {
                         let input = scene.inputs.get(i);
                         let doc = input.map(|x| {
                             let unit = unit_text(&x.unit.text);
-                            format!("{} [{unit}]", x.doc.trim()).trim().to_owned()
+                            format!("{} \\[{unit}\\]", x.doc.trim()).trim().to_owned()
                         });
                         (
                             input.map(|x| x.name.clone()),
@@ -177,9 +177,9 @@ impl Context<'_> {
                         let load = scene.loads.get(i);
                         let doc = load.map(|x| {
                             let what = if slots.len == 6 {
-                                "Force [N] and couple [N m]"
+                                "Force \\[N\\] and couple \\[N m\\]"
                             } else {
-                                "Force [N]"
+                                "Force \\[N\\]"
                             };
                             format!("{} {what}, world axes.", x.doc.trim())
                                 .trim()
@@ -188,7 +188,7 @@ impl Context<'_> {
                         (load.map(|x| x.name.clone()), doc, at(&self.spans.loads, i))
                     }
                     InputSource::BodyGravity(_) | InputSource::PointGravity(_) => {
-                        let doc = "Acceleration of gravity at a position [m/s²], world axes.";
+                        let doc = "Acceleration of gravity at a position \\[m/s²\\], world axes.";
                         (Some("gravity".to_owned()), Some(doc.to_owned()), None)
                     }
                 };
@@ -208,6 +208,11 @@ impl Context<'_> {
 /// A unit for the reader; a pure number has 1.
 pub fn unit_text(unit: &str) -> &str {
     if unit.is_empty() { "1" } else { unit }
+}
+
+/// Text with units in brackets as documentation: rustdoc would take `[kg]` for a link.
+pub fn escaped(text: &str) -> String {
+    text.replace('[', "\\[").replace(']', "\\]")
 }
 
 /// Names as fields of one struct, each different.

@@ -127,7 +127,9 @@ fn equations(scene: &Scene, equations: &Equations, out: &mut String) {
         let damped = !scene.is_zero(&line.damping);
         let law = match (line.kind, damped) {
             // The effective numbers carry the damping by differences.
-            (_, true) if slots.effective.is_some() => "T = max(0, K_e (d − L_e)), K_e and L_e from K, C, L0 and the last step",
+            (_, true) if slots.effective.is_some() => {
+                "T = max(0, K_e (d − L_e)), K_e and L_e from K, C, L0 and the last step"
+            }
             (LineKind::Line, true) => "T = max(0, K s + C ṡ) for s > 0, else 0",
             (LineKind::Line, false) => "T = K s for s > 0, else 0",
             (LineKind::Spring, true) => "T = K s + C ṡ",

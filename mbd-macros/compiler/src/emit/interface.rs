@@ -40,7 +40,7 @@ fn params(context: &Context) -> TokenStream {
             } else {
                 "; the field is in SI units".to_owned()
             };
-            let doc = docs(format!("{} [{unit}]{range}{si}", param.doc.trim()).trim());
+            let doc = docs(format!("{} \\[{unit}\\]{range}{si}", param.doc.trim()).trim());
             quote!(#doc pub #field: #t)
         });
     let defaults = context
@@ -108,7 +108,7 @@ fn state(context: &Context) -> TokenStream {
     let nx = whole(layout.nx());
     let z = (layout.nz > 0).then(|| {
         quote! {
-            /// Positions of the `rate` nodes [m].
+            /// Positions of the `rate` nodes \[m\].
             pub z: ::mbd_runtime::nalgebra::SVector<#t, #nz>
         }
     });
@@ -130,9 +130,9 @@ fn state(context: &Context) -> TokenStream {
         #doc
         #[derive(Clone, Debug, PartialEq)]
         #vis struct #name #declared {
-            /// Coordinates [m, 1].
+            /// Coordinates \[m, 1\].
             pub q: ::mbd_runtime::nalgebra::SVector<#t, #nq>,
-            /// Speeds [m/s, rad/s].
+            /// Speeds \[m/s, rad/s\].
             pub v: ::mbd_runtime::nalgebra::SVector<#t, #nv>,
             #z
         }
@@ -149,14 +149,14 @@ fn state(context: &Context) -> TokenStream {
                 #at_rest
                 state
             }
-            /// The state from the list [q | v | z]; `None` if it has another length.
+            /// The state from the list q, v, z; `None` if it has another length.
             #[must_use]
             pub fn from_slice(x: &[#t]) -> ::core::option::Option<Self> {
                 let (q, v, z) = ::mbd_runtime::__private::split::<#t, #nq, #nv, #nz>(x)?;
                 let _ = z;
                 ::core::option::Option::Some(#name { q: (*q).into(), v: (*v).into(), #read_z })
             }
-            /// The state as the list [q | v | z].
+            /// The state as the list q, v, z.
             #[must_use]
             pub fn to_vec(&self) -> ::std::vec::Vec<#t> {
                 let mut out = ::std::vec::Vec::with_capacity(#nx);
@@ -202,7 +202,7 @@ fn outputs(context: &Context) -> TokenStream {
     let fields = context.outputs();
     let declarations = declared_outputs.iter().zip(&fields).map(|(output, field)| {
         let unit = unit_text(&output.unit.text);
-        let doc = docs(format!("{} [{unit}]", output.doc.trim()).trim());
+        let doc = docs(format!("{} \\[{unit}\\]", output.doc.trim()).trim());
         let t = if output.components == 3 {
             quote!([#t; 3])
         } else {
@@ -291,9 +291,14 @@ fn loads(context: &Context) -> TokenStream {
     });
     let methods: Vec<TokenStream> = methods.collect();
     let model = &context.scene().name;
-    let doc = docs(&format!("What the caller of `{model}` supplies at each evaluation."));
+    let doc = docs(&format!(
+        "What the caller of `{model}` supplies at each evaluation."
+    ));
     let (model, external) = (context.named(""), context.named("External"));
-    let scalar = context.settings.generic.then(|| quote!(T: ::mbd_runtime::Real,));
+    let scalar = context
+        .settings
+        .generic
+        .then(|| quote!(T: ::mbd_runtime::Real,));
     let external_doc = docs(&format!("Hands what [`{name}`] supplies to a simulation."));
     quote! {
         #doc
@@ -301,7 +306,10 @@ fn loads(context: &Context) -> TokenStream {
 
         #external_doc
         #[derive(Clone, Debug)]
-        #vis struct #external<L>(pub L);
+        #vis struct #external<L>(
+            /// What supplies.
+            pub L,
+        );
 
         impl<#scalar L: #name #used> ::mbd_runtime::External<#t> for #external<L> {
             fn evaluate(&self, time: #t, state: &[#t], out: &mut [#t]) {

@@ -26,7 +26,9 @@ pub fn number(value: f64) -> TokenStream {
 /// Very small and very large numbers with an exponent.
 fn readable(magnitude: f64) -> Literal {
     let usual = magnitude == 0.0 || (1e-4..1e9).contains(&magnitude);
-    let exponential = (!usual).then(|| format!("{magnitude:e}").parse().ok()).flatten();
+    let exponential = (!usual)
+        .then(|| format!("{magnitude:e}").parse().ok())
+        .flatten();
     exponential.unwrap_or_else(|| Literal::f64_unsuffixed(magnitude))
 }
 

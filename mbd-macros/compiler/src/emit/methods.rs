@@ -4,7 +4,7 @@ use mbd_scene::Quantity;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::context::{Context, docs};
+use super::context::{Context, docs, escaped};
 use super::function::{Arguments, Group};
 use super::literal::whole;
 use super::quantity;
@@ -116,7 +116,7 @@ fn method(context: &Context, what: Quantity, program: Option<&Program>) -> Token
     let cost = program
         .map(|p| format!("\n{}.", p.cost()))
         .unwrap_or_default();
-    let doc = docs(&format!("{text}\n\n{shape}{cost}"));
+    let doc = docs(&escaped(&format!("{text}\n\n{shape}{cost}")));
     let Signature {
         taken,
         prepared,

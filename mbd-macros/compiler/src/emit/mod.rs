@@ -12,6 +12,7 @@ mod interface;
 mod literal;
 mod methods;
 mod model;
+mod naming;
 pub mod quantity;
 
 use proc_macro2::{Span, TokenStream};
@@ -46,7 +47,11 @@ pub fn references(
     settings: &Settings,
     uses: &[(Named, Span)],
 ) -> TokenStream {
-    let context = Context { equations, spans, settings };
+    let context = Context {
+        equations,
+        spans,
+        settings,
+    };
     let (fields, params) = (context.params(), context.named("Params"));
     let used = settings.generic.then(|| quote!(<f64>));
     let uses = uses.iter().filter_map(|&(named, span)| match named {

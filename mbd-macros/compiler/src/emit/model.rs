@@ -148,8 +148,8 @@ fn constants(context: &Context) -> TokenStream {
             pub const SPEEDS: &'static [::mbd_runtime::CoordInfo] = &[#(#speeds),*];
             /// Name, unit, default, range and documentation of every live parameter.
             pub const PARAMS: &'static [::mbd_runtime::ParamInfo] = &[#(#params),*];
-            /// Operations of every quantity, by the name of its function.
-            pub const COST: &'static [(&'static str, ::mbd_runtime::Cost)] = &[#(#costs),*];
+            /// Operations of every quantity.
+            pub const COST: ::mbd_runtime::Costs = ::mbd_runtime::Costs(&[#(#costs),*]);
         }
     }
 }
@@ -323,7 +323,11 @@ fn implementation(context: &Context) -> TokenStream {
         .map(quantity_path)
         .collect::<Vec<_>>();
     let not_emitted = (!not_emitted.is_empty()).then(|| {
-        let nan = if context.settings.generic { quote!(T::from_f64(f64::NAN)) } else { quote!(f64::NAN) };
+        let nan = if context.settings.generic {
+            quote!(T::from_f64(f64::NAN))
+        } else {
+            quote!(f64::NAN)
+        };
         // Loud, not silently zero.
         quote!(#(#not_emitted)|* => out.fill(#nan),)
     });

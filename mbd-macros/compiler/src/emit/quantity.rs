@@ -49,7 +49,7 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::Correction => "correction",
         Quantity::NodeByAnchor(_) => "node_by_anchor",
         Quantity::CondensedStiffness(_) => "condensed_stiffness",
-        Quantity::Partial(..) => "partials",
+        Quantity::Partial(..) => "partial",
     }
 }
 
@@ -113,7 +113,10 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
                 layout.events
             ),
         ),
-        Quantity::Outputs => ("The declared outputs.", format!("{n} columns, SI units.")),
+        Quantity::Outputs => (
+            "The declared outputs.",
+            format!("{n} columns, each in its unit."),
+        ),
         Quantity::Energy => (
             "Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, power of the dampers.",
             "5 [J, J, J, W, W].".to_owned(),

@@ -114,8 +114,8 @@ fn interpolate(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let (Some(low), Some(high)) = (after.checked_sub(1), x.get(after).map(|_| after)) else {
         return Some(if after == 0 { first } else { last });
     };
-    let share = (at - x[low]) / (x[high] - x[low]);
-    Some(y[low] + share * (y[high] - y[low]))
+    let (x0, x1, y0, y1) = (*x.get(low)?, *x.get(high)?, *y.get(low)?, *y.get(high)?);
+    Some(y0 + (at - x0) / (x1 - x0) * (y1 - y0))
 }
 
 /// A function of known values; `None` for shapes it does not take.

@@ -8,6 +8,7 @@ mod collect;
 mod fields;
 pub mod fold;
 mod forces;
+mod functions;
 mod lines;
 mod names;
 mod numbers;

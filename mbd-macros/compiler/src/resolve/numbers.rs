@@ -330,6 +330,9 @@ impl Resolver<'_> {
         for row in rows {
             good &= self.table_row(row, instance, &mut columns).is_some();
         }
+        if !good {
+            return None;
+        }
         let [(x, x_unit), (y, y_unit)] = columns;
         let pure = || units::si("", units::NONE);
         let entry = self.scene.tables.get_mut(instance.slot)?;
@@ -337,7 +340,7 @@ impl Resolver<'_> {
         entry.y = y;
         entry.x_unit = x_unit.unwrap_or_else(pure);
         entry.y_unit = y_unit.unwrap_or_else(pure);
-        good.then_some(())
+        Some(())
     }
 
     fn table_row(

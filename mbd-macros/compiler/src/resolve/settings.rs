@@ -2,7 +2,8 @@
 
 use mbd_scene::{AngularVelocity, Coordinates, Dimension, Formula, Gravity, Triple};
 
-use super::{Resolver, Scope, Stage};
+use super::fields::Accept;
+use super::{Resolver, Scope, Stage, fold};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::{resolve as say, syntax as say_syntax};
 use crate::syntax::item::items;
@@ -130,7 +131,7 @@ impl Resolver<'_> {
         if fields.doubtful {
             return None;
         }
-        let mu = self.number_of("mu", fields.value("mu"), units::GRAVITATIONAL, group.at);
+        let mu = self.positive("mu", fields.value("mu"), units::GRAVITATIONAL, group.at);
         let center = self.vector_of("center", fields.value("center"), units::LENGTH, group.at);
         if !oblate {
             return Some(Gravity::PointMass {
@@ -138,9 +139,11 @@ impl Resolver<'_> {
                 center: center?,
             });
         }
-        let radius = self.number_of("radius", fields.value("radius"), units::LENGTH, group.at);
+        let radius = self.positive("radius", fields.value("radius"), units::LENGTH, group.at);
         let j2 = self.number_of("j2", fields.value("j2"), units::NONE, group.at);
-        let axis = self.vector_of("axis", fields.value("axis"), units::NONE, group.at);
+        let axis = self
+            .vector_of("axis", fields.value("axis"), units::NONE, group.at)
+            .and_then(|axis| self.direction(axis, fields.value("axis")));
         Some(Gravity::Oblate {
             mu: mu?,
             center: center?,
@@ -148,6 +151,35 @@ impl Resolver<'_> {
             j2: j2?,
             axis: axis?,
         })
+    }
+
+    /// A unit vector, with all params at their defaults.
+    fn direction(&mut self, axis: Triple, value: Option<Value<'_>>) -> Option<Triple> {
+        let parts: Vec<f64> = axis
+            .iter()
+            .filter_map(|part| fold::at_defaults(part, &self.scene))
+            .collect();
+        let square: f64 = parts.iter().map(|part| part * part).sum();
+        match value {
+            Some(value) if parts.len() == 3 && (square - 1.0).abs() > 1e-9 => {
+                self.fail(say::no_direction(value.at, square.sqrt()))
+            }
+            _ => Some(axis),
+        }
+    }
+
+    /// A positive number that the law needs.
+    fn positive(
+        &mut self,
+        field: &str,
+        value: Option<Value<'_>>,
+        wanted: Dimension,
+        whole: Region,
+    ) -> Option<Formula> {
+        match value {
+            Some(value) => self.quantity("gravity", field, value, wanted, Accept::Positive, FIXED),
+            None => self.fail(say::gravity_field(whole, field, wanted)),
+        }
     }
 
     fn vector_of(

@@ -42,12 +42,12 @@ impl Axis {
     #[must_use]
     pub fn complement(&self) -> [Axis; 2] {
         let a = self.0;
-        for k in 0..3 {
-            let unit = |i: usize| Axis(std::array::from_fn(|j| f64::from(u8::from(i % 3 == j))));
-            if a[k] == 1.0 {
+        let unit = |i: usize| Axis(std::array::from_fn(|j| f64::from(u8::from(i % 3 == j))));
+        for (k, &component) in a.iter().enumerate() {
+            if component == 1.0 {
                 return [unit(k + 1), unit(k + 2)];
             }
-            if a[k] == -1.0 {
+            if component == -1.0 {
                 return [unit(k + 2), unit(k + 1)];
             }
         }

@@ -83,7 +83,10 @@ impl<S: Real> Motion<S> {
 
     /// Velocity of a place `p` in body axes, world axes [m/s], equation (1).
     pub fn velocity_of(&self, p: &Vector3<S>) -> Vector3<S> {
-        self.velocity + self.rotation * self.omega_body.cross(p)
+        labelled(
+            self.velocity + self.rotation * self.omega_body.cross(p),
+            ["v_x", "v_y", "v_z"],
+        )
     }
 
     /// q̇ by (2), w first.
@@ -123,8 +126,14 @@ impl<S: Real> Motion<S> {
         torque: &Vector3<S>,
         components: AngularVelocity,
     ) -> Vector3<S> {
-        let torque = self.rotation.transpose() * torque;
-        let acceleration = body.inverse_inertia * (torque - self.gyroscopic(body));
+        let torque = labelled(
+            self.rotation.transpose() * torque,
+            ["torque_x", "torque_y", "torque_z"],
+        );
+        let acceleration = labelled(
+            body.inverse_inertia * (torque - self.gyroscopic(body)),
+            ["spin_x", "spin_y", "spin_z"],
+        );
         match components {
             AngularVelocity::Body => acceleration,
             AngularVelocity::World => self.rotation * acceleration,

@@ -7,7 +7,7 @@ use super::formula::{Context, Value};
 use super::line;
 use super::node;
 use super::numbers::{FrameNumbers, Numbers};
-use crate::laws::algebra::vector;
+use crate::laws::algebra::{labelled, vector};
 use crate::{At, InputSource, Layout, LineKind, NodeModel, Place, PointSlots, Real, Scene};
 
 /// The scene at a state. Bodies are read once; everything else is computed where it is asked for.
@@ -44,7 +44,8 @@ impl<'a, S: Real> Evaluation<'a, S> {
                 .map(|frame| frame.position),
             Place::Body(body, frame) => {
                 let (motion, frame) = self.frame(body, frame)?;
-                Some(motion.position + motion.arm(&frame.position))
+                let place = motion.position + motion.arm(&frame.position);
+                Some(labelled(place, ["p_x", "p_y", "p_z"]))
             }
             Place::Point(point) => match *self.layout.points.get(point)? {
                 PointSlots::Mass(slots) => Some(vector(self.at.state, slots.q)),

@@ -13,6 +13,7 @@
 
 use nalgebra::Vector3;
 
+use super::algebra::labelled;
 use super::formula::norm;
 use super::numbers::GravityNumbers;
 use crate::Real;
@@ -30,10 +31,10 @@ pub fn acceleration<S: Real>(
         GravityNumbers::Central {
             mu, center, oblate, ..
         } => {
-            let d = r - center;
-            let squared = d.dot(&d);
-            let distance = squared.sqrt();
-            let pull = *mu / (squared * distance);
+            let d = labelled(r - center, ["d_x", "d_y", "d_z"]);
+            let squared = d.dot(&d).label("d_squared");
+            let distance = squared.sqrt().label("distance");
+            let pull = (*mu / (squared * distance)).label("gravity");
             match oblate {
                 None => d.map(|x| -(pull * x)),
                 Some(planet) => {

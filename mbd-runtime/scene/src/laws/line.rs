@@ -16,6 +16,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::algebra::{elements, labelled, symmetric};
 use super::numbers::LineNumbers;
 use crate::{LineKind, Real, TINY};
 
@@ -34,7 +35,8 @@ pub struct Geometry<S: Real> {
 
 /// Geometry of a line whose ends are `vector` = p_to − p_from apart.
 pub fn geometry<S: Real>(vector: &Vector3<S>, free_length: S) -> Geometry<S> {
-    let length = vector.dot(vector).sqrt().label("length");
+    let vector = labelled(*vector, ["e_x", "e_y", "e_z"]);
+    let length = vector.dot(&vector).sqrt().label("length");
     let inverse_length = (S::one() / length.max(S::from_f64(TINY))).label("inverse_length");
     let direction = Vector3::new(
         (vector.x * inverse_length).label("u_x"),
@@ -113,6 +115,8 @@ pub fn stiffness<S: Real>(
     let across = S::select(taut, across, zero).label("across");
     let along = (S::select(taut, stiffness, zero) - across).label("along");
     let u = &geometry.direction;
-    let weighted = u.map(|x| along * x);
-    Matrix3::from_diagonal_element(across) + weighted * u.transpose()
+    let weighted = labelled(u.map(|x| along * x), ["along_x", "along_y", "along_z"]);
+    let block = elements(&(Matrix3::from_diagonal_element(across) + weighted * u.transpose()));
+    let names = ["j_xx", "j_xy", "j_xz", "j_yy", "j_yz", "j_zz"];
+    symmetric(std::array::from_fn(|i| block[i].label(names[i])))
 }

@@ -1,0 +1,196 @@
+//! Messages about names: what a path or a place refers to.
+
+use crate::lexeme::Region;
+use crate::messages::Report;
+use crate::messages::similar::{did_you_mean, nearest};
+use crate::messages::syntax::ended;
+use crate::syntax::words;
+
+pub fn not_constant(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!("only numbers and consts can stand here, {what} cannot"),
+    )
+}
+
+pub fn not_fixed(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!("this is fixed before a run: it can use numbers, consts and params, not {what}"),
+    )
+}
+
+pub fn table_without_argument(at: Region, word: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{word}` is a table: give it its argument, `{word}(…)`"),
+    )
+}
+
+pub fn not_a_quantity(at: Region, word: &str, kind: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{word}` is a name of a {kind} and has no value in an expression"),
+    )
+}
+
+pub fn unknown_parameter(at: Region, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "no parameter named `{word}`{} declare it",
+            ended(did_you_mean(word, known.iter().copied()))
+        ),
+    )
+}
+
+pub fn unknown_thing(at: Region, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "no body, point or line named `{word}`{}",
+            did_you_mean(word, known.iter().copied())
+        ),
+    )
+}
+
+pub fn unknown_place(at: Region, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "no body or point named `{word}`{}",
+            did_you_mean(word, known.iter().copied())
+        ),
+    )
+}
+
+pub fn no_index(at: Region, word: &str) -> Report {
+    Report::new(at, format!("`{word}` is one thing and takes no index"))
+}
+
+pub fn index_wanted(at: Region, word: &str, first: i64) -> Report {
+    Report::new(
+        at,
+        format!("`{word}` is repeated: pick one, such as `{word}[{first}]`"),
+    )
+}
+
+pub fn index_range(at: Region, word: &str, value: i64, known: &[i64]) -> Report {
+    let range = match known {
+        [only] => format!("only `{word}[{only}]` exists"),
+        [first, .., last] => format!("its indices are {first} to {last}"),
+        [] => "it has none".to_string(),
+    };
+    Report::new(at, format!("`{word}` has no index {value}; {range}"))
+}
+
+pub fn whole_index(at: Region) -> Report {
+    Report::new(at, "an index is a whole number")
+}
+
+pub fn unknown_frame(at: Region, owner: &str, word: &str, frames: &[String]) -> Report {
+    let known = frames.iter().map(String::as_str);
+    Report::new(
+        at,
+        format!(
+            "body `{owner}` has no frame `{word}`{} its frames: {}",
+            ended(translated_or_near(word, known)),
+            frames.join(", ")
+        ),
+    )
+}
+
+pub fn unknown_world_frame(at: Region, word: &str, frames: &[&str]) -> Report {
+    let list = if frames.is_empty() {
+        "it has none: declare `world { frame NAME at [x, y, z] m }`".to_string()
+    } else {
+        format!("its frames: {}", frames.join(", "))
+    };
+    Report::new(
+        at,
+        format!(
+            "the world has no frame `{word}`{} {list}",
+            ended(did_you_mean(word, frames.iter().copied()))
+        ),
+    )
+}
+
+pub fn unknown_body_quantity(at: Region, owner: &str, word: &str, frames: &[String]) -> Report {
+    let known = frames
+        .iter()
+        .map(String::as_str)
+        .chain(words::BODY_QUANTITIES.iter().copied());
+    Report::new(
+        at,
+        format!(
+            "body `{owner}` has no frame or quantity `{word}`{} its frames: {}; its quantities: {}",
+            ended(translated_or_near(word, known)),
+            frames.join(", "),
+            words::BODY_QUANTITIES.join(", ")
+        ),
+    )
+}
+
+/// The nearest word, or our word for another tool's.
+fn translated_or_near<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
+    if nearest(word, known.clone()).is_none()
+        && let Some(ours) = words::translated(words::FOREIGN_QUANTITIES, word)
+        && known.clone().any(|k| k == ours)
+    {
+        return format!("; here it is called `{ours}`.");
+    }
+    did_you_mean(word, known)
+}
+
+pub fn body_without_quantity(at: Region, owner: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{owner}` is a body: ask for a quantity, such as `{owner}.velocity`"),
+    )
+}
+
+pub fn frame_without_quantity(at: Region, owner: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{owner}` is a frame: ask for a quantity, such as `{owner}.position`"),
+    )
+}
+
+pub fn without_quantity(at: Region, owner: &str, kind: &str, known: &[&str]) -> Report {
+    let example = known.first().copied().unwrap_or_default();
+    Report::new(
+        at,
+        format!("`{owner}` is a {kind}: ask for a quantity, such as `{owner}.{example}`"),
+    )
+}
+
+pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{owner}` has no quantity `{word}`{} known: {}",
+            ended(translated_or_near(word, known.iter().copied())),
+            known.join(", ")
+        ),
+    )
+}
+
+pub fn frame_wanted(at: Region, body: &str, frame: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{body}` is a body: name one of its frames, such as `{body}.{frame}`"),
+    )
+}
+
+pub fn no_place(at: Region, word: &str, kind: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{word}` is a {kind}: expected a frame of a body, a point, or a frame of the world"
+        ),
+    )
+}
+
+pub fn after_place(at: Region, word: &str) -> Report {
+    Report::new(at, format!("a place ends before `.{word}`: remove it"))
+}

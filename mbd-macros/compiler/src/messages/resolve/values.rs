@@ -1,0 +1,191 @@
+//! Messages about values: shapes, dimensions, functions.
+
+use mbd_scene::Dimension;
+
+use crate::lexeme::Region;
+use crate::messages::Report;
+use crate::messages::similar::did_you_mean;
+use crate::messages::syntax::ended;
+use crate::syntax::words;
+use crate::units::{self, described, si_text};
+
+pub fn not_finite(at: Region) -> Report {
+    Report::new(
+        at,
+        "this gives no finite number: look for a division by zero",
+    )
+}
+
+pub fn three_components(at: Region, found: usize) -> Report {
+    Report::new(at, format!("a vector has 3 components, found {found}"))
+}
+
+pub fn scalar_wanted(at: Region, what: &str) -> Report {
+    Report::new(at, format!("{what} must be one number, this is a vector"))
+}
+
+pub fn vector_wanted(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!("{what} must be a vector such as `[0.0, 0.0, 1.0]`, this is one number"),
+    )
+}
+
+pub fn mixed_components(at: Region, first: Dimension, this: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the components of a vector must be alike: the first is {}, this is {}",
+            described(first),
+            described(this)
+        ),
+    )
+}
+
+pub fn unit_twice(at: Region, unit: &str) -> Report {
+    Report::new(
+        at,
+        format!("this has a unit of its own, and `{unit}` behind the bracket: write one of them"),
+    )
+}
+
+pub fn no_components(at: Region, axis: &str) -> Report {
+    Report::new(
+        at,
+        format!("this is one number and has no component `{axis}`"),
+    )
+}
+
+pub fn unknown_component(at: Region, axis: &str) -> Report {
+    Report::new(
+        at,
+        format!("a vector has the components x, y and z, no `{axis}`"),
+    )
+}
+
+pub fn two_vectors(at: Region) -> Report {
+    Report::new(
+        at,
+        "`*` does not multiply two vectors: write `dot(a, b)` or `cross(a, b)`",
+    )
+}
+
+pub fn divide_by_vector(at: Region) -> Report {
+    Report::new(
+        at,
+        "`/` does not divide by a vector; by its length: `norm(a)`",
+    )
+}
+
+pub fn number_and_vector(at: Region) -> Report {
+    Report::new(at, "a number and a vector cannot be added or compared")
+}
+
+pub fn unlike(at: Region, first: Dimension, second: Dimension, bare: bool) -> Report {
+    let hint = if bare && (first == units::NONE || second == units::NONE) {
+        "; the number needs a unit"
+    } else {
+        ""
+    };
+    Report::new(
+        at,
+        format!(
+            "only like quantities can be added or compared: the first is {}, the second {}{hint}",
+            described(first),
+            described(second)
+        ),
+    )
+}
+
+pub fn dimension_range(at: Region) -> Report {
+    Report::new(
+        at,
+        "no quantity of mechanics has the dimension this would have",
+    )
+}
+
+pub fn power_of_vector(at: Region) -> Report {
+    Report::new(at, "`^` does not take a vector: write `dot(a, a)`")
+}
+
+pub fn whole_exponent(at: Region) -> Report {
+    Report::new(
+        at,
+        "an exponent is a whole number between -20 and 20; a root is `sqrt(a)`",
+    )
+}
+
+pub fn pure_number_wanted(at: Region, function: &str, found: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{function}` takes a pure number or an angle, this is {}",
+            described(found)
+        ),
+    )
+}
+
+pub fn angle_wanted(at: Region, found: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`polar` takes radius, angle, height; this is {}",
+            described(found)
+        ),
+    )
+}
+
+pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> Report {
+    let text = match words::translated(words::FOREIGN_FUNCTIONS, word) {
+        Some("^") => format!("unknown function `{word}`; write `a^n`"),
+        Some(ours) => format!("unknown function `{word}`; here it is called `{ours}`"),
+        None => format!(
+            "unknown function `{word}`{} functions here: {}",
+            ended(did_you_mean(word, known.iter().copied())),
+            known.join(", ")
+        ),
+    };
+    Report::new(at, text)
+}
+
+pub fn argument_count(at: Region, function: &str, wanted: usize, found: usize) -> Report {
+    let plural = if wanted == 1 { "" } else { "s" };
+    Report::new(
+        at,
+        format!("`{function}` takes {wanted} argument{plural}, found {found}"),
+    )
+}
+
+pub fn argument_dimension(at: Region, table: &str, wanted: Dimension, found: Dimension) -> Report {
+    Report::new(
+        at,
+        format!(
+            "table `{table}` is over {}, this is {}",
+            described(wanted),
+            described(found)
+        ),
+    )
+}
+
+pub fn needs_unit(at: Region, field: &str, wanted: Dimension, text: &str) -> Report {
+    let unit = si_text(wanted);
+    let kind = units::name(wanted).map_or(unit.clone(), |name| format!("{name} ({unit})"));
+    Report::new(
+        at,
+        format!(
+            "`{field}` needs a unit: {kind}. write it as `{text} {unit}`, or put `units: si;` at the top of the model"
+        ),
+    )
+}
+
+pub fn wrong_dimension(at: Region, field: &str, wanted: Dimension, found: Dimension) -> Report {
+    let wanted = if wanted == units::NONE {
+        "a pure number or an angle".to_string()
+    } else {
+        format!("in {}", si_text(wanted))
+    };
+    Report::new(
+        at,
+        format!("`{field}` must be {wanted}, this is {}", described(found)),
+    )
+}
