@@ -16,6 +16,7 @@ struct Place {
     hold: Vec<f64>,
     ends: Vec<f64>,
     inputs: Vec<f64>,
+    rows: Vec<f64>,
 }
 
 /// Compares a model with the laws run on numbers, its derivatives with dual numbers, and asks that M is symmetric and positive definite.
@@ -159,6 +160,7 @@ impl Place {
                 .map(|x| 3.0 * x)
                 .collect(),
             inputs: list(layout.ni),
+            rows: list(layout.nc),
             state,
         }
     }
@@ -172,6 +174,7 @@ impl Place {
             hold: &self.hold,
             ends: &self.ends,
             inputs: &self.inputs,
+            rows: &self.rows,
         }
     }
 }

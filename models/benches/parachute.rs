@@ -63,6 +63,7 @@ fn execution<M: Model<f64>>(
         hold: &hold,
         ends: &[],
         inputs: &[],
+        rows: &[],
     };
     let mut work = model.work();
     let mut out = vec![0.0; layout.len(Quantity::Derivative)];

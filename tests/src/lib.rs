@@ -2,6 +2,8 @@
 
 pub mod families;
 pub mod instant;
+pub mod jet;
+pub mod mechanism;
 pub mod oracle;
 pub mod random;
 pub mod random_scene;

@@ -122,6 +122,7 @@ fn typed_methods_give_the_numbers_of_the_trait() {
         hold: &HOLD,
         ends: &[],
         inputs: &inputs,
+        rows: &[],
     };
     let value = |what: Quantity| {
         let mut out = vec![0.0; kite.layout().len(what)];
@@ -326,6 +327,7 @@ fn a_quantity_that_is_not_emitted_says_so_loudly() {
         hold: &[0.0],
         ends: &[],
         inputs: &[],
+        rows: &[],
     };
     let mut energy = [0.0; 5];
     weight.evaluate(Quantity::Energy, &at, &mut (), &mut energy);
@@ -345,6 +347,7 @@ fn slices_of_a_wrong_length_leave_the_result_untouched() {
         hold: &HOLD,
         ends: &[],
         inputs: &inputs,
+        rows: &[],
     };
     let mut out = vec![7.0; 19];
     kite.evaluate(Quantity::Derivative, &at, &mut (), &mut out);

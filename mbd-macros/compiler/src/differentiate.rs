@@ -208,6 +208,7 @@ mod tests {
             hold: &[],
             ends: &[],
             inputs: &[],
+            rows: &[],
         };
         let mut out = [0.0; 3];
         program.run(

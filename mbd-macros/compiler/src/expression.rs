@@ -30,6 +30,8 @@ pub enum Slot {
     Ends(usize),
     /// An input.
     Input(usize),
+    /// A right-hand side of a row.
+    Row(usize),
     /// A live parameter.
     Param(usize),
     /// A term of the parameters alone, computed once per set of parameters.

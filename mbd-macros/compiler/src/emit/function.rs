@@ -35,6 +35,8 @@ pub enum Group {
     Ends,
     /// Inputs.
     Inputs,
+    /// Right-hand sides of rows.
+    Rows,
     /// Live parameters.
     Params,
     /// Terms of the parameters.
@@ -43,7 +45,7 @@ pub enum Group {
 
 impl Group {
     /// Every list, in the order of arguments.
-    pub const ALL: [Group; 11] = [
+    pub const ALL: [Group; 12] = [
         Group::Time,
         Group::Q,
         Group::V,
@@ -53,6 +55,7 @@ impl Group {
         Group::Hold,
         Group::Ends,
         Group::Inputs,
+        Group::Rows,
         Group::Params,
         Group::Derived,
     ];
@@ -70,6 +73,7 @@ impl Group {
             Group::Hold => "hold",
             Group::Ends => "ends",
             Group::Inputs => "inputs",
+            Group::Rows => "rows",
             Group::Params => "params",
             Group::Derived => "derived",
         }
@@ -86,6 +90,7 @@ impl Group {
             Slot::Hold(i) => (Group::Hold, i),
             Slot::Ends(i) => (Group::Ends, i),
             Slot::Input(i) => (Group::Inputs, i),
+            Slot::Row(i) => (Group::Rows, i),
             Slot::Param(i) => (Group::Params, i),
             Slot::Derived(i) => (Group::Derived, i),
         }
@@ -105,6 +110,7 @@ impl Group {
             Group::Hold => layout.lines.len(),
             Group::Ends => layout.len(mbd_scene::Quantity::Ends),
             Group::Inputs => layout.ni,
+            Group::Rows => layout.nc,
             Group::Params => layout.np,
             Group::Derived => equations.derived.len,
         }
