@@ -78,6 +78,14 @@ pub(crate) fn line_name(scene: &Scene, line: usize) -> &str {
         .map_or("line", |line| line.name.as_str())
 }
 
+/// The name of a joint.
+pub(crate) fn joint_name(scene: &Scene, joint: usize) -> &str {
+    scene
+        .joints
+        .get(joint)
+        .map_or("joint", |joint| joint.name.as_str())
+}
+
 /// The name of the input slot at an index of the list of inputs.
 pub(crate) fn input_name(scene: &Scene, layout: &Layout, index: usize) -> String {
     let slots = layout

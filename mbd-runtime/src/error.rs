@@ -128,6 +128,38 @@ pub enum StepError {
     },
     /// The caller's `go on` said no, at a step boundary.
     Cancelled,
+    /// The joints cannot be satisfied from the given state.
+    InconsistentStart {
+        /// The largest row that is left [m or 1].
+        norm: f64,
+        /// The joints furthest from holding, and by how much, largest first.
+        rows: Vec<(String, f64)>,
+    },
+    /// The joints hold, but on a root of their rows that is not the joint: an axis points the other way, or axes are exchanged.
+    WrongBranch {
+        /// The joints.
+        joints: Vec<String>,
+    },
+    /// Rows of joints repeat each other, for good or in this configuration: the forces in them are not determined.
+    SingularConstraints {
+        /// When [s].
+        time: f64,
+        /// Number of independent rows.
+        rank: usize,
+        /// Number of rows.
+        rows: usize,
+        /// The joints that take part; empty when the rows are independent but their system is too badly conditioned.
+        joints: Vec<String>,
+    },
+    /// A step moved the joints so far apart that the projection did not bring them together.
+    JointsApart {
+        /// When [s].
+        time: f64,
+        /// The largest row that is left [m or 1].
+        norm: f64,
+        /// The joints furthest from holding, and by how much, largest first.
+        rows: Vec<(String, f64)>,
+    },
     /// A combination this runtime does not offer.
     Unsupported {
         /// What was asked for.
@@ -150,6 +182,10 @@ impl StepError {
             StepError::UnstableStep { .. } => "unstable_step",
             StepError::TooManySteps { .. } => "too_many_steps",
             StepError::Cancelled => "cancelled",
+            StepError::InconsistentStart { .. } => "inconsistent_start",
+            StepError::WrongBranch { .. } => "wrong_branch",
+            StepError::SingularConstraints { .. } => "singular_constraints",
+            StepError::JointsApart { .. } => "joints_apart",
             StepError::Unsupported { .. } => "unsupported",
         }
     }
@@ -182,6 +218,19 @@ impl StepError {
             }
             StepError::TooManySteps { .. } => "raise the budget `max_steps`, or take a larger step".into(),
             StepError::Cancelled => "run again: the state is the last accepted step".into(),
+            StepError::InconsistentStart { .. } => {
+                "start closer to a state where all joints hold, or look for joints that contradict each other".into()
+            }
+            StepError::WrongBranch { .. } => {
+                "turn the bodies at these joints so that the axes of both sides agree".into()
+            }
+            StepError::SingularConstraints { joints, .. } if joints.is_empty() => {
+                "bring the masses closer together, or measure lengths in a unit of the size of the mechanism".into()
+            }
+            StepError::SingularConstraints { .. } => {
+                "replace one of these joints by one that forbids less (a hinge by a spherical joint, a weld by nothing), or start away from this configuration".into()
+            }
+            StepError::JointsApart { .. } => "take a smaller step".into(),
             StepError::Unsupported { instead, .. } => instead.clone(),
         }
     }
@@ -239,12 +288,60 @@ impl fmt::Display for StepError {
             }
             StepError::TooManySteps { steps } => write!(f, "{steps} steps were not enough"),
             StepError::Cancelled => write!(f, "the run was cancelled"),
+            StepError::InconsistentStart { norm, rows } => {
+                write!(f, "the joints do not hold at the start ({norm:.3e} left: ")?;
+                list_rows(f, rows)?;
+                write!(f, ")")
+            }
+            StepError::WrongBranch { joints } => write!(
+                f,
+                "at the start {} would hold only turned around",
+                listed(joints)
+            ),
+            StepError::SingularConstraints {
+                time,
+                rank,
+                rows,
+                joints,
+            } if joints.is_empty() => write!(
+                f,
+                "at {time:.9} s the joint forces cannot be solved ({rank} of {rows} rows are independent)"
+            ),
+            StepError::SingularConstraints {
+                time,
+                rank,
+                rows,
+                joints,
+            } => write!(
+                f,
+                "at {time:.9} s {} repeat each other: {rank} of {rows} rows are independent",
+                listed(joints)
+            ),
+            StepError::JointsApart { time, norm, rows } => {
+                write!(f, "at {time:.9} s the joints came apart ({norm:.3e} left: ")?;
+                list_rows(f, rows)?;
+                write!(f, ")")
+            }
             StepError::Unsupported { what, .. } => write!(f, "{what} is not supported"),
         }
     }
 }
 
 impl Error for StepError {}
+
+/// `a`, `b`, `c`.
+fn listed(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    quoted.join(", ")
+}
+
+fn list_rows(f: &mut fmt::Formatter<'_>, rows: &[(String, f64)]) -> fmt::Result {
+    for (index, (name, size)) in rows.iter().enumerate() {
+        let comma = if index == 0 { "" } else { ", " };
+        write!(f, "{comma}`{name}` {size:.3e}")?;
+    }
+    Ok(())
+}
 
 /// Where a run stopped.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

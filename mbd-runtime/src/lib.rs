@@ -5,13 +5,14 @@
 //!   columns with units, [`Snapshot`] continues a run to the bit, [`RunError`] says what went wrong in the names of the declaration.
 //! - [`node`] solves the equilibrium points where lines meet; [`Linearisation`] carries derivatives through them.
 //!
-//! One step of a run: `simulation` tries it (`integrate`: one tableau a method, checked when the crate is built), looks for slack/taut switches and
+//! One step of a run: `simulation` tries it (`integrate`: one tableau a method, checked when the crate is built) and puts it back on the joints (`projection`), looks for slack/taut switches and
 //! declared events inside it (`event`, `locate`), records it (`trajectory`) and commits state and memory together.
 
 #[doc(hidden)]
 #[path = "private.rs"]
 pub mod __private;
 mod columns;
+mod dependence;
 mod error;
 mod event;
 mod generated;
@@ -21,6 +22,7 @@ mod linearise;
 mod locate;
 pub mod node;
 mod options;
+mod projection;
 mod simulation;
 mod system;
 mod trajectory;
@@ -39,7 +41,7 @@ pub use mbd_scene as scene;
 pub use mbd_scene::{At, Cost, Float, Layout, Model, ParamError, Quantity, Real};
 pub use nalgebra;
 pub use node::{Mode, NodeMemory};
-pub use options::{Method, Options};
+pub use options::{Method, Options, Stabilise};
 pub use serde;
 pub use simulation::{Simulation, Snapshot, Stop};
 pub use system::{External, NoLoads};

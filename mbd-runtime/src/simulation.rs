@@ -1,6 +1,6 @@
 //! One run: a model, a method, a state and what the nodes remember, advanced step by step.
 //!
-//! One stage is: inputs → equilibrium points → state derivative. One step is: try, test the error, look for events, record, commit. Nothing is changed
+//! One stage is: inputs → equilibrium points → state derivative. One step is: try, project on the joints, test the error, look for events, record, commit. Nothing is changed
 //! before a step is accepted, so an error or a rejected trial leaves state and memory as they were, to the bit.
 
 use mbd_scene::{Float, Model, Quantity};
@@ -100,6 +100,8 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         let scales = options.scales.unwrap_or_else(|| Scales::of(model));
         let mut system = System::new(model, loads, options.work);
         system.frozen(options.locate);
+        system.projection.stabilise = options.stabilise;
+        system.projection.length = scales.length;
         let fixed = matches!(options.method, Method::Rk4 { .. });
         let length = system.length();
         let (method, pace, tolerance) = match options.method {
@@ -123,6 +125,8 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
             Quantity::Lines,
             Quantity::Outputs,
             Quantity::Energy,
+            Quantity::Constraint,
+            Quantity::Reactions,
         ]
         .map(|what| layout.len(what));
         let mut state = vec![T::zero(); length];

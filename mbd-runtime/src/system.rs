@@ -6,6 +6,7 @@ use crate::columns::{input_name, line_name, node_name, state_names};
 use crate::error::{Source, Statistics, StepError};
 use crate::integrate::Rates;
 use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
+use crate::projection::Projection;
 use crate::watch;
 
 /// What the caller supplies at each evaluation: inputs, external loads, external gravity, in the order of `Layout::inputs`.
@@ -62,10 +63,14 @@ pub(crate) struct System<'m, T: Float, M: Model<T>, E> {
     pub drift: f64,
     /// Length of the state without the integrals behind it.
     pub nx: usize,
-    inputs: Vec<T>,
+    /// The numbers the caller supplied last.
+    pub inputs: Vec<T>,
     quaternions: Vec<usize>,
     energy: [T; 5],
-    work: M::Work,
+    /// Scratch of the model.
+    pub work: M::Work,
+    /// What keeps the state on the joints.
+    pub projection: Projection<T>,
     /// Whether the work of loads and dampers is integrated along.
     works: bool,
 }
@@ -86,6 +91,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
             quaternions: layout.bodies.iter().map(|slots| slots.q + 3).collect(),
             energy: [T::zero(); 5],
             work: model.work(),
+            projection: Projection::new(layout.nc, layout.nv, layout.nx()),
             works,
         }
     }
@@ -338,6 +344,8 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
         let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
         self.model
             .evaluate(Quantity::Derivative, &at, &mut self.work, derivative);
+        self.pull_back(time, state, derivative)?;
+        let at = self.nodes.at(t, state, &self.inputs);
         if !works.is_empty() {
             self.model
                 .evaluate(Quantity::Energy, &at, &mut self.work, &mut self.energy);
@@ -347,11 +355,14 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
         }
         match out.iter().position(|x| !x.is_finite()) {
             None => Ok(()),
-            Some(index) => Err(self.not_finite(time, index)),
+            Some(index) => Err(self
+                .unsolvable(time, state)
+                .unwrap_or_else(|| self.not_finite(time, index))),
         }
     }
 
-    fn settle(&mut self, state: &mut [T]) {
+    fn settle(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         self.drift = self.normalise(state);
+        self.stay(time, state)
     }
 }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use mbd_scene::{Float, Layout, Model, Quantity, Scene};
 
-use crate::columns::{Name, line_name, node_name, state_names};
+use crate::columns::{Name, joint_name, line_name, node_name, state_names};
 use crate::error::{Statistics, StepError};
 use crate::system::{External, System, WORKS};
 
@@ -22,12 +22,15 @@ pub enum Sampling {
 /// What a row holds besides the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Content {
-    /// All coordinates of the state.
+    /// All coordinates of the state; what the quaternions, and in a scene with joints Φ and Φ̇, are off by: the largest row, rows without unit
+    /// counted as metres.
     pub state: bool,
     /// Positions of nodes that are not part of the state, velocities of `rate` nodes.
     pub nodes: bool,
     /// Tension [N] and stretch [m] of every line.
     pub lines: bool,
+    /// Force [N] and torque [N m] of every joint on its child at the origin of its frame there, world axes.
+    pub reactions: bool,
     /// The declared outputs.
     pub outputs: bool,
     /// Kinetic, gravitational and elastic energy and their sum [J], power of loads and dampers [W], and their work [J] when the run integrates it.
@@ -40,6 +43,7 @@ impl Content {
         state: true,
         nodes: true,
         lines: true,
+        reactions: true,
         outputs: true,
         energy: true,
     };
@@ -48,6 +52,7 @@ impl Content {
         state: false,
         nodes: false,
         lines: true,
+        reactions: false,
         outputs: true,
         energy: false,
     };
@@ -209,6 +214,11 @@ impl Trajectory {
             self.row
                 .extend(state.iter().take(layout.nx()).map(|x| x.to_f64()));
             self.row.push(system.drift);
+            for what in [Quantity::Constraint, Quantity::ConstraintRate] {
+                let rows = read(system, what, time, state, scratch);
+                let sizes = rows.iter().map(|x| x.to_f64().abs());
+                self.row.extend(sizes.reduce(f64::max));
+            }
         }
         if self.content.nodes {
             self.row
@@ -220,6 +230,10 @@ impl Trajectory {
                 self.row
                     .extend(line.iter().step_by(2).take(2).map(|x| x.to_f64()));
             }
+        }
+        if self.content.reactions {
+            let reactions = read(system, Quantity::Reactions, time, state, scratch);
+            self.row.extend(reactions.iter().map(|x| x.to_f64()));
         }
         if self.content.outputs {
             let outputs = read(system, Quantity::Outputs, time, state, scratch);
@@ -268,6 +282,10 @@ fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
     if content.state {
         names.extend(state_names(scene, layout));
         names.push(Name::new("quaternion_drift", "", ""));
+        if layout.nc > 0 {
+            names.push(Name::new("joint_drift", "", "m"));
+            names.push(Name::new("joint_drift_rate", "", "m/s"));
+        }
     }
     if content.nodes {
         for node in &layout.nodes {
@@ -283,6 +301,14 @@ fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
         for line in 0..scene.lines.len() {
             names.push(Name::new(line_name(scene, line), "tension", "N"));
             names.push(Name::new(line_name(scene, line), "stretch", "m"));
+        }
+    }
+    if content.reactions && layout.nc > 0 {
+        for joint in 0..scene.joints.len() {
+            for (kind, unit) in [("force", "N"), ("torque", "N m")] {
+                let owner = format!("{}.{kind}", joint_name(scene, joint));
+                names.extend(["x", "y", "z"].map(|c| Name::new(&owner, c, unit)));
+            }
         }
     }
     if content.outputs {

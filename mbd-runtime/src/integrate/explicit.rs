@@ -83,11 +83,11 @@ impl<T: Float> Explicit<T> {
         for (i, (c, row)) in self.rows.iter().enumerate().skip(1) {
             let (done, rest) = self.stages.split_at_mut(i * self.length);
             combine(state, h, row.iter().copied(), done, &mut self.trial);
+            let span = c * step;
             if i == last {
-                system.settle(&mut self.trial);
+                system.settle(time + span, &mut self.trial)?;
                 self.next.copy_from_slice(&self.trial);
             }
-            let span = c * step;
             let (stage, _) = rest.split_at_mut(self.length);
             system.rates(time + span, span, &self.trial, stage)?;
         }
@@ -204,7 +204,9 @@ mod tests {
             Ok(())
         }
 
-        fn settle(&mut self, _: &mut [f64]) {}
+        fn settle(&mut self, _: f64, _: &mut [f64]) -> Result<(), StepError> {
+            Ok(())
+        }
     }
 
     /// The largest error at step ends and at seven places inside each step, over 4 s.

@@ -277,7 +277,11 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             if due > end + resolution(end) {
                 break;
             }
-            self.inside_state(((due - self.time) / step).min(1.0), step);
+            let theta = ((due - self.time) / step).min(1.0);
+            self.inside_state(theta, step);
+            if theta < 1.0 {
+                self.system.stay(due, &mut self.inside)?;
+            }
             trajectory.push(
                 &mut self.system,
                 due,

@@ -5,7 +5,7 @@ use mbd_scene::{Float, Model, NodeModel};
 use super::{Pace, Simulation};
 use crate::columns::{input_name, node_name, state_names};
 use crate::error::{RunError, StepError};
-use crate::integrate::{Control, Rates};
+use crate::integrate::Control;
 use crate::locate::Chatter;
 use crate::options::{Method, Options};
 use crate::system::{External, WORKS};
@@ -45,7 +45,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             return Err(self.failed(cause));
         }
         let mut fresh = state.to_vec();
-        self.system.settle(&mut fresh);
+        self.system.drift = self.system.normalise(&mut fresh);
         if self.system.drift > 1e-3 {
             let cause = invalid(
                 "deviation of a quaternion from unit length".into(),
@@ -82,11 +82,11 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         Ok(())
     }
 
-    /// Makes the start consistent: places the nodes, decides the mode of every line, evaluates the first rates. [`Simulation::run`] does it when
+    /// Makes the start consistent: moves bodies so that the joints hold (the given state chooses the branch), places the nodes, decides the mode of every line, evaluates the first rates. [`Simulation::run`] does it when
     /// it was not done.
     ///
     /// # Errors
-    /// No equilibrium of a node, or rates that are not finite.
+    /// Joints that cannot be satisfied together, or only on a branch they do not mean; no equilibrium of a node; rates that are not finite.
     pub fn start(&mut self) -> Result<(), RunError> {
         self.started = true;
         self.origin = self.time;
@@ -102,6 +102,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     }
 
     fn consistent_start(&mut self) -> Result<(), StepError> {
+        self.system.assemble(self.time, &mut self.state)?;
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
         self.watch_weights = self.system.watch_weights(self.time, &self.state)?;

@@ -265,14 +265,7 @@ pub fn fly_model<M: Model<f64>>(plan: &Plan, model: &M) -> Result<Flight, Flight
     if owner(model) == Owner::Solver {
         simulation.set_nodes(&plan.from.point)?;
     }
-    let content = Content {
-        state: false,
-        nodes: false,
-        lines: true,
-        outputs: true,
-        energy: false,
-    };
-    let mut history = Trajectory::new(model, plan.sampling.clone(), content);
+    let mut history = Trajectory::new(model, plan.sampling.clone(), Content::RESULTS);
     let clock = Clock::now();
     simulation.record(plan.until, &mut history)?;
     let wall_s = clock.elapsed().as_secs_f64();

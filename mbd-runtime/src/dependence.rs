@@ -1,0 +1,105 @@
+//! Which rows repeat others: elimination of the dense Jacobian row by row, in the order of declaration. Only where a run has failed.
+
+use mbd_scene::Float;
+
+/// Part of a row that must be new for it to count as independent.
+const NEW: f64 = 1e-9;
+/// Part of a combination from which on a row takes part in it.
+const INVOLVED: f64 = 1e-6;
+
+/// What depends on what.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Dependence {
+    /// Number of independent rows.
+    pub rank: usize,
+    /// Rows that take part in a dependence, in order.
+    pub rows: Vec<usize>,
+    /// The largest Σ c Φ over the dependences Σ c Φ_v = 0, |c| ≤ 1: zero unless the rows contradict each other.
+    pub contradiction: f64,
+}
+
+/// A direction of the rows so far, and the rows it is made of.
+struct Direction {
+    unit: Vec<f64>,
+    made: Vec<f64>,
+}
+
+/// The dependences of the rows of a dense Jacobian with `columns` columns, whose values are `values`.
+pub(crate) fn dependent<T: Float>(jacobian: &[T], columns: usize, values: &[T]) -> Dependence {
+    let mut directions: Vec<Direction> = Vec::new();
+    let mut found = Dependence::default();
+    let mut involved = vec![false; values.len()];
+    for (index, row) in jacobian.chunks_exact(columns.max(1)).enumerate() {
+        let mut rest: Vec<f64> = row.iter().map(|x| x.to_f64()).collect();
+        let mut made = vec![0.0; values.len()];
+        if let Some(own) = made.get_mut(index) {
+            *own = 1.0;
+        }
+        let whole = norm(&rest);
+        // Twice is enough to leave nothing but the new part.
+        for _ in 0..2 {
+            for direction in &directions {
+                let along = dot(&rest, &direction.unit);
+                subtract(&mut rest, along, &direction.unit);
+                subtract(&mut made, along, &direction.made);
+            }
+        }
+        let new = norm(&rest);
+        if new > NEW * whole {
+            let scale = |list: Vec<f64>| list.into_iter().map(|x| x / new).collect();
+            directions.push(Direction {
+                unit: scale(rest),
+                made: scale(made),
+            });
+            continue;
+        }
+        let largest = made.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+        for (flag, c) in involved.iter_mut().zip(&made) {
+            *flag |= c.abs() > INVOLVED * largest;
+        }
+        let left = made.iter().zip(values).map(|(c, value)| c * value.to_f64());
+        let left = left.sum::<f64>().abs() / largest;
+        found.contradiction = found.contradiction.max(left);
+    }
+    found.rank = directions.len();
+    let rows = involved.iter().enumerate();
+    found.rows = rows
+        .filter(|(_, flag)| **flag)
+        .map(|(row, _)| row)
+        .collect();
+    found
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn subtract(from: &mut [f64], times: f64, what: &[f64]) {
+    for (a, b) in from.iter_mut().zip(what) {
+        *a -= times * b;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::dependent;
+
+    #[test]
+    fn a_sum_of_two_rows_is_found_with_its_parts_and_its_contradiction() {
+        let jacobian = [
+            1.0, 0.0, 2.0, 0.0, //
+            0.0, 0.0, 0.0, 1.0, //
+            0.0, 3.0, 1.0, 0.0, //
+            1.0, 3.0, 3.0, 0.0,
+        ];
+        let found = dependent(&jacobian, 4, &[0.1, 0.0, 0.2, 0.3]);
+        assert_eq!((found.rank, found.rows), (3, vec![0, 2, 3]));
+        assert!(found.contradiction < 1e-15);
+        let found = dependent(&jacobian, 4, &[0.1, 0.0, 0.2, 0.7]);
+        assert!((found.contradiction - 0.4).abs() < 1e-12);
+    }
+}

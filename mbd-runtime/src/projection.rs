@@ -1,0 +1,420 @@
+//! Staying on the joints: projection of positions, then of velocities, and a start that obeys them.
+//!
+//! ```text
+//! Φ_v δ = −Φ,    M δ = Φ_vᵀ μ,   x ← x moved by δ         repeated with fresh rows                (1)
+//! Φ_v δ = −Φ_v v, M δ = Φ_vᵀ μ,  v ← v + δ                                                        (2)
+//! ```
+//!
+//! The move is the smallest one weighted by mass. Rotations move by the exponential: q ← q ∘ exp(δ/2) in body components,
+//! exp(δ/2) ∘ q in world components. A trial step is projected before its last stage, so that the rates at its end are those of the
+//! projected state; the error estimate is made of the stages alone and does not see the move.
+
+use mbd_scene::laws::{self, Numbers};
+use mbd_scene::{AngularVelocity, At, Float, Model, PointSlots, Quantity};
+
+use crate::columns::joint_name;
+use crate::dependence::{Dependence, dependent};
+use crate::error::StepError;
+use crate::options::Stabilise;
+use crate::system::{External, System};
+
+/// Iterations of (1) in a step; two are usual.
+const STEP_ITERATIONS: u32 = 8;
+/// Iterations of (1) at the start.
+const START_ITERATIONS: u32 = 20;
+/// The largest turn of one iteration [rad]: beyond it the rows are nothing like their linear part.
+const LARGEST_TURN: f64 = 0.7;
+/// Rows that a step leaves this far from zero, in scene lengths, have come apart.
+const APART: f64 = 1e-6;
+/// Relative error of a solve with arbitrary right-hand sides from which on the rows count as dependent.
+const UNSOLVED: f64 = 1e-3;
+/// How many joints an error names.
+const NAMED: usize = 3;
+
+/// Room for the projection of one scene.
+pub(crate) struct Projection<T> {
+    /// How the run stays on the joints.
+    pub stabilise: Stabilise,
+    /// Length of the scene [m].
+    pub length: f64,
+    rows: Vec<T>,
+    shift: Vec<T>,
+    trial: Vec<T>,
+}
+
+impl<T: Float> Projection<T> {
+    /// Room for `nc` rows, `nv` speeds and states of length `nx`; nothing to do without rows.
+    pub(crate) fn new(nc: usize, nv: usize, nx: usize) -> Self {
+        let room = |length| vec![T::zero(); if nc > 0 { length } else { 0 }];
+        Projection {
+            stabilise: Stabilise::Projection,
+            length: 1.0,
+            rows: room(nc),
+            shift: room(nv),
+            trial: room(nx),
+        }
+    }
+
+    /// Whether there are rows.
+    pub(crate) fn any(&self) -> bool {
+        !self.rows.is_empty()
+    }
+}
+
+impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
+    /// Puts the state of a trial step back on the joints by (1) and (2).
+    pub(crate) fn stay(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
+        if !self.projection.any() || self.projection.stabilise != Stabilise::Projection {
+            return Ok(());
+        }
+        let state = state.get_mut(..self.nx).unwrap_or_default();
+        let norm = self.project_positions(time, state, STEP_ITERATIONS)?;
+        if norm > (APART * self.projection.length).max(self.rounding(state)) {
+            return Err(StepError::JointsApart {
+                time,
+                norm,
+                rows: self.worst_joints(),
+            });
+        }
+        self.project_velocities(time, state)
+    }
+
+    /// Makes a start consistent: independent rows, positions by (1), the branch every joint means, velocities by (2).
+    pub(crate) fn assemble(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
+        if !self.projection.any() {
+            return Ok(());
+        }
+        let state = state.get_mut(..self.nx).unwrap_or_default();
+        self.check_independent(time, state)?;
+        let norm = self.project_positions(time, state, START_ITERATIONS)?;
+        if !self.holds(norm, state) {
+            return Err(StepError::InconsistentStart {
+                norm,
+                rows: self.worst_joints(),
+            });
+        }
+        self.check_branches(time, state)?;
+        self.check_independent(time, state)?;
+        self.project_velocities(time, state)
+    }
+
+    /// Adds Baumgarte's −2α Φ̇ − α² Φ to the right-hand side of the acceleration rows, where the run asks for it. The move of (1) with these as
+    /// rows is exactly what they add to the accelerations.
+    pub(crate) fn pull_back(
+        &mut self,
+        time: f64,
+        state: &[T],
+        rates: &mut [T],
+    ) -> Result<(), StepError> {
+        let Stabilise::Baumgarte { alpha } = self.projection.stabilise else {
+            return Ok(());
+        };
+        if !self.projection.any() {
+            return Ok(());
+        }
+        let alpha = T::from_f64(alpha);
+        self.read_rows(Quantity::Constraint, time, state);
+        let (kept, rows) = (&mut self.projection.trial, &self.projection.rows);
+        for (to, row) in kept.iter_mut().zip(rows) {
+            *to = alpha * alpha * *row;
+        }
+        self.read_rows(Quantity::ConstraintRate, time, state);
+        let (kept, rows) = (&self.projection.trial, &mut self.projection.rows);
+        for (row, position) in rows.iter_mut().zip(kept) {
+            *row = (alpha + alpha) * *row + *position;
+        }
+        self.correct(time, state)?;
+        let nq = self.model.layout().nq;
+        for (rate, more) in rates.iter_mut().skip(nq).zip(&self.projection.shift) {
+            *rate += *more;
+        }
+        Ok(())
+    }
+
+    /// The typed error of a state where the rows cannot be solved; `None` if they can.
+    #[cold]
+    pub(crate) fn unsolvable(&mut self, time: f64, state: &[T]) -> Option<StepError> {
+        if !self.projection.any() || state.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        self.check_independent(time, state).err()
+    }
+
+    /// Repeats (1); hands back what is left of Φ.
+    fn project_positions(
+        &mut self,
+        time: f64,
+        state: &mut [T],
+        most: u32,
+    ) -> Result<f64, StepError> {
+        let mut before = f64::INFINITY;
+        for _ in 0..most {
+            let norm = self.read_rows(Quantity::Constraint, time, state);
+            let settled = norm <= 4.0 * T::EPSILON.to_f64() * self.size(state);
+            // At the level of rounding another move gains nothing.
+            if settled || self.holds(norm, state) && norm > 0.5 * before {
+                return Ok(norm);
+            }
+            before = norm;
+            self.correct(time, state)?;
+            self.displace(state);
+        }
+        Ok(self.read_rows(Quantity::Constraint, time, state))
+    }
+
+    /// Applies (2), twice where the first leaves something.
+    fn project_velocities(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
+        let nq = self.model.layout().nq;
+        for _ in 0..2 {
+            let norm = self.read_rows(Quantity::ConstraintRate, time, state);
+            let speeds = state.get_mut(nq..).unwrap_or_default();
+            let speeds = speeds.iter_mut().take(self.projection.shift.len());
+            let fastest = speeds.fold(0.0, |most: f64, v| most.max(v.to_f64().abs()));
+            if norm <= 4.0 * T::EPSILON.to_f64() * fastest {
+                break;
+            }
+            self.correct(time, state)?;
+            let speeds = state.iter_mut().skip(nq);
+            for (speed, more) in speeds.zip(&self.projection.shift) {
+                *speed += *more;
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads rows; their largest size, infinite where one is not finite.
+    fn read_rows(&mut self, what: Quantity, time: f64, state: &[T]) -> f64 {
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        self.model
+            .evaluate(what, &at, &mut self.work, &mut self.projection.rows);
+        largest(&self.projection.rows)
+    }
+
+    /// Solves for the move that takes the rows out.
+    fn correct(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        self.solve_rows(time, state);
+        if largest(&self.projection.shift).is_finite() {
+            return Ok(());
+        }
+        Err(self.singular(time, state))
+    }
+
+    fn solve_rows(&mut self, time: f64, state: &[T]) {
+        let Projection { rows, shift, .. } = &mut self.projection;
+        let at = At {
+            rows,
+            ..self.nodes.at(T::from_f64(time), state, &self.inputs)
+        };
+        self.model
+            .evaluate(Quantity::Correction, &at, &mut self.work, shift);
+    }
+
+    /// Moves positions by δ, shortened where it turns a body too far.
+    fn displace(&self, state: &mut [T]) {
+        let layout = self.model.layout();
+        let body_axes = self.model.scene().angular_velocity == AngularVelocity::Body;
+        let shift = &self.projection.shift;
+        let turn = |v: usize| shift.get(v + 3..v + 6).unwrap_or(&[]);
+        let turns = layout.bodies.iter().map(|slots| length(turn(slots.v)));
+        let most = turns.fold(T::zero(), |a, b| a.max(b));
+        let limit = T::from_f64(LARGEST_TURN);
+        let part = if most > limit { limit / most } else { T::one() };
+        let masses = layout.points.iter().filter_map(|slots| match slots {
+            PointSlots::Mass(slots) => Some(slots),
+            PointSlots::Node(_) => None,
+        });
+        for slots in layout.bodies.iter().chain(masses) {
+            let moves = shift.iter().skip(slots.v).take(3);
+            for (x, dx) in state.iter_mut().skip(slots.q).zip(moves) {
+                *x += part * *dx;
+            }
+        }
+        for slots in &layout.bodies {
+            if let Some(quaternion) = state.get_mut(slots.q + 3..slots.q + 7) {
+                rotate(quaternion, turn(slots.v), part, body_axes);
+            }
+        }
+        self.normalise(state);
+    }
+
+    /// The largest coordinate, or the length of the scene.
+    fn size(&self, state: &[T]) -> f64 {
+        let coordinates = state.iter().take(self.model.layout().nq);
+        coordinates.fold(self.projection.length, |most, x| most.max(x.to_f64().abs()))
+    }
+
+    /// What rounding may leave of Φ.
+    fn rounding(&self, state: &[T]) -> f64 {
+        64.0 * T::EPSILON.to_f64() * self.size(state)
+    }
+
+    /// Whether rows of this size hold.
+    fn holds(&self, norm: f64, state: &[T]) -> bool {
+        norm <= (1e-12 * self.projection.length).max(self.rounding(state))
+    }
+
+    /// Solves with arbitrary right-hand sides and puts the move back into the rows: dependent rows cannot give them back.
+    fn check_independent(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        let asked = |row: usize| if row.is_multiple_of(2) { 1.0 } else { -0.5 } + 0.1 * (row as f64 * 1.7).sin();
+        for (row, value) in self.projection.rows.iter_mut().enumerate() {
+            *value = T::from_f64(asked(row));
+        }
+        self.solve_rows(time, state);
+        let mut unsolved = !largest(&self.projection.shift).is_finite();
+        if !unsolved {
+            let nq = self.model.layout().nq;
+            let mut trial = std::mem::take(&mut self.projection.trial);
+            let speeds = self.projection.shift.iter();
+            let moved = state.iter().take(nq).chain(speeds);
+            let moved = moved.chain(state.iter().skip(nq + self.projection.shift.len()));
+            for (to, from) in trial.iter_mut().zip(moved) {
+                *to = *from;
+            }
+            self.read_rows(Quantity::ConstraintRate, time, &trial);
+            self.projection.trial = trial;
+            let rows = self.projection.rows.iter().enumerate();
+            let error = rows.fold(0.0, |most: f64, (row, got)| {
+                most.max((got.to_f64() + asked(row)).abs())
+            });
+            unsolved = error > UNSOLVED;
+        }
+        if unsolved {
+            return Err(self.singular(time, state));
+        }
+        Ok(())
+    }
+
+    /// Says which rows depend on each other, and whether they contradict.
+    #[cold]
+    fn singular(&mut self, time: f64, state: &[T]) -> StepError {
+        let layout = self.model.layout();
+        let mut jacobian = vec![T::zero(); layout.len(Quantity::ConstraintJacobian)];
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        self.model.evaluate(
+            Quantity::ConstraintJacobian,
+            &at,
+            &mut self.work,
+            &mut jacobian,
+        );
+        let norm = self.read_rows(Quantity::Constraint, time, state);
+        let Dependence {
+            rank,
+            rows,
+            contradiction,
+        } = dependent(&jacobian, layout.nv, &self.projection.rows);
+        if contradiction > 0.1 * norm && !self.holds(norm, state) {
+            return StepError::InconsistentStart {
+                norm,
+                rows: self.worst_joints(),
+            };
+        }
+        let scene = self.model.scene();
+        let joints = layout.joints.iter().enumerate();
+        let involved = joints.filter(|(_, slots)| {
+            let own = slots.row..slots.row + slots.len;
+            rows.iter().any(|row| own.contains(row))
+        });
+        StepError::SingularConstraints {
+            time,
+            rank,
+            rows: layout.nc,
+            joints: involved
+                .map(|(joint, _)| joint_name(scene, joint).to_owned())
+                .collect(),
+        }
+    }
+
+    /// The joints whose rows are furthest from zero, largest first, from the rows that were read last.
+    #[cold]
+    fn worst_joints(&self) -> Vec<(String, f64)> {
+        let (scene, layout) = (self.model.scene(), self.model.layout());
+        let joints = layout.joints.iter().enumerate();
+        let mut worst: Vec<(String, f64)> = joints
+            .map(|(joint, slots)| {
+                let rows = self.projection.rows.get(slots.row..slots.row + slots.len);
+                let size = largest(rows.unwrap_or(&[]));
+                (joint_name(scene, joint).to_owned(), size)
+            })
+            .collect();
+        worst.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let most = worst.first().map_or(0.0, |first| first.1);
+        worst.retain(|(_, size)| *size >= 1e-3 * most);
+        worst.truncate(NAMED);
+        worst
+    }
+
+    /// Rows have more roots than the one that is meant: every joint must be on its own.
+    fn check_branches(&self, time: f64, state: &[T]) -> Result<(), StepError> {
+        let (scene, layout) = (self.model.scene(), self.model.layout());
+        let numbers = Numbers::new(scene, self.model.params());
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let joints = layout.joints.iter().enumerate();
+        let flipped: Vec<String> = joints
+            .filter(|(joint, slots)| {
+                let signs = laws::branch(scene, layout, &numbers, &at, *joint);
+                slots.len > 0 && !signs.iter().all(|sign| *sign > T::zero())
+            })
+            .map(|(joint, _)| joint_name(scene, joint).to_owned())
+            .collect();
+        if flipped.is_empty() {
+            return Ok(());
+        }
+        Err(StepError::WrongBranch { joints: flipped })
+    }
+}
+
+/// The largest size; infinite where a number is not finite.
+fn largest<T: Float>(list: &[T]) -> f64 {
+    list.iter().fold(0.0, |most, x| match x.is_finite() {
+        true => most.max(x.to_f64().abs()),
+        false => f64::INFINITY,
+    })
+}
+
+fn length<T: Float>(vector: &[T]) -> T {
+    let square = vector.iter().fold(T::zero(), |sum, x| sum + *x * *x);
+    square.sqrt()
+}
+
+/// Turns a quaternion w x y z by `part` of a small turn, in body axes or in world axes.
+fn rotate<T: Float>(quaternion: &mut [T], turn: &[T], part: T, body_axes: bool) {
+    let ([w, x, y, z], [a, b, c]) = (quaternion, turn) else {
+        return;
+    };
+    let half = T::from_f64(0.5) * part * length(turn);
+    let (sine, cosine) = half.sin_cos();
+    let scale = if half > T::zero() {
+        T::from_f64(0.5) * part * sine / half
+    } else {
+        T::zero()
+    };
+    let (a, b, c) = (*a * scale, *b * scale, *c * scale);
+    // q ∘ r and r ∘ q differ in the sign of the cross product.
+    let sign = if body_axes { T::one() } else { -T::one() };
+    let turned = [
+        *w * cosine - *x * a - *y * b - *z * c,
+        *w * a + *x * cosine + sign * (*y * c - *z * b),
+        *w * b + *y * cosine + sign * (*z * a - *x * c),
+        *w * c + *z * cosine + sign * (*x * b - *y * a),
+    ];
+    [*w, *x, *y, *z] = turned;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rotate;
+
+    #[test]
+    fn a_turn_in_body_axes_is_the_turned_one_in_world_axes() {
+        // A quarter turn about z carries body x onto world y.
+        let root = 0.5_f64.sqrt();
+        let mut body = [root, 0.0, 0.0, root];
+        let mut world = body;
+        rotate(&mut body, &[0.3, 0.0, 0.0], 1.0, true);
+        rotate(&mut world, &[0.0, 0.3, 0.0], 1.0, false);
+        for (a, b) in body.iter().zip(&world) {
+            assert!((a - b).abs() < 1e-15, "{body:?} {world:?}");
+        }
+        assert!((body.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-15);
+    }
+}
