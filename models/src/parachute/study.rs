@@ -136,17 +136,27 @@ pub fn study(mut tell: impl FnMut(&str, f64)) -> Result<Study, FlightError> {
     for case in [TestCase::Two, TestCase::Three] {
         let mut references: Vec<(Confluence, Flight)> = Vec::new();
         for &(confluence, step, located) in TABLE {
-            tell(&format!("case {}, {confluence}, step {step} s", case.number()), runs.len() as f64 / total);
+            tell(
+                &format!("case {}, {confluence}, step {step} s", case.number()),
+                runs.len() as f64 / total,
+            );
             let exact = confluence.exact();
             if !references.iter().any(|(known, _)| *known == exact) {
-                references.push((exact, fly(&Plan::new(case, exact, tight(TIGHT), END).sampled(&times))?));
+                references.push((
+                    exact,
+                    fly(&Plan::new(case, exact, tight(TIGHT), END).sampled(&times))?,
+                ));
             }
-            let reference = references.iter().find(|(known, _)| *known == exact).map(|(_, flight)| flight);
+            let reference = references
+                .iter()
+                .find(|(known, _)| *known == exact)
+                .map(|(_, flight)| flight);
             let limit = match runs.iter().find(|run: &&Run| run.confluence == confluence) {
                 Some(known) => known.limit,
                 None => largest_stable_step(confluence)?,
             };
-            let flight = fly(&Plan::new(case, confluence, options(step, located), END).sampled(&times))?;
+            let flight =
+                fly(&Plan::new(case, confluence, options(step, located), END).sampled(&times))?;
             weight = capsule_weight(&flight.end);
             runs.push(Run {
                 case,
@@ -163,38 +173,69 @@ pub fn study(mut tell: impl FnMut(&str, f64)) -> Result<Study, FlightError> {
     }
     let mut races = Vec::new();
     for kg in [0.1, 1.0] {
-        tell(&format!("equal error, {kg} kg against the equilibrium point"), (runs.len() + races.len()) as f64 / total);
-        races.push(race(Confluence::Mass(kg, Damping::On), Confluence::Euler, weight)?);
+        tell(
+            &format!("equal error, {kg} kg against the equilibrium point"),
+            (runs.len() + races.len()) as f64 / total,
+        );
+        races.push(race(
+            Confluence::Mass(kg, Damping::On),
+            Confluence::Euler,
+            weight,
+        )?);
     }
     tell("drawing", 1.0);
-    Ok(Study { runs, races, weight })
+    Ok(Study {
+        runs,
+        races,
+        weight,
+    })
 }
 
 /// Adaptive steps at a tight tolerance: the light point with mass keeps them at its stability limit, a million for 100 s.
 #[must_use]
 pub fn tight(rtol: f64) -> Options {
-    Options { max_steps: u64::MAX, ..Options::tsit5(rtol) }
+    Options {
+        max_steps: u64::MAX,
+        ..Options::tsit5(rtol)
+    }
 }
 
 /// RK4 at a fixed step. The tables search for and cross the limit, so the watch is off where it would stop the search.
 fn options(step: f64, located: bool) -> Options {
-    Options { locate: located, ..Options::rk4(step) }
+    Options {
+        locate: located,
+        ..Options::rk4(step)
+    }
 }
 
 /// Largest difference of the riser force: over all rows, and from 2 s on [N].
 #[must_use]
 pub fn errors(flight: &Flight, reference: &Flight) -> [f64; 2] {
-    let rows = flight.times().iter().zip(flight.riser()).zip(reference.riser());
+    let rows = flight
+        .times()
+        .iter()
+        .zip(flight.riser())
+        .zip(reference.riser());
     rows.fold([0.0; 2], |[whole, late], ((&time, force), exact)| {
         let difference = (force - exact).abs();
-        [f64::max(whole, difference), if time >= 2.0 { f64::max(late, difference) } else { late }]
+        [
+            f64::max(whole, difference),
+            if time >= 2.0 {
+                f64::max(late, difference)
+            } else {
+                late
+            },
+        ]
     })
 }
 
 /// The highest frequency in the riser force between the times of [`TONE`].
 fn tone(flight: &Flight) -> Option<[f64; 2]> {
     let rows = flight.times().iter().zip(flight.riser());
-    let samples: Vec<f64> = rows.filter(|(time, _)| (TONE[0]..TONE[1]).contains(*time)).map(|(_, force)| *force).collect();
+    let samples: Vec<f64> = rows
+        .filter(|(time, _)| (TONE[0]..TONE[1]).contains(*time))
+        .map(|(_, force)| *force)
+        .collect();
     let peak = Spectrum::of(&samples, TONE_STEP)?.highest(1e-3, TONE_LEAST)?;
     Some([peak.frequency_hz, peak.amplitude])
 }
@@ -210,24 +251,56 @@ fn race(mass: Confluence, node: Confluence, weight: f64) -> Result<Race, FlightE
     let [mass_step, node_step] = [accurate_step(mass, weight)?, accurate_step(node, weight)?];
     let mut walls = [Vec::new(), Vec::new()];
     for _ in 0..5 {
-        for (wall, (confluence, step)) in walls.iter_mut().zip([(mass, mass_step.0), (node, node_step.0)]) {
-            wall.push(fly(&Plan::new(TestCase::Two, confluence, options(step, false), END))?.wall_s / END);
+        for (wall, (confluence, step)) in walls
+            .iter_mut()
+            .zip([(mass, mass_step.0), (node, node_step.0)])
+        {
+            wall.push(
+                fly(&Plan::new(
+                    TestCase::Two,
+                    confluence,
+                    options(step, false),
+                    END,
+                ))?
+                .wall_s
+                    / END,
+            );
         }
     }
     let [mass_wall, node_wall] = walls.map(median);
     Ok(Race {
-        mass: Contender { confluence: mass, step: mass_step.0, error: mass_step.1, wall_s_per_s: mass_wall },
-        node: Contender { confluence: node, step: node_step.0, error: node_step.1, wall_s_per_s: node_wall },
+        mass: Contender {
+            confluence: mass,
+            step: mass_step.0,
+            error: mass_step.1,
+            wall_s_per_s: mass_wall,
+        },
+        node: Contender {
+            confluence: node,
+            step: node_step.0,
+            error: node_step.1,
+            wall_s_per_s: node_wall,
+        },
     })
 }
 
 /// The largest of a ladder of steps (ratio 0.9) at which the riser force of case 2 is accurate from 2 s on, and its error.
 fn accurate_step(confluence: Confluence, weight: f64) -> Result<(f64, f64), FlightError> {
     let times: Vec<f64> = (0..=136).map(|i| 2.0 + 0.5 * f64::from(i)).collect();
-    let exact = fly(&Plan::new(TestCase::Two, confluence.exact(), tight(TIGHT), END).sampled(&times))?;
+    let exact =
+        fly(&Plan::new(TestCase::Two, confluence.exact(), tight(TIGHT), END).sampled(&times))?;
     let mut step = largest_stable_step(confluence)?.taut;
     loop {
-        let plan = Plan::new(TestCase::Two, confluence, Options { watch: false, ..options(step, false) }, END).sampled(&times);
+        let plan = Plan::new(
+            TestCase::Two,
+            confluence,
+            Options {
+                watch: false,
+                ..options(step, false)
+            },
+            END,
+        )
+        .sampled(&times);
         if let Ok(flight) = fly(&plan) {
             let error = errors(&flight, &exact)[1];
             if error <= EQUAL_ERROR * weight {
