@@ -2,6 +2,8 @@
 
 pub mod declared;
 pub mod families;
+pub mod flights;
+pub mod implicit;
 pub mod instant;
 pub mod oracle;
 pub mod random;
