@@ -154,6 +154,7 @@ impl<T: Float> Lists<T> {
             hold: &self.hold,
             ends: &self.ends,
             inputs: &self.inputs,
+            rows: &[],
         }
     }
 }

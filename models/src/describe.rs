@@ -246,6 +246,13 @@ fn quantity(what: Quantity) -> String {
         Quantity::BiasForce => "bias force",
         Quantity::Forces => "applied forces",
         Quantity::Lines => "lines and their stiffness",
+        Quantity::Constraint => "constraints Φ of the joints",
+        Quantity::ConstraintJacobian => "their Jacobian Φ_v",
+        Quantity::ConstraintRate => "their rate Φ_v v",
+        Quantity::ConstraintBias => "their bias γ",
+        Quantity::Multipliers => "multipliers of the joints",
+        Quantity::Reactions => "reactions of the joints",
+        Quantity::Correction => "correction of the joints (projection)",
         Quantity::NodeByAnchor(network) => return format!("∂node/∂anchor of network {network}"),
         Quantity::CondensedStiffness(network) => {
             return format!("condensed stiffness of network {network}");

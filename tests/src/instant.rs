@@ -23,6 +23,8 @@ pub struct Instant<S> {
     pub ends: Vec<S>,
     /// Inputs.
     pub inputs: Vec<S>,
+    /// Right-hand sides of rows.
+    pub rows: Vec<S>,
 }
 
 impl<S: Real> Instant<S> {
@@ -37,6 +39,7 @@ impl<S: Real> Instant<S> {
             hold: &self.hold,
             ends: &self.ends,
             inputs: &self.inputs,
+            rows: &self.rows,
         }
     }
 
@@ -52,6 +55,7 @@ impl<S: Real> Instant<S> {
             hold: list(&self.hold),
             ends: list(&self.ends),
             inputs: list(&self.inputs),
+            rows: list(&self.rows),
         }
     }
 }
@@ -78,10 +82,11 @@ impl Instant<f64> {
                 .map(|_| random.uniform(-size, size))
                 .collect::<Vec<f64>>()
         };
-        let (nodes, ends, inputs) = (
+        let (nodes, ends, inputs, rows) = (
             list(3 * layout.nodes.len(), 3.0),
             list(layout.len(Quantity::Ends), 3.0),
             list(layout.ni, 5.0),
+            list(layout.nc, 1.0),
         );
         let effective = (0..layout.effective_lines)
             .flat_map(|_| [random.decades(2.0, 4.0), random.uniform(0.2, 3.0)])
@@ -97,6 +102,7 @@ impl Instant<f64> {
             hold,
             ends,
             inputs,
+            rows,
         }
     }
 }

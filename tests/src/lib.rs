@@ -5,6 +5,8 @@ pub mod families;
 pub mod flights;
 pub mod implicit;
 pub mod instant;
+pub mod jet;
+pub mod mechanism;
 pub mod oracle;
 pub mod random;
 pub mod random_scene;

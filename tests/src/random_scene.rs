@@ -24,7 +24,11 @@ struct Builder {
 impl Builder {
     fn new(seed: u64) -> Self {
         let mut text = String::new();
-        let components = if seed % 2 == 0 { "body" } else { "world" };
+        let components = if seed.is_multiple_of(2) {
+            "body"
+        } else {
+            "world"
+        };
         let _ = writeln!(text, "pub model Random{seed}<T> {{");
         let _ = writeln!(text, "    angular_velocity: {components};");
         Builder {

@@ -1,11 +1,18 @@
 //! Generated code against the interpreter, to the bit, and against the laws on numbers, to rounding.
 
+#[allow(
+    deprecated,
+    reason = "random scenes declare frames and points they do not use"
+)]
 mod dozen;
 
 use mbd_compiler::Interpreted;
 use mbd_runtime::Generic;
 use mbd_scene::{Model, Quantity};
-use models::parachute::scene::{ParachuteEuler, ParachuteLiteral, ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise};
+use models::parachute::scene::{
+    ParachuteEuler, ParachuteLiteral, ParachuteMass, ParachuteRate, ParachuteStatic,
+    ParachuteStepwise,
+};
 use tests::assert_close;
 use tests::instant::{Instant, value};
 use tests::random::Random;
@@ -18,19 +25,44 @@ const DOZEN: std::ops::Range<u64> = 0..12;
 fn agrees<M: Model<f64>>(model: &M) {
     let scene = model.scene().clone();
     let name = scene.name.clone();
-    let interpreted = Interpreted::new(scene.clone(), model.params()).expect("the generated model accepted these parameters");
-    let generic = Generic::new(scene.clone(), model.params()).expect("the generated model accepted these parameters");
-    assert_eq!(model.layout(), generic.layout(), "{name}: the declaration and its layout survive code generation");
+    let interpreted = Interpreted::new(scene.clone(), model.params())
+        .expect("the generated model accepted these parameters");
+    let generic = Generic::new(scene.clone(), model.params())
+        .expect("the generated model accepted these parameters");
+    assert_eq!(
+        model.layout(),
+        generic.layout(),
+        "{name}: the declaration and its layout survive code generation"
+    );
     let mut random = Random::new(7);
     for _ in 0..20 {
         let instant = Instant::random(&scene, &mut random);
         for what in model.layout().quantities() {
-            let (generated, interpreted) = (value(model, what, &instant), value(&interpreted, what, &instant));
+            let (generated, interpreted) = (
+                value(model, what, &instant),
+                value(&interpreted, what, &instant),
+            );
             for (i, (a, b)) in generated.iter().zip(&interpreted).enumerate() {
-                assert!(a.to_bits() == b.to_bits(), "{name}, {what:?}[{i}]: generated {a:e}, interpreted {b:e}");
+                assert!(
+                    a.to_bits() == b.to_bits(),
+                    "{name}, {what:?}[{i}]: generated {a:e}, interpreted {b:e}"
+                );
             }
-            let relative = if matches!(what, Quantity::NodeByAnchor(_) | Quantity::CondensedStiffness(_)) { 1e-9 } else { 1e-12 };
-            assert_close(&generated, &value(&generic, what, &instant), relative, 1e-12, &format!("{name}, {what:?}"));
+            let relative = if matches!(
+                what,
+                Quantity::NodeByAnchor(_) | Quantity::CondensedStiffness(_)
+            ) {
+                1e-9
+            } else {
+                1e-12
+            };
+            assert_close(
+                &generated,
+                &value(&generic, what, &instant),
+                relative,
+                1e-12,
+                &format!("{name}, {what:?}"),
+            );
         }
     }
 }
@@ -55,8 +87,9 @@ fn a_dozen_random_scenes_compile_and_agree() {
 
 #[test]
 fn the_compiled_dozen_is_what_the_generator_of_random_scenes_writes() {
-    let mut text = String::from("//! A dozen random scenes, compiled. Written by the test beside it with `UPDATE_GOLDEN=1`; do not edit.\n");
-    text += "#![allow(deprecated, reason = \"random scenes declare frames and points they do not use\")]\n";
+    let mut text = String::from(
+        "//! A dozen random scenes, compiled. Written by the test beside it with `UPDATE_GOLDEN=1`; do not edit.\n",
+    );
     for seed in DOZEN {
         text += "\nmbd_runtime::model! {\n";
         for line in random_scene(seed).lines() {
@@ -69,5 +102,8 @@ fn the_compiled_dozen_is_what_the_generator_of_random_scenes_writes() {
         std::fs::write(path, &text).expect("the repository can be written");
     }
     let written = std::fs::read_to_string(path).expect("the file is part of the repository");
-    assert!(written == text, "tests/dozen/mod.rs is out of date: run with UPDATE_GOLDEN=1");
+    assert!(
+        written == text,
+        "tests/dozen/mod.rs is out of date: run with UPDATE_GOLDEN=1"
+    );
 }

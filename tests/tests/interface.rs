@@ -37,6 +37,28 @@ mbd_runtime::model! {
 }
 
 mbd_runtime::model! {
+    /// Two tumbling bodies in the field of a planet, tied by damped lines, dragged by the air: no node, so `verify;` also balances energy.
+    pub model Pair<T> {
+        gravity: point_mass { mu: 4.2828e13 m^3/s^2, center: [0.0, 0.0, -3404590.0] m };
+        angular_velocity: world;
+        verify;
+        body first {
+            mass: 3.0 kg,
+            inertia: full { xx: 1.0, yy: 1.2, zz: 0.9, xy: 0.1, xz: -0.05, yz: 0.02 } kg*m^2 (matrix elements),
+            frame hook at [0.2, 0.0, 0.1] m,
+        }
+        body second { mass: 2.0 kg, inertia: diag(0.5, 0.6, 0.4) kg*m^2, frame hook at [0.0, 0.3, 0.0] m }
+        joint first_free: free from world to first.com;
+        joint second_free: free from world to second.com;
+        line tie from first.hook to second.hook { free_length: 0.2 m, stiffness: 200 N/m, damping: 3 N*s/m }
+        line back_up from first.com to second.com { free_length: 0.1 m, stiffness: 100 N/m, damping: 2 N*s/m }
+        spring rod from world to first.hook { free_length: 0.7 m, stiffness: 50 N/m, damping: 1 N*s/m }
+        load drag on first at hook = -0.3 kg/m * norm(first.hook.velocity) * first.hook.velocity;
+        load swirl on second at com = [0.1, 0.0, -0.2] N*m;
+    }
+}
+
+mbd_runtime::model! {
     /// A weight on a spring line, for `f64` only.
     model Weight {
         gravity: [0.0, 0.0, -9.81] m/s^2;
@@ -57,13 +79,20 @@ impl<T: mbd_runtime::Real> KiteLoads<T> for Breeze {
         T::one()
     }
     fn rudder(&self, _time: T, state: &KiteState<T>) -> Wrench<T> {
-        Wrench { force: [T::zero(), state.v.data.0[0][1], T::zero()], couple: [T::zero(); 3] }
+        Wrench {
+            force: [T::zero(), state.v.data.0[0][1], T::zero()],
+            couple: [T::zero(); 3],
+        }
     }
     fn flutter(&self, _time: T, _state: &KiteState<T>) -> [T; 3] {
         [T::zero(), T::one(), T::zero()]
     }
     fn gravity(&self, _time: T, position: [T; 3]) -> [T; 3] {
-        [T::zero(), T::zero(), T::from_f64(-9.81) + T::from_f64(3e-6) * position[2]]
+        [
+            T::zero(),
+            T::zero(),
+            T::from_f64(-9.81) + T::from_f64(3e-6) * position[2],
+        ]
     }
 }
 
@@ -85,7 +114,16 @@ fn typed_methods_give_the_numbers_of_the_trait() {
     assert_eq!(KiteState::from_slice(&x).expect("its own length"), state);
     assert!(KiteState::<f64>::from_slice(&x[1..]).is_none());
     let inputs = Kite::inputs(0.5, &state, &Breeze);
-    let at = mbd_runtime::At { time: 0.5, state: &x, nodes: &[], effective: &[], hold: &HOLD, ends: &[], inputs: &inputs };
+    let at = mbd_runtime::At {
+        time: 0.5,
+        state: &x,
+        nodes: &[],
+        effective: &[],
+        hold: &HOLD,
+        ends: &[],
+        inputs: &inputs,
+        rows: &[],
+    };
     let value = |what: Quantity| {
         let mut out = vec![0.0; kite.layout().len(what)];
         kite.evaluate(what, &at, &mut (), &mut out);
@@ -93,20 +131,35 @@ fn typed_methods_give_the_numbers_of_the_trait() {
     };
     let rates = kite.derivative(0.5, &state, &HOLD, &Breeze);
     assert_eq!(rates.to_vec(), value(Quantity::Derivative));
-    assert_eq!(kite.kinematics(&state).as_slice(), &value(Quantity::Derivative)[..Kite::<f64>::NQ]);
-    assert_eq!(kite.forces(0.5, &state, &HOLD, &Breeze).as_slice(), value(Quantity::Forces));
-    assert_eq!(kite.bias_force(0.5, &state, &Breeze).as_slice(), value(Quantity::BiasForce));
+    assert_eq!(
+        kite.kinematics(&state).as_slice(),
+        &value(Quantity::Derivative)[..Kite::<f64>::NQ]
+    );
+    assert_eq!(
+        kite.forces(0.5, &state, &HOLD, &Breeze).as_slice(),
+        value(Quantity::Forces)
+    );
+    assert_eq!(
+        kite.bias_force(0.5, &state, &Breeze).as_slice(),
+        value(Quantity::BiasForce)
+    );
     let outputs = kite.outputs(&state, &HOLD);
     assert_eq!(outputs.tether_force, value(Quantity::Outputs)[0]);
     assert_eq!(outputs.place, [8.0, 0.0, 7.0]);
     assert_eq!(kite.lines(&state, &HOLD)[0].tension, outputs.tether_force);
     assert!(outputs.tether_force > 0.0, "the tether is taut");
     let energy = kite.energy(0.5, &state, &HOLD, &Breeze);
-    assert_eq!([energy.kinetic, energy.elastic], [value(Quantity::Energy)[0], value(Quantity::Energy)[2]]);
+    assert_eq!(
+        [energy.kinetic, energy.elastic],
+        [value(Quantity::Energy)[0], value(Quantity::Energy)[2]]
+    );
     assert_eq!(kite.momentum(&state).linear, value(Quantity::Momentum)[..3]);
     let mut m: SMatrix<f64, 9, 9> = SMatrix::zeros();
     kite.mass_matrix(&mut m);
-    assert_eq!(m.diagonal(), SVector::from([2.0, 2.0, 2.0, 0.2, 0.3, 0.4, 0.1, 0.1, 0.1]));
+    assert_eq!(
+        m.diagonal(),
+        SVector::from([2.0, 2.0, 2.0, 0.2, 0.3, 0.4, 0.1, 0.1, 0.1])
+    );
 }
 
 #[test]
@@ -118,14 +171,20 @@ fn forces_and_bias_give_the_accelerations() {
     let h = kite.bias_force(0.5, &state, &Breeze);
     let v = kite.derivative(0.5, &state, &HOLD, &Breeze).v;
     let residual = m * v + h - f;
-    assert!(residual.amax() < 1e-12 * f.amax(), "M v̇ + h = f: {residual}");
+    assert!(
+        residual.amax() < 1e-12 * f.amax(),
+        "M v̇ + h = f: {residual}"
+    );
 }
 
 #[test]
 fn a_simulation_asks_the_callers_trait() {
     let (kite, state) = kite();
-    let mut simulation = Simulation::with_loads(&kite, Options::rk4(1e-3), KiteExternal(Breeze)).expect("fixed steps suit every model");
-    simulation.set_state(0.0, &state.to_vec()).expect("a state of the scene");
+    let mut simulation = Simulation::with_loads(&kite, Options::rk4(1e-3), KiteExternal(Breeze))
+        .expect("fixed steps suit every model");
+    simulation
+        .set_state(0.0, &state.to_vec())
+        .expect("a state of the scene");
     simulation.start().expect("nothing to solve");
     for _ in 0..10 {
         simulation.step().expect("a stable step");
@@ -135,28 +194,65 @@ fn a_simulation_asks_the_callers_trait() {
 
 #[test]
 fn parameters_are_checked_and_named() {
-    let refused = Kite::new(KiteParams { mass: 5.0, ..KiteParams::default() });
+    let refused = Kite::new(KiteParams {
+        mass: 5.0,
+        ..KiteParams::default()
+    });
     assert!(matches!(refused, Err(ParamError::OutOfRange { ref param, .. }) if param == "mass"));
-    let refused = Kite::new(KiteParams { stiffness: f64::NAN, ..KiteParams::default() });
-    assert!(matches!(refused, Err(ParamError::NotFinite { ref param, .. }) if param == "stiffness"));
+    let refused = Kite::new(KiteParams {
+        stiffness: f64::NAN,
+        ..KiteParams::default()
+    });
+    assert!(
+        matches!(refused, Err(ParamError::NotFinite { ref param, .. }) if param == "stiffness")
+    );
 }
 
 #[test]
 fn constants_tell_what_the_model_is() {
-    assert_eq!((Kite::<f64>::NQ, Kite::<f64>::NV, Kite::<f64>::NC, Kite::<f64>::NP), (10, 9, 0, 2));
+    assert_eq!(
+        (
+            Kite::<f64>::NQ,
+            Kite::<f64>::NV,
+            Kite::<f64>::NC,
+            Kite::<f64>::NP
+        ),
+        (10, 9, 0, 2)
+    );
     assert_eq!(Kite::<f64>::COORDS[3].name, "kite.qw");
     assert_eq!(Kite::<f64>::SPEEDS[3].unit, "rad/s");
     let stiffness = &Kite::<f64>::PARAMS[1];
-    assert_eq!((stiffness.name, stiffness.unit, stiffness.default), ("stiffness", "kN/m", 200.0));
+    assert_eq!(
+        (stiffness.name, stiffness.unit, stiffness.default),
+        ("stiffness", "kN/m", 200.0)
+    );
     assert_eq!(stiffness.range, Some([100.0, 500.0]));
-    assert_eq!(KiteOutputs::<f64>::COLUMNS, [("tether_force", "N"), ("place_x", "m"), ("place_y", "m"), ("place_z", "m")]);
+    assert_eq!(
+        KiteOutputs::<f64>::COLUMNS,
+        [
+            ("tether_force", "N"),
+            ("place_x", "m"),
+            ("place_y", "m"),
+            ("place_z", "m")
+        ]
+    );
     assert_ne!(Kite::<f64>::DECL_HASH, Weight::DECL_HASH);
     const DERIVATIVE: Cost = Kite::<f64>::COST.of("derivative").unwrap();
     const { assert!(DERIVATIVE.total() < 400) };
     assert_eq!(Kite::<f64>::COST.of("derivation"), None);
     let explained = Kite::<f64>::explain();
-    for word in ["tether", "K = stiffness N/m", "mass kg", "flutter", "Left out", "from the caller"] {
-        assert!(explained.contains(word), "{word} is missing in:\n{explained}");
+    for word in [
+        "tether",
+        "K = stiffness N/m",
+        "mass kg",
+        "flutter",
+        "Left out",
+        "from the caller",
+    ] {
+        assert!(
+            explained.contains(word),
+            "{word} is missing in:\n{explained}"
+        );
     }
 }
 
@@ -197,7 +293,10 @@ fn equations_run_on_duals_and_on_single_precision() {
     let mut ahead = state.clone();
     ahead.q[0] += step;
     let difference = (kite.lines(&ahead, &HOLD)[0].tension - line.tension) / step;
-    assert!((slope - difference).abs() < 1e-3 * slope.abs(), "{slope} is not {difference}");
+    assert!(
+        (slope - difference).abs() < 1e-3 * slope.abs(),
+        "{slope} is not {difference}"
+    );
 
     let single = Kite::<f32>::new(KiteParams::default()).expect("defaults are valid");
     let mut near = KiteState::<f32>::at_origin();
@@ -220,7 +319,16 @@ fn a_model_for_f64_alone_needs_no_annotation() {
 fn a_quantity_that_is_not_emitted_says_so_loudly() {
     let weight = Weight::new(WeightParams::default()).expect("no parameters");
     let x = [0.0; 6];
-    let at = mbd_runtime::At { time: 0.0, state: &x, nodes: &[], effective: &[], hold: &[0.0], ends: &[], inputs: &[] };
+    let at = mbd_runtime::At {
+        time: 0.0,
+        state: &x,
+        nodes: &[],
+        effective: &[],
+        hold: &[0.0],
+        ends: &[],
+        inputs: &[],
+        rows: &[],
+    };
     let mut energy = [0.0; 5];
     weight.evaluate(Quantity::Energy, &at, &mut (), &mut energy);
     assert!(energy.iter().all(|x| x.is_nan()));
@@ -231,7 +339,16 @@ fn slices_of_a_wrong_length_leave_the_result_untouched() {
     let (kite, state) = kite();
     let x = state.to_vec();
     let inputs = Kite::inputs(0.0, &state, &Breeze);
-    let at = mbd_runtime::At { time: 0.0, state: &x[1..], nodes: &[], effective: &[], hold: &HOLD, ends: &[], inputs: &inputs };
+    let at = mbd_runtime::At {
+        time: 0.0,
+        state: &x[1..],
+        nodes: &[],
+        effective: &[],
+        hold: &HOLD,
+        ends: &[],
+        inputs: &inputs,
+        rows: &[],
+    };
     let mut out = vec![7.0; 19];
     kite.evaluate(Quantity::Derivative, &at, &mut (), &mut out);
     assert_eq!(out, vec![7.0; 19]);

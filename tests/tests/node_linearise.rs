@@ -323,6 +323,7 @@ fn one_ulp_around_the_slack_edge_all_sensitivities_are_finite() {
             hold: &[0.0; 4],
             ends: &ends,
             inputs: &[],
+            rows: &[],
         };
         let mut linear = Linearisation::new(run.model.layout());
         linear.evaluate(&run.model, &at, &mut run.work);

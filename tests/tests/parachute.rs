@@ -78,7 +78,7 @@ fn riser_force_of_the_static_equilibrium_point_is_that_of_the_reference() {
         (TestCase::Three, "case3_eq_C0"),
     ] {
         let (flight, _, force, bound) =
-            flight(case, Confluence::Static, Options::tsit5(1e-12), name, 70.0);
+            flight(case, Confluence::Static, Options::tsit5(2e-13), name, 70.0);
         let error = largest(&flight, &force, [0.0, 70.0]);
         println!("{name}: {error:e} N, {:?}", flight.statistics);
         assert!(
@@ -188,7 +188,7 @@ fn steady_riser_force_is_the_weight_of_the_capsule() {
         TestCase::Two,
         Confluence::Stepwise,
         Options::rk4(0.01),
-        70.0,
+        100.0,
     ))
     .expect("case 2 flies");
     let distance = 3_404_590.0 + flight.end.q[9];

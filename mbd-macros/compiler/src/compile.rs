@@ -50,8 +50,11 @@ pub fn expand(reading: &Reading) -> Result<String, String> {
 fn model(reading: &Reading, scene: &Scene) -> TokenStream {
     let wanted = wanted(reading, scene);
     // The laws first: differentiating too large a scene would take long before it is refused.
-    let laws: Vec<Quantity> =
-        wanted.iter().copied().filter(|what| !matches!(what, Quantity::Partial(..))).collect();
+    let laws: Vec<Quantity> = wanted
+        .iter()
+        .copied()
+        .filter(|what| !matches!(what, Quantity::Partial(..)))
+        .collect();
     let mut equations = Equations::trace_only(scene, &laws);
     if size(&equations) <= TOO_MANY && laws.len() < wanted.len() {
         equations = Equations::trace_only(scene, &wanted);
@@ -126,21 +129,21 @@ fn wanted(reading: &Reading, scene: &Scene) -> Vec<Quantity> {
         )
     };
     let asked = |what: Quantity| names.iter().any(|name| name == quantity::kind(what));
-    all.into_iter().filter(|&what| needed(what) || asked(what)).collect()
+    all.into_iter()
+        .filter(|&what| needed(what) || asked(what))
+        .collect()
 }
 
 /// A warning about a large model, or the refusal of one too large to compile.
 fn judge(size: usize) -> Result<Option<String>, String> {
     let advice = "emit less, for example `emit: [outputs];` at the top of the model";
-    match size {
-        0..=MANY => Ok(None),
-        ..=TOO_MANY => Ok(Some(format!(
-            "this model takes {size} operations and will compile slowly: {advice}"
-        ))),
-        _ => Err(format!(
+    if size > TOO_MANY {
+        return Err(format!(
             "this model takes {size} operations, more than {TOO_MANY}: {advice}, or run the scene with `Generic`"
-        )),
+        ));
     }
+    let slow = || format!("this model takes {size} operations and will compile slowly: {advice}");
+    Ok((size > MANY).then(slow))
 }
 
 /// Operations as emitted: kernels that pieces share count once.
@@ -154,7 +157,11 @@ fn size(equations: &Equations) -> usize {
             .map(|piece| piece.instructions.len())
             .sum(),
     };
-    equations.programs.iter().map(|(_, program)| length(program)).sum()
+    equations
+        .programs
+        .iter()
+        .map(|(_, program)| length(program))
+        .sum()
 }
 
 fn error(span: Span, text: &str) -> TokenStream {

@@ -132,6 +132,7 @@ pub fn is_matrix(what: Quantity) -> bool {
     matches!(
         what,
         Quantity::MassMatrix
+            | Quantity::ConstraintJacobian
             | Quantity::NodeByAnchor(_)
             | Quantity::CondensedStiffness(_)
             | Quantity::Partial(..)
@@ -152,6 +153,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
     let hold = slots(layout.lines.len(), Slot::Hold);
     let ends = slots(layout.len(Quantity::Ends), Slot::Ends);
     let inputs = slots(layout.ni, Slot::Input);
+    let rows = slots(layout.nc, Slot::Row);
     let at = At {
         time: Expr::slot(Slot::Time),
         state: &state,
@@ -160,6 +162,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
         hold: &hold,
         ends: &ends,
         inputs: &inputs,
+        rows: &rows,
     };
     let mut scratch = Scratch::new(scene);
     let mut law = |what: Quantity| {

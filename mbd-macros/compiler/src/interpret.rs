@@ -5,8 +5,7 @@ use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Real, Scene, che
 
 use crate::equations::Equations;
 use crate::expression::Slot;
-use crate::operation::{Comparison, Op};
-use crate::program::Program;
+use crate::program::{Code, Program};
 
 /// Registers of a run: carries nothing from call to call.
 #[derive(Clone, Debug)]
@@ -56,6 +55,7 @@ impl Program {
                 Slot::Hold(i) => at.hold.get(i),
                 Slot::Ends(i) => at.ends.get(i),
                 Slot::Input(i) => at.inputs.get(i),
+                Slot::Row(i) => at.rows.get(i),
                 Slot::Param(i) => params.get(i),
                 Slot::Derived(i) => derived.get(i),
             };
@@ -65,17 +65,29 @@ impl Program {
             }
         }
         let first = first + self.slots.len();
-        for (index, instruction) in self.instructions.iter().enumerate() {
-            let number = |register: crate::program::Register| numbers[register.index()];
-            let value = match instruction.op {
-                Op::Unary(kind, a) => kind.value(number(a)),
-                Op::Binary(kind, a, b) => kind.value(number(a), number(b)),
-                Op::Select(mask, a, b) => T::select(masks[mask.index()], number(a), number(b)),
-                Op::Compare(kind, a, b) => {
-                    masks[first + index] = match kind {
-                        Comparison::Lt => number(a).lt(number(b)),
-                        Comparison::Le => number(a).le(number(b)),
-                        Comparison::Both => T::both(masks[a.index()], masks[b.index()]),
+        for (index, step) in self.steps.iter().enumerate() {
+            let a = numbers[step.a as usize];
+            let b = numbers[step.b as usize];
+            let value = match step.code {
+                Code::Add => a + b,
+                Code::Sub => a - b,
+                Code::Mul => a * b,
+                Code::Div => a / b,
+                Code::Neg => -a,
+                Code::Sqrt => a.sqrt(),
+                Code::Min => a.min(b),
+                Code::Max => a.max(b),
+                Code::Abs => a.abs(),
+                Code::Sin => a.sin_cos().0,
+                Code::Cos => a.sin_cos().1,
+                Code::Exp => a.exp(),
+                Code::Atan2 => a.atan2(b),
+                Code::Select => T::select(masks[step.mask as usize], a, b),
+                Code::Lt | Code::Le | Code::Both => {
+                    masks[first + index] = match step.code {
+                        Code::Lt => a.lt(b),
+                        Code::Le => a.le(b),
+                        _ => T::both(masks[step.a as usize], masks[step.b as usize]),
                     };
                     continue;
                 }
@@ -122,6 +134,7 @@ impl<T: Float> Interpreted<T> {
             hold: &[],
             ends: &[],
             inputs: &[],
+            rows: &[],
         };
         equations
             .derived

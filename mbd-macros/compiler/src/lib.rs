@@ -17,6 +17,7 @@ mod outline;
 mod program;
 mod reading;
 mod resolve;
+mod simplify;
 mod syntax;
 #[cfg(feature = "toml")]
 mod toml;

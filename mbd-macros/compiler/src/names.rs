@@ -51,6 +51,7 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
         Slot::Hold(index) => format!("{}_hold", line_name(scene, index)),
         Slot::Ends(index) => end(scene, layout, index),
         Slot::Input(index) => input(scene, layout, index),
+        Slot::Row(index) => row(scene, layout, index),
         Slot::Param(index) => scene
             .params
             .get(index)
@@ -173,6 +174,19 @@ fn end(scene: &Scene, layout: &Layout, index: usize) -> String {
             format!("{name}_load_{}", axis(load))
         }
     }
+}
+
+/// The name of a row's right-hand side.
+fn row(scene: &Scene, layout: &Layout, index: usize) -> String {
+    let own = layout
+        .joints
+        .iter()
+        .position(|slots| (slots.row..slots.row + slots.len).contains(&index));
+    let named = own.and_then(|joint| Some((scene.joints.get(joint)?, layout.joints.get(joint)?)));
+    named.map_or_else(
+        || format!("row_{index}"),
+        |(joint, slots)| format!("{}_row_{}", identifier(&joint.name), index - slots.row),
+    )
 }
 
 /// The name of an input number.

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use mbd_scene::{Cost, Quantity};
 
 use crate::expression::{Expr, Graph, Node, Slot, Term};
-use crate::operation::{Binary, Op, Unary};
+use crate::operation::{Binary, Comparison, Op, Unary};
 
 /// A place in the register file of a program: constants first, then slots, then one register an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -48,6 +48,90 @@ pub struct Program {
     pub len: usize,
     /// Names of bodies, lines, nodes and variables.
     pub sections: Vec<String>,
+    /// The instructions once more, for the interpreter.
+    pub(crate) steps: Vec<Step>,
+}
+
+/// An instruction as the interpreter reads it: one flat code, at most two numbers and a mask.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Step {
+    pub code: Code,
+    pub a: u32,
+    pub b: u32,
+    pub mask: u32,
+}
+
+/// What a step does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Code {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Neg,
+    Sqrt,
+    Min,
+    Max,
+    Abs,
+    Sin,
+    Cos,
+    Exp,
+    Atan2,
+    Select,
+    Lt,
+    Le,
+    Both,
+}
+
+impl Step {
+    fn new(op: Op<Register>) -> Self {
+        let (code, a, b, mask) = match op {
+            Op::Unary(kind, a) => (
+                match kind {
+                    Unary::Neg => Code::Neg,
+                    Unary::Sqrt => Code::Sqrt,
+                    Unary::Sin => Code::Sin,
+                    Unary::Cos => Code::Cos,
+                    Unary::Exp => Code::Exp,
+                    Unary::Abs => Code::Abs,
+                },
+                a,
+                a,
+                a,
+            ),
+            Op::Binary(kind, a, b) => (
+                match kind {
+                    Binary::Add => Code::Add,
+                    Binary::Sub => Code::Sub,
+                    Binary::Mul => Code::Mul,
+                    Binary::Div => Code::Div,
+                    Binary::Atan2 => Code::Atan2,
+                    Binary::Min => Code::Min,
+                    Binary::Max => Code::Max,
+                },
+                a,
+                b,
+                a,
+            ),
+            Op::Compare(kind, a, b) => (
+                match kind {
+                    Comparison::Lt => Code::Lt,
+                    Comparison::Le => Code::Le,
+                    Comparison::Both => Code::Both,
+                },
+                a,
+                b,
+                a,
+            ),
+            Op::Select(mask, a, b) => (Code::Select, a, b, mask),
+        };
+        Step {
+            code,
+            a: a.0,
+            b: b.0,
+            mask: mask.0,
+        }
+    }
 }
 
 /// What a register holds.
@@ -100,7 +184,7 @@ impl Program {
         for (index, expr) in file.enumerate() {
             registers.insert(expr, Register(index as u32));
         }
-        let instructions = scheduled
+        let instructions: Vec<Instruction> = scheduled
             .iter()
             .filter_map(|term| match graph.node(term.expr) {
                 Node::Apply(op) => Some(Instruction {
@@ -123,6 +207,7 @@ impl Program {
                 .filter_map(|&expr| graph.constant(expr))
                 .collect(),
             slots: slots.into_iter().map(|(slot, _)| slot).collect(),
+            steps: instructions.iter().map(|i| Step::new(i.op)).collect(),
             instructions,
             outputs,
             len,

@@ -6,14 +6,21 @@ use mbd_compiler::{Equations, NameSpans, Settings, compile, emit, emit_model, re
 use proc_macro2::TokenStream;
 
 fn formatted(tokens: TokenStream) -> String {
-    let file: syn::File = syn::parse2(tokens.clone()).unwrap_or_else(|error| panic!("not Rust: {error}\n{tokens}"));
+    let file: syn::File =
+        syn::parse2(tokens.clone()).unwrap_or_else(|error| panic!("not Rust: {error}\n{tokens}"));
     prettyplease::unparse(&file)
 }
 
 /// Expands `tests/golden/<name>.mbd` and compares with `tests/golden/<name>.rs`.
 fn compare(name: &str) {
-    let path = |extension: &str| format!("{}/tests/golden/{name}.{extension}", env!("CARGO_MANIFEST_DIR"));
-    let declaration = std::fs::read_to_string(path("mbd")).expect("the declaration is part of the repository");
+    let path = |extension: &str| {
+        format!(
+            "{}/tests/golden/{name}.{extension}",
+            env!("CARGO_MANIFEST_DIR")
+        )
+    };
+    let declaration =
+        std::fs::read_to_string(path("mbd")).expect("the declaration is part of the repository");
     let reading = read_text(&declaration);
     assert!(reading.errors.is_empty(), "{}", reading.errors[0]);
     let text = formatted(emit(&reading));
@@ -42,8 +49,17 @@ fn the_parachute_reads_as_expected() {
 #[test]
 fn the_same_scene_gives_the_same_tokens() {
     for scene in scenes::all() {
-        let settings = Settings { verify: true, ..Settings::default() };
-        let text = || formatted(emit_model(&Equations::trace(&scene), &NameSpans::default(), &settings));
+        let settings = Settings {
+            verify: true,
+            ..Settings::default()
+        };
+        let text = || {
+            formatted(emit_model(
+                &Equations::trace(&scene),
+                &NameSpans::default(),
+                &settings,
+            ))
+        };
         assert_eq!(text(), text());
     }
 }
@@ -89,7 +105,10 @@ fn something_unused_is_a_warning_at_its_place() {
     .parse()
     .expect("tokens");
     let text = formatted(compile(tokens));
-    assert!(text.contains("deprecated") && text.contains("unused"), "no warning");
+    assert!(
+        text.contains("deprecated") && text.contains("unused"),
+        "no warning"
+    );
     assert!(!text.contains("compile_error"));
 }
 

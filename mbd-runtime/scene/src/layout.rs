@@ -1,6 +1,7 @@
 //! Where everything lives in the state and in the other lists of numbers: derived from the scene, the same for every way to run it.
 
 use crate::Gravity;
+use crate::elimination::{Elimination, Part};
 use crate::formula::Place;
 use crate::quantity::{Differentiated, Quantity, Variable};
 use crate::scene::{LoadKind, NodeModel, PointKind, Scene};
@@ -42,6 +43,23 @@ pub struct Layout {
     pub columns: usize,
     /// Number of declared events.
     pub events: usize,
+    /// Each joint's place among the rows.
+    pub joints: Vec<JointSlots>,
+    /// Number of rows n_c of all joints.
+    pub nc: usize,
+    /// The system of bodies and joints, and the order in which it is solved.
+    pub elimination: Elimination,
+}
+
+/// A joint's place among the rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JointSlots {
+    /// Its first row.
+    pub row: usize,
+    /// Number of its rows: 6 − freedoms; 0 where neither end moves, or an end is a massless point.
+    pub len: usize,
+    /// What its parent end and its child end sit on; `None` for the world.
+    pub ends: [Option<Part>; 2],
 }
 
 /// Offsets into q and into v.
@@ -162,6 +180,7 @@ impl Layout {
         layout.place_lines(scene);
         layout.place_networks();
         layout.place_inputs(scene);
+        layout.place_rows(scene);
         layout.columns = scene.outputs.iter().map(|output| output.components).sum();
         layout
     }
@@ -198,6 +217,14 @@ impl Layout {
                 .networks
                 .get(k)
                 .map_or(0, |n| 9 * n.anchors.len() * n.anchors.len()),
+            Quantity::Constraint
+            | Quantity::ConstraintRate
+            | Quantity::ConstraintBias
+            | Quantity::Multipliers => self.nc,
+            Quantity::ConstraintJacobian => self.nc * self.nv,
+            Quantity::Reactions if self.nc > 0 => 6 * self.joints.len(),
+            Quantity::Correction if self.nc > 0 => self.nv,
+            Quantity::Reactions | Quantity::Correction => 0,
             Quantity::Partial(of, by) => self.len(of.quantity()) * self.variables(by),
         }
     }
@@ -228,6 +255,13 @@ impl Layout {
             Quantity::BiasForce,
             Quantity::Forces,
             Quantity::Lines,
+            Quantity::Constraint,
+            Quantity::ConstraintJacobian,
+            Quantity::ConstraintRate,
+            Quantity::ConstraintBias,
+            Quantity::Multipliers,
+            Quantity::Reactions,
+            Quantity::Correction,
         ]);
         for k in 0..self.networks.len() {
             all.extend([Quantity::NodeByAnchor(k), Quantity::CondensedStiffness(k)]);
@@ -279,6 +313,26 @@ impl Layout {
                 }
             }
         }
+    }
+
+    fn place_rows(&mut self, scene: &Scene) {
+        for joint in &scene.joints {
+            let ends = [joint.parent, joint.child].map(|place| match place {
+                Place::World(_) => None,
+                Place::Body(body, _) => Some(Part::Body(body)),
+                Place::Point(point) => Some(Part::Point(point)),
+            });
+            let massless = |part: &Part| matches!(*part, Part::Point(p) if !matches!(self.points.get(p), Some(PointSlots::Mass(_))));
+            let holds = ends[0] != ends[1] && !ends.iter().flatten().any(massless);
+            let len = if holds { joint.law.rows() } else { 0 };
+            self.joints.push(JointSlots {
+                row: self.nc,
+                len,
+                ends,
+            });
+            self.nc += len;
+        }
+        self.elimination = Elimination::new(scene.bodies.len(), &self.points, &self.joints);
     }
 
     fn node_at(&self, place: Place) -> Option<usize> {

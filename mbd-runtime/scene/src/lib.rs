@@ -10,7 +10,9 @@
 
 mod cost;
 mod dual;
+mod elimination;
 mod formula;
+pub mod joints;
 pub mod laws;
 mod layout;
 mod model;
@@ -21,9 +23,15 @@ mod scene;
 
 pub use cost::Cost;
 pub use dual::Dual;
+pub use elimination::{Below, Elimination, Part, Step};
 pub use formula::{Formula, Function, Place};
+pub use joints::{
+    Axis, ConstantAngle, Cylindrical, Distance, Free, Hinge, JointLaw, Planar, PointOnLine,
+    PointOnPlane, Prismatic, Rigid, Screw, Spherical, Universal,
+};
 pub use layout::{
-    Anchor, InputSlots, InputSource, Layout, LineEnd, LineSlots, Network, Node, PointSlots, Slots,
+    Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
+    PointSlots, Slots,
 };
 pub use model::Model;
 pub use params::{ParamError, check_params};
@@ -31,6 +39,6 @@ pub use quantity::{At, Differentiated, Quantity, Variable};
 pub use real::{Float, Real, TINY};
 pub use scene::{
     AngularVelocity, Body, Clamp, Constant, Coordinates, Difference, Dimension, Direction, Event,
-    Frame, Gravity, Inertia, Input, Joint, JointLaw, Line, LineKind, Load, LoadKind, NodeModel,
+    Frame, Gravity, Inertia, Input, Joint, Line, LineKind, Load, LoadKind, NodeModel,
     Output, Parameter, Point, PointKind, Scene, Table, Triple, Unit,
 };

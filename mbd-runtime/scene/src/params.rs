@@ -138,6 +138,17 @@ fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), Pa
         let holds = matches!(point.kind, PointKind::Node(_)) || positive(mass);
         demand(holds, format!("{}.mass", point.name), mass, "positive [kg]")?;
     }
+    for (joint, numbers) in scene.joints.iter().zip(&numbers.joints) {
+        for ((field, _), &value) in joint.law.numbers().iter().zip(numbers) {
+            let what = format!("{}.{}", joint.name, field.name);
+            demand(
+                field.rule.holds(value.to_f64()),
+                what,
+                value,
+                field.rule.words(),
+            )?;
+        }
+    }
     for (line, numbers) in scene.lines.iter().zip(&numbers.lines) {
         let (k, c, l) = (numbers.stiffness, numbers.damping, numbers.free_length);
         demand(

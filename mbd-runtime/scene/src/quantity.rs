@@ -39,6 +39,22 @@ pub enum Quantity {
     /// The stiffness the anchors of one network see through the nodes: −∂(force on anchor i)/∂(position of anchor j), dense, row by row,
     /// (3 anchors) × (3 anchors), symmetric and positive semidefinite [N/m].
     CondensedStiffness(usize),
+    /// The constraints Φ (n_c), rows in the order of `Layout::joints` [m or 1]: zero where the joints hold.
+    Constraint,
+    /// Φ_v, dense, row by row (n_c × n_v); only structural non-zeros are written. Φ̇ = Φ_v v.
+    ConstraintJacobian,
+    /// Φ_v v (n_c) [m/s or 1/s].
+    ConstraintRate,
+    /// γ = −(dΦ_v/dt) v (n_c): Φ_v v̇ = γ holds along every motion of the joints [m/s² or 1/s²].
+    ConstraintBias,
+    /// The multipliers λ (n_c) of M v̇ + h = f + Φ_vᵀ λ, Φ_v v̇ = γ [N for a row in metres, N m for a row without unit].
+    Multipliers,
+    /// Per joint, in declaration order: force [N] and torque about the origin of frame 2 [N m] of the joint **on the child**, world axes
+    /// (6 numbers); the parent receives the opposite at the same point. Zero for a joint without rows.
+    Reactions,
+    /// The mass-weighted smallest move δ (n_v) with Φ_v δ = −r for the rows r of [`At::rows`]: M δ = Φ_vᵀ μ. The projection step; of positions,
+    /// with r = Φ, the angular parts of δ are small turns in the components of the state.
+    Correction,
     /// The partial derivative of one quantity, dense, row by row; only structural non-zeros are written.
     Partial(Differentiated, Variable),
 }
@@ -95,4 +111,6 @@ pub struct At<'a, S> {
     pub ends: &'a [S],
     /// Inputs, external loads and external gravity, in the order of `Layout::inputs`.
     pub inputs: &'a [S],
+    /// Right-hand sides of the rows, n_c numbers, for [`Quantity::Correction`]; empty elsewhere.
+    pub rows: &'a [S],
 }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::formula::{Formula, Place};
+use crate::joints::JointLaw;
 
 /// Three scalar formulas: a vector known in components.
 pub type Triple = [Formula; 3];
@@ -308,13 +309,6 @@ pub struct Joint {
     pub parent: Place,
     /// Place on the child.
     pub child: Place,
-}
-
-/// What a joint allows.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum JointLaw {
-    /// Everything: six freedoms.
-    Free,
 }
 
 /// A line (tension only) or a spring (both ways) with damping.

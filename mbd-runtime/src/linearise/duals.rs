@@ -102,6 +102,7 @@ fn run<T: Float, M: Model<T>>(
         hold: &lists.hold,
         ends: &lists.ends,
         inputs: &lists.inputs,
+        rows: &[],
     };
     let scene = model.scene();
     let mut scratch = Scratch::new(scene);

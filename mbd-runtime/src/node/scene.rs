@@ -195,6 +195,7 @@ impl<T: Float, M: Model<T>> Balance<T> for SceneBalance<'_, T, M> {
             hold: self.hold,
             ends: self.ends,
             inputs: self.inputs,
+            rows: &[],
         };
         self.model.evaluate(
             Quantity::Equilibrium(self.network),

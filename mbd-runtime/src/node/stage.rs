@@ -111,6 +111,7 @@ impl<T: Float> Nodes<T> {
             hold: &self.hold,
             ends: &self.ends,
             inputs,
+            rows: &[],
         }
     }
 

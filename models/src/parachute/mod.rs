@@ -1,6 +1,7 @@
 //! The main job: test cases 2 and 3 of AAS 03-163 (B. Raiszadeh, 2003), with every model of the confluence.
 
 pub mod figures;
+pub mod prepare;
 pub mod scene;
 pub mod stability;
 pub mod study;
@@ -22,14 +23,22 @@ use summary::Summary;
 pub fn write(study: &Study, folder: &Path) -> io::Result<Summary> {
     fs::create_dir_all(folder)?;
     let summary = Summary::of(study);
-    fs::write(folder.join("summary.json"), serde_json::to_string_pretty(&summary)? + "\n")?;
+    fs::write(
+        folder.join("summary.json"),
+        serde_json::to_string_pretty(&summary)? + "\n",
+    )?;
     for run in &study.runs {
         let name = format!("case{}_{}.csv", run.case.number(), run.confluence.slug());
-        run.flight.history.to_csv(BufWriter::new(File::create(folder.join(name))?))?;
+        run.flight
+            .history
+            .to_csv(BufWriter::new(File::create(folder.join(name))?))?;
     }
     let figures = figures::figures(study);
     for named in &figures {
-        fs::write(folder.join(format!("{}.svg", named.name)), named.figure.svg())?;
+        fs::write(
+            folder.join(format!("{}.svg", named.name)),
+            named.figure.svg(),
+        )?;
     }
     let mut report = Report::new("A capsule under a parachute: the confluence as a point with mass and as an equilibrium point")
         .section("What was run")
@@ -61,7 +70,10 @@ pub fn write(study: &Study, folder: &Path) -> io::Result<Summary> {
 }
 
 fn provenance() -> Table {
-    let mut table = Table::new("Numbers of the scene").column("quantity", "").column("value", "").column("source", "");
+    let mut table = Table::new("Numbers of the scene")
+        .column("quantity", "")
+        .column("value", "")
+        .column("source", "");
     for row in scene::PROVENANCE {
         table.push(row.map(Cell::from));
     }

@@ -148,22 +148,82 @@ parachute! {
 
 /// Where a number of the scene comes from: quantity, value, source.
 pub const PROVENANCE: &[[&str; 3]] = &[
-    ["riser stiffness, damping", "60 000 N/m, 600 N s/m", "paper, table 1"],
-    ["bridle stiffness, damping, each of 3", "47 000 N/m, 470 N s/m", "paper, table 1"],
+    [
+        "riser stiffness, damping",
+        "60 000 N/m, 600 N s/m",
+        "paper, table 1",
+    ],
+    [
+        "bridle stiffness, damping, each of 3",
+        "47 000 N/m, 470 N s/m",
+        "paper, table 1",
+    ],
     ["mass of chute, capsule", "16 kg, 761 kg", "paper, table 3"],
-    ["drag coefficient; height of the centre of pressure", "0.46; 1.57 m", "paper; datum assumed to be the chute's centre of mass"],
-    ["riser slack; case-3 speed; altitude", "0.01 m; 1 m/s; 8.4 km", "paper"],
-    ["rotation of the planet, J terms", "none", "paper: gravity is a point mass"],
-    ["capsule: centre of mass to bridle plane", "1.23 m", "assumed (reading of a figure)"],
-    ["gravitational parameter; radius of Mars", "4.2828e13 m³/s²; 3 396 190 m", "recalled; exponents from the paper"],
-    ["reference area", "178.8 m²", "assumed (15.09 m disk, Mars Exploration Rover)"],
-    ["density, uniform", "0.014 kg/m³", "assumed; agrees with 0.7 s of slack and the 60 s to terminal speed"],
-    ["free length of riser; bridle leg", "4.0 m; 1.5 m", "assumed"],
-    ["riser attachment below the chute's centre of mass", "22 m", "assumed"],
-    ["bridle attachment: radius; azimuths", "0.60 m; 20°, 140°, 260°", "assumed (no plane of symmetry on purpose)"],
-    ["inertia of chute (transverse, roll)", "700, 700, 220 kg m²", "assumed"],
-    ["inertia of capsule (transverse, roll)", "235, 225, 290 kg m²", "assumed"],
-    ["mass of the confluence where it has mass", "0.1 kg, 1 kg", "assumed"],
+    [
+        "drag coefficient; height of the centre of pressure",
+        "0.46; 1.57 m",
+        "paper; datum assumed to be the chute's centre of mass",
+    ],
+    [
+        "riser slack; case-3 speed; altitude",
+        "0.01 m; 1 m/s; 8.4 km",
+        "paper",
+    ],
+    [
+        "rotation of the planet, J terms",
+        "none",
+        "paper: gravity is a point mass",
+    ],
+    [
+        "capsule: centre of mass to bridle plane",
+        "1.23 m",
+        "assumed (reading of a figure)",
+    ],
+    [
+        "gravitational parameter; radius of Mars",
+        "4.2828e13 m³/s²; 3 396 190 m",
+        "recalled; exponents from the paper",
+    ],
+    [
+        "reference area",
+        "178.8 m²",
+        "assumed (15.09 m disk, Mars Exploration Rover)",
+    ],
+    [
+        "density, uniform",
+        "0.014 kg/m³",
+        "assumed; agrees with 0.7 s of slack and the 60 s to terminal speed",
+    ],
+    [
+        "free length of riser; bridle leg",
+        "4.0 m; 1.5 m",
+        "assumed",
+    ],
+    [
+        "riser attachment below the chute's centre of mass",
+        "22 m",
+        "assumed",
+    ],
+    [
+        "bridle attachment: radius; azimuths",
+        "0.60 m; 20°, 140°, 260°",
+        "assumed (no plane of symmetry on purpose)",
+    ],
+    [
+        "inertia of chute (transverse, roll)",
+        "700, 700, 220 kg m²",
+        "assumed",
+    ],
+    [
+        "inertia of capsule (transverse, roll)",
+        "235, 225, 290 kg m²",
+        "assumed",
+    ],
+    [
+        "mass of the confluence where it has mass",
+        "0.1 kg, 1 kg",
+        "assumed",
+    ],
 ];
 
 /// The two test cases that are repeated.
@@ -230,7 +290,9 @@ impl Instant {
         v[6] = case.speed();
         Instant {
             time: 0.0,
-            q: [0.0, 0.0, chute, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+            q: [
+                0.0, 0.0, chute, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0,
+            ],
             v,
             point: confluence_start(),
             velocity: [case.speed(), 0.0, 0.0],

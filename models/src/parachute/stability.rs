@@ -23,29 +23,45 @@ pub struct Limit {
     pub whole: Option<f64>,
 }
 
-/// Searches the largest stable step of RK4, switches not located.
+/// Searches the largest stable steps of RK4, switches not located.
 ///
 /// # Errors
 /// What stopped a tight run.
 pub fn largest_stable_step(confluence: Confluence) -> Result<Limit, FlightError> {
-    let from = taut_start()?;
-    let taut_until = TAUT_START + TAUT_SPAN;
-    let tightly = Plan { from: from.clone(), ..Plan::new(TestCase::Two, confluence.exact(), tight(1e-9), taut_until) };
-    let exact = fly(&tightly.sampled(&every(TAUT_START, taut_until, 0.001)))?;
-    let taut = search(|step| {
-        let plan = Plan { from: from.clone(), ..Plan::new(TestCase::Two, confluence, fixed(step), taut_until) };
-        fly(&plan.every_step()).is_ok_and(|flight| follows(&flight, &exact, TAUT_START))
-    });
+    let taut = largest_taut_step(confluence)?;
     if !confluence.is_damped() {
         return Ok(Limit { taut, whole: None });
     }
     let end = super::study::END;
-    let exact = fly(&Plan::new(TestCase::Two, confluence.exact(), tight(1e-9), end).sampled(&every(0.0, end, 0.01)))?;
+    let plan = Plan::new(TestCase::Two, confluence.exact(), tight(1e-9), end);
+    let exact = fly(&plan.sampled(&every(0.0, end, 0.01)))?;
     let passes = |step: f64| {
         let plan = Plan::new(TestCase::Two, confluence, fixed(step), end).every_step();
         fly(&plan).is_ok_and(|flight| follows(&flight, &exact, 2.0))
     };
-    Ok(Limit { taut, whole: Some(down_from(taut, passes)) })
+    Ok(Limit {
+        taut,
+        whole: Some(down_from(taut, passes)),
+    })
+}
+
+/// Searches the largest stable step of RK4 from a taut start.
+///
+/// # Errors
+/// What stopped a tight run.
+pub fn largest_taut_step(confluence: Confluence) -> Result<f64, FlightError> {
+    let from = taut_start()?;
+    let until = TAUT_START + TAUT_SPAN;
+    let plan = |confluence: Confluence, options: Options| Plan {
+        from: from.clone(),
+        ..Plan::new(TestCase::Two, confluence, options, until)
+    };
+    let tightly = plan(confluence.exact(), tight(1e-9));
+    let exact = fly(&tightly.sampled(&every(TAUT_START, until, 0.001)))?;
+    Ok(search(|step| {
+        fly(&plan(confluence, fixed(step)).every_step())
+            .is_ok_and(|flight| follows(&flight, &exact, TAUT_START))
+    }))
 }
 
 /// The state of case 2 at 10 s, all lines taut, computed once.
@@ -54,27 +70,49 @@ fn taut_start() -> Result<Instant, FlightError> {
     if let Some(known) = START.get() {
         return Ok(known.clone());
     }
-    let flight = fly(&Plan::new(TestCase::Two, Confluence::Rate, tight(1e-10), TAUT_START))?;
+    let flight = fly(&Plan::new(
+        TestCase::Two,
+        Confluence::Rate,
+        tight(1e-10),
+        TAUT_START,
+    ))?;
     Ok(START.get_or_init(|| flight.end).clone())
 }
 
 fn fixed(step: f64) -> Options {
-    Options { locate: false, watch: false, ..Options::rk4(step) }
+    Options {
+        locate: false,
+        watch: false,
+        ..Options::rk4(step)
+    }
 }
 
 fn every(from: f64, to: f64, step: f64) -> Vec<f64> {
-    (0..=((to - from) / step).round() as usize).map(|i| from + i as f64 * step).collect()
+    (0..=((to - from) / step).round() as usize)
+        .map(|i| from + i as f64 * step)
+        .collect()
 }
 
 /// Whether the riser force of every row from `since` on lies within 1 % of the (finely sampled) tight run.
 fn follows(flight: &Flight, exact: &Flight, since: f64) -> bool {
     let (times, forces) = (exact.times(), exact.riser());
-    flight.times().iter().zip(flight.riser()).filter(|(time, _)| **time >= since).all(|(&time, &force)| {
-        let after = times.partition_point(|t| *t < time).clamp(1, times.len().max(2) - 1);
-        let (Some(&[t0, t1]), Some(&[f0, f1])) = (times.get(after - 1..=after), forces.get(after - 1..=after)) else { return false };
-        let expected = f0 + (f1 - f0) * (time - t0) / (t1 - t0);
-        (force - expected).abs() <= WITHIN * expected.abs()
-    })
+    flight
+        .times()
+        .iter()
+        .zip(flight.riser())
+        .filter(|(time, _)| **time >= since)
+        .all(|(&time, &force)| {
+            let after = times
+                .partition_point(|t| *t < time)
+                .clamp(1, times.len().max(2) - 1);
+            let (Some(&[t0, t1]), Some(&[f0, f1])) =
+                (times.get(after - 1..=after), forces.get(after - 1..=after))
+            else {
+                return false;
+            };
+            let expected = f0 + (f1 - f0) * (time - t0) / (t1 - t0);
+            (force - expected).abs() <= WITHIN * expected.abs()
+        })
 }
 
 /// Bisection between a step that passes and one that fails, to 1 %.

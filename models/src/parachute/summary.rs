@@ -78,11 +78,19 @@ impl Summary {
     /// Draws the study together.
     #[must_use]
     pub fn of(study: &Study) -> Self {
-        let steady = study.runs.iter().find(|run| run.confluence.node() == "stepwise").map_or(f64::NAN, |run| run.steady);
+        let steady = study
+            .runs
+            .iter()
+            .find(|run| run.confluence.node() == "stepwise")
+            .map_or(f64::NAN, |run| run.steady);
         Summary {
             what: "AAS 03-163, test cases 2 and 3, with assumed numbers where the paper's are lost",
             runs: study.runs.iter().map(RunSummary::of).collect(),
-            step_ratio: study.races.iter().map(|race| step_ratio(study, race)).collect(),
+            step_ratio: study
+                .races
+                .iter()
+                .map(|race| step_ratio(study, race))
+                .collect(),
             speedup: study.races.iter().map(speedup).collect(),
             steady_over_weight: steady / study.weight,
         }
@@ -116,10 +124,22 @@ impl RunSummary {
 
 /// Largest stable step of the stepwise node over that of the mass of a race.
 fn step_ratio(study: &Study, race: &Race) -> Ratio {
-    let limit = |matches: &dyn Fn(&Run) -> bool| study.runs.iter().find(|run| matches(run)).map_or(f64::NAN, |run| run.limit.taut);
+    let limit = |matches: &dyn Fn(&Run) -> bool| {
+        study
+            .runs
+            .iter()
+            .find(|run| matches(run))
+            .map_or(f64::NAN, |run| run.limit.taut)
+    };
     let mass = limit(&|run| run.confluence == race.mass.confluence);
     let node = limit(&|run| run.confluence.node() == "stepwise");
-    Ratio { value: node / mass, mass_kg: race.mass.confluence.mass_kg(), mass_dt_s: mass, node_dt_s: node, node: "stepwise" }
+    Ratio {
+        value: node / mass,
+        mass_kg: race.mass.confluence.mass_kg(),
+        mass_dt_s: mass,
+        node_dt_s: node,
+        node: "stepwise",
+    }
 }
 
 fn speedup(race: &Race) -> Ratio {
@@ -154,13 +174,29 @@ pub fn table(study: &Study) -> Table {
         let node = counters.node_solves > 0;
         table.push([
             Cell::Count(u64::from(run.case.number())),
-            Cell::Text(format!("{}, {}", run.confluence.node(), run.confluence.detail())),
-            if run.confluence.mass_kg() > 0.0 { Cell::Number(run.confluence.mass_kg()) } else { Cell::Missing },
+            Cell::Text(format!(
+                "{}, {}",
+                run.confluence.node(),
+                run.confluence.detail()
+            )),
+            if run.confluence.mass_kg() > 0.0 {
+                Cell::Number(run.confluence.mass_kg())
+            } else {
+                Cell::Missing
+            },
             Cell::Number(run.step),
             Cell::Number(run.limit.taut),
             Cell::Number(run.rhs_per_s()),
-            if node { Cell::Number(counters.node_iterations_mean()) } else { Cell::Missing },
-            if node { Cell::Count(counters.node_iterations_max) } else { Cell::Missing },
+            if node {
+                Cell::Number(counters.node_iterations_mean())
+            } else {
+                Cell::Missing
+            },
+            if node {
+                Cell::Count(counters.node_iterations_max)
+            } else {
+                Cell::Missing
+            },
             Cell::Number(1e6 * run.wall_s_per_s()),
             Cell::Number(run.error[0]),
             Cell::Number(run.error[1]),

@@ -3,11 +3,14 @@
 use std::fmt;
 use std::time::Instant as Clock;
 
-use mbd_runtime::{Content, Model, Options, ParamError, RunError, Sampling, Simulation, Statistics, Trajectory};
+use mbd_runtime::{
+    Content, Model, Options, ParamError, RunError, Sampling, Simulation, Statistics, Trajectory,
+};
 
 use super::scene::{
-    Instant, ParachuteEuler, ParachuteEulerParams, ParachuteLiteral, ParachuteLiteralParams, ParachuteMass, ParachuteMassParams,
-    ParachuteRate, ParachuteRateParams, ParachuteStatic, ParachuteStaticParams, ParachuteStepwise, ParachuteStepwiseParams, TestCase,
+    Instant, ParachuteEuler, ParachuteEulerParams, ParachuteLiteral, ParachuteLiteralParams,
+    ParachuteMass, ParachuteMassParams, ParachuteRate, ParachuteRateParams, ParachuteStatic,
+    ParachuteStaticParams, ParachuteStepwise, ParachuteStepwiseParams, TestCase,
 };
 
 /// A model of the confluence.
@@ -89,7 +92,14 @@ impl Confluence {
     pub fn slug(self) -> String {
         match self {
             Confluence::Mass(kg, damping) => {
-                format!("mass_{kg}kg{}", if damping == Damping::On { "" } else { "_undamped" })
+                format!(
+                    "mass_{kg}kg{}",
+                    if damping == Damping::On {
+                        ""
+                    } else {
+                        "_undamped"
+                    }
+                )
             }
             Confluence::Euler => "stepwise_euler".into(),
             Confluence::Literal => "stepwise_literal".into(),
@@ -126,7 +136,13 @@ impl Plan {
     /// A test case from its start.
     #[must_use]
     pub fn new(case: TestCase, confluence: Confluence, options: Options, until: f64) -> Self {
-        Plan { confluence, from: Instant::start(case), until, options, sampling: Sampling::At(vec![until]) }
+        Plan {
+            confluence,
+            from: Instant::start(case),
+            until,
+            options,
+            sampling: Sampling::At(vec![until]),
+        }
     }
 
     /// The same with rows at these times.
@@ -210,17 +226,31 @@ impl From<RunError> for FlightError {
 pub fn fly(plan: &Plan) -> Result<Flight, FlightError> {
     match plan.confluence {
         Confluence::Mass(kg, damping) => {
-            let mut params = ParachuteMassParams { m_point: kg, ..ParachuteMassParams::default() };
+            let mut params = ParachuteMassParams {
+                m_point: kg,
+                ..ParachuteMassParams::default()
+            };
             if damping == Damping::Off {
                 params.riser_c = 0.0;
                 params.leg_c = 0.0;
             }
             fly_model(plan, &ParachuteMass::new(params)?)
         }
-        Confluence::Static => fly_model(plan, &ParachuteStatic::new(ParachuteStaticParams::default())?),
-        Confluence::Stepwise => fly_model(plan, &ParachuteStepwise::new(ParachuteStepwiseParams::default())?),
-        Confluence::Euler => fly_model(plan, &ParachuteEuler::new(ParachuteEulerParams::default())?),
-        Confluence::Literal => fly_model(plan, &ParachuteLiteral::new(ParachuteLiteralParams::default())?),
+        Confluence::Static => fly_model(
+            plan,
+            &ParachuteStatic::new(ParachuteStaticParams::default())?,
+        ),
+        Confluence::Stepwise => fly_model(
+            plan,
+            &ParachuteStepwise::new(ParachuteStepwiseParams::default())?,
+        ),
+        Confluence::Euler => {
+            fly_model(plan, &ParachuteEuler::new(ParachuteEulerParams::default())?)
+        }
+        Confluence::Literal => fly_model(
+            plan,
+            &ParachuteLiteral::new(ParachuteLiteralParams::default())?,
+        ),
         Confluence::Rate => fly_model(plan, &ParachuteRate::new(ParachuteRateParams::default())?),
     }
 }
@@ -235,13 +265,29 @@ pub fn fly_model<M: Model<f64>>(plan: &Plan, model: &M) -> Result<Flight, Flight
     if owner(model) == Owner::Solver {
         simulation.set_nodes(&plan.from.point)?;
     }
-    let content = Content { state: false, nodes: false, lines: true, outputs: true, energy: false };
+    let content = Content {
+        state: false,
+        nodes: false,
+        lines: true,
+        outputs: true,
+        energy: false,
+    };
     let mut history = Trajectory::new(model, plan.sampling.clone(), content);
     let clock = Clock::now();
     simulation.record(plan.until, &mut history)?;
     let wall_s = clock.elapsed().as_secs_f64();
-    let end = instant(owner(model), simulation.time(), simulation.state(), simulation.nodes());
-    Ok(Flight { history, statistics: simulation.statistics(), end, wall_s })
+    let end = instant(
+        owner(model),
+        simulation.time(),
+        simulation.state(),
+        simulation.nodes(),
+    );
+    Ok(Flight {
+        history,
+        statistics: simulation.statistics(),
+        end,
+        wall_s,
+    })
 }
 
 /// Who owns the position of the confluence.
@@ -294,5 +340,11 @@ fn instant(owner: Owner, time: f64, state: &[f64], nodes: &[f64]) -> Instant {
         Owner::NodeState => (list(state, 26), list(nodes, 0)),
         Owner::Solver => (list(nodes, 0), list(&v, 6)),
     };
-    Instant { time, q, v, point, velocity }
+    Instant {
+        time,
+        q,
+        v,
+        point,
+        velocity,
+    }
 }

@@ -1,5 +1,4 @@
 //! A dozen random scenes, compiled. Written by the test beside it with `UPDATE_GOLDEN=1`; do not edit.
-#![allow(deprecated, reason = "random scenes declare frames and points they do not use")]
 
 mbd_runtime::model! {
     pub model Random0<T> {

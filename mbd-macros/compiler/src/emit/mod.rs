@@ -12,6 +12,7 @@ mod interface;
 mod literal;
 mod methods;
 mod model;
+mod naming;
 pub mod quantity;
 
 use proc_macro2::{Span, TokenStream};

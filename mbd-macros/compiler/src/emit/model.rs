@@ -287,7 +287,7 @@ fn implementation(context: &Context) -> TokenStream {
             names.push(quote!((q, v, z)));
             values.push(quote!(::mbd_runtime::__private::split(at.state)));
         }
-        for group in [Group::Nodes, Group::Effective, Group::Hold, Group::Ends, Group::Inputs] {
+        for group in [Group::Nodes, Group::Effective, Group::Hold, Group::Ends, Group::Inputs, Group::Rows] {
             if reads.reads(group) {
                 let list = format_ident!("{}", group.name());
                 names.push(quote!(#list));

@@ -40,6 +40,13 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::BiasForce => "bias_force",
         Quantity::Forces => "forces",
         Quantity::Lines => "lines",
+        Quantity::Constraint => "constraint",
+        Quantity::ConstraintJacobian => "constraint_jacobian",
+        Quantity::ConstraintRate => "constraint_rate",
+        Quantity::ConstraintBias => "constraint_bias",
+        Quantity::Multipliers => "multipliers",
+        Quantity::Reactions => "reactions",
+        Quantity::Correction => "correction",
         Quantity::NodeByAnchor(_) => "node_by_anchor",
         Quantity::CondensedStiffness(_) => "condensed_stiffness",
         Quantity::Partial(..) => "partial",
@@ -133,6 +140,34 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
         Quantity::Lines => (
             "Lines: tension `T`, length `d`, stretch `s`, rate `ṡ`, stiffness `K u uᵀ + (T/d)(1 − u uᵀ)`.",
             format!("{} × 10 [N, m, m, m/s, 6 N/m].", layout.lines.len()),
+        ),
+        Quantity::Constraint => (
+            "Constraints of the joints: `Φ(q) = 0`, rows in declaration order.",
+            format!("{n} [m for a row of points, 1 for a row of directions]."),
+        ),
+        Quantity::ConstraintJacobian => (
+            "Constraint Jacobian `Φ_v`: `Φ̇ = Φ_v v`.",
+            format!("{}×{nv}, row by row, structural non-zeros only.", layout.nc),
+        ),
+        Quantity::ConstraintRate => (
+            "Rate of the constraints: `Φ_v v`.",
+            format!("{n} [m/s or 1/s]."),
+        ),
+        Quantity::ConstraintBias => (
+            "Bias of the constraints: `γ = −(dΦ_v/dt) v`, so that `Φ_v v̇ = γ`.",
+            format!("{n} [m/s² or 1/s²]."),
+        ),
+        Quantity::Multipliers => (
+            "Multipliers `λ`: `M v̇ + h = f + Φ_vᵀ λ`, `Φ_v v̇ = γ`.",
+            format!("{n} [N or N m]."),
+        ),
+        Quantity::Reactions => (
+            "Reactions: force and torque of each joint on its child at the origin of frame 2.",
+            format!("{} × 6 [N, N m], world axes.", layout.joints.len()),
+        ),
+        Quantity::Correction => (
+            "Projection step: the smallest `δ`, weighted by mass, with `Φ_v δ = −r`; `M δ = Φ_vᵀ μ`.",
+            format!("{nv}, in the components of the speeds."),
         ),
         Quantity::NodeByAnchor(k) => (
             "How the nodes follow their anchors: `∂p/∂p_i = H⁻¹ J_i`, the sum over the anchors is 1.",

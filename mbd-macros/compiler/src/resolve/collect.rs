@@ -1,5 +1,6 @@
 //! Collecting: every item gets its name, its index, and a placeholder in the scene; repeated ones are expanded.
 
+use mbd_scene::Free;
 use mbd_scene::{
     Body, Formula, Frame, Inertia, Joint, JointLaw, Line, LineKind, Load, LoadKind, Place, Point,
     PointKind,
@@ -317,7 +318,7 @@ impl<'a> Resolver<'a> {
             "joint" => scene.joints.push(Joint {
                 name,
                 doc,
-                law: JointLaw::Free,
+                law: JointLaw::Free(Free {}),
                 parent: nowhere,
                 child: nowhere,
             }),

@@ -1,5 +1,6 @@
 //! Points, lines, springs and joints.
 
+use mbd_scene::Free;
 use mbd_scene::{Clamp, Difference, Formula, JointLaw, NodeModel, Place, PointKind};
 
 use super::fields::Accept;
@@ -196,7 +197,7 @@ impl Resolver<'_> {
             return self.fail(report);
         }
         match text.as_str() {
-            "free" => Some(JointLaw::Free),
+            "free" => Some(JointLaw::Free(Free {})),
             word => self.fail(say::joint_law(at.into(), word)),
         }
     }

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use mbd_scene::{
     AngularVelocity, Body, Clamp, Coordinates, Difference, Dimension, Direction, Formula, Frame,
-    Function, Gravity, Inertia, JointLaw, Line, LineKind, LoadKind, NodeModel, Output, PointKind,
-    Scene, Unit,
+    Function, Gravity, Inertia, Line, LineKind, LoadKind, NodeModel, Output, PointKind, Scene,
+    Unit,
 };
 
 use super::formula::{number, place, text, vector};
@@ -257,10 +257,7 @@ fn connections(out: &mut String, scene: &Scene) {
     for joint in &scene.joints {
         table(out, "joint", &joint.name);
         doc(out, &joint.doc);
-        let law = match joint.law {
-            JointLaw::Free => "free",
-        };
-        entry(out, "kind", law);
+        entry(out, "kind", joint.law.keyword());
         entry(out, "from", &place(joint.parent, scene));
         entry(out, "to", &place(joint.child, scene));
     }

@@ -648,7 +648,7 @@ const _: () = {
         ];
     }
     /// The declared outputs.
-    /// 1 columns, SI units.
+    /// 1 columns, each in its unit.
     /// 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections).
     #[inline(never)]
     fn outputs<T: ::mbd_runtime::Real>(
@@ -1057,7 +1057,7 @@ const _: () = {
         }
         /// The declared outputs.
         ///
-        /// 1 columns, SI units.
+        /// 1 columns, each in its unit.
         /// 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections).
         #[must_use]
         pub fn outputs(

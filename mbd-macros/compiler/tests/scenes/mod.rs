@@ -337,6 +337,7 @@ pub struct Lists<T> {
     pub hold: Vec<T>,
     pub ends: Vec<T>,
     pub inputs: Vec<T>,
+    pub rows: Vec<T>,
 }
 
 impl<T: Copy> Lists<T> {
@@ -349,6 +350,7 @@ impl<T: Copy> Lists<T> {
             hold: &self.hold,
             ends: &self.ends,
             inputs: &self.inputs,
+            rows: &self.rows,
         }
     }
 
@@ -361,6 +363,7 @@ impl<T: Copy> Lists<T> {
             hold: list(&self.hold),
             ends: list(&self.ends),
             inputs: list(&self.inputs),
+            rows: list(&self.rows),
         }
     }
 }
@@ -394,6 +397,7 @@ pub fn somewhere(scene: &Scene, random: &mut Random) -> Lists<f64> {
             .collect(),
         ends: random.list(layout.len(Quantity::Ends), |_| 0.0, 4.0),
         inputs: random.list(layout.ni, |_| 0.0, 3.0),
+        rows: random.list(layout.nc, |_| 0.0, 1.0),
         state,
     }
 }

@@ -1,7 +1,10 @@
 //! The laws of mechanics, each written once over [`Real`]: numbers run them, dual numbers differentiate them, symbols record them.
 
 mod algebra;
+mod block;
 mod body;
+mod constraint;
+mod ends;
 mod evaluation;
 mod forces;
 mod formula;
@@ -9,14 +12,17 @@ mod gravity;
 pub mod line;
 mod node;
 mod numbers;
+pub mod rows;
 
 use algebra::{elements, vector, write};
 use body::Motion;
+use constraint::Constraints;
 use evaluation::Evaluation;
 use forces::Assembly;
 use nalgebra::Vector3;
 
-pub use algebra::{inverse, solve_positive, symmetric};
+pub use algebra::{inverse, rotation, solve_positive, symmetric};
+pub use constraint::branch;
 pub use formula::norm;
 pub use numbers::{BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers};
 
@@ -27,6 +33,7 @@ use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 pub struct Scratch<S: Real> {
     motions: Vec<Motion<S>>,
     assembly: Assembly<S>,
+    constraints: Constraints<S>,
 }
 
 impl<S: Real> Scratch<S> {
@@ -36,6 +43,7 @@ impl<S: Real> Scratch<S> {
         Scratch {
             motions: vec![Motion::unknown(); scene.bodies.len()],
             assembly: Assembly::new(scene.bodies.len(), scene.points.len()),
+            constraints: Constraints::new(scene),
         }
     }
 }
@@ -86,7 +94,12 @@ pub fn evaluate<S: Real>(
         Quantity::Ends => ends(&evaluation, out),
         Quantity::Derivative => {
             scratch.assembly.collect(&evaluation);
-            derivative(&evaluation, &scratch.assembly, out);
+            if layout.nc > 0 {
+                scratch
+                    .constraints
+                    .accelerate(&evaluation, &scratch.assembly);
+            }
+            derivative(&evaluation, &scratch.assembly, &scratch.constraints, out);
         }
         Quantity::Balance => {
             scratch.assembly.collect(&evaluation);
@@ -107,6 +120,18 @@ pub fn evaluate<S: Real>(
         Quantity::MassMatrix => mass_matrix(&evaluation, out),
         Quantity::BiasForce => bias_force(&evaluation, out),
         Quantity::Lines => lines(&evaluation, out),
+        Quantity::Constraint
+        | Quantity::ConstraintJacobian
+        | Quantity::ConstraintRate
+        | Quantity::ConstraintBias => scratch.constraints.write(what, &evaluation, out),
+        Quantity::Multipliers | Quantity::Reactions => {
+            scratch.assembly.collect(&evaluation);
+            scratch
+                .constraints
+                .accelerate(&evaluation, &scratch.assembly);
+            scratch.constraints.write_forces(what, &evaluation, out);
+        }
+        Quantity::Correction => scratch.constraints.correct(&evaluation, out),
         Quantity::Equilibrium(_)
         | Quantity::NodeByAnchor(_)
         | Quantity::CondensedStiffness(_)
@@ -162,8 +187,13 @@ fn point_gravity<S: Real>(evaluation: &Evaluation<'_, S>, point: usize, q: usize
     )
 }
 
-/// ẋ: q̇ = N(q) v, v̇ = M⁻¹ (f − h), ż = w.
-fn derivative<S: Real>(evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>, out: &mut [S]) {
+/// ẋ: q̇ = N(q) v, ż = w; v̇ = M⁻¹ (f − h) of what no joint holds, the solution of the constrained system for the rest.
+fn derivative<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    assembly: &Assembly<S>,
+    constraints: &Constraints<S>,
+    out: &mut [S],
+) {
     let (layout, numbers) = (evaluation.layout, evaluation.numbers);
     let components = evaluation.scene.angular_velocity;
     for (index, slots) in layout.bodies.iter().enumerate() {
@@ -177,6 +207,11 @@ fn derivative<S: Real>(evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>, o
         let [w, x, y, z] = motion.quaternion_rate(components);
         out[slots.q + 3] = w;
         write(out, slots.q + 4, &Vector3::new(x, y, z));
+        if let Some([acceleration, spin]) = constraints.body_acceleration(evaluation, index) {
+            write(out, layout.nq + slots.v, &acceleration);
+            write(out, layout.nq + slots.v + 3, &spin);
+            continue;
+        }
         let acceleration = force.map(|f| f * body.inverse_mass) + body_gravity(evaluation, index);
         write(out, layout.nq + slots.v, &acceleration);
         let spin = motion.angular_acceleration(body, torque, components);
@@ -187,6 +222,10 @@ fn derivative<S: Real>(evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>, o
             S::section(&evaluation.scene.points[index].name);
             let velocity: Vector3<S> = vector(evaluation.at.state, layout.nq + slots.v);
             write(out, slots.q, &velocity);
+            if let Some(acceleration) = constraints.point_acceleration(evaluation, index) {
+                write(out, layout.nq + slots.v, &acceleration);
+                continue;
+            }
             let inverse_mass = numbers.points[index].1;
             let acceleration = assembly.points[index].map(|f| f * inverse_mass)
                 + point_gravity(evaluation, index, slots.q);

@@ -89,6 +89,8 @@ pub struct Numbers<S> {
     pub world_frames: Vec<FrameNumbers<S>>,
     /// Gravity.
     pub gravity: GravityNumbers<S>,
+    /// The numbers of each joint, in the order of [`Joint::numbers`](crate::joints::Joint::numbers).
+    pub joints: Vec<Vec<S>>,
 }
 
 /// The only things a constant may depend on.
@@ -189,6 +191,10 @@ impl<S: Real> Numbers<S> {
             },
             Gravity::Field => GravityNumbers::Field,
         };
+        let joints = scene.joints.iter().map(|joint| {
+            let numbers = joint.law.numbers();
+            numbers.iter().map(|(_, formula)| of(formula)).collect()
+        });
         Numbers {
             params: params.to_vec(),
             bodies: bodies.collect(),
@@ -196,6 +202,7 @@ impl<S: Real> Numbers<S> {
             lines: lines.collect(),
             world_frames: frames(&scene.world_frames),
             gravity,
+            joints: joints.collect(),
         }
     }
 }

@@ -1,0 +1,198 @@
+//! Joints: what each forbids, as rows, and what it allows, as joint coordinates. One file a joint, and the one list of them.
+//!
+//! A new joint is one file and one word in `joints!` below: its keyword, its fields, the serialised form, its rows at the three levels,
+//! its motion and its place in the list of joints follow. Both tellings check each other in one contract test for all joints.
+//!
+//! Frame 1 is the joint's place on the parent, frame 2 its place on the child. An axis has the same components in both.
+//! Source of the rows: J. W. Kamman, ME 6590, Connecting Joints, Part I; derivatives of every row in [`crate::laws::rows`].
+
+mod axis;
+mod field;
+mod motion;
+
+pub use axis::Axis;
+pub use field::{Field, Fields, Rule};
+pub use motion::{Pose, Relative, Twist};
+
+use serde::{Deserialize, Serialize};
+
+use crate::laws::rows::{Ends, Rows};
+use crate::{Formula, Real};
+
+/// What a joint must say about itself.
+pub trait Joint: Sized {
+    /// Freedoms: the number of speeds u.
+    const FREEDOMS: usize;
+    /// The number of joint coordinates q: one more than speeds for an attitude, which is a quaternion.
+    const COORDINATES: usize = Self::FREEDOMS;
+    /// One line for the list of joints.
+    const SUMMARY: &'static str;
+
+    /// Reads its fields: the only place that says which there are.
+    fn read(fields: &mut dyn Fields) -> Self;
+
+    /// Its numbers, in the order in which [`Ends::number`] and [`Relative::number`] hand them back.
+    fn numbers(&self) -> Vec<(&'static Field, &Formula)> {
+        Vec::new()
+    }
+
+    /// What it forbids: adds 6 − freedoms rows.
+    fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>);
+
+    /// What it allows: frame 2 in frame 1.
+    fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S>;
+
+    /// The columns of H: velocity of frame 2 in frame 1 = H u, in frame-1 axes. Writes one column a freedom.
+    fn subspace<S: Real>(&self, at: &Relative<'_, S>, columns: &mut [Twist<S>]);
+
+    /// b: acceleration of frame 2 in frame 1 = H u̇ + b, in frame-1 axes.
+    fn bias<S: Real>(&self, _at: &Relative<'_, S>) -> Twist<S> {
+        Twist::zero()
+    }
+
+    /// q̇ of the speeds.
+    fn rates<S: Real>(&self, at: &Relative<'_, S>, rates: &mut [S]) {
+        for (index, rate) in rates.iter_mut().enumerate() {
+            *rate = at.u(index);
+        }
+    }
+
+    /// Three numbers that are positive on the branch the joint means: its rows have other roots. 1 where nothing needs a test.
+    fn branch<S: Real>(&self, _ends: &Ends<'_, S>) -> [S; 3] {
+        [S::one(); 3]
+    }
+}
+
+/// The one list: keyword (and file) and type of every joint.
+macro_rules! joints {
+    ($($keyword:ident $name:ident),* $(,)?) => {
+        $(
+            mod $keyword;
+            pub use $keyword::$name;
+        )*
+
+        /// What a joint allows.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        pub enum JointLaw {
+            $(
+                #[doc = concat!("Keyword `", stringify!($keyword), "`.")]
+                $name($name),
+            )*
+        }
+
+        impl JointLaw {
+            /// The keywords, in the order of the list.
+            pub const KEYWORDS: &'static [&'static str] = &[$(stringify!($keyword)),*];
+            /// One line a joint: keyword, freedoms, what it is.
+            pub const CATALOGUE: &'static [(&'static str, usize, &'static str)] = &[
+                $((stringify!($keyword), <$name as Joint>::FREEDOMS, <$name as Joint>::SUMMARY)),*
+            ];
+
+            /// Reads the joint of a keyword; `None` if there is none of that name.
+            pub fn read(keyword: &str, fields: &mut dyn Fields) -> Option<Self> {
+                match keyword {
+                    $(stringify!($keyword) => Some(JointLaw::$name($name::read(fields))),)*
+                    _ => None,
+                }
+            }
+
+            /// Its keyword.
+            #[must_use]
+            pub fn keyword(&self) -> &'static str {
+                match self {
+                    $(JointLaw::$name(_) => stringify!($keyword),)*
+                }
+            }
+
+            /// Its freedoms: the number of its speeds.
+            #[must_use]
+            pub fn freedoms(&self) -> usize {
+                match self {
+                    $(JointLaw::$name(_) => <$name as Joint>::FREEDOMS,)*
+                }
+            }
+
+            /// The number of its coordinates.
+            #[must_use]
+            pub fn coordinates(&self) -> usize {
+                match self {
+                    $(JointLaw::$name(_) => <$name as Joint>::COORDINATES,)*
+                }
+            }
+
+            /// Its numbers: see [`Joint::numbers`].
+            #[must_use]
+            pub fn numbers(&self) -> Vec<(&'static Field, &Formula)> {
+                match self {
+                    $(JointLaw::$name(joint) => joint.numbers(),)*
+                }
+            }
+
+            /// Adds its rows: see [`Joint::constrain`].
+            pub fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>) {
+                match self {
+                    $(JointLaw::$name(joint) => joint.constrain(ends, rows),)*
+                }
+            }
+
+            /// Frame 2 in frame 1: see [`Joint::motion`].
+            pub fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {
+                match self {
+                    $(JointLaw::$name(joint) => joint.motion(at),)*
+                }
+            }
+
+            /// The columns of H: see [`Joint::subspace`].
+            pub fn subspace<S: Real>(&self, at: &Relative<'_, S>, columns: &mut [Twist<S>]) {
+                match self {
+                    $(JointLaw::$name(joint) => joint.subspace(at, columns),)*
+                }
+            }
+
+            /// b: see [`Joint::bias`].
+            pub fn bias<S: Real>(&self, at: &Relative<'_, S>) -> Twist<S> {
+                match self {
+                    $(JointLaw::$name(joint) => joint.bias(at),)*
+                }
+            }
+
+            /// q̇ of the speeds: see [`Joint::rates`].
+            pub fn rates<S: Real>(&self, at: &Relative<'_, S>, rates: &mut [S]) {
+                match self {
+                    $(JointLaw::$name(joint) => joint.rates(at, rates),)*
+                }
+            }
+
+            /// Whether its rows are on the branch it means: see [`Joint::branch`].
+            pub fn branch<S: Real>(&self, ends: &Ends<'_, S>) -> [S; 3] {
+                match self {
+                    $(JointLaw::$name(joint) => joint.branch(ends),)*
+                }
+            }
+        }
+    };
+}
+
+joints! {
+    free Free,
+    rigid Rigid,
+    hinge Hinge,
+    spherical Spherical,
+    universal Universal,
+    prismatic Prismatic,
+    cylindrical Cylindrical,
+    planar Planar,
+    screw Screw,
+    distance Distance,
+    point_on_line PointOnLine,
+    point_on_plane PointOnPlane,
+    constant_angle ConstantAngle,
+}
+
+impl JointLaw {
+    /// Its rows: 6 − freedoms.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        6 - self.freedoms()
+    }
+}

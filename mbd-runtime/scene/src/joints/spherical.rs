@@ -1,0 +1,49 @@
+//! Spherical (ball and socket): three rotations about a shared point.
+//!
+//! ```text
+//! Φ = d     3 rows [m m m]                                                      (1)
+//! s = 0, R12(quaternion); u = ω2 in frame 2; H = [0; R12], b = 0                (2)
+//! ```
+//!
+//! Source: Kamman, Connecting Joints I: spherical, 3 freedoms. Never singular, one branch. Rejected: three angles, which lock.
+
+use serde::{Deserialize, Serialize};
+
+use super::motion::attitude_columns;
+use super::{Fields, Joint, Pose, Relative, Twist};
+use crate::Real;
+use crate::laws::rows::{Ends, Rows};
+
+/// A ball and its socket: 3 freedoms.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spherical {}
+
+impl Joint for Spherical {
+    const FREEDOMS: usize = 3;
+    const COORDINATES: usize = 4;
+    const SUMMARY: &'static str = "three rotations about a shared point";
+
+    fn read(_fields: &mut dyn Fields) -> Self {
+        Spherical {}
+    }
+
+    fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>) {
+        rows.coincide(ends);
+    }
+
+    fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {
+        Pose {
+            rotation: at.attitude(0),
+            ..Pose::identity()
+        }
+    }
+
+    fn subspace<S: Real>(&self, at: &Relative<'_, S>, columns: &mut [Twist<S>]) {
+        attitude_columns(&at.attitude(0), 0, columns);
+    }
+
+    fn rates<S: Real>(&self, at: &Relative<'_, S>, rates: &mut [S]) {
+        at.attitude_rates(0, 0, rates);
+    }
+}

@@ -1,0 +1,72 @@
+//! Universal (cardan, Hooke): two rotations about crossed axes.
+//!
+//! ```text
+//! Φ = [ d ; a1·b2 ]     4 rows [m m m 1]; a fixed in the parent, b in the child, a ⟂ b      (1)
+//! s = 0, R12 = turn(a, α) turn(b, β)                                                        (2)
+//! H = [0, 0; a, turn(a, α) b],   b = α̇ β̇ [0; a × turn(a, α) b]                              (3)
+//! ```
+//!
+//! Source: Kamman, Connecting Joints I: universal, 2 freedoms. The columns of H are always perpendicular: two angles never lock.
+//! The reaction torque lies along a1 × b2. Rejected: axes that are not perpendicular; the reader refuses them.
+
+use serde::{Deserialize, Serialize};
+
+use super::motion::write;
+use super::{Axis, Fields, Joint, Pose, Relative, Twist};
+use crate::Real;
+use crate::laws::rows::{Ends, Rows};
+
+/// A cardan joint: 2 freedoms, the angle about the first axis, then about the second.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Universal {
+    /// The axis fixed in the parent and the axis fixed in the child, perpendicular.
+    pub axes: [Axis; 2],
+}
+
+impl Default for Universal {
+    fn default() -> Self {
+        Universal {
+            axes: [Axis::X, Axis::Y],
+        }
+    }
+}
+
+impl Joint for Universal {
+    const FREEDOMS: usize = 2;
+    const SUMMARY: &'static str =
+        "two rotations about crossed `axes`, one of the parent, one of the child";
+
+    fn read(fields: &mut dyn Fields) -> Self {
+        Universal {
+            axes: fields.axes("axes", [Axis::X, Axis::Y], true),
+        }
+    }
+
+    fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>) {
+        let [a, b] = self.axes;
+        rows.coincide(ends);
+        rows.perpendicular(ends, &a, &b);
+    }
+
+    fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {
+        let [a, b] = self.axes;
+        Pose {
+            rotation: a.turn(at.q(0)) * b.turn(at.q(1)),
+            ..Pose::identity()
+        }
+    }
+
+    fn subspace<S: Real>(&self, at: &Relative<'_, S>, columns: &mut [Twist<S>]) {
+        let [a, b] = self.axes;
+        let second = a.turn(at.q(0)) * b.vector();
+        write(columns, [Twist::spin(a.vector()), Twist::spin(second)]);
+    }
+
+    fn bias<S: Real>(&self, at: &Relative<'_, S>) -> Twist<S> {
+        let [a, b] = self.axes;
+        let second = a.turn(at.q(0)) * b.vector::<S>();
+        let rate = at.u(0) * at.u(1);
+        Twist::spin(a.vector::<S>().cross(&second).map(|x| rate * x))
+    }
+}

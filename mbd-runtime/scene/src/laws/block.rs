@@ -1,0 +1,222 @@
+//! Block LDLᵀ of the system of bodies and joints, in the order of [`Elimination`], on any scalar.
+//!
+//! ```text
+//! K = L D Lᵀ,  D diagonal: positive for a body, negative for a joint          (1)
+//! L y = b,  x = L⁻ᵀ D⁻¹ y                                                     (2)
+//! ```
+//!
+//! Scalar by scalar inside the blocks, so that every structural zero of the mass matrix and of the rows is skipped: symbols drop it from the
+//! code, numbers step over it. No pivoting: a pivot that vanishes (redundant rows) gives numbers that are not finite, never a panic.
+
+use crate::Real;
+use crate::elimination::{Elimination, Part, Step};
+
+/// The blocks and right-hand side of one system. Carries nothing from call to call.
+#[derive(Clone, Debug)]
+pub struct System<S: Real> {
+    /// K, then L D below the diagonal (unscaled columns).
+    store: Vec<S>,
+    /// L below the diagonal.
+    scaled: Vec<S>,
+    /// 1 / D.
+    inverse: Vec<S>,
+    /// b, then y, then x.
+    right: Vec<S>,
+}
+
+impl<S: Real> System<S> {
+    /// Room for one order of elimination.
+    pub fn new(plan: &Elimination) -> Self {
+        System {
+            store: vec![S::zero(); plan.store],
+            scaled: vec![S::zero(); plan.store],
+            inverse: vec![S::zero(); plan.unknowns],
+            right: vec![S::zero(); plan.unknowns],
+        }
+    }
+
+    /// An empty system.
+    pub fn clear(&mut self) {
+        self.store.fill(S::zero());
+        self.right.fill(S::zero());
+    }
+
+    /// Sets element (`row`, `column`) of the diagonal block of a step, row ≥ column.
+    pub fn set_diagonal(&mut self, plan: &Elimination, step: usize, at: (usize, usize), value: S) {
+        if let Some(node) = plan.steps.get(step)
+            && let Some(slot) = self.store.get_mut(node.diagonal + at.0 * node.size + at.1)
+        {
+            *slot = value;
+        }
+    }
+
+    /// Sets the coefficient of unknown `speed` of the step `body` in equation `row` of the step `joint`.
+    pub fn set_coupling(
+        &mut self,
+        plan: &Elimination,
+        (joint, row): (usize, usize),
+        (body, speed): (usize, usize),
+        value: S,
+    ) {
+        let place = if joint > body {
+            plan.block(joint, body)
+                .map(|at| at + row * plan.steps[body].size + speed)
+        } else {
+            plan.block(body, joint)
+                .map(|at| at + speed * plan.steps[joint].size + row)
+        };
+        if let Some(slot) = place.and_then(|place| self.store.get_mut(place)) {
+            *slot = value;
+        }
+    }
+
+    /// The right-hand side of a step; after [`System::solve`] its unknowns.
+    pub fn unknowns_mut(&mut self, plan: &Elimination, step: usize) -> &mut [S] {
+        match plan.steps.get(step) {
+            Some(step) => &mut self.right[step.first..step.first + step.size],
+            None => &mut [],
+        }
+    }
+
+    /// The unknowns of a step.
+    pub fn unknowns(&self, plan: &Elimination, step: usize) -> &[S] {
+        match plan.steps.get(step) {
+            Some(step) => &self.right[step.first..step.first + step.size],
+            None => &[],
+        }
+    }
+
+    /// Factorises K by (1). `enter` hears which part comes next.
+    pub fn factor(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
+        for step in &plan.steps {
+            enter(step.part);
+            let n = step.size;
+            for p in 0..n {
+                let pivot = step.diagonal + p * n;
+                let inverse = S::one() / self.store[pivot + p];
+                self.inverse[step.first + p] = inverse;
+                for column in p + 1..n {
+                    let shared = self.store[step.diagonal + column * n + p];
+                    let place = step.diagonal + column * n + p;
+                    if shared.is_zero() {
+                        self.scaled[place] = shared;
+                        continue;
+                    }
+                    let factor = shared * inverse;
+                    self.scaled[place] = factor;
+                    for row in column..n {
+                        self.reduce(step.diagonal + row * n, column, p, factor);
+                    }
+                    for below in &step.below {
+                        for row in 0..plan.steps[below.step].size {
+                            self.reduce(below.at + row * n, column, p, factor);
+                        }
+                    }
+                }
+                for below in &step.below {
+                    for row in 0..plan.steps[below.step].size {
+                        let at = below.at + row * n + p;
+                        let value = self.store[at];
+                        self.scaled[at] = if value.is_zero() {
+                            value
+                        } else {
+                            value * inverse
+                        };
+                    }
+                }
+            }
+            self.fill(plan, step);
+        }
+    }
+
+    /// K(row, column) −= K(row, p) · L(column, p).
+    fn reduce(&mut self, row: usize, column: usize, p: usize, factor: S) {
+        let shared = self.store[row + p];
+        if !shared.is_zero() {
+            self.store[row + column] -= shared * factor;
+        }
+    }
+
+    /// Takes the products of a step's couplings out of the blocks they fill.
+    fn fill(&mut self, plan: &Elimination, step: &Step) {
+        let n = step.size;
+        for (i, below) in step.below.iter().enumerate() {
+            let rows = plan.steps[below.step].size;
+            for (other, &target) in step.below[..=i].iter().zip(&below.targets) {
+                let columns = plan.steps[other.step].size;
+                for row in 0..rows {
+                    let last = if other.step == below.step {
+                        row + 1
+                    } else {
+                        columns
+                    };
+                    for column in 0..last {
+                        let mut total = self.store[target + row * columns + column];
+                        for p in 0..n {
+                            let left = self.scaled[below.at + row * n + p];
+                            let right = self.store[other.at + column * n + p];
+                            if !left.is_zero() && !right.is_zero() {
+                                total -= left * right;
+                            }
+                        }
+                        self.store[target + row * columns + column] = total;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Solves for the right-hand side by (2); the factor stays.
+    pub fn solve(&mut self, plan: &Elimination) {
+        for step in &plan.steps {
+            let n = step.size;
+            for p in 0..n {
+                let value = self.right[step.first + p];
+                if value.is_zero() {
+                    continue;
+                }
+                for row in p + 1..n {
+                    self.carry(step.diagonal + row * n + p, step.first + row, value);
+                }
+                for below in &step.below {
+                    let later = &plan.steps[below.step];
+                    for row in 0..later.size {
+                        self.carry(below.at + row * n + p, later.first + row, value);
+                    }
+                }
+            }
+        }
+        for step in plan.steps.iter().rev() {
+            let n = step.size;
+            for p in (0..n).rev() {
+                let mut total = self.right[step.first + p];
+                if !total.is_zero() {
+                    total *= self.inverse[step.first + p];
+                }
+                for below in &step.below {
+                    let later = &plan.steps[below.step];
+                    for row in 0..later.size {
+                        let factor = self.scaled[below.at + row * n + p];
+                        if !factor.is_zero() {
+                            total -= factor * self.right[later.first + row];
+                        }
+                    }
+                }
+                for row in p + 1..n {
+                    let factor = self.scaled[step.diagonal + row * n + p];
+                    if !factor.is_zero() {
+                        total -= factor * self.right[step.first + row];
+                    }
+                }
+                self.right[step.first + p] = total;
+            }
+        }
+    }
+
+    fn carry(&mut self, factor: usize, row: usize, value: S) {
+        let factor = self.scaled[factor];
+        if !factor.is_zero() {
+            self.right[row] -= factor * value;
+        }
+    }
+}

@@ -1,0 +1,397 @@
+//! Joints in the equations of motion: rows, accelerations under them, multipliers, reactions, the projection step.
+//!
+//! ```text
+//! [M  Φ_vᵀ] [ v̇]   [f − h]
+//! [Φ_v   0] [−λ] = [  γ  ]     the constraints push the bodies with +Φ_vᵀ λ                                     (1)
+//! [M  Φ_vᵀ] [ δ]   [ 0 ]
+//! [Φ_v   0] [−μ] = [−r ]       the smallest move, weighted by mass, that takes r out of the rows                 (2)
+//! F = Σ λ (linear columns of the child),  T = Σ λ (couples on the child)                                        (3)
+//! ```
+//!
+//! The system is written in body components whatever the state carries: M is constant there and γ and λ are the same numbers. Uniform
+//! gravity is left out of (1) and added to the result: it moves every body alike, so only joints to the world feel it.
+//! Source: Kamman, Connecting Joints I, rows joined to the equations of motion as second-order equations.
+
+use nalgebra::Vector3;
+
+use super::algebra::{vector, write};
+use super::block::System;
+use super::evaluation::Evaluation;
+use super::forces::Assembly;
+use super::rows::{Columns, End, Ends, Rows, Turn};
+use super::{GravityNumbers, body_gravity, point_gravity};
+use crate::elimination::Part;
+use crate::{AngularVelocity, At, Layout, Place, PointSlots, Quantity, Real, Scene};
+
+/// Rows and system of one scene. Carries nothing from call to call.
+#[derive(Clone, Debug)]
+pub struct Constraints<S: Real> {
+    rows: Vec<Rows<S>>,
+    system: System<S>,
+}
+
+impl<S: Real> Evaluation<'_, S> {
+    /// The two ends of a joint; own components as asked.
+    fn ends(&self, joint: usize, components: AngularVelocity) -> Option<Ends<'_, S>> {
+        let declared = self.scene.joints.get(joint)?;
+        let numbers = self.numbers.joints.get(joint)?;
+        Some(Ends::new(
+            self.end(declared.parent, components)?,
+            self.end(declared.child, components)?,
+            numbers,
+            components,
+        ))
+    }
+
+    fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
+        let turn = |rotation: Option<nalgebra::Matrix3<S>>| rotation.map_or(Turn::None, Turn::By);
+        match place {
+            Place::World(frame) => {
+                let frame = self.numbers.world_frames.get(frame)?;
+                Some(End::fixed(frame.position, turn(frame.rotation)))
+            }
+            Place::Point(point) => match *self.layout.points.get(point)? {
+                PointSlots::Mass(slots) => Some(End {
+                    speeds: Some((slots.v, 3)),
+                    position: vector(self.at.state, slots.q),
+                    velocity: vector(self.at.state, self.layout.nq + slots.v),
+                    ..End::fixed(Vector3::zeros(), Turn::None)
+                }),
+                PointSlots::Node(_) => None,
+            },
+            Place::Body(body, frame) => {
+                let (motion, slots) = (self.motions.get(body)?, self.layout.bodies.get(body)?);
+                let frame = self.numbers.bodies.get(body)?.frames.get(frame)?;
+                let end = End {
+                    speeds: Some((slots.v, 6)),
+                    position: motion.position,
+                    velocity: motion.velocity,
+                    ..End::fixed(frame.position, turn(frame.rotation))
+                };
+                Some(match components {
+                    AngularVelocity::Body => End {
+                        omega: motion.omega_body,
+                        outward: Turn::By(motion.rotation),
+                        ..end
+                    },
+                    AngularVelocity::World => End {
+                        omega: motion.omega_world,
+                        arm: motion.arm(&frame.position),
+                        frame: Turn::By(match frame.rotation {
+                            Some(rotation) => motion.rotation * rotation,
+                            None => motion.rotation,
+                        }),
+                        ..end
+                    },
+                })
+            }
+        }
+    }
+}
+
+/// Whether a joint is on the branch it means: three numbers, all positive if it is (1 where its rows have no other root). Positions alone
+/// matter; a joint or a place that is not there gives NaN.
+pub fn branch<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &super::Numbers<S>,
+    at: &At<'_, S>,
+    joint: usize,
+) -> [S; 3] {
+    let motions: Vec<_> = layout
+        .bodies
+        .iter()
+        .map(|&slots| super::Motion::read(at.state, slots, layout.nq, scene.angular_velocity))
+        .collect();
+    let evaluation = Evaluation {
+        scene,
+        layout,
+        numbers,
+        at,
+        motions: &motions,
+    };
+    match (
+        evaluation.ends(joint, AngularVelocity::Body),
+        scene.joints.get(joint),
+    ) {
+        (Some(ends), Some(joint)) => joint.law.branch(&ends),
+        _ => [S::from_f64(f64::NAN); 3],
+    }
+}
+
+/// The acceleration of free fall where it is the same everywhere; zero else.
+fn common_fall<S: Real>(evaluation: &Evaluation<'_, S>) -> Vector3<S> {
+    match evaluation.numbers.gravity {
+        GravityNumbers::Uniform(g) => g,
+        _ => Vector3::zeros(),
+    }
+}
+
+impl<S: Real> Constraints<S> {
+    /// Room for one scene.
+    pub fn new(scene: &Scene) -> Self {
+        Constraints {
+            rows: vec![Rows::default(); scene.joints.len()],
+            system: System::new(&Layout::new(scene).elimination),
+        }
+    }
+
+    /// Runs the rows of every joint.
+    fn run(&mut self, evaluation: &Evaluation<'_, S>, components: AngularVelocity) {
+        let joints = evaluation
+            .scene
+            .joints
+            .iter()
+            .zip(&evaluation.layout.joints);
+        for (index, ((joint, slots), rows)) in joints.zip(&mut self.rows).enumerate() {
+            rows.clear();
+            if slots.len == 0 {
+                continue;
+            }
+            S::section(&joint.name);
+            if let Some(ends) = evaluation.ends(index, components) {
+                joint.law.constrain(&ends, rows);
+            }
+        }
+    }
+
+    /// Writes Φ, Φ_v, Φ_v v or γ.
+    pub fn write(&mut self, what: Quantity, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        let components = evaluation.scene.angular_velocity;
+        self.run(evaluation, components);
+        let layout = evaluation.layout;
+        for (index, (slots, rows)) in layout.joints.iter().zip(&self.rows).enumerate() {
+            let Some(ends) = evaluation.ends(index, components).filter(|_| slots.len > 0) else {
+                continue;
+            };
+            S::section(&evaluation.scene.joints[index].name);
+            for (row, number) in rows.rows().iter().zip(slots.row..) {
+                match what {
+                    Quantity::Constraint => out[number] = row.value,
+                    Quantity::ConstraintRate => out[number] = row.rate(&ends),
+                    Quantity::ConstraintBias => out[number] = row.bias,
+                    _ => {
+                        let line = &mut out[number * layout.nv..(number + 1) * layout.nv];
+                        write_columns(&ends.parent, &row.parent, line);
+                        write_columns(&ends.child, &row.child, line);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Fills and factorises the system of (1) and (2).
+    fn prepare(&mut self, evaluation: &Evaluation<'_, S>) {
+        let (layout, numbers) = (evaluation.layout, evaluation.numbers);
+        let plan = &layout.elimination;
+        self.run(evaluation, AngularVelocity::Body);
+        self.system.clear();
+        for (index, step) in plan.steps.iter().enumerate() {
+            match step.part {
+                Part::Body(body) => {
+                    let body = &numbers.bodies[body];
+                    for i in 0..3 {
+                        self.system.set_diagonal(plan, index, (i, i), body.mass);
+                        for j in 0..=i {
+                            let inertia = body.inertia[(i, j)];
+                            self.system
+                                .set_diagonal(plan, index, (3 + i, 3 + j), inertia);
+                        }
+                    }
+                }
+                Part::Point(point) => {
+                    let mass = numbers.points[point].0;
+                    for i in 0..3 {
+                        self.system.set_diagonal(plan, index, (i, i), mass);
+                    }
+                }
+                Part::Joint(joint) => {
+                    let [parent, child] = layout.joints[joint].ends.map(|end| plan.step_of(end?));
+                    for (number, row) in self.rows[joint].rows().iter().enumerate() {
+                        for (end, columns) in [(parent, &row.parent), (child, &row.child)] {
+                            let Some(end) = end else { continue };
+                            let both = columns.linear.iter().chain(columns.angular.iter());
+                            let speeds = plan.steps[end].size;
+                            for (speed, &value) in both.take(speeds).enumerate() {
+                                let (row, column) = ((index, number), (end, speed));
+                                self.system.set_coupling(plan, row, column, value);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        self.system
+            .factor(plan, |part| enter::<S>(evaluation.scene, part));
+    }
+
+    /// Solves (1): accelerations less the common fall, and −λ.
+    pub fn accelerate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>) {
+        self.prepare(evaluation);
+        let (layout, numbers) = (evaluation.layout, evaluation.numbers);
+        let plan = &layout.elimination;
+        let fall = common_fall(evaluation);
+        let uniform = matches!(numbers.gravity, GravityNumbers::Uniform(_));
+        for (index, step) in plan.steps.iter().enumerate() {
+            enter::<S>(evaluation.scene, step.part);
+            let right = self.system.unknowns_mut(plan, index);
+            match step.part {
+                Part::Body(body) => {
+                    let (motion, numbers) = (&evaluation.motions[body], &numbers.bodies[body]);
+                    let (mut force, torque) = assembly.bodies[body];
+                    if !uniform {
+                        force += body_gravity(evaluation, body).map(|g| numbers.mass * g);
+                    }
+                    let torque = motion.rotation.transpose() * torque - motion.gyroscopic(numbers);
+                    write(right, 0, &force);
+                    write(right, 3, &torque);
+                }
+                Part::Point(point) => {
+                    let mut force = assembly.points[point];
+                    if let (false, PointSlots::Mass(slots)) = (uniform, layout.points[point]) {
+                        let mass = numbers.points[point].0;
+                        force += point_gravity(evaluation, point, slots.q).map(|g| mass * g);
+                    }
+                    write(right, 0, &force);
+                }
+                Part::Joint(joint) => {
+                    let ends = layout.joints[joint].ends;
+                    for (slot, row) in right.iter_mut().zip(self.rows[joint].rows()) {
+                        // Between two bodies the common fall cancels: their linear columns are opposite.
+                        *slot = match ends {
+                            [Some(_), Some(_)] => row.bias,
+                            [Some(_), None] => row.bias - row.parent.linear.dot(&fall),
+                            _ => row.bias - row.child.linear.dot(&fall),
+                        };
+                    }
+                }
+            }
+        }
+        self.system.solve(plan);
+    }
+
+    /// Linear acceleration (world axes) and ω̇ (components of the state) of a body that joints hold, after [`Constraints::accelerate`].
+    pub fn body_acceleration(
+        &self,
+        evaluation: &Evaluation<'_, S>,
+        body: usize,
+    ) -> Option<[Vector3<S>; 2]> {
+        let plan = &evaluation.layout.elimination;
+        let unknowns = self.system.unknowns(plan, plan.step_of(Part::Body(body))?);
+        let spin = state_components(evaluation, body, vector(unknowns, 3));
+        Some([vector::<S>(unknowns, 0) + common_fall(evaluation), spin])
+    }
+
+    /// Acceleration of a point that joints hold, world axes.
+    pub fn point_acceleration(
+        &self,
+        evaluation: &Evaluation<'_, S>,
+        point: usize,
+    ) -> Option<Vector3<S>> {
+        let plan = &evaluation.layout.elimination;
+        let unknowns = self
+            .system
+            .unknowns(plan, plan.step_of(Part::Point(point))?);
+        Some(vector::<S>(unknowns, 0) + common_fall(evaluation))
+    }
+
+    /// Writes the multipliers, or the reactions by (3), after [`Constraints::accelerate`].
+    pub fn write_forces(&self, what: Quantity, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        let layout = evaluation.layout;
+        for (index, (slots, rows)) in layout.joints.iter().zip(&self.rows).enumerate() {
+            let Some(step) = layout.elimination.step_of(Part::Joint(index)) else {
+                if what == Quantity::Reactions {
+                    out[6 * index..6 * index + 6].fill(S::zero());
+                }
+                continue;
+            };
+            let unknowns = self.system.unknowns(&layout.elimination, step);
+            if what == Quantity::Multipliers {
+                for (slot, &unknown) in out[slots.row..].iter_mut().zip(unknowns) {
+                    *slot = -unknown;
+                }
+                continue;
+            }
+            let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+            for (row, &unknown) in rows.rows().iter().zip(unknowns) {
+                force -= row.child.linear.map(|x| unknown * x);
+                torque -= row.couple.map(|x| unknown * x);
+            }
+            if let Some(Part::Body(body)) = slots.ends[1] {
+                torque = evaluation.motions[body].rotation * torque;
+            }
+            write(out, 6 * index, &force);
+            write(out, 6 * index + 3, &torque);
+        }
+    }
+
+    /// Solves (2) for the rows of the arguments and writes δ.
+    pub fn correct(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        let layout = evaluation.layout;
+        let plan = &layout.elimination;
+        if evaluation.at.rows.len() != layout.nc {
+            return out.fill(S::from_f64(f64::NAN));
+        }
+        self.prepare(evaluation);
+        for (joint, slots) in layout.joints.iter().enumerate() {
+            if let Some(step) = plan.step_of(Part::Joint(joint)) {
+                let right = self.system.unknowns_mut(plan, step);
+                for (slot, &row) in right.iter_mut().zip(&evaluation.at.rows[slots.row..]) {
+                    *slot = -row;
+                }
+            }
+        }
+        self.system.solve(plan);
+        out.fill(S::zero());
+        for (index, step) in plan.steps.iter().enumerate() {
+            let unknowns = self.system.unknowns(plan, index);
+            match step.part {
+                Part::Body(body) => {
+                    let at = layout.bodies[body].v;
+                    let turn = state_components(evaluation, body, vector(unknowns, 3));
+                    write(out, at, &vector(unknowns, 0));
+                    write(out, at + 3, &turn);
+                }
+                Part::Point(point) => {
+                    if let PointSlots::Mass(slots) = layout.points[point] {
+                        write(out, slots.v, &vector(unknowns, 0));
+                    }
+                }
+                Part::Joint(_) => {}
+            }
+        }
+    }
+}
+
+/// A vector of a body's own axes in the components the state carries.
+fn state_components<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    body: usize,
+    own: Vector3<S>,
+) -> Vector3<S> {
+    match evaluation.scene.angular_velocity {
+        AngularVelocity::Body => own,
+        AngularVelocity::World => evaluation.motions[body].rotation * own,
+    }
+}
+
+/// Says that the terms which follow belong to a part of the system.
+fn enter<S: Real>(scene: &Scene, part: Part) {
+    let name = match part {
+        Part::Body(body) => scene.bodies.get(body).map(|body| &body.name),
+        Part::Point(point) => scene.points.get(point).map(|point| &point.name),
+        Part::Joint(joint) => scene.joints.get(joint).map(|joint| &joint.name),
+    };
+    S::section(name.map_or("", String::as_str));
+}
+
+/// Writes the non-zero columns of one end into a row of Φ_v.
+fn write_columns<S: Real>(end: &End<S>, columns: &Columns<S>, line: &mut [S]) {
+    let Some((first, speeds)) = end.speeds else {
+        return;
+    };
+    let both = columns.linear.iter().chain(columns.angular.iter());
+    for (slot, &value) in line.iter_mut().skip(first).zip(both.take(speeds)) {
+        *slot = value;
+    }
+}

@@ -1,0 +1,203 @@
+//! The two ends of a joint in motion: all a row may depend on.
+//!
+//! Every vector of an end is written in the end's **own components**: along its body's axes (`AngularVelocity::Body`) or along world axes
+//! (`AngularVelocity::World`). Two turns connect them: A takes child components to parent components, `outward` takes own components to
+//! world axes. With world components both are the identity and cost nothing, so one text gives both tables of rows.
+
+use std::cell::OnceCell;
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::joints::Axis;
+use crate::{AngularVelocity, Real};
+
+/// A rotation, or none at all.
+#[derive(Clone, Copy, Debug)]
+pub enum Turn<S: Real> {
+    /// The same components on both sides.
+    None,
+    /// By a matrix.
+    By(Matrix3<S>),
+}
+
+impl<S: Real> Turn<S> {
+    /// R v.
+    pub fn apply(&self, v: &Vector3<S>) -> Vector3<S> {
+        match self {
+            Turn::None => *v,
+            Turn::By(r) => r * v,
+        }
+    }
+
+    /// Rᵀ v.
+    pub fn back(&self, v: &Vector3<S>) -> Vector3<S> {
+        match self {
+            Turn::None => *v,
+            Turn::By(r) => r.transpose() * v,
+        }
+    }
+
+    /// Rᵀ e_k: row k of R.
+    pub fn row(&self, k: usize) -> Vector3<S> {
+        let unit = |i: usize| if i == k { S::one() } else { S::zero() };
+        match self {
+            Turn::None => Vector3::from_fn(|i, _| unit(i)),
+            Turn::By(r) => Vector3::from_fn(|i, _| r[(k.min(2), i)]),
+        }
+    }
+
+    /// selfᵀ other.
+    fn to(&self, other: &Turn<S>) -> Turn<S> {
+        match (self, other) {
+            (Turn::None, other) => *other,
+            (Turn::By(r), Turn::None) => Turn::By(r.transpose()),
+            (Turn::By(a), Turn::By(b)) => Turn::By(a.transpose() * b),
+        }
+    }
+}
+
+/// One end: a place on a body, at a point with mass or in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct End<S: Real> {
+    /// First speed and number of speeds (6 for a body, 3 for a point) of what it sits on; `None` for the world.
+    pub speeds: Option<(usize, usize)>,
+    /// Centre of mass, world axes [m].
+    pub position: Vector3<S>,
+    /// Its velocity, world axes [m/s].
+    pub velocity: Vector3<S>,
+    /// Angular velocity, own components [rad/s].
+    pub omega: Vector3<S>,
+    /// Own components → world axes.
+    pub outward: Turn<S>,
+    /// The joint's point from the centre of mass, own components [m].
+    pub arm: Vector3<S>,
+    /// Joint frame → own components.
+    pub frame: Turn<S>,
+}
+
+impl<S: Real> End<S> {
+    /// An end fixed in the world, at `arm` from its origin.
+    pub fn fixed(arm: Vector3<S>, frame: Turn<S>) -> Self {
+        End {
+            speeds: None,
+            position: Vector3::zeros(),
+            velocity: Vector3::zeros(),
+            omega: Vector3::zeros(),
+            outward: Turn::None,
+            arm,
+            frame,
+        }
+    }
+
+    /// An axis of the joint frame, own components.
+    pub fn axis(&self, axis: &Axis) -> Vector3<S> {
+        self.frame.apply(&axis.vector())
+    }
+
+    /// ω × arm: velocity of the joint's point against the centre of mass, own components [m/s].
+    pub fn swing(&self) -> Vector3<S> {
+        self.omega.cross(&self.arm)
+    }
+}
+
+/// What perpendicular and in-plane rows share: the child's angular velocity seen from the parent.
+#[derive(Clone, Copy, Debug)]
+pub struct Spin<S: Real> {
+    /// w = ω_p − A ω_c, parent components [rad/s].
+    pub difference: Vector3<S>,
+    /// w·w.
+    pub square: S,
+    /// ω_p × A ω_c.
+    pub cross: Vector3<S>,
+}
+
+/// Parent end and child end of a joint, and its numbers.
+#[derive(Clone, Debug)]
+pub struct Ends<'a, S: Real> {
+    /// The parent's end.
+    pub parent: End<S>,
+    /// The child's end.
+    pub child: End<S>,
+    numbers: &'a [S],
+    components: AngularVelocity,
+    relative: OnceCell<Turn<S>>,
+    spin: OnceCell<Spin<S>>,
+}
+
+impl<'a, S: Real> Ends<'a, S> {
+    /// Two ends whose own components are along body axes or along world axes, and the numbers of the joint.
+    pub fn new(
+        parent: End<S>,
+        child: End<S>,
+        numbers: &'a [S],
+        components: AngularVelocity,
+    ) -> Self {
+        Ends {
+            parent,
+            child,
+            numbers,
+            components,
+            relative: OnceCell::new(),
+            spin: OnceCell::new(),
+        }
+    }
+
+    /// Number `index` of the joint; NaN if there is none.
+    pub fn number(&self, index: usize) -> S {
+        self.numbers
+            .get(index)
+            .copied()
+            .unwrap_or_else(|| S::from_f64(f64::NAN))
+    }
+
+    /// A: child components → parent components.
+    pub fn relative(&self) -> &Turn<S> {
+        self.relative.get_or_init(|| match self.components {
+            AngularVelocity::World => Turn::None,
+            AngularVelocity::Body => self.parent.outward.to(&self.child.outward),
+        })
+    }
+
+    /// The child's angular velocity seen from the parent.
+    pub fn spin(&self) -> &Spin<S> {
+        self.spin.get_or_init(|| {
+            let child = self.relative().apply(&self.child.omega);
+            let difference = self.parent.omega - child;
+            Spin {
+                difference,
+                square: difference.dot(&difference),
+                cross: self.parent.omega.cross(&child),
+            }
+        })
+    }
+
+    /// d: the child's joint point from the parent's, world axes [m].
+    pub fn gap(&self) -> Vector3<S> {
+        let (p, c) = (&self.parent, &self.child);
+        c.position + c.outward.apply(&c.arm) - p.position - p.outward.apply(&p.arm)
+    }
+
+    /// ḋ, world axes [m/s].
+    pub fn gap_rate(&self) -> Vector3<S> {
+        let (p, c) = (&self.parent, &self.child);
+        c.velocity + c.outward.apply(&c.swing()) - p.velocity - p.outward.apply(&p.swing())
+    }
+
+    /// e: the child's joint point from the parent's centre of mass, parent components [m].
+    pub fn reach(&self) -> Vector3<S> {
+        let (p, c) = (&self.parent, &self.child);
+        p.outward.back(&(c.position - p.position)) + self.relative().apply(&c.arm)
+    }
+
+    /// Velocity of the child's joint point against the parent's centre of mass, parent components [m/s].
+    pub fn reach_rate(&self) -> Vector3<S> {
+        let (p, c) = (&self.parent, &self.child);
+        p.outward.back(&(c.velocity - p.velocity)) + self.relative().apply(&c.swing())
+    }
+
+    /// Cosine of the angle between axis `a` of frame 1 and axis `b` of frame 2.
+    pub fn cosine(&self, a: &Axis, b: &Axis) -> S {
+        let b = self.relative().apply(&self.child.axis(b));
+        self.parent.axis(a).dot(&b)
+    }
+}

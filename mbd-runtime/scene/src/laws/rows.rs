@@ -1,0 +1,298 @@
+//! Rows: the scalar equations every joint is built from, at the three levels Φ = 0, Φ_v v = 0, Φ_v v̇ = γ.
+//!
+//! Parent p, child c; joint points at the arms p1, p2 from the centres of mass; d the gap from the parent's joint point to the child's,
+//! e the child's joint point from the parent's centre of mass; a fixed in the parent, b in the child; γ = −(dΦ_v/dt) v.
+//!
+//! ```text
+//! row                  Φ                  columns ṙ_p, ω_p, ṙ_c, ω_c            γ                                                        world components
+//! coincide (3) [m]     d                  −I, s̃1, I, −s̃2                        ω_p×(ω_p×s1) − ω_c×(ω_c×s2)                              (1)
+//! perpendicular [1]    a·b                0, nᵀ, 0, −nᵀ;  n = a×b               |w|²(a·b) − (a·w)(b·w) − n·(ω_p×ω_c),  w = ω_p − ω_c    (2)
+//! in-plane [m]         a·d                −aᵀ, (a×e)ᵀ, aᵀ, (s2×a)ᵀ              a·[2 ω_p×u − ω_p×(ω_p×e) − ω_c×(ω_c×s2)]                 (3)
+//! distance [m]         (d·d − L²)/(2L)    (dᵀ/L) · coincide                     (d·γ_coincide − ḋ·ḋ)/L                                   (4)
+//! helix [m]            h sin(φ − θ)       from (2) and (3), see [`Rows::helix`]                                                          (5)
+//! ```
+//!
+//! with s = R p and u = ṙ_c + ω_c×s2 − ṙ_p. In body components the same rows are written from p1, p2, ω′ and A = R_pᵀ R_c alone:
+//!
+//! ```text
+//! coincide             −I, R_p p̃1, I, −R_c p̃2                                   R_p(ω′_p×(ω′_p×p1)) − R_c(ω′_c×(ω′_c×p2))                 (1′)
+//! perpendicular        0, n′ᵀ, 0, −(a″×b″)ᵀ;  n′ = a′×Ab″, a″ = Aᵀa′            as (2) with ω_c → Aω′_c, in parent components             (2′)
+//! in-plane             −(R_p a′)ᵀ, (a′×e′)ᵀ, (R_p a′)ᵀ, (p2×a″)ᵀ                a′·[2 ω′_p×u′ − ω′_p×(ω′_p×e′) − A(ω′_c×(ω′_c×p2))]       (3′)
+//! ```
+//!
+//! One text serves both: see [`Ends`]. γ is the same number in both. The columns of the world end are never asked for, so they fold away.
+//! The a·b term of (2) vanishes on the manifold and is kept, because stages are slightly off it. In (3) the parent's arm is e, not s1.
+//! Source: Kamman, Connecting Joints I, differentiated twice.
+
+use nalgebra::Vector3;
+
+pub use super::ends::{End, Ends, Spin, Turn};
+use crate::Real;
+use crate::joints::Axis;
+
+/// What one end contributes to a row: the coefficients of its velocity.
+#[derive(Clone, Copy, Debug)]
+pub struct Columns<S: Real> {
+    /// Of the velocity of the centre of mass, world axes.
+    pub linear: Vector3<S>,
+    /// Of the angular velocity, own components.
+    pub angular: Vector3<S>,
+}
+
+/// One scalar equation at its three levels.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<S: Real> {
+    /// Φ.
+    pub value: S,
+    /// Columns of the parent.
+    pub parent: Columns<S>,
+    /// Columns of the child.
+    pub child: Columns<S>,
+    /// The couple on the child about the origin of frame 2 for a unit multiplier, own components: zero for a row that only pushes.
+    pub couple: Vector3<S>,
+    /// γ.
+    pub bias: S,
+}
+
+impl<S: Real> Columns<S> {
+    fn zero() -> Self {
+        Columns {
+            linear: Vector3::zeros(),
+            angular: Vector3::zeros(),
+        }
+    }
+
+    fn scaled(&self, factor: S) -> Self {
+        Columns {
+            linear: self.linear.map(|x| factor * x),
+            angular: self.angular.map(|x| factor * x),
+        }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Columns {
+            linear: self.linear + other.linear,
+            angular: self.angular + other.angular,
+        }
+    }
+
+    /// The rate an end's velocity gives to the row.
+    pub fn rate(&self, end: &End<S>) -> S {
+        self.linear.dot(&end.velocity) + self.angular.dot(&end.omega)
+    }
+}
+
+impl<S: Real> Row<S> {
+    /// Columns, couple and γ of `factor` × row; Φ likewise.
+    fn scaled(&self, factor: S) -> Self {
+        Row {
+            value: factor * self.value,
+            parent: self.parent.scaled(factor),
+            child: self.child.scaled(factor),
+            couple: self.couple.map(|x| factor * x),
+            bias: factor * self.bias,
+        }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Row {
+            value: self.value + other.value,
+            parent: self.parent.plus(&other.parent),
+            child: self.child.plus(&other.child),
+            couple: self.couple + other.couple,
+            bias: self.bias + other.bias,
+        }
+    }
+
+    /// Φ_v v.
+    pub fn rate(&self, ends: &Ends<'_, S>) -> S {
+        self.parent.rate(&ends.parent) + self.child.rate(&ends.child)
+    }
+}
+
+/// The rows of one joint, in order.
+#[derive(Clone, Debug)]
+pub struct Rows<S: Real> {
+    rows: Vec<Row<S>>,
+}
+
+impl<S: Real> Default for Rows<S> {
+    fn default() -> Self {
+        Rows {
+            rows: Vec::with_capacity(6),
+        }
+    }
+}
+
+impl<S: Real> Rows<S> {
+    /// Forgets all rows; keeps the room.
+    pub fn clear(&mut self) {
+        self.rows.clear();
+    }
+
+    /// The rows.
+    #[must_use]
+    pub fn rows(&self) -> &[Row<S>] {
+        &self.rows
+    }
+
+    /// The joint points coincide: three rows [m], (1).
+    pub fn coincide(&mut self, ends: &Ends<'_, S>) {
+        let (parent, child) = (&ends.parent, &ends.child);
+        let gap = ends.gap();
+        let bias = pull(parent) - pull(child);
+        for k in 0..3 {
+            let unit = Turn::None.row(k);
+            self.rows.push(Row {
+                value: gap[k],
+                parent: Columns {
+                    linear: -unit,
+                    angular: parent.outward.row(k).cross(&parent.arm),
+                },
+                child: Columns {
+                    linear: unit,
+                    angular: child.arm.cross(&child.outward.row(k)),
+                },
+                couple: Vector3::zeros(),
+                bias: bias[k],
+            });
+        }
+    }
+
+    /// Axis `a` of frame 1 and axis `b` of frame 2 stay perpendicular: one row [1], (2).
+    pub fn perpendicular(&mut self, ends: &Ends<'_, S>, a: &Axis, b: &Axis) {
+        self.rows.push(perpendicular(ends, a, b));
+    }
+
+    /// Three rows [1] that lock the attitude: (x1, y2), (y1, z2), (z1, x2) for the axes x, y, z.
+    pub fn lock(&mut self, ends: &Ends<'_, S>, [x, y, z]: [Axis; 3]) {
+        for (a, b) in [(x, y), (y, z), (z, x)] {
+            self.perpendicular(ends, &a, &b);
+        }
+    }
+
+    /// The cosine between `a` of frame 1 and `b` of frame 2 stays `cosine`: one row [1], (2) with another right-hand side.
+    pub fn angle(&mut self, ends: &Ends<'_, S>, a: &Axis, b: &Axis, cosine: S) {
+        let row = perpendicular(ends, a, b);
+        self.rows.push(Row {
+            value: row.value - cosine,
+            ..row
+        });
+    }
+
+    /// The child's joint point stays in the plane through the parent's joint point normal to `a` of frame 1: one row [m], (3).
+    pub fn in_plane(&mut self, ends: &Ends<'_, S>, a: &Axis) {
+        self.rows.push(in_plane(ends, a));
+    }
+
+    /// The joint points keep the distance `length` [m]: one row [m], (4).
+    pub fn distance(&mut self, ends: &Ends<'_, S>, length: S) {
+        let (parent, child) = (&ends.parent, &ends.child);
+        let (gap, rate) = (ends.gap(), ends.gap_rate());
+        let shrink = (S::one() / length).label("inverse_length");
+        let direction = gap.map(|x| x * shrink);
+        let half = S::from_f64(0.5);
+        self.rows.push(Row {
+            value: half * (gap.dot(&direction) - length),
+            parent: Columns {
+                linear: -direction,
+                angular: parent.outward.back(&direction).cross(&parent.arm),
+            },
+            child: Columns {
+                linear: direction,
+                angular: child.arm.cross(&child.outward.back(&direction)),
+            },
+            couple: Vector3::zeros(),
+            bias: direction.dot(&(pull(parent) - pull(child))) - rate.dot(&rate) * shrink,
+        });
+    }
+
+    /// The child advances by `lead` [m/rad] as it turns about `axis`: one row [m], (5). With U = u1·u2, V = v1·u2, z = a1·d, φ = z/h:
+    ///
+    /// ```text
+    /// Φ   = h (U sin φ − V cos φ)
+    /// Φ_v = h sin φ Φ_v(U) − h cos φ Φ_v(V) + (U cos φ + V sin φ) Φ_v(z)
+    /// γ   = h sin φ γ(U) − h cos φ γ(V) + (U cos φ + V sin φ) γ(z) − 2 (U̇ cos φ + V̇ sin φ) ż + (U sin φ − V cos φ) ż²/h
+    /// ```
+    pub fn helix(&mut self, ends: &Ends<'_, S>, axis: &Axis, lead: S) {
+        let [u, v] = axis.complement();
+        let (along, across) = (perpendicular(ends, &u, &u), perpendicular(ends, &v, &u));
+        let way = in_plane(ends, axis);
+        let (sin, cos) = (way.value / lead).sin_cos();
+        let advance = along.value * cos + across.value * sin;
+        let miss = along.value * sin - across.value * cos;
+        let speed = way.rate(ends);
+        let turning = along.rate(ends) * cos + across.rate(ends) * sin;
+        let row = along
+            .scaled(lead * sin)
+            .plus(&across.scaled(-(lead * cos)))
+            .plus(&way.scaled(advance));
+        let two = S::from_f64(2.0);
+        self.rows.push(Row {
+            value: lead * miss,
+            bias: row.bias - two * (turning * speed) + miss * (speed * speed) / lead,
+            ..row
+        });
+    }
+}
+
+impl<S: Real> Ends<'_, S> {
+    /// cos(φ − θ) of the helix row: positive on its own thread.
+    pub fn helix_cosine(&self, axis: &Axis, lead: S) -> S {
+        let [u, v] = axis.complement();
+        let (sin, cos) = (in_plane(self, axis).value / lead).sin_cos();
+        self.cosine(&u, &u) * cos + self.cosine(&v, &u) * sin
+    }
+}
+
+/// ω × (ω × arm), world axes [m/s²]: centripetal acceleration of the joint's point.
+fn pull<S: Real>(end: &End<S>) -> Vector3<S> {
+    end.outward.apply(&end.omega.cross(&end.swing()))
+}
+
+fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
+    let (a, b) = (ends.parent.axis(a), ends.child.axis(b));
+    let (b_parent, a_child) = (ends.relative().apply(&b), ends.relative().back(&a));
+    let spin = ends.spin();
+    let (normal, couple) = (a.cross(&b_parent), b.cross(&a_child));
+    let cosine = a.dot(&b_parent);
+    let along = a.dot(&spin.difference) * b_parent.dot(&spin.difference);
+    Row {
+        value: cosine,
+        parent: Columns {
+            angular: normal,
+            ..Columns::zero()
+        },
+        child: Columns {
+            angular: couple,
+            ..Columns::zero()
+        },
+        couple,
+        bias: spin.square * cosine - along - normal.dot(&spin.cross),
+    }
+}
+
+fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
+    let (parent, child) = (&ends.parent, &ends.child);
+    let a = parent.axis(a);
+    let a_child = ends.relative().back(&a);
+    let (reach, rate) = (ends.reach(), ends.reach_rate());
+    let two = S::from_f64(2.0);
+    let coriolis = parent.omega.cross(&rate).map(|x| two * x);
+    let carried = parent.omega.cross(&parent.omega.cross(&reach));
+    let own = child.omega.cross(&child.swing());
+    let linear = parent.outward.apply(&a);
+    Row {
+        value: a.dot(&(reach - parent.arm)),
+        parent: Columns {
+            linear: -linear,
+            angular: a.cross(&reach),
+        },
+        child: Columns {
+            linear,
+            angular: child.arm.cross(&a_child),
+        },
+        couple: Vector3::zeros(),
+        bias: a.dot(&(coriolis - carried)) - a_child.dot(&own),
+    }
+}

@@ -1,0 +1,172 @@
+//! What a system of joints costs: the order of elimination is found, growth is linear, nothing absent is paid for.
+
+use mbd_compiler::Equations;
+use mbd_scene::joints::{Axis, Hinge, JointLaw, Spherical};
+use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Quantity, Scene, Variable};
+use nalgebra::{Matrix3, Vector3};
+use tests::mechanism::{add_body, add_frame, add_joint, empty, frame};
+
+/// A slender rod of 1 m along z.
+fn rod(scene: &mut Scene) -> (usize, Place, Place) {
+    let inertia = Matrix3::from_diagonal(&Vector3::new(0.085, 0.085, 0.001));
+    let body = add_body(scene, 1.0, &inertia);
+    let top = add_frame(scene, Some(body), frame("top", [0.0, 0.0, 0.5], None));
+    let end = add_frame(scene, Some(body), frame("end", [0.0, 0.0, -0.5], None));
+    (body, top, end)
+}
+
+fn hinge(axis: Axis) -> JointLaw {
+    JointLaw::Hinge(Hinge { axis })
+}
+
+/// Rods hinged one below the other about y, x, y, x, …; closed to the world at the end if asked.
+fn chain(n: usize, closed: bool) -> Scene {
+    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+    let mut from = Place::World(0);
+    for index in 0..n {
+        let (_, top, end) = rod(&mut scene);
+        let axis = if index % 2 == 0 { Axis::Y } else { Axis::X };
+        add_joint(&mut scene, hinge(axis), from, top);
+        from = end;
+    }
+    if closed {
+        let spherical = JointLaw::Spherical(Spherical::default());
+        add_joint(&mut scene, spherical, from, Place::World(0));
+    }
+    scene
+}
+
+/// A free hub with arms around it.
+fn hub(arms: usize) -> Scene {
+    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+    let hub = add_body(&mut scene, 5.0, &Matrix3::identity());
+    for arm in 0..arms {
+        let angle = arm as f64 * std::f64::consts::TAU / arms as f64;
+        let at = [angle.cos(), angle.sin(), 0.0];
+        let place = add_frame(&mut scene, Some(hub), frame(&format!("arm{arm}"), at, None));
+        let (_, top, _) = rod(&mut scene);
+        add_joint(&mut scene, hinge(Axis::Y), place, top);
+    }
+    scene
+}
+
+/// A binary tree of rods hanging from the world.
+fn tree(n: usize) -> Scene {
+    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+    let mut ends = vec![Place::World(0)];
+    for index in 0..n {
+        let (_, top, end) = rod(&mut scene);
+        let axis = if index % 2 == 0 { Axis::Y } else { Axis::X };
+        add_joint(&mut scene, hinge(axis), ends[index.div_ceil(2)], top);
+        ends.push(end);
+    }
+    scene
+}
+
+fn cost(scene: &Scene, what: Quantity) -> usize {
+    let equations = Equations::trace_only(scene, &[what]);
+    equations.program(what).expect("traced").cost().total()
+}
+
+/// Operations of filling, factorising and solving the system, given the rows.
+fn solving(scene: &Scene) -> usize {
+    cost(scene, Quantity::Correction) - cost(scene, Quantity::ConstraintJacobian)
+}
+
+#[test]
+fn an_open_chain_costs_the_same_for_every_further_body() {
+    let whole = |n| cost(&chain(n, false), Quantity::Derivative);
+    let (four, eight, sixteen) = (whole(4), whole(8), whole(16));
+    assert_eq!(sixteen - eight, 2 * (eight - four), "linear in n");
+    assert!(sixteen <= 920 * 16, "{sixteen}");
+    assert!(solving(&chain(16, false)) <= 650 * 16);
+}
+
+#[test]
+fn the_cheap_order_of_elimination_is_found() {
+    let choice = |scene: &Scene| {
+        let candidates = Layout::new(scene).elimination.candidates;
+        let cheapest = candidates.iter().min().copied();
+        candidates.map(|cost| Some(cost) == cheapest)
+    };
+    assert!(choice(&chain(8, false))[0], "a chain: bodies first");
+    assert!(choice(&chain(8, true))[0], "a ring: bodies first");
+    assert!(!choice(&hub(11))[0], "a hub: leaf first");
+    assert!(!choice(&tree(15))[0], "a tree: leaf first");
+    assert!(solving(&hub(11)) <= 6_000);
+    assert!(solving(&tree(15)) <= 9_000);
+    assert!(cost(&hub(11), Quantity::Derivative) <= 8_800);
+    assert!(cost(&tree(15), Quantity::Derivative) <= 12_100);
+}
+
+#[test]
+fn a_joint_pays_for_nothing_it_does_not_need() {
+    let swing = |arm: [f64; 3], law: JointLaw| {
+        let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+        let body = add_body(&mut scene, 1.0, &Matrix3::identity());
+        let place = add_frame(&mut scene, Some(body), frame("pivot", arm, None));
+        add_joint(&mut scene, law, Place::World(0), place);
+        cost(&scene, Quantity::Derivative)
+    };
+    let odd = Axis::new([0.2, 0.3, 0.9]).expect("not zero");
+    let (aligned, tilted) = (
+        swing([0.0, 0.0, 0.5], hinge(Axis::Y)),
+        swing([0.0, 0.0, 0.5], hinge(odd)),
+    );
+    assert!(aligned + 80 < tilted, "{aligned} aligned, {tilted} tilted");
+    let spherical = || JointLaw::Spherical(Spherical::default());
+    let (none, one, three) = (
+        swing([0.0; 3], spherical()),
+        swing([0.0, 0.0, 0.5], spherical()),
+        swing([0.1, 0.2, 0.5], spherical()),
+    );
+    assert!(none < one && one < three, "{none} {one} {three}");
+}
+
+#[test]
+fn a_free_joint_costs_nothing() {
+    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+    let (body, ..) = rod(&mut scene);
+    let alone = cost(&scene, Quantity::Derivative);
+    let free = JointLaw::Free(Default::default());
+    add_joint(&mut scene, free, Place::World(0), Place::Body(body, 0));
+    assert_eq!(cost(&scene, Quantity::Derivative), alone);
+}
+
+#[test]
+#[ignore = "prints operation counts"]
+fn counts() {
+    let scenes = [
+        ("chain 2", chain(2, false)),
+        ("chain 8", chain(8, false)),
+        ("chain 16", chain(16, false)),
+        ("ring 8", chain(8, true)),
+        ("hub 11", hub(11)),
+        ("tree 15", tree(15)),
+    ];
+    for (name, scene) in scenes {
+        let layout = Layout::new(&scene);
+        println!("{name}: estimates {:?}", layout.elimination.candidates);
+        for what in [
+            Quantity::Constraint,
+            Quantity::ConstraintJacobian,
+            Quantity::ConstraintBias,
+            Quantity::Derivative,
+            Quantity::Multipliers,
+            Quantity::Correction,
+        ] {
+            let total = cost(&scene, what);
+            println!("  {what:?} {total}, {} a body", total / scene.bodies.len());
+        }
+    }
+    for n in [2, 4, 8] {
+        let start = std::time::Instant::now();
+        let equations = Equations::trace(&chain(n, false));
+        let by = Quantity::Partial(Differentiated::Derivative, Variable::State);
+        let partial = equations.program(by).map(|program| program.cost().total());
+        println!(
+            "chain {n}: everything traced in {:?}, ∂ẋ/∂x {partial:?}",
+            start.elapsed()
+        );
+    }
+}

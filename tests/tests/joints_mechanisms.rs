@@ -1,0 +1,305 @@
+//! Random mechanisms: trees, loops, points, springs of every joint type. What must hold for any of them holds in every execution.
+
+use mbd_compiler::Interpreted;
+use mbd_runtime::Generic;
+use mbd_scene::joints::{Distance, JointLaw};
+use mbd_scene::{AngularVelocity, Layout, Model, Place, Quantity, Scene};
+use nalgebra::{DMatrix, DVector};
+use tests::assert_close;
+use tests::mechanism::{
+    Instance, Seat, add_body, add_external_loads, add_frame, add_joint, add_point, all_joints, at,
+    empty, evaluate, inertia, state, with_components,
+};
+use tests::random::Random;
+
+/// Bodies hung on each other and on the world by random joints, two of them closing loops where that leaves freedoms, a point on a rod.
+fn mechanism(seed: u64) -> Scene {
+    let mut random = Random::new(seed);
+    let laws: Vec<JointLaw> = all_joints().into_iter().map(|(law, _)| law).collect();
+    let mut scene = empty([0.4, -0.3, -9.81], AngularVelocity::Body);
+    let count = 2 + random.below(5);
+    let seat = |scene: &mut Scene, body: Option<usize>, random: &mut Random| {
+        let seat = Seat::random(random);
+        add_frame(scene, body, seat.declared("seat"))
+    };
+    for body in 0..count {
+        let mass = random.uniform(0.5, 2.0);
+        let inertia = inertia(&mut random);
+        add_body(&mut scene, mass, &inertia);
+        let carrier = random.below(body + 1).checked_sub(1);
+        let (a, b) = (
+            seat(&mut scene, carrier, &mut random),
+            seat(&mut scene, Some(body), &mut random),
+        );
+        let law = laws[random.below(laws.len())].clone();
+        if random.below(4) == 0 {
+            add_joint(&mut scene, law, b, a);
+        } else {
+            add_joint(&mut scene, law, a, b);
+        }
+    }
+    let point = add_point(&mut scene, 0.7);
+    let hook = seat(&mut scene, Some(count - 1), &mut random);
+    let rod = JointLaw::Distance(Distance { length: 0.9.into() });
+    add_joint(&mut scene, rod.clone(), hook, point);
+    for _ in 0..2 {
+        let freedoms = Layout::new(&scene).nv - Layout::new(&scene).nc;
+        let (one, two) = (random.below(count), random.below(count));
+        let law = &laws[random.below(laws.len())];
+        if one != two && law.rows() < 3.min(freedoms) {
+            let (a, b) = (
+                seat(&mut scene, Some(one), &mut random),
+                seat(&mut scene, Some(two), &mut random),
+            );
+            add_joint(&mut scene, law.clone(), a, b);
+        }
+    }
+    add_external_loads(&mut scene);
+    scene
+}
+
+/// A random state: rows need not hold for the equations of motion to be well posed.
+struct Moment {
+    bodies: Vec<Instance>,
+    point: Instance,
+    inputs: Vec<f64>,
+    rows: Vec<f64>,
+}
+
+fn moment(scene: &Scene, random: &mut Random) -> Moment {
+    let layout = Layout::new(scene);
+    let mut list = |n: usize| {
+        (0..n)
+            .map(|_| random.uniform(-3.0, 3.0))
+            .collect::<Vec<f64>>()
+    };
+    Moment {
+        inputs: list(layout.ni),
+        rows: list(layout.nc),
+        bodies: scene
+            .bodies
+            .iter()
+            .map(|_| Instance::random(random))
+            .collect(),
+        point: Instance::random(random),
+    }
+}
+
+impl Moment {
+    fn ask(&self, scene: &Scene, what: Quantity) -> Vec<f64> {
+        let x = state(scene, &self.bodies, &[self.point]);
+        evaluate(scene, what, &x, &self.inputs, &self.rows)
+    }
+
+    fn matrix(&self, scene: &Scene, what: Quantity, rows: usize) -> DMatrix<f64> {
+        DMatrix::from_row_slice(rows, Layout::new(scene).nv, &self.ask(scene, what))
+    }
+
+    /// cond([M Φᵀ; Φ 0]).
+    fn condition(&self, scene: &Scene) -> f64 {
+        let layout = Layout::new(scene);
+        let (n, m) = (layout.nv, layout.nc);
+        let mut system = DMatrix::zeros(n + m, n + m);
+        let phi = self.matrix(scene, Quantity::ConstraintJacobian, m);
+        system
+            .view_mut((0, 0), (n, n))
+            .copy_from(&self.matrix(scene, Quantity::MassMatrix, n));
+        system.view_mut((n, 0), (m, n)).copy_from(&phi);
+        system.view_mut((0, n), (n, m)).copy_from(&phi.transpose());
+        let singular = system.singular_values();
+        singular.max() / singular.min()
+    }
+}
+
+/// Calls `check` at regular states of 40 mechanisms.
+fn everywhere(mut check: impl FnMut(&str, &Scene, &Moment)) {
+    let mut seen = 0;
+    for seed in 0..40 {
+        let scene = mechanism(seed);
+        let mut random = Random::new(seed + 500);
+        for trial in 0..10 {
+            let moment = moment(&scene, &mut random);
+            if moment.condition(&scene) < 1e4 {
+                seen += 1;
+                check(&format!("mechanism {seed}, state {trial}"), &scene, &moment);
+            }
+        }
+    }
+    assert!(seen > 200, "only {seen} regular states");
+}
+
+#[test]
+fn accelerations_and_multipliers_solve_the_equations_of_motion() {
+    everywhere(|name, scene, moment| {
+        let layout = Layout::new(scene);
+        let vector = |what| DVector::from_vec(moment.ask(scene, what));
+        let mass = moment.matrix(scene, Quantity::MassMatrix, layout.nv);
+        let phi = moment.matrix(scene, Quantity::ConstraintJacobian, layout.nc);
+        let rate = moment.ask(scene, Quantity::Derivative);
+        let v = DVector::from_column_slice(&rate[layout.nq..]);
+        let lambda = vector(Quantity::Multipliers);
+        let push = phi.transpose() * &lambda;
+        let left = &mass * &v + vector(Quantity::BiasForce);
+        let right = vector(Quantity::Forces) + &push;
+        let scale = push.amax().max(left.amax());
+        assert_close(left.as_slice(), right.as_slice(), 0.0, 1e-11 * scale, name);
+        let reached = &phi * &v;
+        let bias = vector(Quantity::ConstraintBias);
+        let name = format!("{name}: Φ_v v̇ = γ");
+        assert_close(
+            reached.as_slice(),
+            bias.as_slice(),
+            0.0,
+            1e-11 * v.amax(),
+            &name,
+        );
+    });
+}
+
+#[test]
+fn both_components_of_angular_velocity_give_the_same_motion() {
+    everywhere(|name, scene, moment| {
+        let layout = Layout::new(scene);
+        let world = with_components(scene, AngularVelocity::World);
+        let (body, other) = (
+            moment.ask(scene, Quantity::Derivative),
+            moment.ask(&world, Quantity::Derivative),
+        );
+        let mut turned = other.clone();
+        for (slots, instance) in layout.bodies.iter().zip(&moment.bodies) {
+            let at = layout.nq + slots.v + 3;
+            let alpha = nalgebra::Vector3::from_column_slice(&other[at..at + 3]);
+            turned[at..at + 3]
+                .copy_from_slice((instance.rotation().transpose() * alpha).as_slice());
+        }
+        assert_close(&turned, &body, 1e-11, 0.0, name);
+        for what in [Quantity::Multipliers, Quantity::Reactions] {
+            let (a, b) = (moment.ask(scene, what), moment.ask(&world, what));
+            assert_close(&a, &b, 1e-11, 0.0, &format!("{name}: {what:?}"));
+        }
+        for what in [
+            Quantity::Constraint,
+            Quantity::ConstraintRate,
+            Quantity::ConstraintBias,
+        ] {
+            let (a, b) = (moment.ask(scene, what), moment.ask(&world, what));
+            assert_close(&a, &b, 1e-13, 1e-13, &format!("{name}: {what:?}"));
+        }
+    });
+}
+
+#[test]
+fn the_correction_is_the_smallest_move_weighted_by_mass() {
+    everywhere(|name, scene, moment| {
+        let layout = Layout::new(scene);
+        let mass = moment.matrix(scene, Quantity::MassMatrix, layout.nv);
+        let phi = moment.matrix(scene, Quantity::ConstraintJacobian, layout.nc);
+        let inverse = mass.clone().try_inverse().expect("a mass matrix");
+        let s = &phi * &inverse * phi.transpose();
+        let r = DVector::from_vec(moment.rows.clone());
+        let mu = s.clone().lu().solve(&r).expect("independent rows");
+        let want = -(inverse * phi.transpose() * mu);
+        let got = moment.ask(scene, Quantity::Correction);
+        assert_close(&got, want.as_slice(), 1e-10, 0.0, name);
+    });
+}
+
+#[test]
+fn reactions_are_the_multipliers_at_the_joint_and_do_no_work_on_what_it_allows() {
+    everywhere(|name, scene, moment| {
+        let layout = Layout::new(scene);
+        let phi = moment.matrix(scene, Quantity::ConstraintJacobian, layout.nc);
+        let lambda = moment.ask(scene, Quantity::Multipliers);
+        let reactions = moment.ask(scene, Quantity::Reactions);
+        for (index, (joint, slots)) in scene.joints.iter().zip(&layout.joints).enumerate() {
+            let Place::Body(body, _) = joint.child else {
+                continue;
+            };
+            // Φ_vᵀ λ of this joint on its child, moved to the origin of frame 2.
+            let v = layout.bodies[body].v;
+            let mut push = [0.0; 6];
+            for row in slots.row..slots.row + slots.len {
+                for (k, sum) in push.iter_mut().enumerate() {
+                    *sum += phi[(row, v + k)] * lambda[row];
+                }
+            }
+            let x = state(scene, &moment.bodies, &[moment.point]);
+            let instance = &moment.bodies[body];
+            let arm = arm_of(scene, joint.child);
+            let force = nalgebra::Vector3::from_column_slice(&push[..3]);
+            let torque = instance.rotation() * nalgebra::Vector3::from_column_slice(&push[3..]);
+            let couple = torque - (instance.rotation() * arm).cross(&force);
+            let want = [force.as_slice(), couple.as_slice()].concat();
+            let got = &reactions[6 * index..6 * index + 6];
+            let scale = lambda.iter().fold(1.0f64, |m, x| m.max(x.abs()));
+            let name = format!("{name}: {}", joint.name);
+            assert_close(got, &want, 0.0, 1e-13 * scale, &name);
+            assert_eq!(x.len(), layout.nx());
+        }
+    });
+}
+
+fn arm_of(scene: &Scene, place: Place) -> nalgebra::Vector3<f64> {
+    let numbers = mbd_scene::laws::Numbers::<f64>::new(scene, &[]);
+    match place {
+        Place::Body(body, frame) => numbers.bodies[body].frames[frame].position,
+        Place::World(frame) => numbers.world_frames[frame].position,
+        Place::Point(_) => nalgebra::Vector3::zeros(),
+    }
+}
+
+#[test]
+fn interpreted_and_generic_agree_on_every_quantity_of_the_joints() {
+    for seed in [1, 4, 9, 16] {
+        for components in [AngularVelocity::Body, AngularVelocity::World] {
+            let scene = with_components(&mechanism(seed), components);
+            let layout = Layout::new(&scene);
+            let wanted: Vec<Quantity> = layout
+                .quantities()
+                .into_iter()
+                .filter(|what| !matches!(what, Quantity::Partial(..)))
+                .collect();
+            let equations = mbd_compiler::Equations::trace_only(&scene, &wanted);
+            let generic = Generic::<f64>::with_defaults(scene.clone()).expect("defaults are valid");
+            let interpreted =
+                Interpreted::from_equations(equations, generic.params()).expect("valid");
+            let mut random = Random::new(seed + 90);
+            for _ in 0..3 {
+                let moment = moment(&scene, &mut random);
+                if moment.condition(&scene) > 1e4 {
+                    continue;
+                }
+                let x = state(&scene, &moment.bodies, &[moment.point]);
+                let mut work = (generic.work(), interpreted.work());
+                for &what in &wanted {
+                    let at = at(&x, &moment.inputs, &moment.rows);
+                    let mut out = vec![vec![0.0; layout.len(what)]; 2];
+                    generic.evaluate(what, &at, &mut work.0, &mut out[0]);
+                    interpreted.evaluate(what, &at, &mut work.1, &mut out[1]);
+                    let name = format!("mechanism {seed}, {what:?}");
+                    assert_close(&out[1], &out[0], 1e-12, 1e-12, &name);
+                    // Nothing is carried from call to call.
+                    let first = out[0].clone();
+                    out[0].fill(0.0);
+                    generic.evaluate(what, &at, &mut work.0, &mut out[0]);
+                    assert_eq!(out[0], first, "{name}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_scene_without_rows_has_no_quantity_of_rows() {
+    let mut scene = mechanism(3);
+    scene.joints.clear();
+    let layout = Layout::new(&scene);
+    assert_eq!(layout.nc, 0);
+    for what in layout.quantities() {
+        let name = format!("{what:?}");
+        assert!(
+            !name.contains("Constraint") && !name.contains("Reactions"),
+            "{name}"
+        );
+    }
+}
