@@ -3330,7 +3330,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 3;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 17351783337620563736;
+        pub const DECL_HASH: u64 = 4702450897425775354;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &[
             ::mbd_runtime::CoordInfo {
@@ -3749,12 +3749,14 @@ const _: () = {
                 ],
                 joints: ::std::vec![
                     ::mbd_runtime::scene::Joint { name : "canopy_free".into(), doc : ""
-                    .into(), law : ::mbd_runtime::scene::JointLaw::Free, parent :
-                    ::mbd_runtime::scene::Place::World(0), child :
+                    .into(), law :
+                    ::mbd_runtime::scene::JointLaw::Free(::mbd_runtime::scene::Free {}),
+                    parent : ::mbd_runtime::scene::Place::World(0), child :
                     ::mbd_runtime::scene::Place::Body(0, 0) },
                     ::mbd_runtime::scene::Joint { name : "capsule_free".into(), doc : ""
-                    .into(), law : ::mbd_runtime::scene::JointLaw::Free, parent :
-                    ::mbd_runtime::scene::Place::World(0), child :
+                    .into(), law :
+                    ::mbd_runtime::scene::JointLaw::Free(::mbd_runtime::scene::Free {}),
+                    parent : ::mbd_runtime::scene::Place::World(0), child :
                     ::mbd_runtime::scene::Place::Body(1, 0) }
                 ],
                 lines: ::std::vec![
