@@ -39,6 +39,6 @@ pub use quantity::{At, Differentiated, Quantity, Variable};
 pub use real::{Float, Real, TINY};
 pub use scene::{
     AngularVelocity, Body, Clamp, Constant, Coordinates, Difference, Dimension, Direction, Event,
-    Frame, Gravity, Inertia, Input, Joint, Line, LineKind, Load, LoadKind, NodeModel,
-    Output, Parameter, Point, PointKind, Scene, Table, Triple, Unit,
+    Frame, Gravity, Inertia, Input, Joint, Line, LineKind, Load, LoadKind, NodeModel, Output,
+    Parameter, Point, PointKind, Scene, Table, Triple, Unit,
 };

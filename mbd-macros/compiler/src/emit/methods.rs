@@ -63,7 +63,13 @@ fn signature(context: &Context, program: Option<&Program>) -> Signature {
     if whole_state {
         taken.push(quote!(state: &#state #used));
     }
-    for group in [Group::Nodes, Group::Effective, Group::Hold, Group::Ends, Group::Rows] {
+    for group in [
+        Group::Nodes,
+        Group::Effective,
+        Group::Hold,
+        Group::Ends,
+        Group::Rows,
+    ] {
         if reads.reads(group) {
             let (list, len) = (
                 format_ident!("{}", group.name()),
