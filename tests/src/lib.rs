@@ -1,6 +1,9 @@
 //! What the tests that cross crates share: reference data, the derivative oracle, seeded random numbers, and one way to compare.
 
+pub mod declared;
 pub mod families;
+pub mod flights;
+pub mod implicit;
 pub mod instant;
 pub mod jet;
 pub mod mechanism;

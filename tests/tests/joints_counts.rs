@@ -2,7 +2,7 @@
 
 use mbd_compiler::Equations;
 use mbd_scene::joints::{Axis, Hinge, JointLaw, Spherical};
-use mbd_scene::{AngularVelocity, Layout, Place, Quantity, Scene};
+use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Quantity, Scene, Variable};
 use nalgebra::{Matrix3, Vector3};
 use tests::mechanism::{add_body, add_frame, add_joint, empty, frame};
 
@@ -113,7 +113,7 @@ fn a_joint_pays_for_nothing_it_does_not_need() {
         swing([0.0, 0.0, 0.5], hinge(Axis::Y)),
         swing([0.0, 0.0, 0.5], hinge(odd)),
     );
-    assert!(2 * aligned < tilted, "{aligned} aligned, {tilted} tilted");
+    assert!(aligned + 80 < tilted, "{aligned} aligned, {tilted} tilted");
     let spherical = || JointLaw::Spherical(Spherical::default());
     let (none, one, three) = (
         swing([0.0; 3], spherical()),
@@ -158,5 +158,15 @@ fn counts() {
             let total = cost(&scene, what);
             println!("  {what:?} {total}, {} a body", total / scene.bodies.len());
         }
+    }
+    for n in [2, 4, 8] {
+        let start = std::time::Instant::now();
+        let equations = Equations::trace(&chain(n, false));
+        let by = Quantity::Partial(Differentiated::Derivative, Variable::State);
+        let partial = equations.program(by).map(|program| program.cost().total());
+        println!(
+            "chain {n}: everything traced in {:?}, ∂ẋ/∂x {partial:?}",
+            start.elapsed()
+        );
     }
 }

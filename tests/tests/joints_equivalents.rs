@@ -87,7 +87,13 @@ fn a_joint_moves_like_the_joints_it_is_made_of() {
                 evaluate(&scene, Quantity::Derivative, &x, &inputs, &[])
             };
             let name = format!("{}, {trial}", whole.keyword());
-            assert_close(&rate(&parts), &rate(&[whole.clone()]), 1e-12, 0.0, &name);
+            assert_close(
+                &rate(&parts),
+                &rate(std::slice::from_ref(&whole)),
+                1e-12,
+                0.0,
+                &name,
+            );
         }
     }
 }

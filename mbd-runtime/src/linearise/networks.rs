@@ -22,8 +22,10 @@ pub(super) struct Elimination<'a, T: Float> {
     network: &'a Network,
     /// −G_y of the network, dense, 3m × 3m, factored for static and stepwise networks.
     dense: Dense<T>,
-    /// r of a static or stepwise network, if some node hangs on it.
-    follow: Option<T>,
+    /// r of a static or stepwise network; zero for a rate node.
+    regular: T,
+    /// Whether some node of the network hangs on r alone.
+    hangs: bool,
     rate: Option<RateDirections<T>>,
 }
 
@@ -50,7 +52,8 @@ impl<'a, T: Float> Elimination<'a, T> {
             return Some(Elimination {
                 network,
                 dense,
-                follow: None,
+                regular: T::zero(),
+                hangs: false,
                 rate,
             });
         }
@@ -58,19 +61,20 @@ impl<'a, T: Float> Elimination<'a, T> {
         for k in 0..size {
             trace += dense.rows[k][k];
         }
-        let follow = T::EPSILON * T::from_f64(4.5) * trace + T::from_f64(1e-30);
+        let regular = T::EPSILON * T::from_f64(4.5) * trace + T::from_f64(1e-30);
         let hangs = (0..size / 3).any(|node| {
             let own = (3 * node..3 * node + 3).fold(T::zero(), |sum, k| sum + dense.rows[k][k]);
-            own <= follow * T::from_f64(1e3)
+            own <= regular * T::from_f64(1e3)
         });
         for k in 0..size {
-            dense.rows[k][k] += follow;
+            dense.rows[k][k] += regular;
         }
         dense.factor();
         Some(Elimination {
             network,
             dense,
-            follow: hangs.then_some(follow),
+            regular,
+            hangs,
             rate: None,
         })
     }
@@ -86,7 +90,7 @@ impl<'a, T: Float> Elimination<'a, T> {
     ) {
         let size = 3 * self.network.nodes.len();
         let mut right: Vec<T> = vec![T::zero(); size];
-        let deficient = self.follow.is_some()
+        let deficient = self.hangs
             || self
                 .rate
                 .as_ref()
@@ -105,16 +109,16 @@ impl<'a, T: Float> Elimination<'a, T> {
             for (row, value) in right.iter_mut().enumerate() {
                 *value = balance.at(slot(self.network, row), column);
             }
-            if let (Some(follow), Some(ends)) = (self.follow, &ends) {
+            if let (true, Some(ends)) = (self.hangs, &ends) {
                 for (local, &node) in self.network.nodes.iter().enumerate() {
                     let mean = mean_anchor(model, self.network, node, ends, column);
                     for (k, value) in right[3 * local..3 * local + 3].iter_mut().enumerate() {
-                        *value += follow * mean[k];
+                        *value += self.regular * mean[k];
                     }
                 }
             }
             match &self.rate {
-                None => self.dense.solve(&mut right),
+                None => self.balanced(&mut right),
                 Some(rate) => {
                     let given = Vector3::new(right[0], right[1], right[2]);
                     let mut found = rate.inverse(&given);
@@ -128,6 +132,21 @@ impl<'a, T: Float> Elimination<'a, T> {
                 if let Some(target) = out.row_mut(slot(self.network, row)).get_mut(column) {
                     *target = value;
                 }
+            }
+        }
+    }
+}
+
+impl<T: Float> Elimination<'_, T> {
+    /// ∂p of a static or stepwise network from the right-hand side, in place.
+    fn balanced(&self, right: &mut [T]) {
+        self.dense.solve(right);
+        if !self.hangs {
+            // Nothing hangs on r: one refinement takes it out again, (H + r 1) δ = b − H ∂p = r ∂p.
+            let mut correction: Vec<T> = right.iter().map(|&x| self.regular * x).collect();
+            self.dense.solve(&mut correction);
+            for (x, dx) in right.iter_mut().zip(correction) {
+                *x += dx;
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use models::parachute::{self, study, summary};
+use models::parachute::{self, scene, study, summary};
 use models::progress::Progress;
 
 use super::failure::Failure;
@@ -31,10 +31,15 @@ pub fn parachute(args: &ParachuteArgs) -> Result<String, Failure> {
         .map_err(|error| Failure::Aborted(error.to_string()))?;
     progress.clear();
     let folder = args.out.display();
+    let all = scene::PROVENANCE.len();
+    let assumed = scene::PROVENANCE
+        .iter()
+        .filter(|[.., source]| !source.starts_with("paper"))
+        .count();
     let found = parachute::write(&study, &args.out)
         .map_err(|error| Failure::Usage(format!("cannot write into {folder}: {error}")))?;
     Ok(format!(
-        "{}\n{}\nSteady riser force over the weight of the capsule: {:.6}\nWritten to {folder}: report.html, figures, histories, summary.json\n",
+        "{}\n{}\nSteady riser force over the weight of the capsule: {:.6}\nOf the numbers of the scene, {assumed} of {all} groups are assumed or recalled because the copy of the paper lost them; the report lists each with its source.\nWritten to {folder}: report.html, figures, histories, summary.json\n",
         summary::table(&study).text(),
         summary::ratios(&study).text(),
         found.steady_over_weight

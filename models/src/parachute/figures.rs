@@ -53,7 +53,7 @@ pub fn figures(study: &Study) -> Vec<Named<'_>> {
             Two,
             Damping::Off,
             MIDWAY,
-            "without damping, midway: the additional mode is still there; undamped bouncing is chaotic after about 1 s, so phases differ",
+            "without damping, midway: the point with mass still vibrates, the equilibrium point does not; undamped bouncing is chaotic, so the slow modes part",
         ),
         (
             "figure_5a",

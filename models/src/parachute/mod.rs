@@ -1,6 +1,7 @@
 //! The main job: test cases 2 and 3 of AAS 03-163 (B. Raiszadeh, 2003), with every model of the confluence.
 
 pub mod figures;
+pub mod prepare;
 pub mod scene;
 pub mod stability;
 pub mod study;

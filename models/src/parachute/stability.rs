@@ -23,33 +23,18 @@ pub struct Limit {
     pub whole: Option<f64>,
 }
 
-/// Searches the largest stable step of RK4, switches not located.
+/// Searches the largest stable steps of RK4, switches not located.
 ///
 /// # Errors
 /// What stopped a tight run.
 pub fn largest_stable_step(confluence: Confluence) -> Result<Limit, FlightError> {
-    let from = taut_start()?;
-    let taut_until = TAUT_START + TAUT_SPAN;
-    let tightly = Plan {
-        from: from.clone(),
-        ..Plan::new(TestCase::Two, confluence.exact(), tight(1e-9), taut_until)
-    };
-    let exact = fly(&tightly.sampled(&every(TAUT_START, taut_until, 0.001)))?;
-    let taut = search(|step| {
-        let plan = Plan {
-            from: from.clone(),
-            ..Plan::new(TestCase::Two, confluence, fixed(step), taut_until)
-        };
-        fly(&plan.every_step()).is_ok_and(|flight| follows(&flight, &exact, TAUT_START))
-    });
+    let taut = largest_taut_step(confluence)?;
     if !confluence.is_damped() {
         return Ok(Limit { taut, whole: None });
     }
     let end = super::study::END;
-    let exact = fly(
-        &Plan::new(TestCase::Two, confluence.exact(), tight(1e-9), end)
-            .sampled(&every(0.0, end, 0.01)),
-    )?;
+    let plan = Plan::new(TestCase::Two, confluence.exact(), tight(1e-9), end);
+    let exact = fly(&plan.sampled(&every(0.0, end, 0.01)))?;
     let passes = |step: f64| {
         let plan = Plan::new(TestCase::Two, confluence, fixed(step), end).every_step();
         fly(&plan).is_ok_and(|flight| follows(&flight, &exact, 2.0))
@@ -58,6 +43,25 @@ pub fn largest_stable_step(confluence: Confluence) -> Result<Limit, FlightError>
         taut,
         whole: Some(down_from(taut, passes)),
     })
+}
+
+/// Searches the largest stable step of RK4 from a taut start.
+///
+/// # Errors
+/// What stopped a tight run.
+pub fn largest_taut_step(confluence: Confluence) -> Result<f64, FlightError> {
+    let from = taut_start()?;
+    let until = TAUT_START + TAUT_SPAN;
+    let plan = |confluence: Confluence, options: Options| Plan {
+        from: from.clone(),
+        ..Plan::new(TestCase::Two, confluence, options, until)
+    };
+    let tightly = plan(confluence.exact(), tight(1e-9));
+    let exact = fly(&tightly.sampled(&every(TAUT_START, until, 0.001)))?;
+    Ok(search(|step| {
+        fly(&plan(confluence, fixed(step)).every_step())
+            .is_ok_and(|flight| follows(&flight, &exact, TAUT_START))
+    }))
 }
 
 /// The state of case 2 at 10 s, all lines taut, computed once.

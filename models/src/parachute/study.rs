@@ -2,8 +2,9 @@
 
 use mbd_runtime::Options;
 
+use super::prepare::{Found, Task, prepare};
 use super::scene::{Instant, TestCase};
-use super::stability::{Limit, largest_stable_step};
+use super::stability::Limit;
 use super::variant::{Confluence, Damping, Flight, FlightError, Plan, fly};
 use crate::report::Spectrum;
 
@@ -125,69 +126,109 @@ pub fn grid() -> Vec<f64> {
         .collect()
 }
 
+/// The masses that are raced against the equilibrium point [kg].
+const RACED: [f64; 2] = [0.1, 1.0];
+
 /// Flies everything. `tell` is called with what is done next and the share that is done.
 ///
 /// # Errors
 /// What stopped a flight that must not stop.
 pub fn study(mut tell: impl FnMut(&str, f64)) -> Result<Study, FlightError> {
-    let times = grid();
-    let total = (2 * TABLE.len()) as f64 + 3.0;
-    let (mut runs, mut weight): (Vec<Run>, f64) = (Vec::new(), f64::NAN);
-    for case in [TestCase::Two, TestCase::Three] {
-        let mut references: Vec<(Confluence, Flight)> = Vec::new();
+    let end = fly(&Plan::new(
+        TestCase::Two,
+        Confluence::Stepwise,
+        options(0.01, false),
+        END,
+    ))?
+    .end;
+    let weight = capsule_weight(&end);
+    let found = prepare(&tasks(), weight, |what, share| tell(what, 0.5 * share))?;
+    let mut runs: Vec<Run> = Vec::new();
+    for case in CASES {
         for &(confluence, step, located) in TABLE {
+            let share = runs.len() as f64 / (2 * TABLE.len()) as f64;
             tell(
                 &format!("case {}, {confluence}, step {step} s", case.number()),
-                runs.len() as f64 / total,
+                0.5 + 0.3 * share,
             );
-            let exact = confluence.exact();
-            if !references.iter().any(|(known, _)| *known == exact) {
-                references.push((
-                    exact,
-                    fly(&Plan::new(case, exact, tight(TIGHT), END).sampled(&times))?,
-                ));
-            }
-            let reference = references
-                .iter()
-                .find(|(known, _)| *known == exact)
-                .map(|(_, flight)| flight);
-            let limit = match runs.iter().find(|run: &&Run| run.confluence == confluence) {
-                Some(known) => known.limit,
-                None => largest_stable_step(confluence)?,
-            };
-            let flight =
-                fly(&Plan::new(case, confluence, options(step, located), END).sampled(&times))?;
-            weight = capsule_weight(&flight.end);
-            runs.push(Run {
-                case,
-                confluence,
-                step,
-                located,
-                error: reference.map_or([f64::NAN; 2], |reference| errors(&flight, reference)),
-                steady: flight.riser().last().copied().unwrap_or(f64::NAN),
-                tone: tone(&flight),
-                limit,
-                flight,
-            });
+            runs.push(run(case, confluence, step, located, &found)?);
         }
     }
-    let mut races = Vec::new();
-    for kg in [0.1, 1.0] {
-        tell(
-            &format!("equal error, {kg} kg against the equilibrium point"),
-            (runs.len() + races.len()) as f64 / total,
-        );
-        races.push(race(
-            Confluence::Mass(kg, Damping::On),
-            Confluence::Euler,
-            weight,
-        )?);
-    }
+    tell("equal error, timed in turn", 0.8);
+    let races = RACED
+        .iter()
+        .map(|&kg| race(Confluence::Mass(kg, Damping::On), RACER, &found));
+    let races = races.collect::<Result<Vec<Race>, FlightError>>()?;
     tell("drawing", 1.0);
     Ok(Study {
         runs,
         races,
         weight,
+    })
+}
+
+/// The equilibrium point of the races.
+const RACER: Confluence = Confluence::Euler;
+const CASES: [TestCase; 2] = [TestCase::Two, TestCase::Three];
+
+/// Everything to be found before the flights, each thing once, the long ones first.
+fn tasks() -> Vec<Task> {
+    let mut tasks = Vec::new();
+    for &(confluence, ..) in TABLE {
+        tasks.extend(CASES.map(|case| Task::Reference(case, confluence.exact())));
+    }
+    tasks.extend(RACED.map(|kg| Task::Accurate(Confluence::Mass(kg, Damping::On))));
+    tasks.push(Task::Accurate(RACER));
+    tasks.extend(
+        TABLE
+            .iter()
+            .map(|&(confluence, ..)| Task::Limit(confluence)),
+    );
+    let mut once: Vec<Task> = Vec::new();
+    for task in tasks {
+        if !once.contains(&task) {
+            once.push(task);
+        }
+    }
+    once
+}
+
+/// One flight of the table, timed and measured against its reference.
+fn run(
+    case: TestCase,
+    confluence: Confluence,
+    step: f64,
+    located: bool,
+    found: &[(Task, Found)],
+) -> Result<Run, FlightError> {
+    let flight = fly(&Plan::new(case, confluence, options(step, located), END).sampled(&grid()))?;
+    let known = |task: Task| {
+        found
+            .iter()
+            .find(|(known, _)| *known == task)
+            .map(|(_, found)| found)
+    };
+    let error = match known(Task::Reference(case, confluence.exact())) {
+        Some(Found::Reference(reference)) => errors(&flight, reference),
+        _ => [f64::NAN; 2],
+    };
+    let limit = match known(Task::Limit(confluence)) {
+        Some(Found::Limit(limit)) => *limit,
+        _ => Limit {
+            taut: f64::NAN,
+            whole: None,
+        },
+    };
+    Ok(Run {
+        case,
+        confluence,
+        step,
+        located,
+        error,
+        steady: flight.riser().last().copied().unwrap_or(f64::NAN),
+        tone: tone(&flight),
+        limit,
+        flight,
     })
 }
 
@@ -200,10 +241,12 @@ pub fn tight(rtol: f64) -> Options {
     }
 }
 
-/// RK4 at a fixed step. The tables search for and cross the limit, so the watch is off where it would stop the search.
-fn options(step: f64, located: bool) -> Options {
+/// RK4 at a fixed step. Searches cross the stability limit on purpose, so the watch is off.
+#[must_use]
+pub fn options(step: f64, located: bool) -> Options {
     Options {
         locate: located,
+        watch: false,
         ..Options::rk4(step)
     }
 }
@@ -246,69 +289,31 @@ fn capsule_weight(end: &Instant) -> f64 {
     761.0 * 4.2828e13 / (height * height)
 }
 
-/// Finds the largest step at which each model is accurate, then times both in turn.
-fn race(mass: Confluence, node: Confluence, weight: f64) -> Result<Race, FlightError> {
-    let [mass_step, node_step] = [accurate_step(mass, weight)?, accurate_step(node, weight)?];
-    let mut walls = [Vec::new(), Vec::new()];
+/// Times two models in turn, each at its largest accurate step.
+fn race(mass: Confluence, node: Confluence, found: &[(Task, Found)]) -> Result<Race, FlightError> {
+    let accurate = |confluence| {
+        let known = found
+            .iter()
+            .find(|(task, _)| *task == Task::Accurate(confluence));
+        match known {
+            Some((_, Found::Accurate(step, error))) => (*step, *error),
+            _ => (f64::NAN, f64::NAN),
+        }
+    };
+    let mut sides = [mass, node].map(|confluence| (confluence, accurate(confluence), Vec::new()));
     for _ in 0..5 {
-        for (wall, (confluence, step)) in walls
-            .iter_mut()
-            .zip([(mass, mass_step.0), (node, node_step.0)])
-        {
-            wall.push(
-                fly(&Plan::new(
-                    TestCase::Two,
-                    confluence,
-                    options(step, false),
-                    END,
-                ))?
-                .wall_s
-                    / END,
-            );
+        for (confluence, (step, _), walls) in &mut sides {
+            let plan = Plan::new(TestCase::Two, *confluence, options(*step, false), END);
+            walls.push(fly(&plan)?.wall_s / END);
         }
     }
-    let [mass_wall, node_wall] = walls.map(median);
-    Ok(Race {
-        mass: Contender {
-            confluence: mass,
-            step: mass_step.0,
-            error: mass_step.1,
-            wall_s_per_s: mass_wall,
-        },
-        node: Contender {
-            confluence: node,
-            step: node_step.0,
-            error: node_step.1,
-            wall_s_per_s: node_wall,
-        },
-    })
-}
-
-/// The largest of a ladder of steps (ratio 0.9) at which the riser force of case 2 is accurate from 2 s on, and its error.
-fn accurate_step(confluence: Confluence, weight: f64) -> Result<(f64, f64), FlightError> {
-    let times: Vec<f64> = (0..=136).map(|i| 2.0 + 0.5 * f64::from(i)).collect();
-    let exact =
-        fly(&Plan::new(TestCase::Two, confluence.exact(), tight(TIGHT), END).sampled(&times))?;
-    let mut step = largest_stable_step(confluence)?.taut;
-    loop {
-        let plan = Plan::new(
-            TestCase::Two,
-            confluence,
-            Options {
-                watch: false,
-                ..options(step, false)
-            },
-            END,
-        )
-        .sampled(&times);
-        if let Ok(flight) = fly(&plan) {
-            let error = errors(&flight, &exact)[1];
-            if error <= EQUAL_ERROR * weight {
-                return Ok((step, error));
-            }
-        }
-        step *= 0.9;
-    }
+    let [mass, node] = sides.map(|(confluence, (step, error), walls)| Contender {
+        confluence,
+        step,
+        error,
+        wall_s_per_s: median(walls),
+    });
+    Ok(Race { mass, node })
 }
 
 fn median(mut list: Vec<f64>) -> f64 {

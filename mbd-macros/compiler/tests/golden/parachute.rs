@@ -146,7 +146,6 @@ for ParachuteExternal<L> {
 /// | function | numbers | operations |
 /// |---|---|---|
 /// | [`ends`](Self::ends) | 27 of 27 | 195 |
-/// | [`equilibrium_confluence`](Self::equilibrium_confluence) | 12 of 12 | 3 |
 /// | [`derivative`](Self::derivative) | 29 of 29 | 608 |
 /// | [`balance`](Self::balance) | 3 of 3 | 351 |
 /// | [`guards`](Self::guards) | 9 of 9 | 306 |
@@ -418,22 +417,6 @@ const _: () = {
             zero,
             zero,
         ];
-    }
-    /// Balance of a network at trial positions: `g = −Σ T u − W`, `H = ∂g/∂p = Σ J`, then `ΣT`, `Σ K (d + |p|₁)`, lines with stretch.
-    /// 1 × 3 [N], 1 blocks xx xy xz yy yz zz [N/m], 3 sums. Source: B. Raiszadeh, AAS 03-163.
-    /// 3 operations (3 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
-    #[inline(never)]
-    fn equilibrium_confluence<T: ::mbd_runtime::Real>(
-        ends: &[T; 27],
-        out: &mut [T; 12],
-    ) {
-        let [_, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _, _,
-        confluence_load_x, confluence_load_y, confluence_load_z] = *ends;
-        let zero = T::from_f64(0.0);
-        let t = -confluence_load_x;
-        let t_2 = -confluence_load_y;
-        let t_3 = -confluence_load_z;
-        *out = [t, t_2, t_3, zero, zero, zero, zero, zero, zero, zero, zero, zero];
     }
     /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
     /// 29 = [14 q̇ | 12 v̇ | 3 ż]; SI units.
@@ -3330,7 +3313,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 3;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 17351783337620563736;
+        pub const DECL_HASH: u64 = 4702450897425775354;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &[
             ::mbd_runtime::CoordInfo {
@@ -3476,17 +3459,6 @@ const _: () = {
                     ::mbd_runtime::Cost {
                         adds: 91,
                         muls: 104,
-                        divs: 0,
-                        sqrts: 0,
-                        trigs: 0,
-                        selects: 0,
-                    },
-                ),
-                (
-                    "equilibrium_confluence",
-                    ::mbd_runtime::Cost {
-                        adds: 3,
-                        muls: 0,
                         divs: 0,
                         sqrts: 0,
                         trigs: 0,
@@ -3749,12 +3721,14 @@ const _: () = {
                 ],
                 joints: ::std::vec![
                     ::mbd_runtime::scene::Joint { name : "canopy_free".into(), doc : ""
-                    .into(), law : ::mbd_runtime::scene::JointLaw::Free, parent :
-                    ::mbd_runtime::scene::Place::World(0), child :
+                    .into(), law :
+                    ::mbd_runtime::scene::JointLaw::Free(::mbd_runtime::scene::Free {}),
+                    parent : ::mbd_runtime::scene::Place::World(0), child :
                     ::mbd_runtime::scene::Place::Body(0, 0) },
                     ::mbd_runtime::scene::Joint { name : "capsule_free".into(), doc : ""
-                    .into(), law : ::mbd_runtime::scene::JointLaw::Free, parent :
-                    ::mbd_runtime::scene::Place::World(0), child :
+                    .into(), law :
+                    ::mbd_runtime::scene::JointLaw::Free(::mbd_runtime::scene::Free {}),
+                    parent : ::mbd_runtime::scene::Place::World(0), child :
                     ::mbd_runtime::scene::Place::Body(1, 0) }
                 ],
                 lines: ::std::vec![
@@ -3833,7 +3807,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  ends: 195 operations (91 additions, 104 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  equilibrium_confluence: 3 operations (3 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 608 operations (253 additions, 310 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 351 operations (151 additions, 160 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 306 operations (139 additions, 148 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections)\n  outputs: 104 operations (38 additions, 54 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections)\n  energy: 493 operations (203 additions, 241 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 65 operations (19 additions, 42 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 468 operations (201 additions, 226 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 608 operations as declared, 608 with every param a const, 608 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  ends: 195 operations (91 additions, 104 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 608 operations (253 additions, 310 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 351 operations (151 additions, 160 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 306 operations (139 additions, 148 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections)\n  outputs: 104 operations (38 additions, 54 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections)\n  energy: 493 operations (203 additions, 241 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 65 operations (19 additions, 42 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 468 operations (201 additions, 226 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 608 operations as declared, 608 with every param a const, 608 with every const a param.\n"
         }
         /// Everything the caller supplies, in the order of `Layout::inputs`.
         pub fn inputs(
@@ -3882,20 +3856,6 @@ const _: () = {
             let mut values = [T::zero(); 27];
             let out = &mut values;
             ends(q, v, out);
-            ::mbd_runtime::nalgebra::SVector::from(values)
-        }
-        /// Balance of a network at trial positions: `g = −Σ T u − W`, `H = ∂g/∂p = Σ J`, then `ΣT`, `Σ K (d + |p|₁)`, lines with stretch.
-        ///
-        /// 1 × 3 \[N\], 1 blocks xx xy xz yy yz zz \[N/m\], 3 sums. Source: B. Raiszadeh, AAS 03-163.
-        /// 3 operations (3 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
-        #[must_use]
-        pub fn equilibrium_confluence(
-            &self,
-            ends: &[T; 27],
-        ) -> ::mbd_runtime::nalgebra::SVector<T, 12> {
-            let mut values = [T::zero(); 12];
-            let out = &mut values;
-            equilibrium_confluence(ends, out);
             ::mbd_runtime::nalgebra::SVector::from(values)
         }
         /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
@@ -4117,17 +4077,6 @@ const _: () = {
                         ends(q, v, out);
                     }
                 }
-                ::mbd_runtime::Quantity::Equilibrium(0) => {
-                    if let (
-                        ::core::option::Option::Some(ends),
-                        ::core::option::Option::Some(out),
-                    ) = (
-                        ::mbd_runtime::__private::fixed(at.ends),
-                        ::mbd_runtime::__private::fixed_mut(out),
-                    ) {
-                        equilibrium_confluence(ends, out);
-                    }
-                }
                 ::mbd_runtime::Quantity::Derivative => {
                     if let (
                         ::core::option::Option::Some((q, v, z)),
@@ -4295,8 +4244,6 @@ const _: () = {
                 }
                 ::mbd_runtime::Quantity::Momentum
                 | ::mbd_runtime::Quantity::Lines
-                | ::mbd_runtime::Quantity::NodeByAnchor(0)
-                | ::mbd_runtime::Quantity::CondensedStiffness(0)
                 | ::mbd_runtime::Quantity::Partial(
                     ::mbd_runtime::scene::Differentiated::Derivative,
                     ::mbd_runtime::scene::Variable::State,
