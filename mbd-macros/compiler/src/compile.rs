@@ -126,6 +126,9 @@ fn wanted(reading: &Reading, scene: &Scene) -> Vec<Quantity> {
                 | Quantity::Derivative
                 | Quantity::Balance
                 | Quantity::Guards
+                | Quantity::Constraint
+                | Quantity::ConstraintRate
+                | Quantity::Correction
         )
     };
     let asked = |what: Quantity| names.iter().any(|name| name == quantity::kind(what));

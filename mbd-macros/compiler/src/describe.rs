@@ -183,6 +183,10 @@ pub fn rewrite(scene: &mut Scene, change: &mut impl FnMut(&mut Formula)) {
             one(mass, change);
         }
     }
+    for joint in &mut scene.joints {
+        let numbers = joint.law.numbers_mut();
+        numbers.into_iter().for_each(|number| one(number, change));
+    }
     for line in &mut scene.lines {
         for formula in [
             &mut line.free_length,

@@ -2,13 +2,12 @@
 //!
 //! A check runs when everything it looks at was resolved, so that one mistake is told once.
 
+mod attached;
 mod inertia;
 mod nodes;
 mod unused;
 
 pub use inertia::{WrongInertia, inertia};
-
-use std::collections::BTreeMap;
 
 use mbd_scene::{Place, PointKind};
 
@@ -19,7 +18,7 @@ use crate::resolve::{Named, Resolver};
 pub fn check(resolver: &mut Resolver<'_>, whole: bool) {
     resolver.whole = whole;
     check_not_empty(resolver);
-    check_attached(resolver);
+    attached::check_attached(resolver);
     check_line_ends(resolver);
     check_lonely_points(resolver);
     nodes::choose_models(resolver);
@@ -37,39 +36,6 @@ fn check_not_empty(resolver: &mut Resolver<'_>) {
     if nothing && resolver.whole && resolver.messages.is_empty() {
         let report = say::empty(resolver.head, &resolver.scene.name);
         resolver.messages.push(report);
-    }
-}
-
-/// Every body is attached, and once.
-fn check_attached(resolver: &mut Resolver<'_>) {
-    let mut first: BTreeMap<usize, usize> = BTreeMap::new();
-    let scene = &resolver.scene;
-    for (index, joint) in scene.joints.iter().enumerate() {
-        let Place::Body(body, _) = joint.child else {
-            continue;
-        };
-        if let Some(&other) = first.get(&body) {
-            let places = (
-                resolver.declared.get(&Named::Joint(index)),
-                resolver.declared.get(&Named::Joint(other)),
-                scene.bodies.get(body),
-            );
-            if let (Some(&at), Some(&earlier), Some(owner)) = places {
-                let report = say::two_joints(at, &owner.name, earlier);
-                resolver.messages.push(report);
-            }
-        } else {
-            first.insert(body, index);
-        }
-    }
-    if any_bad(resolver, "joint") {
-        return;
-    }
-    for (index, body) in resolver.scene.bodies.iter().enumerate() {
-        let declared = resolver.declared.get(&Named::Body(index));
-        if let (false, Some(&at)) = (first.contains_key(&index), declared) {
-            resolver.messages.push(say::floating(at, &body.name));
-        }
     }
 }
 

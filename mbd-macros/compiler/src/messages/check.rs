@@ -19,6 +19,18 @@ pub fn floating(at: Region, body: &str) -> Report {
     )
 }
 
+pub fn floating_together(at: Region, bodies: &[&str]) -> Report {
+    let list: Vec<String> = bodies.iter().map(|body| format!("`{body}`")).collect();
+    let first = bodies.first().copied().unwrap_or_default();
+    Report::new(
+        at,
+        format!(
+            "bodies {} are joined to each other, but nothing joins them to the world: add `joint {first}_free: free from world to {first}.com;`",
+            list.join(", ")
+        ),
+    )
+}
+
 pub fn two_joints(at: Region, body: &str, first: Region) -> Report {
     Report::new(
         at,

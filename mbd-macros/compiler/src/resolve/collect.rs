@@ -273,7 +273,11 @@ impl<'a> Resolver<'a> {
     /// How many things there are so far.
     fn size(&self) -> usize {
         let frames: usize = self.scene.bodies.iter().map(|body| body.frames.len()).sum();
-        frames + self.scene.world_frames.len() + self.scene.points.len() + self.scene.lines.len()
+        frames
+            + self.scene.world_frames.len()
+            + self.scene.points.len()
+            + self.scene.lines.len()
+            + self.scene.joints.len()
     }
 
     /// How many things of a kind there are so far.

@@ -1,13 +1,12 @@
-//! Points, lines, springs and joints.
+//! Points, lines and springs.
 
-use mbd_scene::Free;
-use mbd_scene::{Clamp, Difference, Formula, JointLaw, NodeModel, Place, PointKind};
+use mbd_scene::{Clamp, Difference, Formula, NodeModel, PointKind};
 
 use super::fields::Accept;
 use super::{Instance, Named, Resolver, Stage};
 use crate::lexeme::Bracket;
 use crate::messages::resolve as say;
-use crate::syntax::{Cursor, Item, Value, Word, words};
+use crate::syntax::{Cursor, Item, Value, words};
 use crate::units;
 
 impl Resolver<'_> {
@@ -151,66 +150,5 @@ impl Resolver<'_> {
         entry.damping = damping;
         (entry.from, entry.to) = (from?, to?);
         Some(())
-    }
-
-    /// Fills the joints.
-    pub fn joints(&mut self) {
-        for instance in self.of("joint") {
-            self.poison(Named::Joint(instance.slot), |this| this.joint(&instance));
-        }
-    }
-
-    fn joint(&mut self, instance: &Instance<'_>) -> Option<()> {
-        let item = instance.item;
-        let scope = instance.scope(Stage::Fixed);
-        let law = item.clause(":").and_then(|value| self.joint_law(value));
-        let [parent, child] = ["from", "to"].map(|end| {
-            item.clause(end)
-                .and_then(|value| self.joint_end(value, scope))
-        });
-        let fields = self.fields(&item.block, &["coordinates"]);
-        if let Some(value) = fields.value("coordinates") {
-            self.choice(value, "coordinates of a free joint", &[("quaternion", ())])?;
-        }
-        let (law, parent, child) = (law?, parent?, child?);
-        if !matches!(parent, Place::World(_)) {
-            let at = item.clause("from").map_or(item.at, |value| value.at);
-            return self.fail(say::free_from_body(at));
-        }
-        if !matches!(child, Place::Body(..)) {
-            let at = item.clause("to").map_or(item.at, |value| value.at);
-            return self.fail(say::free_to_world(at));
-        }
-        let entry = self.scene.joints.get_mut(instance.slot)?;
-        entry.law = law;
-        entry.parent = parent;
-        entry.child = child;
-        Some(())
-    }
-
-    fn joint_law(&mut self, value: Value<'_>) -> Option<JointLaw> {
-        let mut cursor = Cursor::new(value);
-        let Some(Word { text, at }) = cursor.word() else {
-            return self.fail(cursor.expected("the kind of the joint, such as `free`"));
-        };
-        if let Err(report) = cursor.finish("`from`") {
-            return self.fail(report);
-        }
-        match text.as_str() {
-            "free" => Some(JointLaw::Free(Free {})),
-            word => self.fail(say::joint_law(at.into(), word)),
-        }
-    }
-
-    fn joint_end(&mut self, value: Value<'_>, scope: super::Scope<'_>) -> Option<Place> {
-        let place = self.place(value, scope)?;
-        match place {
-            Place::Point(point) => {
-                let name = self.scene.points.get(point)?.name.clone();
-                let massless = matches!(self.scene.points.get(point)?.kind, PointKind::Node(_));
-                self.fail(say::joint_on_point(value.at, &name, massless))
-            }
-            place => Some(place),
-        }
     }
 }

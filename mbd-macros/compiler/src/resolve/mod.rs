@@ -9,6 +9,7 @@ mod fields;
 pub mod fold;
 mod forces;
 mod functions;
+mod joints;
 mod lines;
 mod names;
 mod numbers;
@@ -20,6 +21,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mbd_scene::Scene;
 
+#[cfg(feature = "toml")]
+pub use joints::letter;
 pub use names::{Named, Namespace};
 pub use value::{Scope, Stage, Typed};
 

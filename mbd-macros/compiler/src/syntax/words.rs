@@ -145,12 +145,13 @@ pub const ITEMS: &[ItemWord] = &[
         Some(&["mass", "equilibrium"]),
         "point NAME;",
     )),
-    item(
+    repeated(item(
         "joint",
         &[needs(":", "kind"), needs("from", "from"), needs("to", "to")],
-        Some(&["coordinates"]),
-        "joint NAME: free from world to body.com;",
-    ),
+        // The joint's own law says which: see `resolve/joints.rs`.
+        Some(&[]),
+        "joint NAME: hinge from world to body.frame { axis: y }",
+    )),
     repeated(item(
         "line",
         ENDS,
@@ -264,6 +265,10 @@ pub const FOREIGN_FIELDS: Dictionary = &[
     ("weight", "mass"),
     ("site", "frame"),
     ("marker", "frame"),
+    ("lead", "pitch"),
+    ("distance", "length"),
+    ("direction", "axis"),
+    ("normal", "axis"),
 ];
 
 /// Functions of other tools.
@@ -292,33 +297,38 @@ pub const FOREIGN_QUANTITIES: Dictionary = &[
     ("cg", "com"),
 ];
 
-/// Joints of this language that are built.
-pub const JOINTS: &[&str] = &["free"];
-
-/// Joints of this language that are not built yet.
-pub const LATER_JOINTS: &[&str] = &[
-    "rigid",
-    "hinge",
-    "universal",
-    "spherical",
-    "prismatic",
-    "cylindrical",
-];
-
 /// Joints of other tools.
 pub const FOREIGN_JOINTS: Dictionary = &[
     ("revolute", "hinge"),
     ("pin", "hinge"),
     ("continuous", "hinge"),
     ("ball", "spherical"),
+    ("ball_joint", "spherical"),
+    ("ball_and_socket", "spherical"),
+    ("socket", "spherical"),
     ("weld", "rigid"),
     ("fixed", "rigid"),
+    ("lock", "rigid"),
     ("slider", "prismatic"),
     ("slide", "prismatic"),
+    ("translational", "prismatic"),
     ("cardan", "universal"),
     ("hooke", "universal"),
+    ("u_joint", "universal"),
+    ("helical", "screw"),
+    ("helix", "screw"),
+    ("thread", "screw"),
+    ("rod", "distance"),
+    ("massless_rod", "distance"),
+    ("plane", "planar"),
+    ("inline", "point_on_line"),
+    ("point_line", "point_on_line"),
+    ("inplane", "point_on_plane"),
+    ("point_plane", "point_on_plane"),
+    ("angle", "constant_angle"),
     ("floating", "free"),
     ("freejoint", "free"),
+    ("six_dof", "free"),
 ];
 
 /// The functions of an expression.
@@ -357,6 +367,13 @@ pub const EMITTED: &[&str] = &[
     "bias_force",
     "forces",
     "lines",
+    "constraint",
+    "constraint_jacobian",
+    "constraint_rate",
+    "constraint_bias",
+    "multipliers",
+    "reactions",
+    "correction",
     "node_by_anchor",
     "condensed_stiffness",
     "partial",

@@ -3,12 +3,15 @@
 use std::fmt::Write;
 
 use mbd_scene::{
-    AngularVelocity, Body, Clamp, Coordinates, Difference, Dimension, Direction, Formula, Frame,
-    Function, Gravity, Inertia, Line, LineKind, LoadKind, NodeModel, Output, PointKind, Scene,
-    Unit,
+    AngularVelocity, Axis, Body, Clamp, Coordinates, Difference, Dimension, Direction, Formula,
+    Frame, Function, Gravity, Inertia, JointLaw, Line, LineKind, LoadKind, NodeModel, Output,
+    PointKind, Scene, Unit,
 };
 
+use toml::Value;
+
 use super::formula::{number, place, text, vector};
+use crate::resolve::letter;
 use crate::units;
 
 /// Writes a scene as TOML. Numbers without a unit are SI; repeated items are written one by one.
@@ -260,6 +263,7 @@ fn connections(out: &mut String, scene: &Scene) {
         entry(out, "kind", joint.law.keyword());
         entry(out, "from", &place(joint.parent, scene));
         entry(out, "to", &place(joint.child, scene));
+        joint_fields(out, &joint.law, scene);
     }
     for line in &scene.lines {
         write_line(out, line, scene);
@@ -288,6 +292,37 @@ fn connections(out: &mut String, scene: &Scene) {
             }
         }
     }
+}
+
+/// The fields of a joint, as its law holds them.
+fn joint_fields(out: &mut String, law: &JointLaw, scene: &Scene) {
+    let numbers = law.numbers();
+    let held = match Value::try_from(law) {
+        Ok(Value::Table(law)) => law.into_iter().next().map(|(_, fields)| fields),
+        _ => None,
+    };
+    for (name, value) in held
+        .as_ref()
+        .and_then(Value::as_table)
+        .into_iter()
+        .flatten()
+    {
+        let number = numbers.iter().find(|(field, _)| field.name == name);
+        match (number, axis(value), value) {
+            (Some((_, formula)), ..) => entry(out, name, &text(formula, scene)),
+            (None, Some(axis), _) => entry(out, name, &axis),
+            (None, None, Value::Array(list)) => {
+                let list: Vec<String> = list.iter().filter_map(axis).collect();
+                entry(out, name, &format!("[{}]", list.join(", ")));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// An axis in the language, if the value is one.
+fn axis(value: &Value) -> Option<String> {
+    value.clone().try_into::<Axis>().ok().map(letter)
 }
 
 fn write_line(out: &mut String, line: &Line, scene: &Scene) {

@@ -64,6 +64,10 @@ impl Joint for ConstantAngle {
         vec![(&BETWEEN, &self.angle)]
     }
 
+    fn numbers_mut(&mut self) -> Vec<&mut Formula> {
+        vec![&mut self.angle]
+    }
+
     fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>) {
         let [a, b] = self.axes;
         rows.angle(ends, &a, &b, ends.number(0).sin_cos().1);

@@ -58,6 +58,10 @@ impl Joint for Distance {
         vec![(&ROD, &self.length)]
     }
 
+    fn numbers_mut(&mut self) -> Vec<&mut Formula> {
+        vec![&mut self.length]
+    }
+
     fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>) {
         rows.distance(ends, ends.number(0));
     }

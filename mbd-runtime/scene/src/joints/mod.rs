@@ -36,6 +36,11 @@ pub trait Joint: Sized {
         Vec::new()
     }
 
+    /// The same numbers in the same order, to be changed.
+    fn numbers_mut(&mut self) -> Vec<&mut Formula> {
+        Vec::new()
+    }
+
     /// What it forbids: adds 6 − freedoms rows.
     fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>);
 
@@ -125,6 +130,13 @@ macro_rules! joints {
             pub fn numbers(&self) -> Vec<(&'static Field, &Formula)> {
                 match self {
                     $(JointLaw::$name(joint) => joint.numbers(),)*
+                }
+            }
+
+            /// Its numbers, to be changed: see [`Joint::numbers_mut`].
+            pub fn numbers_mut(&mut self) -> Vec<&mut Formula> {
+                match self {
+                    $(JointLaw::$name(joint) => joint.numbers_mut(),)*
                 }
             }
 

@@ -56,6 +56,10 @@ impl Joint for Screw {
         vec![(&PITCH, &self.pitch)]
     }
 
+    fn numbers_mut(&mut self) -> Vec<&mut Formula> {
+        vec![&mut self.pitch]
+    }
+
     fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>) {
         for u in self.axis.complement() {
             rows.in_plane(ends, &u);

@@ -248,47 +248,6 @@ pub fn mass_and_equilibrium(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn joint_law(at: Region, word: &str) -> Report {
-    let all: Vec<&str> = words::JOINTS
-        .iter()
-        .chain(words::LATER_JOINTS)
-        .copied()
-        .collect();
-    let text = if words::LATER_JOINTS.contains(&word) {
-        format!(
-            "joint `{word}` is not available yet; available: {}",
-            words::JOINTS.join(", ")
-        )
-    } else if let Some(ours) = words::translated(words::FOREIGN_JOINTS, word) {
-        format!("unknown joint `{word}`; here it is called `{ours}`")
-    } else {
-        format!(
-            "unknown joint `{word}`{} joints: {}",
-            ended(did_you_mean(word, all.iter().copied())),
-            all.join(", ")
-        )
-    };
-    Report::new(at, text)
-}
-
-pub fn joint_on_point(at: Region, name: &str, massless: bool) -> Report {
-    let massless = if massless { "massless " } else { "" };
-    Report::new(
-        at,
-        format!(
-            "a joint cannot end at the {massless}point `{name}`: a point carries forces of lines only"
-        ),
-    )
-}
-
-pub fn free_from_body(at: Region) -> Report {
-    Report::new(at, "a `free` joint begins at the world: `from world`")
-}
-
-pub fn free_to_world(at: Region) -> Report {
-    Report::new(at, "a `free` joint ends at a body, such as `to body.com`")
-}
-
 pub fn load_twice(at: Region) -> Report {
     Report::new(
         at,

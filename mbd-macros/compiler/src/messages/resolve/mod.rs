@@ -1,9 +1,11 @@
 //! Messages of resolving.
 
 mod items;
+mod joints;
 mod names;
 mod values;
 
 pub use items::*;
+pub use joints::*;
 pub use names::*;
 pub use values::*;

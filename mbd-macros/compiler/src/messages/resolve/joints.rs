@@ -1,0 +1,119 @@
+//! Messages about joints: their kind, their ends, and their fields.
+
+use mbd_scene::{JointLaw, joints::Field};
+
+use crate::lexeme::Region;
+use crate::messages::Report;
+use crate::messages::similar::did_you_mean;
+use crate::messages::syntax::ended;
+use crate::syntax::words;
+use crate::units::si_text;
+
+pub fn joint_law(at: Region, word: &str) -> Report {
+    let known = JointLaw::KEYWORDS;
+    let text = if let Some(ours) = words::translated(words::FOREIGN_JOINTS, word) {
+        format!("unknown joint `{word}`; here it is called `{ours}`")
+    } else {
+        format!(
+            "unknown joint `{word}`{} joints: {}",
+            ended(did_you_mean(word, known.iter().copied())),
+            known.join(", ")
+        )
+    };
+    Report::new(at, text)
+}
+
+pub fn joint_on_point(at: Region, name: &str, massless: bool) -> Report {
+    let massless = if massless { "massless " } else { "" };
+    Report::new(
+        at,
+        format!(
+            "a joint cannot end at the {massless}point `{name}`: a point carries forces of lines only"
+        ),
+    )
+}
+
+pub fn free_from_body(at: Region) -> Report {
+    Report::new(at, "a `free` joint begins at the world: `from world`")
+}
+
+pub fn free_to_world(at: Region) -> Report {
+    Report::new(at, "a `free` joint ends at a body, such as `to body.com`")
+}
+
+pub fn joint_to_itself(at: Region, name: &str, owner: &str) -> Report {
+    Report::new(
+        at,
+        format!("both ends of joint `{name}` are on {owner}: it joins nothing"),
+    )
+}
+
+pub fn axis_wanted(at: Region, field: &str, example: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "expected a direction: `{field}: {example}`, one of x, y, z, -x, -y, -z, or a vector such as `[0.6, 0.0, 0.8]`"
+        ),
+    )
+}
+
+pub fn zero_axis(at: Region) -> Report {
+    Report::new(
+        at,
+        "this axis has no direction: its components are finite and not all zero",
+    )
+}
+
+pub fn one_axis(at: Region, keyword: &str, found: usize, example: &str) -> Report {
+    Report::new(
+        at,
+        format!("a `{keyword}` joint takes 1 axis, found {found}. write `{example}`"),
+    )
+}
+
+pub fn two_axes(at: Region, keyword: &str, found: usize, example: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a `{keyword}` joint takes 2 axes, found {found}. write `{example}`: the first fixed in the parent, the second in the child"
+        ),
+    )
+}
+
+pub fn not_perpendicular(at: Region, keyword: &str, degrees: f64) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the two axes of a `{keyword}` joint are perpendicular, these enclose {degrees:.4} degrees"
+        ),
+    )
+}
+
+pub fn no_number(at: Region, keyword: &str, name: &str, field: &Field) -> Report {
+    let field_name = field.name;
+    let example = match si_text(field.dimension).as_str() {
+        "" => "90 deg".to_string(),
+        unit => format!("1.0 {unit}"),
+    };
+    Report::new(
+        at,
+        format!(
+            "{keyword} joint `{name}` has no {field_name}. add `{{ {field_name}: {example} }}`"
+        ),
+    )
+}
+
+pub fn number_rule(at: Region, name: &str, field: &Field, found: f64) -> Report {
+    let (found, unit) = match si_text(field.dimension) {
+        unit if unit.is_empty() => (found.to_degrees(), "deg".to_string()),
+        unit => (found, unit),
+    };
+    Report::new(
+        at,
+        format!(
+            "`{}` of `{name}` must be {}, this is {found} {unit}",
+            field.name,
+            field.rule.words()
+        ),
+    )
+}

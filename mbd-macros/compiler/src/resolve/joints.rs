@@ -1,0 +1,313 @@
+//! Joints: kind, ends and fields. Which joints and fields there are, the laws themselves say.
+
+use mbd_scene::joints::{Axis, Field, Fields as Asks};
+use mbd_scene::{Formula, JointLaw, Place, PointKind};
+
+use super::fields::Fields;
+use super::{Instance, Named, Resolver, Scope, Stage, fold};
+use crate::lexeme::{Bracket, Region};
+use crate::messages::resolve as say;
+use crate::syntax::{Cursor, Value, Word};
+use crate::units;
+
+/// The cosine between axes that still count as perpendicular.
+const PERPENDICULAR: f64 = 1e-9;
+
+/// The names of the fields a law asks for.
+struct Names(Vec<&'static str>);
+
+impl Asks for Names {
+    fn axis(&mut self, name: &'static str, default: Axis) -> Axis {
+        self.0.push(name);
+        default
+    }
+    fn axes(&mut self, name: &'static str, default: [Axis; 2], _: bool) -> [Axis; 2] {
+        self.0.push(name);
+        default
+    }
+    fn number(&mut self, field: &'static Field) -> Formula {
+        self.0.push(field.name);
+        Formula::Number(1.0)
+    }
+}
+
+/// Answers a law from the fields between the braces of a joint.
+struct Answers<'w, 'd, 'i, 'a> {
+    resolver: &'w mut Resolver<'d>,
+    fields: Fields<'i, 'a>,
+    scope: Scope<'w>,
+    keyword: &'w str,
+    name: &'w str,
+    at: Region,
+    /// Whether an answer was wrong and has been reported.
+    wrong: bool,
+}
+
+impl Answers<'_, '_, '_, '_> {
+    /// The answer, or what stands in for one that is wrong.
+    fn or<T>(&mut self, answer: Option<T>, instead: T) -> T {
+        self.wrong |= answer.is_none();
+        answer.unwrap_or(instead)
+    }
+}
+
+impl Asks for Answers<'_, '_, '_, '_> {
+    fn axis(&mut self, name: &'static str, default: Axis) -> Axis {
+        let Some(value) = self.fields.value(name) else {
+            return default;
+        };
+        let example = format!("{name}: {}", letter(default));
+        let answer = match count(value) {
+            Some(found) => {
+                let report = say::one_axis(value.at, self.keyword, found, &example);
+                self.resolver.fail(report)
+            }
+            None => self.resolver.axis(name, value, default, self.scope),
+        };
+        self.or(answer, default)
+    }
+
+    fn axes(&mut self, name: &'static str, default: [Axis; 2], perpendicular: bool) -> [Axis; 2] {
+        let Some(value) = self.fields.value(name) else {
+            return default;
+        };
+        let answer = self.two_axes(name, value, default, perpendicular);
+        self.or(answer, default)
+    }
+
+    fn number(&mut self, field: &'static Field) -> Formula {
+        let answer = match self.fields.value(field.name) {
+            Some(value) => self.one_number(field, value),
+            None if self.fields.doubtful => None,
+            None => {
+                let report = say::no_number(self.at, self.keyword, self.name, field);
+                self.resolver.fail(report)
+            }
+        };
+        self.or(answer, Formula::Number(1.0))
+    }
+}
+
+impl Answers<'_, '_, '_, '_> {
+    fn two_axes(
+        &mut self,
+        name: &'static str,
+        value: Value<'_>,
+        default: [Axis; 2],
+        perpendicular: bool,
+    ) -> Option<[Axis; 2]> {
+        let mut cursor = Cursor::new(value);
+        let parts = match cursor.group(Bracket::Square) {
+            Some(group) if cursor.at_end() => Cursor::new(group).comma_separated(),
+            _ => vec![value],
+        };
+        let [first, second] = parts[..] else {
+            let [a, b] = default.map(letter);
+            let example = format!("{name}: [{a}, {b}]");
+            let report = say::two_axes(value.at, self.keyword, parts.len(), &example);
+            return self.resolver.fail(report);
+        };
+        let a = self.resolver.axis(name, first, default[0], self.scope);
+        let b = self.resolver.axis(name, second, default[1], self.scope);
+        let (a, b) = (a?, b?);
+        let cosine: f64 = a.0.iter().zip(b.0).map(|(a, b)| a * b).sum();
+        if perpendicular && cosine.abs() > PERPENDICULAR {
+            let degrees = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+            let report = say::not_perpendicular(value.at, self.keyword, degrees);
+            return self.resolver.fail(report);
+        }
+        Some([a, b])
+    }
+
+    fn one_number(&mut self, field: &'static Field, value: Value<'_>) -> Option<Formula> {
+        let resolver = &mut *self.resolver;
+        let typed = resolver.value(value, self.scope)?;
+        let at = typed.at;
+        let formula = resolver.fits(typed, field.name, false, field.dimension)?;
+        match fold::at_defaults(&formula, &resolver.scene) {
+            Some(found) if !field.rule.holds(found) => {
+                resolver.fail(say::number_rule(at, self.name, field, found))
+            }
+            _ => Some(formula),
+        }
+    }
+}
+
+impl Resolver<'_> {
+    /// Fills the joints.
+    pub fn joints(&mut self) {
+        for instance in self.of("joint") {
+            self.poison(Named::Joint(instance.slot), |this| this.joint(&instance));
+        }
+    }
+
+    fn joint(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let item = instance.item;
+        let name = self.scene.joints.get(instance.slot)?.name.clone();
+        let scope = instance.scope(Stage::Fixed);
+        let keyword = item.clause(":").and_then(|value| self.joint_keyword(value));
+        let [parent, child] = ["from", "to"].map(|end| {
+            item.clause(end)
+                .and_then(|value| self.joint_end(value, scope))
+        });
+        let law = keyword.and_then(|keyword| self.joint_law(instance, &name, &keyword, scope));
+        let (law, parent, child) = (law?, parent?, child?);
+        let [from, to] = ["from", "to"].map(|end| item.clause(end).map_or(item.at, |v| v.at));
+        if law.rows() == 0 && !matches!(parent, Place::World(_)) {
+            return self.fail(say::free_from_body(from));
+        }
+        if law.rows() == 0 && !matches!(child, Place::Body(..)) {
+            return self.fail(say::free_to_world(to));
+        }
+        let owner = match (parent, child) {
+            (Place::World(_), Place::World(_)) => Some("the world".to_string()),
+            (Place::Body(a, _), Place::Body(b, _)) if a == b => {
+                let body = self.scene.bodies.get(a)?;
+                Some(format!("body `{}`", body.name))
+            }
+            _ => None,
+        };
+        if let Some(owner) = owner {
+            return self.fail(say::joint_to_itself(to, &name, &owner));
+        }
+        let entry = self.scene.joints.get_mut(instance.slot)?;
+        entry.law = law;
+        entry.parent = parent;
+        entry.child = child;
+        Some(())
+    }
+
+    fn joint_keyword(&mut self, value: Value<'_>) -> Option<String> {
+        let mut cursor = Cursor::new(value);
+        let Some(Word { text, at }) = cursor.word() else {
+            return self.fail(cursor.expected("the kind of the joint, such as `hinge`"));
+        };
+        if let Err(report) = cursor.finish("`from`") {
+            return self.fail(report);
+        }
+        match JointLaw::KEYWORDS.contains(&text.as_str()) {
+            true => Some(text),
+            false => self.fail(say::joint_law(at.into(), &text)),
+        }
+    }
+
+    /// The law of a keyword, with its fields.
+    fn joint_law(
+        &mut self,
+        instance: &Instance<'_>,
+        name: &str,
+        keyword: &str,
+        scope: Scope<'_>,
+    ) -> Option<JointLaw> {
+        let mut names = Names(Vec::new());
+        let kind = JointLaw::read(keyword, &mut names)?;
+        if kind.coordinates() > kind.freedoms() {
+            names.0.push("coordinates");
+        }
+        let fields = self.fields(&instance.item.block, &names.0);
+        if let Some(value) = fields.value("coordinates") {
+            self.choice(value, "coordinates of an attitude", &[("quaternion", ())])?;
+        }
+        let mut answers = Answers {
+            wrong: fields.doubtful || instance.item.broken,
+            resolver: self,
+            fields,
+            scope,
+            keyword,
+            name,
+            at: instance.item.name_at(),
+        };
+        let law = JointLaw::read(keyword, &mut answers)?;
+        (!answers.wrong).then_some(law)
+    }
+
+    fn joint_end(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Place> {
+        let place = self.place(value, scope)?;
+        match place {
+            Place::Point(point) => {
+                let name = self.scene.points.get(point)?.name.clone();
+                let massless = matches!(self.scene.points.get(point)?.kind, PointKind::Node(_));
+                self.fail(say::joint_on_point(value.at, &name, massless))
+            }
+            place => Some(place),
+        }
+    }
+
+    /// `x`, `-z`, or a vector of numbers and consts.
+    fn axis(
+        &mut self,
+        field: &str,
+        value: Value<'_>,
+        default: Axis,
+        scope: Scope<'_>,
+    ) -> Option<Axis> {
+        if let Some(axis) = by_letter(value) {
+            return Some(axis);
+        }
+        if Cursor::new(value)
+            .peek_word()
+            .is_some_and(|word| self.names.get(word).is_none())
+        {
+            return self.fail(say::axis_wanted(value.at, field, &letter(default)));
+        }
+        let scope = Scope {
+            stage: Stage::Constant,
+            ..scope
+        };
+        let typed = self.value(value, scope)?;
+        let at = typed.at;
+        if !typed.vector {
+            return self.fail(say::axis_wanted(at, field, &letter(default)));
+        }
+        let formula = self.fits(typed, field, true, units::NONE)?;
+        let components = fold::components(formula)
+            .map(|part| fold::at_defaults(&part, &self.scene).unwrap_or(f64::NAN));
+        match Axis::new(components) {
+            Some(axis) => Some(axis),
+            None => self.fail(say::zero_axis(at)),
+        }
+    }
+}
+
+/// An axis written as a letter, with or without a sign.
+fn by_letter(value: Value<'_>) -> Option<Axis> {
+    let mut cursor = Cursor::new(value);
+    let sign = if cursor.sign('-').is_some() {
+        -1.0
+    } else {
+        1.0
+    };
+    let Axis(axis) = match cursor.word()?.text.as_str() {
+        "x" => Axis::X,
+        "y" => Axis::Y,
+        "z" => Axis::Z,
+        _ => return None,
+    };
+    cursor.at_end().then_some(())?;
+    Axis::new(axis.map(|component| sign * component))
+}
+
+/// How many axes a list of them has; `None`: it is one direction, if it is any.
+fn count(value: Value<'_>) -> Option<usize> {
+    let mut cursor = Cursor::new(value);
+    let parts = Cursor::new(cursor.group(Bracket::Square)?).comma_separated();
+    let axes = |part: &Value<'_>| {
+        by_letter(*part).is_some() || Cursor::new(*part).group(Bracket::Square).is_some()
+    };
+    parts.iter().any(axes).then_some(parts.len())
+}
+
+/// An axis in the language: a letter where it is along one.
+pub fn letter(axis: Axis) -> String {
+    let Axis(components) = axis;
+    for (name, Axis(unit)) in [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)] {
+        if components == unit {
+            return name.to_string();
+        }
+        if components == unit.map(|component| -component) {
+            return format!("-{name}");
+        }
+    }
+    let [x, y, z] = components;
+    format!("[{x:?}, {y:?}, {z:?}]")
+}
