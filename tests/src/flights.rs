@@ -77,7 +77,7 @@ impl<'m, M: Model<f64>> Course<'m, M> {
             effective: at.effective.to_vec(),
             hold: at.hold.to_vec(),
             ends: at.ends.to_vec(),
-            rows: Vec::new(),
+            rows: at.rows.to_vec(),
             inputs: at.inputs.to_vec(),
         }
     }

@@ -25,7 +25,7 @@ pub enum Task {
 #[derive(Clone, Debug)]
 pub enum Found {
     /// A tight run, sampled on the grid.
-    Reference(Flight),
+    Reference(Box<Flight>),
     /// Largest stable steps.
     Limit(Limit),
     /// A step [s] and its riser-force error from 2 s on [N].
@@ -81,7 +81,7 @@ fn find(task: Task, weight: f64) -> Result<Found, FlightError> {
     match task {
         Task::Reference(case, confluence) => {
             let plan = Plan::new(case, confluence, tight(TIGHT), END);
-            fly(&plan.sampled(&grid())).map(Found::Reference)
+            fly(&plan.sampled(&grid())).map(|flight| Found::Reference(Box::new(flight)))
         }
         Task::Limit(confluence) => largest_stable_step(confluence).map(Found::Limit),
         Task::Accurate(confluence) => {

@@ -145,15 +145,15 @@ for ParachuteExternal<L> {
 ///
 /// | function | numbers | operations |
 /// |---|---|---|
-/// | [`ends`](Self::ends) | 27 of 27 | 195 |
-/// | [`derivative`](Self::derivative) | 29 of 29 | 608 |
-/// | [`balance`](Self::balance) | 3 of 3 | 351 |
-/// | [`guards`](Self::guards) | 9 of 9 | 306 |
-/// | [`outputs`](Self::outputs) | 2 of 2 | 104 |
-/// | [`energy`](Self::energy) | 5 of 5 | 493 |
+/// | [`ends`](Self::ends) | 27 of 27 | 187 |
+/// | [`derivative`](Self::derivative) | 29 of 29 | 600 |
+/// | [`balance`](Self::balance) | 3 of 3 | 343 |
+/// | [`guards`](Self::guards) | 9 of 9 | 298 |
+/// | [`outputs`](Self::outputs) | 2 of 2 | 99 |
+/// | [`energy`](Self::energy) | 5 of 5 | 485 |
 /// | [`mass_matrix`](Self::mass_matrix) | 16 of 144 | 0 |
 /// | [`bias_force`](Self::bias_force) | 12 of 12 | 65 |
-/// | [`forces`](Self::forces) | 12 of 12 | 468 |
+/// | [`forces`](Self::forces) | 12 of 12 | 460 |
 #[derive(Clone, Debug)]
 pub struct Parachute<T = f64> {
     params: ParachuteParams<T>,
@@ -175,7 +175,7 @@ pub struct Parachute<T = f64> {
 const _: () = {
     /// Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.
     /// 4 anchors × 6 [m, m/s], 1 nodes × 3 [N]; world axes.
-    /// 195 operations (91 additions, 104 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
+    /// 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
     #[inline(never)]
     fn ends<T: ::mbd_runtime::Real>(q: &[T; 14], v: &[T; 12], out: &mut [T; 27]) {
         let [canopy_x, canopy_y, canopy_z, canopy_qw, canopy_qx, canopy_qy, canopy_qz,
@@ -183,8 +183,6 @@ const _: () = {
         ] = *q;
         let [canopy_vx, canopy_vy, canopy_vz, canopy_wx, canopy_wy, _, capsule_vx,
         capsule_vy, capsule_vz, capsule_wx, capsule_wy, capsule_wz] = *v;
-        let two = T::from_f64(2.0);
-        let one = T::from_f64(1.0);
         let c_m9_5 = T::from_f64(-9.5);
         let c_0_55 = T::from_f64(0.55);
         let c_1_23 = T::from_f64(1.23);
@@ -193,66 +191,58 @@ const _: () = {
         let c_3 = T::from_f64(-0.27500000000000024);
         let c_4 = T::from_f64(-0.47631397208144116);
         let zero = T::from_f64(0.0);
-        let canopy_t = canopy_qx * canopy_qx;
-        let canopy_t_2 = two * canopy_t;
+        let canopy_t = canopy_qw * canopy_qw;
+        let canopy_t_2 = canopy_qx * canopy_qx;
         let canopy_t_3 = canopy_qy * canopy_qy;
-        let canopy_t_4 = two * canopy_t_3;
-        let canopy_t_5 = canopy_qz * canopy_qz;
-        let canopy_t_6 = two * canopy_t_5;
-        let canopy_t_7 = canopy_qx * canopy_qy;
-        let canopy_t_8 = two * canopy_t_7;
-        let canopy_t_9 = canopy_qx * canopy_qz;
-        let canopy_t_10 = two * canopy_t_9;
-        let canopy_t_11 = canopy_qy * canopy_qz;
-        let canopy_t_12 = two * canopy_t_11;
-        let canopy_t_13 = canopy_qw * canopy_qx;
-        let canopy_t_14 = two * canopy_t_13;
-        let canopy_t_15 = canopy_qw * canopy_qy;
-        let canopy_t_16 = two * canopy_t_15;
-        let canopy_t_17 = canopy_qw * canopy_qz;
-        let canopy_t_18 = two * canopy_t_17;
-        let canopy_t_19 = canopy_t_4 + canopy_t_6;
-        let canopy_r11 = one - canopy_t_19;
-        let canopy_r12 = canopy_t_8 - canopy_t_18;
-        let canopy_r13 = canopy_t_10 + canopy_t_16;
-        let canopy_r21 = canopy_t_8 + canopy_t_18;
-        let canopy_t_20 = canopy_t_2 + canopy_t_6;
-        let canopy_r22 = one - canopy_t_20;
-        let canopy_r23 = canopy_t_12 - canopy_t_14;
-        let canopy_r31 = canopy_t_10 - canopy_t_16;
-        let canopy_r32 = canopy_t_12 + canopy_t_14;
-        let canopy_t_21 = canopy_t_2 + canopy_t_4;
-        let canopy_r33 = one - canopy_t_21;
-        let capsule_t = capsule_qx * capsule_qx;
-        let capsule_t_2 = two * capsule_t;
+        let canopy_t_4 = canopy_qz * canopy_qz;
+        let canopy_t_5 = canopy_qx + canopy_qx;
+        let canopy_t_6 = canopy_qy + canopy_qy;
+        let canopy_t_7 = canopy_qz + canopy_qz;
+        let canopy_t_8 = canopy_qy * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_5;
+        let canopy_t_10 = canopy_qz * canopy_t_6;
+        let canopy_t_11 = canopy_qw * canopy_t_5;
+        let canopy_t_12 = canopy_qw * canopy_t_6;
+        let canopy_t_13 = canopy_qw * canopy_t_7;
+        let canopy_t_14 = canopy_t - canopy_t_2;
+        let canopy_t_15 = canopy_t_3 - canopy_t_4;
+        let canopy_t_16 = canopy_t + canopy_t_2;
+        let canopy_t_17 = canopy_t_3 + canopy_t_4;
+        let canopy_r11 = canopy_t_16 - canopy_t_17;
+        let canopy_r12 = canopy_t_8 - canopy_t_13;
+        let canopy_r13 = canopy_t_9 + canopy_t_12;
+        let canopy_r21 = canopy_t_8 + canopy_t_13;
+        let canopy_r22 = canopy_t_14 + canopy_t_15;
+        let canopy_r23 = canopy_t_10 - canopy_t_11;
+        let canopy_r31 = canopy_t_9 - canopy_t_12;
+        let canopy_r32 = canopy_t_10 + canopy_t_11;
+        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let capsule_t = capsule_qw * capsule_qw;
+        let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
-        let capsule_t_4 = two * capsule_t_3;
-        let capsule_t_5 = capsule_qz * capsule_qz;
-        let capsule_t_6 = two * capsule_t_5;
-        let capsule_t_7 = capsule_qx * capsule_qy;
-        let capsule_t_8 = two * capsule_t_7;
-        let capsule_t_9 = capsule_qx * capsule_qz;
-        let capsule_t_10 = two * capsule_t_9;
-        let capsule_t_11 = capsule_qy * capsule_qz;
-        let capsule_t_12 = two * capsule_t_11;
-        let capsule_t_13 = capsule_qw * capsule_qx;
-        let capsule_t_14 = two * capsule_t_13;
-        let capsule_t_15 = capsule_qw * capsule_qy;
-        let capsule_t_16 = two * capsule_t_15;
-        let capsule_t_17 = capsule_qw * capsule_qz;
-        let capsule_t_18 = two * capsule_t_17;
-        let capsule_t_19 = capsule_t_4 + capsule_t_6;
-        let capsule_r11 = one - capsule_t_19;
-        let capsule_r12 = capsule_t_8 - capsule_t_18;
-        let capsule_r13 = capsule_t_10 + capsule_t_16;
-        let capsule_r21 = capsule_t_8 + capsule_t_18;
-        let capsule_t_20 = capsule_t_2 + capsule_t_6;
-        let capsule_r22 = one - capsule_t_20;
-        let capsule_r23 = capsule_t_12 - capsule_t_14;
-        let capsule_r31 = capsule_t_10 - capsule_t_16;
-        let capsule_r32 = capsule_t_12 + capsule_t_14;
-        let capsule_t_21 = capsule_t_2 + capsule_t_4;
-        let capsule_r33 = one - capsule_t_21;
+        let capsule_t_4 = capsule_qz * capsule_qz;
+        let capsule_t_5 = capsule_qx + capsule_qx;
+        let capsule_t_6 = capsule_qy + capsule_qy;
+        let capsule_t_7 = capsule_qz + capsule_qz;
+        let capsule_t_8 = capsule_qy * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_5;
+        let capsule_t_10 = capsule_qz * capsule_t_6;
+        let capsule_t_11 = capsule_qw * capsule_t_5;
+        let capsule_t_12 = capsule_qw * capsule_t_6;
+        let capsule_t_13 = capsule_qw * capsule_t_7;
+        let capsule_t_14 = capsule_t - capsule_t_2;
+        let capsule_t_15 = capsule_t_3 - capsule_t_4;
+        let capsule_t_16 = capsule_t + capsule_t_2;
+        let capsule_t_17 = capsule_t_3 + capsule_t_4;
+        let capsule_r11 = capsule_t_16 - capsule_t_17;
+        let capsule_r12 = capsule_t_8 - capsule_t_13;
+        let capsule_r13 = capsule_t_9 + capsule_t_12;
+        let capsule_r21 = capsule_t_8 + capsule_t_13;
+        let capsule_r22 = capsule_t_14 + capsule_t_15;
+        let capsule_r23 = capsule_t_10 - capsule_t_11;
+        let capsule_r31 = capsule_t_9 - capsule_t_12;
+        let capsule_r32 = capsule_t_10 + capsule_t_11;
+        let capsule_r33 = capsule_t_14 - capsule_t_15;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -420,7 +410,7 @@ const _: () = {
     }
     /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
     /// 29 = [14 q̇ | 12 v̇ | 3 ż]; SI units.
-    /// 608 operations (253 additions, 310 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections).
+    /// 600 operations (261 additions, 294 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections).
     #[inline(never)]
     fn derivative<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -445,10 +435,9 @@ const _: () = {
         thruster_couple_x, thruster_couple_y, thruster_couple_z] = *inputs;
         let [riser_k, _, _] = *params;
         let [capsule_inverse_mass, derived_1, _] = *derived;
-        let two = T::from_f64(2.0);
-        let one = T::from_f64(1.0);
         let c_m9_5 = T::from_f64(-9.5);
         let tiny = T::from_f64(1e-18);
+        let one = T::from_f64(1.0);
         let c_10 = T::from_f64(10.0);
         let c_600 = T::from_f64(600.0);
         let zero = T::from_f64(0.0);
@@ -473,6 +462,7 @@ const _: () = {
         let c_300 = T::from_f64(300.0);
         let c_m1_5 = T::from_f64(-1.5);
         let c_310 = T::from_f64(310.0);
+        let two = T::from_f64(2.0);
         let c_420 = T::from_f64(420.0);
         let c_9 = T::from_f64(0.0033334139829235376);
         let c_11 = T::from_f64(1.612991804081407e-5);
@@ -480,66 +470,58 @@ const _: () = {
         let c_13 = T::from_f64(0.003225983608162814);
         let c_14 = T::from_f64(-1.536182670553721e-5);
         let c_15 = T::from_f64(0.0023810255325081215);
-        let canopy_t = canopy_qx * canopy_qx;
-        let canopy_t_2 = two * canopy_t;
+        let canopy_t = canopy_qw * canopy_qw;
+        let canopy_t_2 = canopy_qx * canopy_qx;
         let canopy_t_3 = canopy_qy * canopy_qy;
-        let canopy_t_4 = two * canopy_t_3;
-        let canopy_t_5 = canopy_qz * canopy_qz;
-        let canopy_t_6 = two * canopy_t_5;
-        let canopy_t_7 = canopy_qx * canopy_qy;
-        let canopy_t_8 = two * canopy_t_7;
-        let canopy_t_9 = canopy_qx * canopy_qz;
-        let canopy_t_10 = two * canopy_t_9;
-        let canopy_t_11 = canopy_qy * canopy_qz;
-        let canopy_t_12 = two * canopy_t_11;
-        let canopy_t_13 = canopy_qw * canopy_qx;
-        let canopy_t_14 = two * canopy_t_13;
-        let canopy_t_15 = canopy_qw * canopy_qy;
-        let canopy_t_16 = two * canopy_t_15;
-        let canopy_t_17 = canopy_qw * canopy_qz;
-        let canopy_t_18 = two * canopy_t_17;
-        let canopy_t_19 = canopy_t_4 + canopy_t_6;
-        let canopy_r11 = one - canopy_t_19;
-        let canopy_r12 = canopy_t_8 - canopy_t_18;
-        let canopy_r13 = canopy_t_10 + canopy_t_16;
-        let canopy_r21 = canopy_t_8 + canopy_t_18;
-        let canopy_t_20 = canopy_t_2 + canopy_t_6;
-        let canopy_r22 = one - canopy_t_20;
-        let canopy_r23 = canopy_t_12 - canopy_t_14;
-        let canopy_r31 = canopy_t_10 - canopy_t_16;
-        let canopy_r32 = canopy_t_12 + canopy_t_14;
-        let canopy_t_21 = canopy_t_2 + canopy_t_4;
-        let canopy_r33 = one - canopy_t_21;
-        let capsule_t = capsule_qx * capsule_qx;
-        let capsule_t_2 = two * capsule_t;
+        let canopy_t_4 = canopy_qz * canopy_qz;
+        let canopy_t_5 = canopy_qx + canopy_qx;
+        let canopy_t_6 = canopy_qy + canopy_qy;
+        let canopy_t_7 = canopy_qz + canopy_qz;
+        let canopy_t_8 = canopy_qy * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_5;
+        let canopy_t_10 = canopy_qz * canopy_t_6;
+        let canopy_t_11 = canopy_qw * canopy_t_5;
+        let canopy_t_12 = canopy_qw * canopy_t_6;
+        let canopy_t_13 = canopy_qw * canopy_t_7;
+        let canopy_t_14 = canopy_t - canopy_t_2;
+        let canopy_t_15 = canopy_t_3 - canopy_t_4;
+        let canopy_t_16 = canopy_t + canopy_t_2;
+        let canopy_t_17 = canopy_t_3 + canopy_t_4;
+        let canopy_r11 = canopy_t_16 - canopy_t_17;
+        let canopy_r12 = canopy_t_8 - canopy_t_13;
+        let canopy_r13 = canopy_t_9 + canopy_t_12;
+        let canopy_r21 = canopy_t_8 + canopy_t_13;
+        let canopy_r22 = canopy_t_14 + canopy_t_15;
+        let canopy_r23 = canopy_t_10 - canopy_t_11;
+        let canopy_r31 = canopy_t_9 - canopy_t_12;
+        let canopy_r32 = canopy_t_10 + canopy_t_11;
+        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let capsule_t = capsule_qw * capsule_qw;
+        let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
-        let capsule_t_4 = two * capsule_t_3;
-        let capsule_t_5 = capsule_qz * capsule_qz;
-        let capsule_t_6 = two * capsule_t_5;
-        let capsule_t_7 = capsule_qx * capsule_qy;
-        let capsule_t_8 = two * capsule_t_7;
-        let capsule_t_9 = capsule_qx * capsule_qz;
-        let capsule_t_10 = two * capsule_t_9;
-        let capsule_t_11 = capsule_qy * capsule_qz;
-        let capsule_t_12 = two * capsule_t_11;
-        let capsule_t_13 = capsule_qw * capsule_qx;
-        let capsule_t_14 = two * capsule_t_13;
-        let capsule_t_15 = capsule_qw * capsule_qy;
-        let capsule_t_16 = two * capsule_t_15;
-        let capsule_t_17 = capsule_qw * capsule_qz;
-        let capsule_t_18 = two * capsule_t_17;
-        let capsule_t_19 = capsule_t_4 + capsule_t_6;
-        let capsule_r11 = one - capsule_t_19;
-        let capsule_r12 = capsule_t_8 - capsule_t_18;
-        let capsule_r13 = capsule_t_10 + capsule_t_16;
-        let capsule_r21 = capsule_t_8 + capsule_t_18;
-        let capsule_t_20 = capsule_t_2 + capsule_t_6;
-        let capsule_r22 = one - capsule_t_20;
-        let capsule_r23 = capsule_t_12 - capsule_t_14;
-        let capsule_r31 = capsule_t_10 - capsule_t_16;
-        let capsule_r32 = capsule_t_12 + capsule_t_14;
-        let capsule_t_21 = capsule_t_2 + capsule_t_4;
-        let capsule_r33 = one - capsule_t_21;
+        let capsule_t_4 = capsule_qz * capsule_qz;
+        let capsule_t_5 = capsule_qx + capsule_qx;
+        let capsule_t_6 = capsule_qy + capsule_qy;
+        let capsule_t_7 = capsule_qz + capsule_qz;
+        let capsule_t_8 = capsule_qy * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_5;
+        let capsule_t_10 = capsule_qz * capsule_t_6;
+        let capsule_t_11 = capsule_qw * capsule_t_5;
+        let capsule_t_12 = capsule_qw * capsule_t_6;
+        let capsule_t_13 = capsule_qw * capsule_t_7;
+        let capsule_t_14 = capsule_t - capsule_t_2;
+        let capsule_t_15 = capsule_t_3 - capsule_t_4;
+        let capsule_t_16 = capsule_t + capsule_t_2;
+        let capsule_t_17 = capsule_t_3 + capsule_t_4;
+        let capsule_r11 = capsule_t_16 - capsule_t_17;
+        let capsule_r12 = capsule_t_8 - capsule_t_13;
+        let capsule_r13 = capsule_t_9 + capsule_t_12;
+        let capsule_r21 = capsule_t_8 + capsule_t_13;
+        let capsule_r22 = capsule_t_14 + capsule_t_15;
+        let capsule_r23 = capsule_t_10 - capsule_t_11;
+        let capsule_r31 = capsule_t_9 - capsule_t_12;
+        let capsule_r32 = capsule_t_10 + capsule_t_11;
+        let capsule_r33 = capsule_t_14 - capsule_t_15;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -918,200 +900,200 @@ const _: () = {
         let thruster_t_4 = thruster_couple_x + leg_2_t_65;
         let thruster_t_5 = thruster_couple_y + leg_2_t_66;
         let thruster_t_6 = thruster_couple_z + leg_2_t_67;
-        let canopy_t_22 = canopy_wx * half;
-        let canopy_t_23 = canopy_wy * half;
-        let canopy_t_24 = canopy_wz * half;
-        let canopy_t_25 = canopy_qy * canopy_t_24;
-        let canopy_t_26 = canopy_qz * canopy_t_23;
-        let canopy_t_27 = canopy_t_25 - canopy_t_26;
-        let canopy_t_28 = canopy_qz * canopy_t_22;
-        let canopy_t_29 = canopy_qx * canopy_t_24;
-        let canopy_t_30 = canopy_t_28 - canopy_t_29;
-        let canopy_t_31 = canopy_qx * canopy_t_23;
-        let canopy_t_32 = canopy_qy * canopy_t_22;
-        let canopy_t_33 = canopy_t_31 - canopy_t_32;
-        let canopy_t_34 = canopy_qx * canopy_t_22;
-        let canopy_t_35 = canopy_qy * canopy_t_23;
-        let canopy_t_36 = canopy_t_34 + canopy_t_35;
-        let canopy_t_37 = canopy_qz * canopy_t_24;
-        let canopy_t_38 = canopy_t_36 + canopy_t_37;
-        let canopy_t_39 = -canopy_t_38;
-        let canopy_t_40 = canopy_qw * canopy_t_22;
-        let canopy_t_41 = canopy_t_27 + canopy_t_40;
-        let canopy_t_42 = canopy_qw * canopy_t_23;
-        let canopy_t_43 = canopy_t_30 + canopy_t_42;
-        let canopy_t_44 = canopy_qw * canopy_t_24;
-        let canopy_t_45 = canopy_t_33 + canopy_t_44;
-        let canopy_t_46 = c_0_0625 * drag_t_25;
-        let canopy_t_47 = c_0_0625 * drag_t_26;
-        let canopy_t_48 = c_0_0625 * drag_t_27;
+        let canopy_t_18 = canopy_wx * half;
+        let canopy_t_19 = canopy_wy * half;
+        let canopy_t_20 = canopy_wz * half;
+        let canopy_t_21 = canopy_qy * canopy_t_20;
+        let canopy_t_22 = canopy_qz * canopy_t_19;
+        let canopy_t_23 = canopy_t_21 - canopy_t_22;
+        let canopy_t_24 = canopy_qz * canopy_t_18;
+        let canopy_t_25 = canopy_qx * canopy_t_20;
+        let canopy_t_26 = canopy_t_24 - canopy_t_25;
+        let canopy_t_27 = canopy_qx * canopy_t_19;
+        let canopy_t_28 = canopy_qy * canopy_t_18;
+        let canopy_t_29 = canopy_t_27 - canopy_t_28;
+        let canopy_t_30 = canopy_qx * canopy_t_18;
+        let canopy_t_31 = canopy_qy * canopy_t_19;
+        let canopy_t_32 = canopy_t_30 + canopy_t_31;
+        let canopy_t_33 = canopy_qz * canopy_t_20;
+        let canopy_t_34 = canopy_t_32 + canopy_t_33;
+        let canopy_t_35 = -canopy_t_34;
+        let canopy_t_36 = canopy_qw * canopy_t_18;
+        let canopy_t_37 = canopy_t_23 + canopy_t_36;
+        let canopy_t_38 = canopy_qw * canopy_t_19;
+        let canopy_t_39 = canopy_t_26 + canopy_t_38;
+        let canopy_t_40 = canopy_qw * canopy_t_20;
+        let canopy_t_41 = canopy_t_29 + canopy_t_40;
+        let canopy_t_42 = c_0_0625 * drag_t_25;
+        let canopy_t_43 = c_0_0625 * drag_t_26;
+        let canopy_t_44 = c_0_0625 * drag_t_27;
         let canopy_d_z = canopy_z - c_5;
-        let canopy_t_49 = canopy_x * canopy_x;
-        let canopy_t_50 = canopy_y * canopy_y;
-        let canopy_t_51 = canopy_d_z * canopy_d_z;
-        let canopy_t_52 = canopy_t_49 + canopy_t_50;
-        let canopy_d_squared = canopy_t_51 + canopy_t_52;
+        let canopy_t_45 = canopy_x * canopy_x;
+        let canopy_t_46 = canopy_y * canopy_y;
+        let canopy_t_47 = canopy_d_z * canopy_d_z;
+        let canopy_t_48 = canopy_t_45 + canopy_t_46;
+        let canopy_d_squared = canopy_t_47 + canopy_t_48;
         let canopy_distance = canopy_d_squared.sqrt();
-        let canopy_t_53 = canopy_d_squared * canopy_distance;
-        let canopy_gravity = c_6 / canopy_t_53;
-        let canopy_t_54 = canopy_x * canopy_gravity;
-        let canopy_t_55 = canopy_y * canopy_gravity;
-        let canopy_t_56 = canopy_d_z * canopy_gravity;
-        let canopy_t_57 = canopy_t_46 - canopy_t_54;
-        let canopy_t_58 = canopy_t_47 - canopy_t_55;
-        let canopy_t_59 = canopy_t_48 - canopy_t_56;
-        let canopy_t_60 = canopy_r11 * drag_t_37;
-        let canopy_t_61 = canopy_r12 * drag_t_37;
-        let canopy_t_62 = canopy_r13 * drag_t_37;
-        let canopy_t_63 = canopy_r21 * drag_t_38;
-        let canopy_t_64 = canopy_t_60 + canopy_t_63;
-        let canopy_t_65 = canopy_r22 * drag_t_38;
-        let canopy_t_66 = canopy_t_61 + canopy_t_65;
-        let canopy_t_67 = canopy_r23 * drag_t_38;
-        let canopy_t_68 = canopy_t_62 + canopy_t_67;
-        let canopy_t_69 = canopy_r31 * drag_t_39;
-        let canopy_torque_x = canopy_t_64 + canopy_t_69;
-        let canopy_t_70 = canopy_r32 * drag_t_39;
-        let canopy_torque_y = canopy_t_66 + canopy_t_70;
-        let canopy_t_71 = canopy_r33 * drag_t_39;
-        let canopy_torque_z = canopy_t_68 + canopy_t_71;
-        let canopy_t_72 = c_60 * canopy_wx;
-        let canopy_t_73 = c_60 * canopy_wy;
-        let canopy_t_74 = c_90 * canopy_wz;
-        let canopy_t_75 = canopy_wy * canopy_t_74;
-        let canopy_t_76 = canopy_wz * canopy_t_73;
-        let canopy_gyro_x = canopy_t_75 - canopy_t_76;
-        let canopy_t_77 = canopy_wz * canopy_t_72;
-        let canopy_t_78 = canopy_wx * canopy_t_74;
-        let canopy_gyro_y = canopy_t_77 - canopy_t_78;
-        let canopy_t_79 = canopy_wx * canopy_t_73;
-        let canopy_t_80 = canopy_wy * canopy_t_72;
-        let canopy_gyro_z = canopy_t_79 - canopy_t_80;
-        let canopy_t_81 = canopy_torque_x - canopy_gyro_x;
-        let canopy_t_82 = canopy_torque_y - canopy_gyro_y;
-        let canopy_t_83 = canopy_torque_z - canopy_gyro_z;
-        let canopy_spin_x = c_7 * canopy_t_81;
-        let canopy_spin_y = c_7 * canopy_t_82;
-        let canopy_spin_z = c_8 * canopy_t_83;
-        let capsule_t_22 = capsule_wx * half;
-        let capsule_t_23 = capsule_wy * half;
-        let capsule_t_24 = capsule_wz * half;
-        let capsule_t_25 = capsule_qy * capsule_t_24;
-        let capsule_t_26 = capsule_qz * capsule_t_23;
-        let capsule_t_27 = capsule_t_25 - capsule_t_26;
-        let capsule_t_28 = capsule_qz * capsule_t_22;
-        let capsule_t_29 = capsule_qx * capsule_t_24;
-        let capsule_t_30 = capsule_t_28 - capsule_t_29;
-        let capsule_t_31 = capsule_qx * capsule_t_23;
-        let capsule_t_32 = capsule_qy * capsule_t_22;
-        let capsule_t_33 = capsule_t_31 - capsule_t_32;
-        let capsule_t_34 = capsule_qx * capsule_t_22;
-        let capsule_t_35 = capsule_qy * capsule_t_23;
-        let capsule_t_36 = capsule_t_34 + capsule_t_35;
-        let capsule_t_37 = capsule_qz * capsule_t_24;
-        let capsule_t_38 = capsule_t_36 + capsule_t_37;
-        let capsule_t_39 = -capsule_t_38;
-        let capsule_t_40 = capsule_qw * capsule_t_22;
-        let capsule_t_41 = capsule_t_27 + capsule_t_40;
-        let capsule_t_42 = capsule_qw * capsule_t_23;
-        let capsule_t_43 = capsule_t_30 + capsule_t_42;
-        let capsule_t_44 = capsule_qw * capsule_t_24;
-        let capsule_t_45 = capsule_t_33 + capsule_t_44;
-        let capsule_t_46 = capsule_inverse_mass * thruster_t;
-        let capsule_t_47 = capsule_inverse_mass * thruster_t_2;
-        let capsule_t_48 = capsule_inverse_mass * thruster_t_3;
+        let canopy_t_49 = canopy_d_squared * canopy_distance;
+        let canopy_gravity = c_6 / canopy_t_49;
+        let canopy_t_50 = canopy_x * canopy_gravity;
+        let canopy_t_51 = canopy_y * canopy_gravity;
+        let canopy_t_52 = canopy_d_z * canopy_gravity;
+        let canopy_t_53 = canopy_t_42 - canopy_t_50;
+        let canopy_t_54 = canopy_t_43 - canopy_t_51;
+        let canopy_t_55 = canopy_t_44 - canopy_t_52;
+        let canopy_t_56 = canopy_r11 * drag_t_37;
+        let canopy_t_57 = canopy_r12 * drag_t_37;
+        let canopy_t_58 = canopy_r13 * drag_t_37;
+        let canopy_t_59 = canopy_r21 * drag_t_38;
+        let canopy_t_60 = canopy_t_56 + canopy_t_59;
+        let canopy_t_61 = canopy_r22 * drag_t_38;
+        let canopy_t_62 = canopy_t_57 + canopy_t_61;
+        let canopy_t_63 = canopy_r23 * drag_t_38;
+        let canopy_t_64 = canopy_t_58 + canopy_t_63;
+        let canopy_t_65 = canopy_r31 * drag_t_39;
+        let canopy_torque_x = canopy_t_60 + canopy_t_65;
+        let canopy_t_66 = canopy_r32 * drag_t_39;
+        let canopy_torque_y = canopy_t_62 + canopy_t_66;
+        let canopy_t_67 = canopy_r33 * drag_t_39;
+        let canopy_torque_z = canopy_t_64 + canopy_t_67;
+        let canopy_t_68 = c_60 * canopy_wx;
+        let canopy_t_69 = c_60 * canopy_wy;
+        let canopy_t_70 = c_90 * canopy_wz;
+        let canopy_t_71 = canopy_wy * canopy_t_70;
+        let canopy_t_72 = canopy_wz * canopy_t_69;
+        let canopy_gyro_x = canopy_t_71 - canopy_t_72;
+        let canopy_t_73 = canopy_wz * canopy_t_68;
+        let canopy_t_74 = canopy_wx * canopy_t_70;
+        let canopy_gyro_y = canopy_t_73 - canopy_t_74;
+        let canopy_t_75 = canopy_wx * canopy_t_69;
+        let canopy_t_76 = canopy_wy * canopy_t_68;
+        let canopy_gyro_z = canopy_t_75 - canopy_t_76;
+        let canopy_t_77 = canopy_torque_x - canopy_gyro_x;
+        let canopy_t_78 = canopy_torque_y - canopy_gyro_y;
+        let canopy_t_79 = canopy_torque_z - canopy_gyro_z;
+        let canopy_spin_x = c_7 * canopy_t_77;
+        let canopy_spin_y = c_7 * canopy_t_78;
+        let canopy_spin_z = c_8 * canopy_t_79;
+        let capsule_t_18 = capsule_wx * half;
+        let capsule_t_19 = capsule_wy * half;
+        let capsule_t_20 = capsule_wz * half;
+        let capsule_t_21 = capsule_qy * capsule_t_20;
+        let capsule_t_22 = capsule_qz * capsule_t_19;
+        let capsule_t_23 = capsule_t_21 - capsule_t_22;
+        let capsule_t_24 = capsule_qz * capsule_t_18;
+        let capsule_t_25 = capsule_qx * capsule_t_20;
+        let capsule_t_26 = capsule_t_24 - capsule_t_25;
+        let capsule_t_27 = capsule_qx * capsule_t_19;
+        let capsule_t_28 = capsule_qy * capsule_t_18;
+        let capsule_t_29 = capsule_t_27 - capsule_t_28;
+        let capsule_t_30 = capsule_qx * capsule_t_18;
+        let capsule_t_31 = capsule_qy * capsule_t_19;
+        let capsule_t_32 = capsule_t_30 + capsule_t_31;
+        let capsule_t_33 = capsule_qz * capsule_t_20;
+        let capsule_t_34 = capsule_t_32 + capsule_t_33;
+        let capsule_t_35 = -capsule_t_34;
+        let capsule_t_36 = capsule_qw * capsule_t_18;
+        let capsule_t_37 = capsule_t_23 + capsule_t_36;
+        let capsule_t_38 = capsule_qw * capsule_t_19;
+        let capsule_t_39 = capsule_t_26 + capsule_t_38;
+        let capsule_t_40 = capsule_qw * capsule_t_20;
+        let capsule_t_41 = capsule_t_29 + capsule_t_40;
+        let capsule_t_42 = capsule_inverse_mass * thruster_t;
+        let capsule_t_43 = capsule_inverse_mass * thruster_t_2;
+        let capsule_t_44 = capsule_inverse_mass * thruster_t_3;
         let capsule_d_z = capsule_z - c_5;
-        let capsule_t_49 = capsule_x * capsule_x;
-        let capsule_t_50 = capsule_y * capsule_y;
-        let capsule_t_51 = capsule_d_z * capsule_d_z;
-        let capsule_t_52 = capsule_t_49 + capsule_t_50;
-        let capsule_d_squared = capsule_t_51 + capsule_t_52;
+        let capsule_t_45 = capsule_x * capsule_x;
+        let capsule_t_46 = capsule_y * capsule_y;
+        let capsule_t_47 = capsule_d_z * capsule_d_z;
+        let capsule_t_48 = capsule_t_45 + capsule_t_46;
+        let capsule_d_squared = capsule_t_47 + capsule_t_48;
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_t_53 = capsule_d_squared * capsule_distance;
-        let capsule_gravity = c_6 / capsule_t_53;
-        let capsule_t_54 = capsule_x * capsule_gravity;
-        let capsule_t_55 = capsule_y * capsule_gravity;
-        let capsule_t_56 = capsule_d_z * capsule_gravity;
-        let capsule_t_57 = capsule_t_46 - capsule_t_54;
-        let capsule_t_58 = capsule_t_47 - capsule_t_55;
-        let capsule_t_59 = capsule_t_48 - capsule_t_56;
-        let capsule_t_60 = capsule_r11 * thruster_t_4;
-        let capsule_t_61 = capsule_r12 * thruster_t_4;
-        let capsule_t_62 = capsule_r13 * thruster_t_4;
-        let capsule_t_63 = capsule_r21 * thruster_t_5;
-        let capsule_t_64 = capsule_t_60 + capsule_t_63;
-        let capsule_t_65 = capsule_r22 * thruster_t_5;
-        let capsule_t_66 = capsule_t_61 + capsule_t_65;
-        let capsule_t_67 = capsule_r23 * thruster_t_5;
-        let capsule_t_68 = capsule_t_62 + capsule_t_67;
-        let capsule_t_69 = capsule_r31 * thruster_t_6;
-        let capsule_torque_x = capsule_t_64 + capsule_t_69;
-        let capsule_t_70 = capsule_r32 * thruster_t_6;
-        let capsule_torque_y = capsule_t_66 + capsule_t_70;
-        let capsule_t_71 = capsule_r33 * thruster_t_6;
-        let capsule_torque_z = capsule_t_68 + capsule_t_71;
-        let capsule_t_72 = c_300 * capsule_wx;
-        let capsule_t_73 = c_m1_5 * capsule_wx;
-        let capsule_t_74 = c_m1_5 * capsule_wy;
-        let capsule_t_75 = capsule_t_72 + capsule_t_74;
-        let capsule_t_76 = c_310 * capsule_wy;
-        let capsule_t_77 = capsule_t_73 + capsule_t_76;
-        let capsule_t_78 = two * capsule_wy;
-        let capsule_t_79 = two * capsule_wz;
-        let capsule_t_80 = capsule_t_77 + capsule_t_79;
-        let capsule_t_81 = c_420 * capsule_wz;
-        let capsule_t_82 = capsule_t_78 + capsule_t_81;
-        let capsule_t_83 = capsule_wy * capsule_t_82;
-        let capsule_t_84 = capsule_wz * capsule_t_80;
-        let capsule_gyro_x = capsule_t_83 - capsule_t_84;
-        let capsule_t_85 = capsule_wz * capsule_t_75;
-        let capsule_t_86 = capsule_wx * capsule_t_82;
-        let capsule_gyro_y = capsule_t_85 - capsule_t_86;
-        let capsule_t_87 = capsule_wx * capsule_t_80;
-        let capsule_t_88 = capsule_wy * capsule_t_75;
-        let capsule_gyro_z = capsule_t_87 - capsule_t_88;
-        let capsule_t_89 = capsule_torque_x - capsule_gyro_x;
-        let capsule_t_90 = capsule_torque_y - capsule_gyro_y;
-        let capsule_t_91 = capsule_torque_z - capsule_gyro_z;
-        let capsule_t_92 = c_9 * capsule_t_89;
-        let capsule_t_93 = c_11 * capsule_t_89;
-        let capsule_t_94 = c_12 * capsule_t_89;
-        let capsule_t_95 = c_11 * capsule_t_90;
-        let capsule_t_96 = capsule_t_92 + capsule_t_95;
-        let capsule_t_97 = c_13 * capsule_t_90;
-        let capsule_t_98 = capsule_t_93 + capsule_t_97;
-        let capsule_t_99 = c_14 * capsule_t_90;
-        let capsule_t_100 = capsule_t_94 + capsule_t_99;
-        let capsule_t_101 = c_12 * capsule_t_91;
-        let capsule_spin_x = capsule_t_96 + capsule_t_101;
-        let capsule_t_102 = c_14 * capsule_t_91;
-        let capsule_spin_y = capsule_t_98 + capsule_t_102;
-        let capsule_t_103 = c_15 * capsule_t_91;
-        let capsule_spin_z = capsule_t_100 + capsule_t_103;
+        let capsule_t_49 = capsule_d_squared * capsule_distance;
+        let capsule_gravity = c_6 / capsule_t_49;
+        let capsule_t_50 = capsule_x * capsule_gravity;
+        let capsule_t_51 = capsule_y * capsule_gravity;
+        let capsule_t_52 = capsule_d_z * capsule_gravity;
+        let capsule_t_53 = capsule_t_42 - capsule_t_50;
+        let capsule_t_54 = capsule_t_43 - capsule_t_51;
+        let capsule_t_55 = capsule_t_44 - capsule_t_52;
+        let capsule_t_56 = capsule_r11 * thruster_t_4;
+        let capsule_t_57 = capsule_r12 * thruster_t_4;
+        let capsule_t_58 = capsule_r13 * thruster_t_4;
+        let capsule_t_59 = capsule_r21 * thruster_t_5;
+        let capsule_t_60 = capsule_t_56 + capsule_t_59;
+        let capsule_t_61 = capsule_r22 * thruster_t_5;
+        let capsule_t_62 = capsule_t_57 + capsule_t_61;
+        let capsule_t_63 = capsule_r23 * thruster_t_5;
+        let capsule_t_64 = capsule_t_58 + capsule_t_63;
+        let capsule_t_65 = capsule_r31 * thruster_t_6;
+        let capsule_torque_x = capsule_t_60 + capsule_t_65;
+        let capsule_t_66 = capsule_r32 * thruster_t_6;
+        let capsule_torque_y = capsule_t_62 + capsule_t_66;
+        let capsule_t_67 = capsule_r33 * thruster_t_6;
+        let capsule_torque_z = capsule_t_64 + capsule_t_67;
+        let capsule_t_68 = c_300 * capsule_wx;
+        let capsule_t_69 = c_m1_5 * capsule_wx;
+        let capsule_t_70 = c_m1_5 * capsule_wy;
+        let capsule_t_71 = capsule_t_68 + capsule_t_70;
+        let capsule_t_72 = c_310 * capsule_wy;
+        let capsule_t_73 = capsule_t_69 + capsule_t_72;
+        let capsule_t_74 = two * capsule_wy;
+        let capsule_t_75 = two * capsule_wz;
+        let capsule_t_76 = capsule_t_73 + capsule_t_75;
+        let capsule_t_77 = c_420 * capsule_wz;
+        let capsule_t_78 = capsule_t_74 + capsule_t_77;
+        let capsule_t_79 = capsule_wy * capsule_t_78;
+        let capsule_t_80 = capsule_wz * capsule_t_76;
+        let capsule_gyro_x = capsule_t_79 - capsule_t_80;
+        let capsule_t_81 = capsule_wz * capsule_t_71;
+        let capsule_t_82 = capsule_wx * capsule_t_78;
+        let capsule_gyro_y = capsule_t_81 - capsule_t_82;
+        let capsule_t_83 = capsule_wx * capsule_t_76;
+        let capsule_t_84 = capsule_wy * capsule_t_71;
+        let capsule_gyro_z = capsule_t_83 - capsule_t_84;
+        let capsule_t_85 = capsule_torque_x - capsule_gyro_x;
+        let capsule_t_86 = capsule_torque_y - capsule_gyro_y;
+        let capsule_t_87 = capsule_torque_z - capsule_gyro_z;
+        let capsule_t_88 = c_9 * capsule_t_85;
+        let capsule_t_89 = c_11 * capsule_t_85;
+        let capsule_t_90 = c_12 * capsule_t_85;
+        let capsule_t_91 = c_11 * capsule_t_86;
+        let capsule_t_92 = capsule_t_88 + capsule_t_91;
+        let capsule_t_93 = c_13 * capsule_t_86;
+        let capsule_t_94 = capsule_t_89 + capsule_t_93;
+        let capsule_t_95 = c_14 * capsule_t_86;
+        let capsule_t_96 = capsule_t_90 + capsule_t_95;
+        let capsule_t_97 = c_12 * capsule_t_87;
+        let capsule_spin_x = capsule_t_92 + capsule_t_97;
+        let capsule_t_98 = c_14 * capsule_t_87;
+        let capsule_spin_y = capsule_t_94 + capsule_t_98;
+        let capsule_t_99 = c_15 * capsule_t_87;
+        let capsule_spin_z = capsule_t_96 + capsule_t_99;
         *out = [
             canopy_vx,
             canopy_vy,
             canopy_vz,
+            canopy_t_35,
+            canopy_t_37,
             canopy_t_39,
             canopy_t_41,
-            canopy_t_43,
-            canopy_t_45,
             capsule_vx,
             capsule_vy,
             capsule_vz,
+            capsule_t_35,
+            capsule_t_37,
             capsule_t_39,
             capsule_t_41,
-            capsule_t_43,
-            capsule_t_45,
-            canopy_t_57,
-            canopy_t_58,
-            canopy_t_59,
+            canopy_t_53,
+            canopy_t_54,
+            canopy_t_55,
             canopy_spin_x,
             canopy_spin_y,
             canopy_spin_z,
-            capsule_t_57,
-            capsule_t_58,
-            capsule_t_59,
+            capsule_t_53,
+            capsule_t_54,
+            capsule_t_55,
             capsule_spin_x,
             capsule_spin_y,
             capsule_spin_z,
@@ -1122,7 +1104,7 @@ const _: () = {
     }
     /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
     /// 3 [N], world axes; zero where the nodes are in equilibrium.
-    /// 351 operations (151 additions, 160 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections).
+    /// 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections).
     #[inline(never)]
     fn balance<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -1142,10 +1124,9 @@ const _: () = {
         let [confluence_wx, confluence_wy, confluence_wz] = *nodes;
         let [riser_hold, leg_0_hold, leg_1_hold, leg_2_hold] = *hold;
         let [riser_k, _, _] = *params;
-        let two = T::from_f64(2.0);
-        let one = T::from_f64(1.0);
         let c_m9_5 = T::from_f64(-9.5);
         let tiny = T::from_f64(1e-18);
+        let one = T::from_f64(1.0);
         let c_10 = T::from_f64(10.0);
         let c_600 = T::from_f64(600.0);
         let zero = T::from_f64(0.0);
@@ -1158,66 +1139,58 @@ const _: () = {
         let c_2 = T::from_f64(0.47631397208144133);
         let c_3 = T::from_f64(-0.27500000000000024);
         let c_4 = T::from_f64(-0.47631397208144116);
-        let canopy_t = canopy_qx * canopy_qx;
-        let canopy_t_2 = two * canopy_t;
+        let canopy_t = canopy_qw * canopy_qw;
+        let canopy_t_2 = canopy_qx * canopy_qx;
         let canopy_t_3 = canopy_qy * canopy_qy;
-        let canopy_t_4 = two * canopy_t_3;
-        let canopy_t_5 = canopy_qz * canopy_qz;
-        let canopy_t_6 = two * canopy_t_5;
-        let canopy_t_7 = canopy_qx * canopy_qy;
-        let canopy_t_8 = two * canopy_t_7;
-        let canopy_t_9 = canopy_qx * canopy_qz;
-        let canopy_t_10 = two * canopy_t_9;
-        let canopy_t_11 = canopy_qy * canopy_qz;
-        let canopy_t_12 = two * canopy_t_11;
-        let canopy_t_13 = canopy_qw * canopy_qx;
-        let canopy_t_14 = two * canopy_t_13;
-        let canopy_t_15 = canopy_qw * canopy_qy;
-        let canopy_t_16 = two * canopy_t_15;
-        let canopy_t_17 = canopy_qw * canopy_qz;
-        let canopy_t_18 = two * canopy_t_17;
-        let canopy_t_19 = canopy_t_4 + canopy_t_6;
-        let canopy_r11 = one - canopy_t_19;
-        let canopy_r12 = canopy_t_8 - canopy_t_18;
-        let canopy_r13 = canopy_t_10 + canopy_t_16;
-        let canopy_r21 = canopy_t_8 + canopy_t_18;
-        let canopy_t_20 = canopy_t_2 + canopy_t_6;
-        let canopy_r22 = one - canopy_t_20;
-        let canopy_r23 = canopy_t_12 - canopy_t_14;
-        let canopy_r31 = canopy_t_10 - canopy_t_16;
-        let canopy_r32 = canopy_t_12 + canopy_t_14;
-        let canopy_t_21 = canopy_t_2 + canopy_t_4;
-        let canopy_r33 = one - canopy_t_21;
-        let capsule_t = capsule_qx * capsule_qx;
-        let capsule_t_2 = two * capsule_t;
+        let canopy_t_4 = canopy_qz * canopy_qz;
+        let canopy_t_5 = canopy_qx + canopy_qx;
+        let canopy_t_6 = canopy_qy + canopy_qy;
+        let canopy_t_7 = canopy_qz + canopy_qz;
+        let canopy_t_8 = canopy_qy * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_5;
+        let canopy_t_10 = canopy_qz * canopy_t_6;
+        let canopy_t_11 = canopy_qw * canopy_t_5;
+        let canopy_t_12 = canopy_qw * canopy_t_6;
+        let canopy_t_13 = canopy_qw * canopy_t_7;
+        let canopy_t_14 = canopy_t - canopy_t_2;
+        let canopy_t_15 = canopy_t_3 - canopy_t_4;
+        let canopy_t_16 = canopy_t + canopy_t_2;
+        let canopy_t_17 = canopy_t_3 + canopy_t_4;
+        let canopy_r11 = canopy_t_16 - canopy_t_17;
+        let canopy_r12 = canopy_t_8 - canopy_t_13;
+        let canopy_r13 = canopy_t_9 + canopy_t_12;
+        let canopy_r21 = canopy_t_8 + canopy_t_13;
+        let canopy_r22 = canopy_t_14 + canopy_t_15;
+        let canopy_r23 = canopy_t_10 - canopy_t_11;
+        let canopy_r31 = canopy_t_9 - canopy_t_12;
+        let canopy_r32 = canopy_t_10 + canopy_t_11;
+        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let capsule_t = capsule_qw * capsule_qw;
+        let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
-        let capsule_t_4 = two * capsule_t_3;
-        let capsule_t_5 = capsule_qz * capsule_qz;
-        let capsule_t_6 = two * capsule_t_5;
-        let capsule_t_7 = capsule_qx * capsule_qy;
-        let capsule_t_8 = two * capsule_t_7;
-        let capsule_t_9 = capsule_qx * capsule_qz;
-        let capsule_t_10 = two * capsule_t_9;
-        let capsule_t_11 = capsule_qy * capsule_qz;
-        let capsule_t_12 = two * capsule_t_11;
-        let capsule_t_13 = capsule_qw * capsule_qx;
-        let capsule_t_14 = two * capsule_t_13;
-        let capsule_t_15 = capsule_qw * capsule_qy;
-        let capsule_t_16 = two * capsule_t_15;
-        let capsule_t_17 = capsule_qw * capsule_qz;
-        let capsule_t_18 = two * capsule_t_17;
-        let capsule_t_19 = capsule_t_4 + capsule_t_6;
-        let capsule_r11 = one - capsule_t_19;
-        let capsule_r12 = capsule_t_8 - capsule_t_18;
-        let capsule_r13 = capsule_t_10 + capsule_t_16;
-        let capsule_r21 = capsule_t_8 + capsule_t_18;
-        let capsule_t_20 = capsule_t_2 + capsule_t_6;
-        let capsule_r22 = one - capsule_t_20;
-        let capsule_r23 = capsule_t_12 - capsule_t_14;
-        let capsule_r31 = capsule_t_10 - capsule_t_16;
-        let capsule_r32 = capsule_t_12 + capsule_t_14;
-        let capsule_t_21 = capsule_t_2 + capsule_t_4;
-        let capsule_r33 = one - capsule_t_21;
+        let capsule_t_4 = capsule_qz * capsule_qz;
+        let capsule_t_5 = capsule_qx + capsule_qx;
+        let capsule_t_6 = capsule_qy + capsule_qy;
+        let capsule_t_7 = capsule_qz + capsule_qz;
+        let capsule_t_8 = capsule_qy * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_5;
+        let capsule_t_10 = capsule_qz * capsule_t_6;
+        let capsule_t_11 = capsule_qw * capsule_t_5;
+        let capsule_t_12 = capsule_qw * capsule_t_6;
+        let capsule_t_13 = capsule_qw * capsule_t_7;
+        let capsule_t_14 = capsule_t - capsule_t_2;
+        let capsule_t_15 = capsule_t_3 - capsule_t_4;
+        let capsule_t_16 = capsule_t + capsule_t_2;
+        let capsule_t_17 = capsule_t_3 + capsule_t_4;
+        let capsule_r11 = capsule_t_16 - capsule_t_17;
+        let capsule_r12 = capsule_t_8 - capsule_t_13;
+        let capsule_r13 = capsule_t_9 + capsule_t_12;
+        let capsule_r21 = capsule_t_8 + capsule_t_13;
+        let capsule_r22 = capsule_t_14 + capsule_t_15;
+        let capsule_r23 = capsule_t_10 - capsule_t_11;
+        let capsule_r31 = capsule_t_9 - capsule_t_12;
+        let capsule_r32 = capsule_t_10 + capsule_t_11;
+        let capsule_r33 = capsule_t_14 - capsule_t_15;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -1513,7 +1486,7 @@ const _: () = {
     }
     /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, then the declared events.
     /// 4 lines × 2 [m, N], 1 events.
-    /// 306 operations (139 additions, 148 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
+    /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
     #[inline(never)]
     fn guards<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -1533,10 +1506,9 @@ const _: () = {
         let [confluence_wx, confluence_wy, confluence_wz] = *nodes;
         let [riser_hold, _, _, _] = *hold;
         let [riser_k, _, _] = *params;
-        let two = T::from_f64(2.0);
-        let one = T::from_f64(1.0);
         let c_m9_5 = T::from_f64(-9.5);
         let tiny = T::from_f64(1e-18);
+        let one = T::from_f64(1.0);
         let c_10 = T::from_f64(10.0);
         let c_600 = T::from_f64(600.0);
         let zero = T::from_f64(0.0);
@@ -1549,66 +1521,58 @@ const _: () = {
         let c_2 = T::from_f64(0.47631397208144133);
         let c_3 = T::from_f64(-0.27500000000000024);
         let c_4 = T::from_f64(-0.47631397208144116);
-        let canopy_t = canopy_qx * canopy_qx;
-        let canopy_t_2 = two * canopy_t;
+        let canopy_t = canopy_qw * canopy_qw;
+        let canopy_t_2 = canopy_qx * canopy_qx;
         let canopy_t_3 = canopy_qy * canopy_qy;
-        let canopy_t_4 = two * canopy_t_3;
-        let canopy_t_5 = canopy_qz * canopy_qz;
-        let canopy_t_6 = two * canopy_t_5;
-        let canopy_t_7 = canopy_qx * canopy_qy;
-        let canopy_t_8 = two * canopy_t_7;
-        let canopy_t_9 = canopy_qx * canopy_qz;
-        let canopy_t_10 = two * canopy_t_9;
-        let canopy_t_11 = canopy_qy * canopy_qz;
-        let canopy_t_12 = two * canopy_t_11;
-        let canopy_t_13 = canopy_qw * canopy_qx;
-        let canopy_t_14 = two * canopy_t_13;
-        let canopy_t_15 = canopy_qw * canopy_qy;
-        let canopy_t_16 = two * canopy_t_15;
-        let canopy_t_17 = canopy_qw * canopy_qz;
-        let canopy_t_18 = two * canopy_t_17;
-        let canopy_t_19 = canopy_t_4 + canopy_t_6;
-        let canopy_r11 = one - canopy_t_19;
-        let canopy_r12 = canopy_t_8 - canopy_t_18;
-        let canopy_r13 = canopy_t_10 + canopy_t_16;
-        let canopy_r21 = canopy_t_8 + canopy_t_18;
-        let canopy_t_20 = canopy_t_2 + canopy_t_6;
-        let canopy_r22 = one - canopy_t_20;
-        let canopy_r23 = canopy_t_12 - canopy_t_14;
-        let canopy_r31 = canopy_t_10 - canopy_t_16;
-        let canopy_r32 = canopy_t_12 + canopy_t_14;
-        let canopy_t_21 = canopy_t_2 + canopy_t_4;
-        let canopy_r33 = one - canopy_t_21;
-        let capsule_t = capsule_qx * capsule_qx;
-        let capsule_t_2 = two * capsule_t;
+        let canopy_t_4 = canopy_qz * canopy_qz;
+        let canopy_t_5 = canopy_qx + canopy_qx;
+        let canopy_t_6 = canopy_qy + canopy_qy;
+        let canopy_t_7 = canopy_qz + canopy_qz;
+        let canopy_t_8 = canopy_qy * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_5;
+        let canopy_t_10 = canopy_qz * canopy_t_6;
+        let canopy_t_11 = canopy_qw * canopy_t_5;
+        let canopy_t_12 = canopy_qw * canopy_t_6;
+        let canopy_t_13 = canopy_qw * canopy_t_7;
+        let canopy_t_14 = canopy_t - canopy_t_2;
+        let canopy_t_15 = canopy_t_3 - canopy_t_4;
+        let canopy_t_16 = canopy_t + canopy_t_2;
+        let canopy_t_17 = canopy_t_3 + canopy_t_4;
+        let canopy_r11 = canopy_t_16 - canopy_t_17;
+        let canopy_r12 = canopy_t_8 - canopy_t_13;
+        let canopy_r13 = canopy_t_9 + canopy_t_12;
+        let canopy_r21 = canopy_t_8 + canopy_t_13;
+        let canopy_r22 = canopy_t_14 + canopy_t_15;
+        let canopy_r23 = canopy_t_10 - canopy_t_11;
+        let canopy_r31 = canopy_t_9 - canopy_t_12;
+        let canopy_r32 = canopy_t_10 + canopy_t_11;
+        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let capsule_t = capsule_qw * capsule_qw;
+        let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
-        let capsule_t_4 = two * capsule_t_3;
-        let capsule_t_5 = capsule_qz * capsule_qz;
-        let capsule_t_6 = two * capsule_t_5;
-        let capsule_t_7 = capsule_qx * capsule_qy;
-        let capsule_t_8 = two * capsule_t_7;
-        let capsule_t_9 = capsule_qx * capsule_qz;
-        let capsule_t_10 = two * capsule_t_9;
-        let capsule_t_11 = capsule_qy * capsule_qz;
-        let capsule_t_12 = two * capsule_t_11;
-        let capsule_t_13 = capsule_qw * capsule_qx;
-        let capsule_t_14 = two * capsule_t_13;
-        let capsule_t_15 = capsule_qw * capsule_qy;
-        let capsule_t_16 = two * capsule_t_15;
-        let capsule_t_17 = capsule_qw * capsule_qz;
-        let capsule_t_18 = two * capsule_t_17;
-        let capsule_t_19 = capsule_t_4 + capsule_t_6;
-        let capsule_r11 = one - capsule_t_19;
-        let capsule_r12 = capsule_t_8 - capsule_t_18;
-        let capsule_r13 = capsule_t_10 + capsule_t_16;
-        let capsule_r21 = capsule_t_8 + capsule_t_18;
-        let capsule_t_20 = capsule_t_2 + capsule_t_6;
-        let capsule_r22 = one - capsule_t_20;
-        let capsule_r23 = capsule_t_12 - capsule_t_14;
-        let capsule_r31 = capsule_t_10 - capsule_t_16;
-        let capsule_r32 = capsule_t_12 + capsule_t_14;
-        let capsule_t_21 = capsule_t_2 + capsule_t_4;
-        let capsule_r33 = one - capsule_t_21;
+        let capsule_t_4 = capsule_qz * capsule_qz;
+        let capsule_t_5 = capsule_qx + capsule_qx;
+        let capsule_t_6 = capsule_qy + capsule_qy;
+        let capsule_t_7 = capsule_qz + capsule_qz;
+        let capsule_t_8 = capsule_qy * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_5;
+        let capsule_t_10 = capsule_qz * capsule_t_6;
+        let capsule_t_11 = capsule_qw * capsule_t_5;
+        let capsule_t_12 = capsule_qw * capsule_t_6;
+        let capsule_t_13 = capsule_qw * capsule_t_7;
+        let capsule_t_14 = capsule_t - capsule_t_2;
+        let capsule_t_15 = capsule_t_3 - capsule_t_4;
+        let capsule_t_16 = capsule_t + capsule_t_2;
+        let capsule_t_17 = capsule_t_3 + capsule_t_4;
+        let capsule_r11 = capsule_t_16 - capsule_t_17;
+        let capsule_r12 = capsule_t_8 - capsule_t_13;
+        let capsule_r13 = capsule_t_9 + capsule_t_12;
+        let capsule_r21 = capsule_t_8 + capsule_t_13;
+        let capsule_r22 = capsule_t_14 + capsule_t_15;
+        let capsule_r23 = capsule_t_10 - capsule_t_11;
+        let capsule_r31 = capsule_t_9 - capsule_t_12;
+        let capsule_r32 = capsule_t_10 + capsule_t_11;
+        let capsule_r33 = capsule_t_14 - capsule_t_15;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -1869,7 +1833,7 @@ const _: () = {
     }
     /// The declared outputs.
     /// 2 columns, each in its unit.
-    /// 104 operations (38 additions, 54 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
+    /// 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
     #[inline(never)]
     fn outputs<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -1888,59 +1852,53 @@ const _: () = {
         let [confluence_wx, confluence_wy, confluence_wz] = *nodes;
         let [riser_hold, _, _, _] = *hold;
         let [riser_k, _, _] = *params;
-        let two = T::from_f64(2.0);
-        let one = T::from_f64(1.0);
         let c_m9_5 = T::from_f64(-9.5);
         let tiny = T::from_f64(1e-18);
+        let one = T::from_f64(1.0);
         let c_10 = T::from_f64(10.0);
         let c_600 = T::from_f64(600.0);
         let zero = T::from_f64(0.0);
-        let canopy_t = canopy_qx * canopy_qx;
-        let canopy_t_2 = two * canopy_t;
+        let canopy_t = canopy_qw * canopy_qw;
+        let canopy_t_2 = canopy_qx * canopy_qx;
         let canopy_t_3 = canopy_qy * canopy_qy;
-        let canopy_t_4 = two * canopy_t_3;
-        let canopy_t_5 = canopy_qz * canopy_qz;
-        let canopy_t_6 = two * canopy_t_5;
-        let canopy_t_7 = canopy_qx * canopy_qy;
-        let canopy_t_8 = two * canopy_t_7;
-        let canopy_t_9 = canopy_qx * canopy_qz;
-        let canopy_t_10 = two * canopy_t_9;
-        let canopy_t_11 = canopy_qy * canopy_qz;
-        let canopy_t_12 = two * canopy_t_11;
-        let canopy_t_13 = canopy_qw * canopy_qx;
-        let canopy_t_14 = two * canopy_t_13;
-        let canopy_t_15 = canopy_qw * canopy_qy;
-        let canopy_t_16 = two * canopy_t_15;
-        let canopy_t_17 = canopy_qw * canopy_qz;
-        let canopy_t_18 = two * canopy_t_17;
-        let canopy_t_19 = canopy_t_4 + canopy_t_6;
-        let canopy_r11 = one - canopy_t_19;
-        let canopy_r12 = canopy_t_8 - canopy_t_18;
-        let canopy_r13 = canopy_t_10 + canopy_t_16;
-        let canopy_r21 = canopy_t_8 + canopy_t_18;
-        let canopy_t_20 = canopy_t_2 + canopy_t_6;
-        let canopy_r22 = one - canopy_t_20;
-        let canopy_r23 = canopy_t_12 - canopy_t_14;
-        let canopy_r31 = canopy_t_10 - canopy_t_16;
-        let canopy_r32 = canopy_t_12 + canopy_t_14;
-        let canopy_t_21 = canopy_t_2 + canopy_t_4;
-        let canopy_r33 = one - canopy_t_21;
-        let capsule_t = capsule_qx * capsule_qx;
-        let capsule_t_2 = two * capsule_t;
+        let canopy_t_4 = canopy_qz * canopy_qz;
+        let canopy_t_5 = canopy_qx + canopy_qx;
+        let canopy_t_6 = canopy_qy + canopy_qy;
+        let canopy_t_7 = canopy_qz + canopy_qz;
+        let canopy_t_8 = canopy_qy * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_5;
+        let canopy_t_10 = canopy_qz * canopy_t_6;
+        let canopy_t_11 = canopy_qw * canopy_t_5;
+        let canopy_t_12 = canopy_qw * canopy_t_6;
+        let canopy_t_13 = canopy_qw * canopy_t_7;
+        let canopy_t_14 = canopy_t - canopy_t_2;
+        let canopy_t_15 = canopy_t_3 - canopy_t_4;
+        let canopy_t_16 = canopy_t + canopy_t_2;
+        let canopy_t_17 = canopy_t_3 + canopy_t_4;
+        let canopy_r11 = canopy_t_16 - canopy_t_17;
+        let canopy_r12 = canopy_t_8 - canopy_t_13;
+        let canopy_r13 = canopy_t_9 + canopy_t_12;
+        let canopy_r21 = canopy_t_8 + canopy_t_13;
+        let canopy_r22 = canopy_t_14 + canopy_t_15;
+        let canopy_r23 = canopy_t_10 - canopy_t_11;
+        let canopy_r31 = canopy_t_9 - canopy_t_12;
+        let canopy_r32 = canopy_t_10 + canopy_t_11;
+        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let capsule_t = capsule_qw * capsule_qw;
+        let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
-        let capsule_t_4 = two * capsule_t_3;
-        let capsule_t_5 = capsule_qx * capsule_qz;
-        let capsule_t_6 = two * capsule_t_5;
-        let capsule_t_7 = capsule_qy * capsule_qz;
-        let capsule_t_8 = two * capsule_t_7;
-        let capsule_t_9 = capsule_qw * capsule_qx;
-        let capsule_t_10 = two * capsule_t_9;
-        let capsule_t_11 = capsule_qw * capsule_qy;
-        let capsule_t_12 = two * capsule_t_11;
-        let capsule_r13 = capsule_t_6 + capsule_t_12;
-        let capsule_r23 = capsule_t_8 - capsule_t_10;
-        let capsule_t_13 = capsule_t_2 + capsule_t_4;
-        let capsule_r33 = one - capsule_t_13;
+        let capsule_t_4 = capsule_qz * capsule_qz;
+        let capsule_t_5 = capsule_qx + capsule_qx;
+        let capsule_t_6 = capsule_qy + capsule_qy;
+        let capsule_t_7 = capsule_qz * capsule_t_5;
+        let capsule_t_8 = capsule_qz * capsule_t_6;
+        let capsule_t_9 = capsule_qw * capsule_t_5;
+        let capsule_t_10 = capsule_qw * capsule_t_6;
+        let capsule_t_11 = capsule_t - capsule_t_2;
+        let capsule_t_12 = capsule_t_3 - capsule_t_4;
+        let capsule_r13 = capsule_t_7 + capsule_t_10;
+        let capsule_r23 = capsule_t_8 - capsule_t_9;
+        let capsule_r33 = capsule_t_11 - capsule_t_12;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -2003,7 +1961,7 @@ const _: () = {
     }
     /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, power of the dampers.
     /// 5 [J, J, J, W, W].
-    /// 493 operations (203 additions, 241 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
+    /// 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
     #[inline(never)]
     fn energy<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2028,8 +1986,6 @@ const _: () = {
         thruster_couple_x, thruster_couple_y, thruster_couple_z] = *inputs;
         let [riser_k, m_cap, _] = *params;
         let [_, derived_1, derived_2] = *derived;
-        let two = T::from_f64(2.0);
-        let one = T::from_f64(1.0);
         let c_60 = T::from_f64(60.0);
         let c_90 = T::from_f64(90.0);
         let c_16 = T::from_f64(16.0);
@@ -2041,9 +1997,11 @@ const _: () = {
         let c_300 = T::from_f64(300.0);
         let c_m1_5 = T::from_f64(-1.5);
         let c_310 = T::from_f64(310.0);
+        let two = T::from_f64(2.0);
         let c_420 = T::from_f64(420.0);
         let c_m9_5 = T::from_f64(-9.5);
         let tiny = T::from_f64(1e-18);
+        let one = T::from_f64(1.0);
         let c_10 = T::from_f64(10.0);
         let c_600 = T::from_f64(600.0);
         let zero = T::from_f64(0.0);
@@ -2057,153 +2015,145 @@ const _: () = {
         let c_7 = T::from_f64(-0.27500000000000024);
         let c_8 = T::from_f64(-0.47631397208144116);
         let c_1_57 = T::from_f64(1.57);
-        let canopy_t = canopy_qx * canopy_qx;
-        let canopy_t_2 = two * canopy_t;
+        let canopy_t = canopy_qw * canopy_qw;
+        let canopy_t_2 = canopy_qx * canopy_qx;
         let canopy_t_3 = canopy_qy * canopy_qy;
-        let canopy_t_4 = two * canopy_t_3;
-        let canopy_t_5 = canopy_qz * canopy_qz;
-        let canopy_t_6 = two * canopy_t_5;
-        let canopy_t_7 = canopy_qx * canopy_qy;
-        let canopy_t_8 = two * canopy_t_7;
-        let canopy_t_9 = canopy_qx * canopy_qz;
-        let canopy_t_10 = two * canopy_t_9;
-        let canopy_t_11 = canopy_qy * canopy_qz;
-        let canopy_t_12 = two * canopy_t_11;
-        let canopy_t_13 = canopy_qw * canopy_qx;
-        let canopy_t_14 = two * canopy_t_13;
-        let canopy_t_15 = canopy_qw * canopy_qy;
-        let canopy_t_16 = two * canopy_t_15;
-        let canopy_t_17 = canopy_qw * canopy_qz;
-        let canopy_t_18 = two * canopy_t_17;
-        let canopy_t_19 = canopy_t_4 + canopy_t_6;
-        let canopy_r11 = one - canopy_t_19;
-        let canopy_r12 = canopy_t_8 - canopy_t_18;
-        let canopy_r13 = canopy_t_10 + canopy_t_16;
-        let canopy_r21 = canopy_t_8 + canopy_t_18;
-        let canopy_t_20 = canopy_t_2 + canopy_t_6;
-        let canopy_r22 = one - canopy_t_20;
-        let canopy_r23 = canopy_t_12 - canopy_t_14;
-        let canopy_r31 = canopy_t_10 - canopy_t_16;
-        let canopy_r32 = canopy_t_12 + canopy_t_14;
-        let canopy_t_21 = canopy_t_2 + canopy_t_4;
-        let canopy_r33 = one - canopy_t_21;
-        let capsule_t = capsule_qx * capsule_qx;
-        let capsule_t_2 = two * capsule_t;
+        let canopy_t_4 = canopy_qz * canopy_qz;
+        let canopy_t_5 = canopy_qx + canopy_qx;
+        let canopy_t_6 = canopy_qy + canopy_qy;
+        let canopy_t_7 = canopy_qz + canopy_qz;
+        let canopy_t_8 = canopy_qy * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_5;
+        let canopy_t_10 = canopy_qz * canopy_t_6;
+        let canopy_t_11 = canopy_qw * canopy_t_5;
+        let canopy_t_12 = canopy_qw * canopy_t_6;
+        let canopy_t_13 = canopy_qw * canopy_t_7;
+        let canopy_t_14 = canopy_t - canopy_t_2;
+        let canopy_t_15 = canopy_t_3 - canopy_t_4;
+        let canopy_t_16 = canopy_t + canopy_t_2;
+        let canopy_t_17 = canopy_t_3 + canopy_t_4;
+        let canopy_r11 = canopy_t_16 - canopy_t_17;
+        let canopy_r12 = canopy_t_8 - canopy_t_13;
+        let canopy_r13 = canopy_t_9 + canopy_t_12;
+        let canopy_r21 = canopy_t_8 + canopy_t_13;
+        let canopy_r22 = canopy_t_14 + canopy_t_15;
+        let canopy_r23 = canopy_t_10 - canopy_t_11;
+        let canopy_r31 = canopy_t_9 - canopy_t_12;
+        let canopy_r32 = canopy_t_10 + canopy_t_11;
+        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let capsule_t = capsule_qw * capsule_qw;
+        let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
-        let capsule_t_4 = two * capsule_t_3;
-        let capsule_t_5 = capsule_qz * capsule_qz;
-        let capsule_t_6 = two * capsule_t_5;
-        let capsule_t_7 = capsule_qx * capsule_qy;
-        let capsule_t_8 = two * capsule_t_7;
-        let capsule_t_9 = capsule_qx * capsule_qz;
-        let capsule_t_10 = two * capsule_t_9;
-        let capsule_t_11 = capsule_qy * capsule_qz;
-        let capsule_t_12 = two * capsule_t_11;
-        let capsule_t_13 = capsule_qw * capsule_qx;
-        let capsule_t_14 = two * capsule_t_13;
-        let capsule_t_15 = capsule_qw * capsule_qy;
-        let capsule_t_16 = two * capsule_t_15;
-        let capsule_t_17 = capsule_qw * capsule_qz;
-        let capsule_t_18 = two * capsule_t_17;
-        let capsule_t_19 = capsule_t_4 + capsule_t_6;
-        let capsule_r11 = one - capsule_t_19;
-        let capsule_r12 = capsule_t_8 - capsule_t_18;
-        let capsule_r13 = capsule_t_10 + capsule_t_16;
-        let capsule_r21 = capsule_t_8 + capsule_t_18;
-        let capsule_t_20 = capsule_t_2 + capsule_t_6;
-        let capsule_r22 = one - capsule_t_20;
-        let capsule_r23 = capsule_t_12 - capsule_t_14;
-        let capsule_r31 = capsule_t_10 - capsule_t_16;
-        let capsule_r32 = capsule_t_12 + capsule_t_14;
-        let capsule_t_21 = capsule_t_2 + capsule_t_4;
-        let capsule_r33 = one - capsule_t_21;
-        let capsule_t_22 = capsule_wx * capsule_r11;
-        let capsule_t_23 = capsule_wx * capsule_r21;
-        let capsule_t_24 = capsule_wx * capsule_r31;
-        let capsule_t_25 = capsule_wy * capsule_r12;
-        let capsule_t_26 = capsule_t_22 + capsule_t_25;
-        let capsule_t_27 = capsule_wy * capsule_r22;
-        let capsule_t_28 = capsule_t_23 + capsule_t_27;
-        let capsule_t_29 = capsule_wy * capsule_r32;
-        let capsule_t_30 = capsule_t_24 + capsule_t_29;
-        let capsule_t_31 = capsule_wz * capsule_r13;
-        let capsule_w_x = capsule_t_26 + capsule_t_31;
-        let capsule_t_32 = capsule_wz * capsule_r23;
-        let capsule_w_y = capsule_t_28 + capsule_t_32;
-        let capsule_t_33 = capsule_wz * capsule_r33;
-        let capsule_w_z = capsule_t_30 + capsule_t_33;
-        let capsule_t_34 = c_60 * canopy_wx;
-        let capsule_t_35 = c_60 * canopy_wy;
-        let capsule_t_36 = c_90 * canopy_wz;
-        let capsule_t_37 = canopy_wx * capsule_t_34;
-        let capsule_t_38 = canopy_wy * capsule_t_35;
-        let capsule_t_39 = canopy_wz * capsule_t_36;
-        let capsule_t_40 = capsule_t_37 + capsule_t_38;
-        let capsule_t_41 = capsule_t_39 + capsule_t_40;
-        let capsule_t_42 = canopy_vx * canopy_vx;
-        let capsule_t_43 = canopy_vy * canopy_vy;
-        let capsule_t_44 = canopy_vz * canopy_vz;
-        let capsule_t_45 = capsule_t_42 + capsule_t_43;
-        let capsule_t_46 = capsule_t_44 + capsule_t_45;
-        let capsule_t_47 = c_16 * capsule_t_46;
-        let capsule_t_48 = capsule_t_41 + capsule_t_47;
-        let capsule_t_49 = half * capsule_t_48;
+        let capsule_t_4 = capsule_qz * capsule_qz;
+        let capsule_t_5 = capsule_qx + capsule_qx;
+        let capsule_t_6 = capsule_qy + capsule_qy;
+        let capsule_t_7 = capsule_qz + capsule_qz;
+        let capsule_t_8 = capsule_qy * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_5;
+        let capsule_t_10 = capsule_qz * capsule_t_6;
+        let capsule_t_11 = capsule_qw * capsule_t_5;
+        let capsule_t_12 = capsule_qw * capsule_t_6;
+        let capsule_t_13 = capsule_qw * capsule_t_7;
+        let capsule_t_14 = capsule_t - capsule_t_2;
+        let capsule_t_15 = capsule_t_3 - capsule_t_4;
+        let capsule_t_16 = capsule_t + capsule_t_2;
+        let capsule_t_17 = capsule_t_3 + capsule_t_4;
+        let capsule_r11 = capsule_t_16 - capsule_t_17;
+        let capsule_r12 = capsule_t_8 - capsule_t_13;
+        let capsule_r13 = capsule_t_9 + capsule_t_12;
+        let capsule_r21 = capsule_t_8 + capsule_t_13;
+        let capsule_r22 = capsule_t_14 + capsule_t_15;
+        let capsule_r23 = capsule_t_10 - capsule_t_11;
+        let capsule_r31 = capsule_t_9 - capsule_t_12;
+        let capsule_r32 = capsule_t_10 + capsule_t_11;
+        let capsule_r33 = capsule_t_14 - capsule_t_15;
+        let capsule_t_18 = capsule_wx * capsule_r11;
+        let capsule_t_19 = capsule_wx * capsule_r21;
+        let capsule_t_20 = capsule_wx * capsule_r31;
+        let capsule_t_21 = capsule_wy * capsule_r12;
+        let capsule_t_22 = capsule_t_18 + capsule_t_21;
+        let capsule_t_23 = capsule_wy * capsule_r22;
+        let capsule_t_24 = capsule_t_19 + capsule_t_23;
+        let capsule_t_25 = capsule_wy * capsule_r32;
+        let capsule_t_26 = capsule_t_20 + capsule_t_25;
+        let capsule_t_27 = capsule_wz * capsule_r13;
+        let capsule_w_x = capsule_t_22 + capsule_t_27;
+        let capsule_t_28 = capsule_wz * capsule_r23;
+        let capsule_w_y = capsule_t_24 + capsule_t_28;
+        let capsule_t_29 = capsule_wz * capsule_r33;
+        let capsule_w_z = capsule_t_26 + capsule_t_29;
+        let capsule_t_30 = c_60 * canopy_wx;
+        let capsule_t_31 = c_60 * canopy_wy;
+        let capsule_t_32 = c_90 * canopy_wz;
+        let capsule_t_33 = canopy_wx * capsule_t_30;
+        let capsule_t_34 = canopy_wy * capsule_t_31;
+        let capsule_t_35 = canopy_wz * capsule_t_32;
+        let capsule_t_36 = capsule_t_33 + capsule_t_34;
+        let capsule_t_37 = capsule_t_35 + capsule_t_36;
+        let capsule_t_38 = canopy_vx * canopy_vx;
+        let capsule_t_39 = canopy_vy * canopy_vy;
+        let capsule_t_40 = canopy_vz * canopy_vz;
+        let capsule_t_41 = capsule_t_38 + capsule_t_39;
+        let capsule_t_42 = capsule_t_40 + capsule_t_41;
+        let capsule_t_43 = c_16 * capsule_t_42;
+        let capsule_t_44 = capsule_t_37 + capsule_t_43;
+        let capsule_t_45 = half * capsule_t_44;
         let capsule_d_z = canopy_z - c;
-        let capsule_t_50 = canopy_x * canopy_x;
-        let capsule_t_51 = canopy_y * canopy_y;
-        let capsule_t_52 = capsule_d_z * capsule_d_z;
-        let capsule_t_53 = capsule_t_50 + capsule_t_51;
-        let capsule_d_squared = capsule_t_52 + capsule_t_53;
+        let capsule_t_46 = canopy_x * canopy_x;
+        let capsule_t_47 = canopy_y * canopy_y;
+        let capsule_t_48 = capsule_d_z * capsule_d_z;
+        let capsule_t_49 = capsule_t_46 + capsule_t_47;
+        let capsule_d_squared = capsule_t_48 + capsule_t_49;
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_t_54 = canopy_z - c_2;
-        let capsule_t_55 = canopy_z * capsule_t_54;
-        let capsule_t_56 = capsule_t_53 + capsule_t_55;
-        let capsule_t_57 = capsule_distance * c_3;
-        let capsule_t_58 = capsule_distance + c_3;
-        let capsule_t_59 = capsule_t_57 * capsule_t_58;
-        let capsule_t_60 = capsule_t_56 / capsule_t_59;
-        let capsule_t_61 = c_4 * capsule_t_60;
-        let capsule_t_62 = c_300 * capsule_wx;
-        let capsule_t_63 = c_m1_5 * capsule_wx;
-        let capsule_t_64 = c_m1_5 * capsule_wy;
-        let capsule_t_65 = capsule_t_62 + capsule_t_64;
-        let capsule_t_66 = c_310 * capsule_wy;
-        let capsule_t_67 = capsule_t_63 + capsule_t_66;
-        let capsule_t_68 = two * capsule_wy;
-        let capsule_t_69 = two * capsule_wz;
-        let capsule_t_70 = capsule_t_67 + capsule_t_69;
-        let capsule_t_71 = c_420 * capsule_wz;
-        let capsule_t_72 = capsule_t_68 + capsule_t_71;
-        let capsule_t_73 = capsule_wx * capsule_t_65;
-        let capsule_t_74 = capsule_wy * capsule_t_70;
-        let capsule_t_75 = capsule_wz * capsule_t_72;
-        let capsule_t_76 = capsule_t_73 + capsule_t_74;
-        let capsule_t_77 = capsule_t_75 + capsule_t_76;
-        let capsule_t_78 = capsule_vx * capsule_vx;
-        let capsule_t_79 = capsule_vy * capsule_vy;
-        let capsule_t_80 = capsule_vz * capsule_vz;
-        let capsule_t_81 = capsule_t_78 + capsule_t_79;
-        let capsule_t_82 = capsule_t_80 + capsule_t_81;
-        let capsule_t_83 = m_cap * capsule_t_82;
-        let capsule_t_84 = capsule_t_77 + capsule_t_83;
-        let capsule_t_85 = half * capsule_t_84;
-        let capsule_t_86 = capsule_t_49 + capsule_t_85;
+        let capsule_t_50 = canopy_z - c_2;
+        let capsule_t_51 = canopy_z * capsule_t_50;
+        let capsule_t_52 = capsule_t_49 + capsule_t_51;
+        let capsule_t_53 = capsule_distance * c_3;
+        let capsule_t_54 = capsule_distance + c_3;
+        let capsule_t_55 = capsule_t_53 * capsule_t_54;
+        let capsule_t_56 = capsule_t_52 / capsule_t_55;
+        let capsule_t_57 = c_4 * capsule_t_56;
+        let capsule_t_58 = c_300 * capsule_wx;
+        let capsule_t_59 = c_m1_5 * capsule_wx;
+        let capsule_t_60 = c_m1_5 * capsule_wy;
+        let capsule_t_61 = capsule_t_58 + capsule_t_60;
+        let capsule_t_62 = c_310 * capsule_wy;
+        let capsule_t_63 = capsule_t_59 + capsule_t_62;
+        let capsule_t_64 = two * capsule_wy;
+        let capsule_t_65 = two * capsule_wz;
+        let capsule_t_66 = capsule_t_63 + capsule_t_65;
+        let capsule_t_67 = c_420 * capsule_wz;
+        let capsule_t_68 = capsule_t_64 + capsule_t_67;
+        let capsule_t_69 = capsule_wx * capsule_t_61;
+        let capsule_t_70 = capsule_wy * capsule_t_66;
+        let capsule_t_71 = capsule_wz * capsule_t_68;
+        let capsule_t_72 = capsule_t_69 + capsule_t_70;
+        let capsule_t_73 = capsule_t_71 + capsule_t_72;
+        let capsule_t_74 = capsule_vx * capsule_vx;
+        let capsule_t_75 = capsule_vy * capsule_vy;
+        let capsule_t_76 = capsule_vz * capsule_vz;
+        let capsule_t_77 = capsule_t_74 + capsule_t_75;
+        let capsule_t_78 = capsule_t_76 + capsule_t_77;
+        let capsule_t_79 = m_cap * capsule_t_78;
+        let capsule_t_80 = capsule_t_73 + capsule_t_79;
+        let capsule_t_81 = half * capsule_t_80;
+        let capsule_t_82 = capsule_t_45 + capsule_t_81;
         let capsule_d_z_2 = capsule_z - c;
-        let capsule_t_87 = capsule_x * capsule_x;
-        let capsule_t_88 = capsule_y * capsule_y;
-        let capsule_t_89 = capsule_d_z_2 * capsule_d_z_2;
-        let capsule_t_90 = capsule_t_87 + capsule_t_88;
-        let capsule_d_squared_2 = capsule_t_89 + capsule_t_90;
+        let capsule_t_83 = capsule_x * capsule_x;
+        let capsule_t_84 = capsule_y * capsule_y;
+        let capsule_t_85 = capsule_d_z_2 * capsule_d_z_2;
+        let capsule_t_86 = capsule_t_83 + capsule_t_84;
+        let capsule_d_squared_2 = capsule_t_85 + capsule_t_86;
         let capsule_distance_2 = capsule_d_squared_2.sqrt();
-        let capsule_t_91 = capsule_z - c_2;
-        let capsule_t_92 = capsule_z * capsule_t_91;
-        let capsule_t_93 = capsule_t_90 + capsule_t_92;
-        let capsule_t_94 = capsule_distance_2 * c_3;
-        let capsule_t_95 = capsule_distance_2 + c_3;
-        let capsule_t_96 = capsule_t_94 * capsule_t_95;
-        let capsule_t_97 = capsule_t_93 / capsule_t_96;
-        let capsule_t_98 = derived_2 * capsule_t_97;
-        let capsule_t_99 = capsule_t_61 + capsule_t_98;
+        let capsule_t_87 = capsule_z - c_2;
+        let capsule_t_88 = capsule_z * capsule_t_87;
+        let capsule_t_89 = capsule_t_86 + capsule_t_88;
+        let capsule_t_90 = capsule_distance_2 * c_3;
+        let capsule_t_91 = capsule_distance_2 + c_3;
+        let capsule_t_92 = capsule_t_90 * capsule_t_91;
+        let capsule_t_93 = capsule_t_89 / capsule_t_92;
+        let capsule_t_94 = derived_2 * capsule_t_93;
+        let capsule_t_95 = capsule_t_57 + capsule_t_94;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -2550,7 +2500,7 @@ const _: () = {
         let thruster_t_10 = thruster_t_7 + thruster_t_8;
         let thruster_t_11 = thruster_t_9 + thruster_t_10;
         let thruster_t_12 = thruster_t_6 + thruster_t_11;
-        *out = [capsule_t_86, capsule_t_99, leg_2_t_57, thruster_t_12, leg_2_t_62];
+        *out = [capsule_t_82, capsule_t_95, leg_2_t_57, thruster_t_12, leg_2_t_62];
     }
     /// Mass matrix `M` in `M v̇ + h = f`.
     /// 12×12 [kg, kg m²], row by row, structural non-zeros only.
@@ -2690,7 +2640,7 @@ const _: () = {
     }
     /// Applied forces `f` in `M v̇ + h = f`: lines and loads.
     /// 12 [N, N m], about the centres of mass.
-    /// 468 operations (201 additions, 226 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections).
+    /// 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections).
     #[inline(never)]
     fn forces<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2715,10 +2665,9 @@ const _: () = {
         thruster_couple_x, thruster_couple_y, thruster_couple_z] = *inputs;
         let [riser_k, _, _] = *params;
         let [_, derived_1, _] = *derived;
-        let two = T::from_f64(2.0);
-        let one = T::from_f64(1.0);
         let c_m9_5 = T::from_f64(-9.5);
         let tiny = T::from_f64(1e-18);
+        let one = T::from_f64(1.0);
         let c_10 = T::from_f64(10.0);
         let c_600 = T::from_f64(600.0);
         let zero = T::from_f64(0.0);
@@ -2732,66 +2681,58 @@ const _: () = {
         let c_3 = T::from_f64(-0.27500000000000024);
         let c_4 = T::from_f64(-0.47631397208144116);
         let c_1_57 = T::from_f64(1.57);
-        let canopy_t = canopy_qx * canopy_qx;
-        let canopy_t_2 = two * canopy_t;
+        let canopy_t = canopy_qw * canopy_qw;
+        let canopy_t_2 = canopy_qx * canopy_qx;
         let canopy_t_3 = canopy_qy * canopy_qy;
-        let canopy_t_4 = two * canopy_t_3;
-        let canopy_t_5 = canopy_qz * canopy_qz;
-        let canopy_t_6 = two * canopy_t_5;
-        let canopy_t_7 = canopy_qx * canopy_qy;
-        let canopy_t_8 = two * canopy_t_7;
-        let canopy_t_9 = canopy_qx * canopy_qz;
-        let canopy_t_10 = two * canopy_t_9;
-        let canopy_t_11 = canopy_qy * canopy_qz;
-        let canopy_t_12 = two * canopy_t_11;
-        let canopy_t_13 = canopy_qw * canopy_qx;
-        let canopy_t_14 = two * canopy_t_13;
-        let canopy_t_15 = canopy_qw * canopy_qy;
-        let canopy_t_16 = two * canopy_t_15;
-        let canopy_t_17 = canopy_qw * canopy_qz;
-        let canopy_t_18 = two * canopy_t_17;
-        let canopy_t_19 = canopy_t_4 + canopy_t_6;
-        let canopy_r11 = one - canopy_t_19;
-        let canopy_r12 = canopy_t_8 - canopy_t_18;
-        let canopy_r13 = canopy_t_10 + canopy_t_16;
-        let canopy_r21 = canopy_t_8 + canopy_t_18;
-        let canopy_t_20 = canopy_t_2 + canopy_t_6;
-        let canopy_r22 = one - canopy_t_20;
-        let canopy_r23 = canopy_t_12 - canopy_t_14;
-        let canopy_r31 = canopy_t_10 - canopy_t_16;
-        let canopy_r32 = canopy_t_12 + canopy_t_14;
-        let canopy_t_21 = canopy_t_2 + canopy_t_4;
-        let canopy_r33 = one - canopy_t_21;
-        let capsule_t = capsule_qx * capsule_qx;
-        let capsule_t_2 = two * capsule_t;
+        let canopy_t_4 = canopy_qz * canopy_qz;
+        let canopy_t_5 = canopy_qx + canopy_qx;
+        let canopy_t_6 = canopy_qy + canopy_qy;
+        let canopy_t_7 = canopy_qz + canopy_qz;
+        let canopy_t_8 = canopy_qy * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_5;
+        let canopy_t_10 = canopy_qz * canopy_t_6;
+        let canopy_t_11 = canopy_qw * canopy_t_5;
+        let canopy_t_12 = canopy_qw * canopy_t_6;
+        let canopy_t_13 = canopy_qw * canopy_t_7;
+        let canopy_t_14 = canopy_t - canopy_t_2;
+        let canopy_t_15 = canopy_t_3 - canopy_t_4;
+        let canopy_t_16 = canopy_t + canopy_t_2;
+        let canopy_t_17 = canopy_t_3 + canopy_t_4;
+        let canopy_r11 = canopy_t_16 - canopy_t_17;
+        let canopy_r12 = canopy_t_8 - canopy_t_13;
+        let canopy_r13 = canopy_t_9 + canopy_t_12;
+        let canopy_r21 = canopy_t_8 + canopy_t_13;
+        let canopy_r22 = canopy_t_14 + canopy_t_15;
+        let canopy_r23 = canopy_t_10 - canopy_t_11;
+        let canopy_r31 = canopy_t_9 - canopy_t_12;
+        let canopy_r32 = canopy_t_10 + canopy_t_11;
+        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let capsule_t = capsule_qw * capsule_qw;
+        let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
-        let capsule_t_4 = two * capsule_t_3;
-        let capsule_t_5 = capsule_qz * capsule_qz;
-        let capsule_t_6 = two * capsule_t_5;
-        let capsule_t_7 = capsule_qx * capsule_qy;
-        let capsule_t_8 = two * capsule_t_7;
-        let capsule_t_9 = capsule_qx * capsule_qz;
-        let capsule_t_10 = two * capsule_t_9;
-        let capsule_t_11 = capsule_qy * capsule_qz;
-        let capsule_t_12 = two * capsule_t_11;
-        let capsule_t_13 = capsule_qw * capsule_qx;
-        let capsule_t_14 = two * capsule_t_13;
-        let capsule_t_15 = capsule_qw * capsule_qy;
-        let capsule_t_16 = two * capsule_t_15;
-        let capsule_t_17 = capsule_qw * capsule_qz;
-        let capsule_t_18 = two * capsule_t_17;
-        let capsule_t_19 = capsule_t_4 + capsule_t_6;
-        let capsule_r11 = one - capsule_t_19;
-        let capsule_r12 = capsule_t_8 - capsule_t_18;
-        let capsule_r13 = capsule_t_10 + capsule_t_16;
-        let capsule_r21 = capsule_t_8 + capsule_t_18;
-        let capsule_t_20 = capsule_t_2 + capsule_t_6;
-        let capsule_r22 = one - capsule_t_20;
-        let capsule_r23 = capsule_t_12 - capsule_t_14;
-        let capsule_r31 = capsule_t_10 - capsule_t_16;
-        let capsule_r32 = capsule_t_12 + capsule_t_14;
-        let capsule_t_21 = capsule_t_2 + capsule_t_4;
-        let capsule_r33 = one - capsule_t_21;
+        let capsule_t_4 = capsule_qz * capsule_qz;
+        let capsule_t_5 = capsule_qx + capsule_qx;
+        let capsule_t_6 = capsule_qy + capsule_qy;
+        let capsule_t_7 = capsule_qz + capsule_qz;
+        let capsule_t_8 = capsule_qy * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_5;
+        let capsule_t_10 = capsule_qz * capsule_t_6;
+        let capsule_t_11 = capsule_qw * capsule_t_5;
+        let capsule_t_12 = capsule_qw * capsule_t_6;
+        let capsule_t_13 = capsule_qw * capsule_t_7;
+        let capsule_t_14 = capsule_t - capsule_t_2;
+        let capsule_t_15 = capsule_t_3 - capsule_t_4;
+        let capsule_t_16 = capsule_t + capsule_t_2;
+        let capsule_t_17 = capsule_t_3 + capsule_t_4;
+        let capsule_r11 = capsule_t_16 - capsule_t_17;
+        let capsule_r12 = capsule_t_8 - capsule_t_13;
+        let capsule_r13 = capsule_t_9 + capsule_t_12;
+        let capsule_r21 = capsule_t_8 + capsule_t_13;
+        let capsule_r22 = capsule_t_14 + capsule_t_15;
+        let capsule_r23 = capsule_t_10 - capsule_t_11;
+        let capsule_r31 = capsule_t_9 - capsule_t_12;
+        let capsule_r32 = capsule_t_10 + capsule_t_11;
+        let capsule_r33 = capsule_t_14 - capsule_t_15;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -3457,8 +3398,8 @@ const _: () = {
                 (
                     "ends",
                     ::mbd_runtime::Cost {
-                        adds: 91,
-                        muls: 104,
+                        adds: 99,
+                        muls: 88,
                         divs: 0,
                         sqrts: 0,
                         trigs: 0,
@@ -3468,8 +3409,8 @@ const _: () = {
                 (
                     "derivative",
                     ::mbd_runtime::Cost {
-                        adds: 253,
-                        muls: 310,
+                        adds: 261,
+                        muls: 294,
                         divs: 6,
                         sqrts: 7,
                         trigs: 0,
@@ -3479,8 +3420,8 @@ const _: () = {
                 (
                     "balance",
                     ::mbd_runtime::Cost {
-                        adds: 151,
-                        muls: 160,
+                        adds: 159,
+                        muls: 144,
                         divs: 4,
                         sqrts: 4,
                         trigs: 0,
@@ -3490,8 +3431,8 @@ const _: () = {
                 (
                     "guards",
                     ::mbd_runtime::Cost {
-                        adds: 139,
-                        muls: 148,
+                        adds: 147,
+                        muls: 132,
                         divs: 4,
                         sqrts: 4,
                         trigs: 0,
@@ -3501,8 +3442,8 @@ const _: () = {
                 (
                     "outputs",
                     ::mbd_runtime::Cost {
-                        adds: 38,
-                        muls: 54,
+                        adds: 45,
+                        muls: 42,
                         divs: 1,
                         sqrts: 2,
                         trigs: 1,
@@ -3512,8 +3453,8 @@ const _: () = {
                 (
                     "energy",
                     ::mbd_runtime::Cost {
-                        adds: 203,
-                        muls: 241,
+                        adds: 211,
+                        muls: 225,
                         divs: 6,
                         sqrts: 7,
                         trigs: 0,
@@ -3545,8 +3486,8 @@ const _: () = {
                 (
                     "forces",
                     ::mbd_runtime::Cost {
-                        adds: 201,
-                        muls: 226,
+                        adds: 209,
+                        muls: 210,
                         divs: 4,
                         sqrts: 5,
                         trigs: 0,
@@ -3807,7 +3748,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  ends: 195 operations (91 additions, 104 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 608 operations (253 additions, 310 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 351 operations (151 additions, 160 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 306 operations (139 additions, 148 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections)\n  outputs: 104 operations (38 additions, 54 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections)\n  energy: 493 operations (203 additions, 241 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 65 operations (19 additions, 42 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 468 operations (201 additions, 226 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 608 operations as declared, 608 with every param a const, 608 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  ends: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 600 operations (261 additions, 294 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections)\n  outputs: 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections)\n  energy: 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 65 operations (19 additions, 42 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 600 operations as declared, 600 with every param a const, 600 with every const a param.\n"
         }
         /// Everything the caller supplies, in the order of `Layout::inputs`.
         pub fn inputs(
@@ -3845,7 +3786,7 @@ const _: () = {
         /// Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.
         ///
         /// 4 anchors × 6 \[m, m/s\], 1 nodes × 3 \[N\]; world axes.
-        /// 195 operations (91 additions, 104 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
+        /// 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
         #[must_use]
         pub fn ends(
             &self,
@@ -3861,7 +3802,7 @@ const _: () = {
         /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
         ///
         /// 29 = \[14 q̇ | 12 v̇ | 3 ż\]; SI units.
-        /// 608 operations (253 additions, 310 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections).
+        /// 600 operations (261 additions, 294 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections).
         #[must_use]
         pub fn derivative(
             &self,
@@ -3889,7 +3830,7 @@ const _: () = {
         /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
         ///
         /// 3 \[N\], world axes; zero where the nodes are in equilibrium.
-        /// 351 operations (151 additions, 160 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections).
+        /// 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections).
         #[must_use]
         pub fn balance(
             &self,
@@ -3908,7 +3849,7 @@ const _: () = {
         /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, then the declared events.
         ///
         /// 4 lines × 2 \[m, N\], 1 events.
-        /// 306 operations (139 additions, 148 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
+        /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
         #[must_use]
         pub fn guards(
             &self,
@@ -3927,7 +3868,7 @@ const _: () = {
         /// The declared outputs.
         ///
         /// 2 columns, each in its unit.
-        /// 104 operations (38 additions, 54 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
+        /// 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
         #[must_use]
         pub fn outputs(
             &self,
@@ -3946,7 +3887,7 @@ const _: () = {
         /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, power of the dampers.
         ///
         /// 5 \[J, J, J, W, W\].
-        /// 493 operations (203 additions, 241 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
+        /// 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
         #[must_use]
         pub fn energy(
             &self,
@@ -4008,7 +3949,7 @@ const _: () = {
         /// Applied forces `f` in `M v̇ + h = f`: lines and loads.
         ///
         /// 12 \[N, N m\], about the centres of mass.
-        /// 468 operations (201 additions, 226 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections).
+        /// 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections).
         #[must_use]
         pub fn forces(
             &self,

@@ -42,22 +42,25 @@ pub fn inverse<S: Real>(m: &Matrix3<S>) -> Matrix3<S> {
 }
 
 /// Rotation body → world of a unit quaternion w x y z.
+///
+/// Quadratic in the quaternion: off unit length, as inside a step, it gives |q|² R. That turns with the world's axes, so results do not
+/// depend on where these lie; the form 1 − 2(y² + z²) does not.
 pub fn rotation<S: Real>([w, x, y, z]: [S; 4]) -> Matrix3<S> {
-    let two = S::from_f64(2.0);
-    let (xx, yy, zz) = (two * (x * x), two * (y * y), two * (z * z));
-    let (xy, xz, yz) = (two * (x * y), two * (x * z), two * (y * z));
-    let (wx, wy, wz) = (two * (w * x), two * (w * y), two * (w * z));
-    let one = S::one();
+    let (ww, xx, yy, zz) = (w * w, x * x, y * y, z * z);
+    let (x2, y2, z2) = (x + x, y + y, z + z);
+    let (xy, xz, yz) = (x2 * y, x2 * z, y2 * z);
+    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+    let (sum, difference) = (ww - xx, yy - zz);
     Matrix3::new(
-        (one - (yy + zz)).label("r11"),
+        ((ww + xx) - (yy + zz)).label("r11"),
         (xy - wz).label("r12"),
         (xz + wy).label("r13"),
         (xy + wz).label("r21"),
-        (one - (xx + zz)).label("r22"),
+        (sum + difference).label("r22"),
         (yz - wx).label("r23"),
         (xz - wy).label("r31"),
         (yz + wx).label("r32"),
-        (one - (xx + yy)).label("r33"),
+        (sum - difference).label("r33"),
     )
 }
 
