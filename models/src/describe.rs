@@ -14,7 +14,7 @@ use crate::report::{Cell, Table};
 pub fn counts(scene: &Scene) -> Table {
     let layout = Layout::new(scene);
     let kind = |kind: LineKind| scene.lines.iter().filter(|line| line.kind == kind).count();
-    let rows: [(&str, usize); 14] = [
+    let rows: [(&str, usize); 16] = [
         ("bodies", scene.bodies.len()),
         ("points with mass", scene.points.len() - layout.nodes.len()),
         ("equilibrium points", layout.nodes.len()),
@@ -22,6 +22,8 @@ pub fn counts(scene: &Scene) -> Table {
             "networks of them, each solved together",
             layout.networks.len(),
         ),
+        ("joints", scene.joints.len()),
+        ("rows of the joints", layout.nc),
         ("lines (tension only)", kind(LineKind::Line)),
         ("springs (both ways)", kind(LineKind::Spring)),
         ("loads", scene.loads.len()),
@@ -39,7 +41,24 @@ pub fn counts(scene: &Scene) -> Table {
     for (what, number) in rows {
         table.push([what.into(), number.into()]);
     }
-    table.note(format!("gravity: {}", gravity(&scene.gravity)))
+    let gravity = gravity(&scene.gravity);
+    table.note(format!("{}; gravity: {gravity}", freedoms(scene)))
+}
+
+/// Freedoms by Grübler's count, rows taken as independent: 6 a body, 3 a point with mass, less the rows of the joints.
+fn freedoms(scene: &Scene) -> String {
+    let layout = Layout::new(scene);
+    let (bodies, rows) = (scene.bodies.len(), layout.nc);
+    let points = scene.points.len() - layout.nodes.len();
+    match layout.nv.checked_sub(rows) {
+        Some(count) => {
+            format!("freedoms (Grübler): 6·{bodies} + 3·{points} − {rows} = {count}")
+        }
+        None => format!(
+            "freedoms (Grübler): 6·{bodies} + 3·{points} − {rows} = −{}: some rows of the joints repeat others",
+            rows - layout.nv
+        ),
+    }
 }
 
 fn gravity(gravity: &Gravity) -> &'static str {
@@ -60,6 +79,7 @@ pub fn things(scene: &Scene) -> Vec<Table> {
     let mut tables = vec![
         bodies(scene, &numbers),
         points(scene, &numbers),
+        joints(scene),
         lines(scene, &numbers),
         params(scene),
     ];
@@ -121,6 +141,28 @@ pub fn node_model(model: NodeModel) -> &'static str {
             (Difference::Bdf2, Clamp::Literal) => "stepwise (bdf2, literal clamp)",
         },
     }
+}
+
+fn joints(scene: &Scene) -> Table {
+    let mut table = Table::new("Joints")
+        .column("name", "")
+        .column("kind", "")
+        .column("from", "")
+        .column("to", "")
+        .column("freedoms", "")
+        .column("rows", "");
+    for joint in &scene.joints {
+        let words = [
+            joint.name.clone(),
+            joint.law.keyword().to_string(),
+            place(scene, joint.parent),
+            place(scene, joint.child),
+        ];
+        let counts = [joint.law.freedoms(), joint.law.rows()];
+        let counts = counts.map(Cell::from);
+        table.push(words.map(Cell::from).into_iter().chain(counts));
+    }
+    table
 }
 
 fn lines(scene: &Scene, numbers: &Numbers<f64>) -> Table {
@@ -341,6 +383,31 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("gravity: none"));
+    }
+
+    #[test]
+    fn joints_are_listed_with_their_rows_and_freedoms_are_counted() {
+        let link = |name: &str| {
+            format!(
+                "body {name} {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame tip at [1, 0, 0] m }}"
+            )
+        };
+        let text = format!(
+            "model S {{ gravity: none; {} {}
+             joint hip: hinge from world to a.com {{ axis: y }}
+             joint knee: universal from a.tip to b.com; }}",
+            link("a"),
+            link("b")
+        );
+        let scene = mbd_compiler::read_text(&text).scene.unwrap_or_default();
+        assert!(
+            counts(&scene)
+                .text()
+                .contains("freedoms (Grübler): 6·2 + 3·0 − 9 = 3")
+        );
+        let tables: Vec<String> = things(&scene).iter().map(Table::text).collect();
+        let text = tables.join("\n");
+        assert!(text.contains("knee") && text.contains("universal") && text.contains("a.tip"));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What the tests that cross crates share: reference data, the derivative oracle, seeded random numbers, and one way to compare.
 
+pub mod agreement;
 pub mod declared;
 pub mod families;
 pub mod flights;

@@ -6,66 +6,15 @@
 )]
 mod dozen;
 
-use mbd_compiler::Interpreted;
-use mbd_runtime::Generic;
-use mbd_scene::{Model, Quantity};
 use models::parachute::scene::{
     ParachuteEuler, ParachuteLiteral, ParachuteMass, ParachuteRate, ParachuteStatic,
     ParachuteStepwise,
 };
-use tests::assert_close;
-use tests::instant::{Instant, value};
-use tests::random::Random;
+use tests::agreement::agrees;
 use tests::random_scene::random_scene;
 
 /// The seeds of the scenes that are compiled; all others of the property tests are interpreted.
 const DOZEN: std::ops::Range<u64> = 0..12;
-
-/// Every quantity of a generated model at random instants: bits of the interpreter, 1e-12 of the generic solver.
-fn agrees<M: Model<f64>>(model: &M) {
-    let scene = model.scene().clone();
-    let name = scene.name.clone();
-    let interpreted = Interpreted::new(scene.clone(), model.params())
-        .expect("the generated model accepted these parameters");
-    let generic = Generic::new(scene.clone(), model.params())
-        .expect("the generated model accepted these parameters");
-    assert_eq!(
-        model.layout(),
-        generic.layout(),
-        "{name}: the declaration and its layout survive code generation"
-    );
-    let mut random = Random::new(7);
-    for _ in 0..20 {
-        let instant = Instant::random(&scene, &mut random);
-        for what in model.layout().quantities() {
-            let (generated, interpreted) = (
-                value(model, what, &instant),
-                value(&interpreted, what, &instant),
-            );
-            for (i, (a, b)) in generated.iter().zip(&interpreted).enumerate() {
-                assert!(
-                    a.to_bits() == b.to_bits(),
-                    "{name}, {what:?}[{i}]: generated {a:e}, interpreted {b:e}"
-                );
-            }
-            let relative = if matches!(
-                what,
-                Quantity::NodeByAnchor(_) | Quantity::CondensedStiffness(_)
-            ) {
-                1e-9
-            } else {
-                1e-12
-            };
-            assert_close(
-                &generated,
-                &value(&generic, what, &instant),
-                relative,
-                1e-12,
-                &format!("{name}, {what:?}"),
-            );
-        }
-    }
-}
 
 #[test]
 fn generated_parachutes_are_the_interpreter_to_the_bit_and_the_laws_to_rounding() {

@@ -1,0 +1,123 @@
+//! Joints in generated code: chains and loops declared in the language agree in every execution, in both components of angular velocity.
+
+use mbd_runtime::model;
+use mbd_scene::{AngularVelocity, Layout, Model, Quantity};
+use tests::agreement::agrees;
+use tests::assert_close;
+use tests::mechanism::evaluate;
+use tests::reference::{load, numbers};
+
+/// Two links on parallel hinges, the second axis inclined by a frame.
+macro_rules! chain {
+    ($name:ident $components:ident) => {
+        model! {
+            /// Two links on hinges.
+            pub model $name<T> {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            angular_velocity: $components;
+            param length = 1 m in 0.5 m ..= 2 m;
+            body upper {
+                mass: 2.0 kg,
+                inertia: diag(0.17, 0.17, 0.002) kg*m^2,
+                frame top at [0.0, 0.0, 0.5 * length],
+                frame tip at [0.0, 0.0, -0.5 * length] rotated rpy(20 deg, 0.0, 0.0),
+            }
+            body lower {
+                mass: 1.5 kg,
+                inertia: full { xx: 0.0305, yy: 0.0305, zz: 0.001, xz: 0.0005 } kg*m^2 (matrix elements),
+                frame top at [0.0, 0.0, 0.25] m,
+            }
+            joint shoulder: hinge from world to upper.top { axis: y }
+            joint elbow: hinge from upper.tip to lower.top { axis: -y }
+            load push on lower at top: external;
+            output speed = norm(lower.velocity);
+            }
+        }
+    };
+}
+
+chain!(ChainBody body);
+chain!(ChainWorld world);
+
+/// The closed loop hinge, universal, spherical, prismatic of `reference/loops`, with its numbers.
+macro_rules! ring {
+    ($name:ident $components:ident) => {
+        model! {
+            /// A closed spatial loop with one freedom.
+            pub model $name<T> {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            angular_velocity: $components;
+            world {
+                frame hinge_in at [0.854596381358226, -0.16370253550912262, 0.20979948210376664] m
+                    rotated matrix([-0.5348700732101472, -0.710825888626916, 0.45677189147530417], [-0.7255081985340018, 0.10928833053702047, -0.6794806212603699], [0.43307257895659834, -0.694825601763627, -0.5741650672843956]),
+                frame prismatic_out at [-0.14925881270582717, -0.3597746880599382, -0.11323597396619894] m
+                    rotated matrix([-0.5126488999418983, -0.04438863284114075, 0.8574501470422967], [0.7343038229826591, 0.49487978040534986, 0.46464168829217684], [-0.44495954978111596, 0.8678269713603324, -0.2211048322360678]),
+            }
+            body crank {
+                mass: 1.15047121386676 kg,
+                inertia: full { xx: 0.09435547991001479, yy: 0.06528240580755625, zz: 0.0996530543896989, xy: 0.008517731790719343, xz: -0.008876354642228076, yz: 0.03638263647294343 } kg*m^2 (matrix elements),
+                frame hinge_out at [0.39309755584761397, -0.15266489346675016, -0.20915575452462418] m
+                    rotated matrix([-0.6371080256777206, -0.3632904435337648, 0.6797892447325694], [-0.08238262007439431, 0.9089996369500734, 0.40857406174929023], [-0.7663592287737616, 0.20430299474475488, -0.6090597826253263]),
+                frame universal_in at [-0.279659449757934, 0.2776599855950223, 0.4188802316406946] m
+                    rotated matrix([0.00911314010550717, -0.9554947724919685, -0.29486724202247033], [-0.08392838868767893, -0.29456987531781076, 0.9519372952708274], [-0.9964301160892853, 0.016072594556265356, -0.08287759319938415]),
+            }
+            body coupler {
+                mass: 2.57214468106162 kg,
+                inertia: full { xx: 0.3646133724654997, yy: 0.2544128429694044, zz: 0.4056852230560376, xy: 0.04524782455713646, xz: 0.05860184305963574, yz: 0.06779440996141847 } kg*m^2 (matrix elements),
+                frame universal_out at [0.3970353326297881, 0.13202231702911346, 0.21713247642142394] m
+                    rotated matrix([-0.7909195341455227, -0.24988975628768975, -0.5585708551379205], [0.35576334545342764, 0.554910025885368, -0.7520021976056219], [0.497874213570872, -0.7934922639032966, -0.34998756347448506]),
+                frame spherical_in at [-0.5154779034057965, -0.00233023319681949, -0.25462211770426274] m
+                    rotated matrix([0.7851770516709462, 0.07173136692268238, -0.6151029251505181], [-0.44327316596694544, -0.6285062357810096, -0.6391312947415634], [-0.4324417855191163, 0.7744898466628144, -0.46169208305238363]),
+            }
+            body slider {
+                mass: 2.1154100996882317 kg,
+                inertia: full { xx: 0.2818477847268445, yy: 0.34036760533152643, zz: 0.3998600249079385, xy: 0.12874591221952036, xz: -0.08830068672128827, yz: 0.03483051739211651 } kg*m^2 (matrix elements),
+                frame spherical_out at [0.07581105896221131, 0.2688204267783516, -0.13418132397953023] m
+                    rotated matrix([0.46407399726780163, 0.6218451120257259, 0.6308280127812943], [0.7526021795852087, -0.6523747415134243, 0.08942681878992531], [0.4671458919261495, 0.4332618761038241, -0.7707521406856532]),
+                frame prismatic_in at [-0.037452093010696866, -0.2932851903703993, 0.31784399874699787] m
+                    rotated matrix([0.6225460872399057, -0.7526673294283333, 0.21430879700447342], [0.7787819758662284, 0.6227978901274127, -0.07497614366407726], [-0.07703897278765381, 0.2135759332510663, 0.9738841396222444]),
+            }
+            joint hinge_joint: hinge from world.hinge_in to crank.hinge_out { axis: z }
+            joint universal_joint: universal from crank.universal_in to coupler.universal_out { axes: [x, y] }
+            joint spherical_joint: spherical from coupler.spherical_in to slider.spherical_out;
+            joint prismatic_joint: prismatic from slider.prismatic_in to world.prismatic_out { axis: z }
+            }
+        }
+    };
+}
+
+ring!(LoopBody body);
+ring!(LoopWorld world);
+
+#[test]
+fn a_chain_of_two_hinges_agrees_in_every_execution() {
+    agrees(&ChainBody::<f64>::new(Default::default()).expect("defaults"));
+    agrees(&ChainWorld::<f64>::new(Default::default()).expect("defaults"));
+}
+
+#[test]
+fn a_closed_loop_of_four_joints_agrees_in_every_execution() {
+    agrees(&LoopBody::<f64>::new(Default::default()).expect("defaults"));
+    agrees(&LoopWorld::<f64>::new(Default::default()).expect("defaults"));
+}
+
+#[test]
+fn the_declared_loop_closes_where_the_loop_of_the_reference_does() {
+    let file = load("loops/loop_RUSP.json");
+    let history = &file["time_history"];
+    let model = LoopBody::<f64>::new(Default::default()).expect("defaults");
+    let layout = Layout::new(model.scene());
+    assert_eq!(model.scene().angular_velocity, AngularVelocity::Body);
+    assert_eq!((layout.nv, layout.nc), (18, 17));
+    for instant in [0, 20, 50] {
+        let mut state = vec![0.0; layout.nx()];
+        for (body, slots) in layout.bodies.iter().enumerate() {
+            let position = numbers(&history["r"][instant][body]);
+            let attitude = numbers(&history["quat"][instant][body]);
+            state[slots.q..slots.q + 3].copy_from_slice(&position);
+            state[slots.q + 3..slots.q + 7].copy_from_slice(&attitude);
+        }
+        let rows = evaluate(model.scene(), Quantity::Constraint, &state, &[], &[]);
+        assert_close(&rows, &[0.0; 17], 0.0, 1e-11, "rows of the closed loop");
+    }
+}
