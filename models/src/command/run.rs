@@ -17,7 +17,7 @@ use super::scene_file::SceneFile;
 pub struct RunArgs {
     /// A ready scene (`mbd list`) or a scene file.
     scene: PathBuf,
-    /// Folder for history, figures, report and summary [default: out/<scene>].
+    /// Folder for history, figures, report and summary [default: a folder of the scene's name in out].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Fixed step of RK4, with unit (`0.01s`, `5 ms`) or in seconds [default: 0.001 s if an equilibrium point is stepwise].
