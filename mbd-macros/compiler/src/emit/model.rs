@@ -100,7 +100,7 @@ fn constants(context: &Context) -> TokenStream {
     let (name, used, real) = (context.named(""), context.used(), context.real());
     let (equations, scene) = (context.equations, context.scene());
     let layout = &equations.layout;
-    let [nq, nv, nz, np] = [layout.nq, layout.nv, layout.nz, layout.np].map(whole);
+    let [nq, nv, nz, nc, np] = [layout.nq, layout.nv, layout.nz, layout.nc, layout.np].map(whole);
     let hash = Literal::u64_unsuffixed(hash(&format!("{scene:?}")));
     let coordinate = |index: usize| {
         let (name, unit) = crate::names::coordinate(scene, layout, index);
@@ -137,7 +137,7 @@ fn constants(context: &Context) -> TokenStream {
             /// Number of node states.
             pub const NZ: usize = #nz;
             /// Number of constraint rows.
-            pub const NC: usize = 0;
+            pub const NC: usize = #nc;
             /// Number of live parameters.
             pub const NP: usize = #np;
             /// Changes when the declaration changes.
