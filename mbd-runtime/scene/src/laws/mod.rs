@@ -12,6 +12,7 @@ mod gravity;
 pub mod line;
 mod node;
 mod numbers;
+mod pair;
 pub mod rows;
 
 use algebra::{elements, vector, write};
