@@ -87,7 +87,16 @@ pub struct LineState<T> {
     pub stiffness: [T; 6],
 }
 
-/// A coordinate or a speed.
+/// What a joint does to its child at the origin of frame 2, world axes; its parent receives the opposite at the same point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reaction<T> {
+    /// Force [N].
+    pub force: [T; 3],
+    /// Torque about the origin of frame 2 [N m].
+    pub torque: [T; 3],
+}
+
+/// A coordinate, a speed or a constraint row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoordInfo {
     /// Its name, `capsule.qw`.

@@ -30,7 +30,11 @@ macro_rules! chain {
             joint shoulder: hinge from world to upper.top { axis: y }
             joint elbow: hinge from upper.tip to lower.top { axis: -y }
             load push on lower at top: external;
+            load muscle on upper at com = -0.2 N*m*s * elbow.angle_rate * upper.y;
             output speed = norm(lower.velocity);
+            output bend = elbow.angle in deg;
+            output swing = shoulder.angle;
+            event fold = elbow.angle rises 60 deg;
             }
         }
     };
@@ -81,6 +85,11 @@ macro_rules! ring {
             joint universal_joint: universal from crank.universal_in to coupler.universal_out { axes: [x, y] }
             joint spherical_joint: spherical from coupler.spherical_in to slider.spherical_out;
             joint prismatic_joint: prismatic from slider.prismatic_in to world.prismatic_out { axis: z }
+            output crank_angle = hinge_joint.angle;
+            output turned = universal_joint.angle1 + universal_joint.angle2;
+            output turning = universal_joint.angle1_rate * universal_joint.angle2_rate;
+            output stroke = prismatic_joint.slide in mm;
+            output speed = prismatic_joint.slide_rate;
             }
         }
     };

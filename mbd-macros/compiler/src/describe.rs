@@ -1,5 +1,6 @@
 //! Formulas as the user would write them, and formulas changed all over a scene.
 
+use mbd_scene::joints::Coordinate;
 use mbd_scene::{Formula, Function, Gravity, LoadKind, Place, PointKind, Scene, Triple};
 
 /// A place by its name, `capsule.bridle[0]`.
@@ -63,6 +64,8 @@ fn write(scene: &Scene, formula: &Formula, level: u8) -> String {
         Formula::Length(index) => format!("{}.length", line(*index)),
         Formula::Stretch(index) => format!("{}.stretch", line(*index)),
         Formula::StretchRate(index) => format!("{}.stretch_rate", line(*index)),
+        Formula::Coordinate(joint, index) => coordinate(scene, *joint, *index, |c| c.name),
+        Formula::CoordinateRate(joint, index) => coordinate(scene, *joint, *index, |c| c.rate),
         Formula::Vector(parts) => format!("[{}]", list(scene, parts)),
         Formula::Component(parts, axis) => {
             let inner = parts
@@ -76,6 +79,20 @@ fn write(scene: &Scene, formula: &Formula, level: u8) -> String {
         }
         Formula::Apply(function, parts) => apply(scene, *function, parts, level),
     }
+}
+
+/// A joint coordinate or its rate, `elbow.angle`.
+pub fn coordinate(
+    scene: &Scene,
+    joint: usize,
+    index: usize,
+    word: impl Fn(Coordinate) -> &'static str,
+) -> String {
+    let found = scene.coordinate(joint, index);
+    found.map_or_else(
+        || "?".to_owned(),
+        |(joint, coordinate)| format!("{}.{}", joint.name, word(coordinate)),
+    )
 }
 
 fn list(scene: &Scene, parts: &[Formula]) -> String {

@@ -85,6 +85,10 @@ pub enum Formula {
     Stretch(usize),
     /// Rate of the length of a line [m/s].
     StretchRate(usize),
+    /// A coordinate of a joint [m or rad]: joint, number of the coordinate.
+    Coordinate(usize, usize),
+    /// The rate of a coordinate of a joint [m/s or rad/s]: joint, number of the coordinate.
+    CoordinateRate(usize, usize),
     /// A vector of three scalars.
     Vector(Vec<Formula>),
     /// Component 0, 1 or 2 of a vector; the list holds the one vector.

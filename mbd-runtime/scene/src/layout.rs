@@ -227,6 +227,19 @@ impl Layout {
         }
     }
 
+    /// Columns of a quantity that is a matrix; 1 for a list.
+    #[must_use]
+    pub fn columns_of(&self, what: Quantity) -> usize {
+        match what {
+            Quantity::MassMatrix | Quantity::ConstraintJacobian => self.nv,
+            Quantity::NodeByAnchor(k) | Quantity::CondensedStiffness(k) => {
+                self.placed(k).map_or(1, |n| 3 * n.anchors.len())
+            }
+            Quantity::Partial(_, by) => self.variables(by),
+            _ => 1,
+        }
+    }
+
     /// A network whose nodes are placed by the balance of forces at a position. A `rate` node is not: its balance is one of velocities.
     fn placed(&self, network: usize) -> Option<&Network> {
         let found = self.networks.get(network);

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::formula::{Formula, Place};
-use crate::joints::JointLaw;
+use crate::joints::{Coordinate, JointLaw};
 
 /// Three scalar formulas: a vector known in components.
 pub type Triple = [Formula; 3];
@@ -48,6 +48,13 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// A joint and its measurable coordinate number `index`; `None` if there is no such joint or coordinate.
+    #[must_use]
+    pub fn coordinate(&self, joint: usize, index: usize) -> Option<(&Joint, Coordinate)> {
+        let joint = self.joints.get(joint)?;
+        Some((joint, joint.law.coordinate(index)?))
+    }
+
     /// Whether a formula is zero by declaration: the number 0, or a `const` of value 0.
     #[must_use]
     pub fn is_zero(&self, formula: &Formula) -> bool {

@@ -210,6 +210,21 @@ fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
                 quote!(::mbd_runtime::__private::line_states(&values)),
             )
         }
+        Quantity::Reactions => {
+            let count = whole(layout.joints.len());
+            (
+                quote!([::mbd_runtime::Reaction<#t>; #count]),
+                quote!(::mbd_runtime::__private::reactions(&values)),
+            )
+        }
+        Quantity::ConstraintJacobian => {
+            let (nc, nv) = (whole(layout.nc), whole(layout.nv));
+            let matrix = quote!(::mbd_runtime::nalgebra::SMatrix<#t, #nc, #nv>);
+            (
+                matrix,
+                quote!(::mbd_runtime::nalgebra::SMatrix::from_row_slice(&values)),
+            )
+        }
         _ => {
             let len = whole(layout.len(what));
             (

@@ -95,7 +95,11 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
             )
         }
         Quantity::Derivative => (
-            "State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.",
+            if layout.nc == 0 {
+                "State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`."
+            } else {
+                "State derivative: `q̇ = N(q) v`, `v̇` of `M v̇ + h = f + Φ_vᵀ λ`, `Φ_v v̇ = γ`, `ż = w`."
+            },
             format!(
                 "{nx} = [{} q̇ | {nv} v̇ | {} ż]; SI units.",
                 layout.nq, layout.nz

@@ -5,6 +5,7 @@
 
 mod bodies;
 mod collect;
+mod coordinates;
 mod fields;
 pub mod fold;
 mod forces;

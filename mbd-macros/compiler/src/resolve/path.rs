@@ -75,6 +75,10 @@ impl Resolver<'_> {
                 self.live(scope, at, &format!("the state of `{word}`"))?;
                 self.line_quantity(line, word, rest, at)
             }
+            Named::Joint(joint) => {
+                self.live(scope, at, &format!("the motion of `{word}`"))?;
+                self.joint_quantity(joint, word, rest, at)
+            }
             Named::Table(_) => self.fail(say::table_without_argument(here, word)),
             other => self.fail(say::not_a_quantity(here, word, other.kind())),
         }
@@ -106,7 +110,7 @@ impl Resolver<'_> {
     }
 
     /// The components at the end of a path.
-    fn tail(&mut self, typed: Typed, rest: &[Step]) -> Option<Typed> {
+    pub fn tail(&mut self, typed: Typed, rest: &[Step]) -> Option<Typed> {
         let mut typed = typed;
         for step in rest {
             if step.index.is_some() {
@@ -151,7 +155,11 @@ impl Resolver<'_> {
             let known = self.names.words_of(|n| {
                 matches!(
                     n,
-                    Named::Body(_) | Named::Point(_) | Named::Line(_) | Named::Input(_)
+                    Named::Body(_)
+                        | Named::Point(_)
+                        | Named::Joint(_)
+                        | Named::Line(_)
+                        | Named::Input(_)
                 )
             });
             say::unknown_thing(at, word, &known)

@@ -295,6 +295,11 @@ pub const FOREIGN_QUANTITIES: Dictionary = &[
     ("angular_velocity", "omega_body"),
     ("cog", "com"),
     ("cg", "com"),
+    ("theta", "angle"),
+    ("rotation", "angle"),
+    ("displacement", "slide"),
+    ("translation", "slide"),
+    ("angular_rate", "angle_rate"),
 ];
 
 /// Joints of other tools.

@@ -2,6 +2,8 @@
 
 use mbd_scene::{Formula, Function, Place, Scene};
 
+use crate::describe::coordinate;
+
 /// How tightly an expression binds: sums 1, products 2, signs 3, powers 4, names and calls 5.
 type Rank = u8;
 
@@ -70,6 +72,8 @@ fn ranked(formula: &Formula, scene: &Scene) -> (String, Rank) {
         Formula::Length(line) => (of_line(*line, "length", scene), 5),
         Formula::Stretch(line) => (of_line(*line, "stretch", scene), 5),
         Formula::StretchRate(line) => (of_line(*line, "stretch_rate", scene), 5),
+        Formula::Coordinate(joint, index) => (coordinate(scene, *joint, *index, |c| c.name), 5),
+        Formula::CoordinateRate(joint, index) => (coordinate(scene, *joint, *index, |c| c.rate), 5),
         Formula::Vector(parts) => (vector(parts, scene), 5),
         Formula::Component(of, axis) => {
             let inner = of.first().map(|of| at_least(of, 5, scene));

@@ -3365,6 +3365,25 @@ const _: () = {
                 unit: "rad/s",
             },
         ];
+        /// Row and column of every structural non-zero of `mass_matrix`, row by row; all else is zero in every state.
+        pub const MASS_MATRIX_SPARSITY: &'static [(usize, usize)] = &[
+            (0, 0),
+            (1, 1),
+            (2, 2),
+            (3, 3),
+            (4, 4),
+            (5, 5),
+            (6, 6),
+            (7, 7),
+            (8, 8),
+            (9, 9),
+            (9, 10),
+            (10, 9),
+            (10, 10),
+            (10, 11),
+            (11, 10),
+            (11, 11),
+        ];
         /// Name, unit, default, range and documentation of every live parameter.
         pub const PARAMS: &'static [::mbd_runtime::ParamInfo] = &[
             ::mbd_runtime::ParamInfo {

@@ -58,6 +58,13 @@ impl Axis {
         [Axis(u.into()), Axis(axis.cross(&u).into())]
     }
 
+    /// The direction of self × other; a direction across itself where they are parallel.
+    #[must_use]
+    pub fn cross(&self, other: &Axis) -> Axis {
+        let product = Vector3::from(self.0).cross(&Vector3::from(other.0));
+        Axis::new(product.into()).unwrap_or(self.complement()[0])
+    }
+
     /// Its components on any scalar.
     #[must_use]
     pub fn vector<S: Real>(&self) -> Vector3<S> {

@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -52,6 +52,14 @@ impl Joint for Cylindrical {
     fn subspace<S: Real>(&self, _at: &Relative<'_, S>, columns: &mut [Twist<S>]) {
         let axis = self.axis.vector();
         write(columns, [Twist::slide(axis), Twist::spin(axis)]);
+    }
+
+    fn coordinate(&self, index: usize) -> Option<Coordinate> {
+        match index {
+            0 => Some(Coordinate::slide("slide", "slide_rate", self.axis)),
+            1 => Some(Coordinate::turn("angle", "angle_rate", self.axis)),
+            _ => None,
+        }
     }
 
     fn branch<S: Real>(&self, ends: &Ends<'_, S>) -> [S; 3] {

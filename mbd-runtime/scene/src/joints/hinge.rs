@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -49,6 +49,10 @@ impl Joint for Hinge {
 
     fn subspace<S: Real>(&self, _at: &Relative<'_, S>, columns: &mut [Twist<S>]) {
         write(columns, [Twist::spin(self.axis.vector())]);
+    }
+
+    fn coordinate(&self, index: usize) -> Option<Coordinate> {
+        (index == 0).then(|| Coordinate::turn("angle", "angle_rate", self.axis))
     }
 
     fn branch<S: Real>(&self, ends: &Ends<'_, S>) -> [S; 3] {

@@ -7,10 +7,12 @@
 //! Source of the rows: J. W. Kamman, ME 6590, Connecting Joints, Part I; derivatives of every row in [`crate::laws::rows`].
 
 mod axis;
+mod coordinate;
 mod field;
 mod motion;
 
 pub use axis::Axis;
+pub use coordinate::{Coordinate, Measure};
 pub use field::{Field, Fields, Rule};
 pub use motion::{Pose, Relative, Twist};
 
@@ -60,6 +62,11 @@ pub trait Joint: Sized {
         for (index, rate) in rates.iter_mut().enumerate() {
             *rate = at.u(index);
         }
+    }
+
+    /// Its measurable coordinate number `index`, which is q(index); `None` where there is no scalar that measures it.
+    fn coordinate(&self, _index: usize) -> Option<Coordinate> {
+        None
     }
 
     /// Three numbers that are positive on the branch the joint means: its rows have other roots. 1 where nothing needs a test.
@@ -175,6 +182,14 @@ macro_rules! joints {
                 }
             }
 
+            /// Its measurable coordinate number `index`: see [`Joint::coordinate`].
+            #[must_use]
+            pub fn coordinate(&self, index: usize) -> Option<Coordinate> {
+                match self {
+                    $(JointLaw::$name(joint) => joint.coordinate(index),)*
+                }
+            }
+
             /// Whether its rows are on the branch it means: see [`Joint::branch`].
             pub fn branch<S: Real>(&self, ends: &Ends<'_, S>) -> [S; 3] {
                 match self {
@@ -206,5 +221,10 @@ impl JointLaw {
     #[must_use]
     pub fn rows(&self) -> usize {
         6 - self.freedoms()
+    }
+
+    /// Its measurable coordinates, in order.
+    pub fn measured(&self) -> impl Iterator<Item = Coordinate> + '_ {
+        (0..self.coordinates()).map_while(|index| self.coordinate(index))
     }
 }

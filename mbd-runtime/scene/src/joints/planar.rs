@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -59,6 +59,16 @@ impl Joint for Planar {
                 Twist::spin(self.axis.vector()),
             ],
         );
+    }
+
+    fn coordinate(&self, index: usize) -> Option<Coordinate> {
+        let [u, v] = self.axis.complement();
+        match index {
+            0 => Some(Coordinate::slide("x", "x_rate", u)),
+            1 => Some(Coordinate::slide("y", "y_rate", v)),
+            2 => Some(Coordinate::turn("angle", "angle_rate", self.axis)),
+            _ => None,
+        }
     }
 
     fn branch<S: Real>(&self, ends: &Ends<'_, S>) -> [S; 3] {

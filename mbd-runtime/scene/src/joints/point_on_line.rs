@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::{attitude_columns, write};
-use super::{Axis, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -57,5 +57,9 @@ impl Joint for PointOnLine {
             *rate = at.u(0);
         }
         at.attitude_rates(1, 1, rates);
+    }
+
+    fn coordinate(&self, index: usize) -> Option<Coordinate> {
+        (index == 0).then(|| Coordinate::slide("slide", "slide_rate", self.axis))
     }
 }

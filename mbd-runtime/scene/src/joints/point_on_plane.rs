@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::{attitude_columns, write};
-use super::{Axis, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -58,5 +58,14 @@ impl Joint for PointOnPlane {
             *rate = at.u(index);
         }
         at.attitude_rates(2, 2, rates);
+    }
+
+    fn coordinate(&self, index: usize) -> Option<Coordinate> {
+        let [u, v] = self.axis.complement();
+        match index {
+            0 => Some(Coordinate::slide("x", "x_rate", u)),
+            1 => Some(Coordinate::slide("y", "y_rate", v)),
+            _ => None,
+        }
     }
 }

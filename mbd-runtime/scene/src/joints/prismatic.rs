@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -56,6 +56,10 @@ impl Joint for Prismatic {
 
     fn subspace<S: Real>(&self, _at: &Relative<'_, S>, columns: &mut [Twist<S>]) {
         write(columns, [Twist::slide(self.axis.vector())]);
+    }
+
+    fn coordinate(&self, index: usize) -> Option<Coordinate> {
+        (index == 0).then(|| Coordinate::slide("slide", "slide_rate", self.axis))
     }
 
     fn branch<S: Real>(&self, ends: &Ends<'_, S>) -> [S; 3] {

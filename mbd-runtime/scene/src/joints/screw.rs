@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::field::LENGTH;
 use super::motion::write;
-use super::{Axis, Field, Fields, Joint, Pose, Relative, Rule, Twist};
+use super::{Axis, Coordinate, Field, Fields, Joint, Measure, Pose, Relative, Rule, Twist};
 use crate::laws::rows::{Ends, Rows};
 use crate::{Formula, Real};
 
@@ -85,6 +85,17 @@ impl Joint for Screw {
             angular: axis,
         };
         write(columns, [column]);
+    }
+
+    fn coordinate(&self, index: usize) -> Option<Coordinate> {
+        (index == 0).then_some(Coordinate {
+            name: "angle",
+            rate: "angle_rate",
+            measure: Measure::Thread {
+                axis: self.axis,
+                pitch: 0,
+            },
+        })
     }
 
     fn branch<S: Real>(&self, ends: &Ends<'_, S>) -> [S; 3] {

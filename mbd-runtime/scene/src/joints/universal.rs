@@ -12,7 +12,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Coordinate, Fields, Joint, Measure, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -68,5 +68,30 @@ impl Joint for Universal {
         let second = a.turn(at.q(0)) * b.vector::<S>();
         let rate = at.u(0) * at.u(1);
         Twist::spin(a.vector::<S>().cross(&second).map(|x| rate * x))
+    }
+
+    fn coordinate(&self, index: usize) -> Option<Coordinate> {
+        // R12 b = b cos α + c sin α and R12ᵀ a = a cos β + c sin β, c = a × b.
+        let [a, b] = self.axes;
+        let c = a.cross(&b);
+        match index {
+            0 => Some(Coordinate {
+                name: "angle1",
+                rate: "angle1_rate",
+                measure: Measure::Turn {
+                    cosine: [b, b],
+                    sine: [c, b],
+                },
+            }),
+            1 => Some(Coordinate {
+                name: "angle2",
+                rate: "angle2_rate",
+                measure: Measure::Turn {
+                    cosine: [a, a],
+                    sine: [a, c],
+                },
+            }),
+            _ => None,
+        }
     }
 }

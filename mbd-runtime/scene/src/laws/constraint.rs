@@ -32,7 +32,7 @@ pub struct Constraints<S: Real> {
 
 impl<S: Real> Evaluation<'_, S> {
     /// The two ends of a joint; own components as asked.
-    fn ends(&self, joint: usize, components: AngularVelocity) -> Option<Ends<'_, S>> {
+    pub(super) fn ends(&self, joint: usize, components: AngularVelocity) -> Option<Ends<'_, S>> {
         let declared = self.scene.joints.get(joint)?;
         let numbers = self.numbers.joints.get(joint)?;
         Some(Ends::new(

@@ -8,7 +8,9 @@ use super::line;
 use super::node;
 use super::numbers::{FrameNumbers, Numbers};
 use crate::laws::algebra::{labelled, vector};
-use crate::{At, InputSource, Layout, LineKind, NodeModel, Place, PointSlots, Real, Scene};
+use crate::{
+    AngularVelocity, At, InputSource, Layout, LineKind, NodeModel, Place, PointSlots, Real, Scene,
+};
 
 /// The scene at a state. Bodies are read once; everything else is computed where it is asked for.
 pub struct Evaluation<'a, S: Real> {
@@ -215,6 +217,20 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
 
     fn omega_body(&self, body: usize) -> Option<Vector3<S>> {
         self.motions.get(body).map(|motion| motion.omega_body)
+    }
+
+    fn coordinate(&self, joint: usize, index: usize) -> Option<S> {
+        let (declared, coordinate) = self.scene.coordinate(joint, index)?;
+        S::section(&declared.name);
+        let ends = self.ends(joint, AngularVelocity::Body)?;
+        Some(ends.value(&coordinate))
+    }
+
+    fn coordinate_rate(&self, joint: usize, index: usize) -> Option<S> {
+        let (declared, coordinate) = self.scene.coordinate(joint, index)?;
+        S::section(&declared.name);
+        let ends = self.ends(joint, AngularVelocity::Body)?;
+        Some(ends.rate(&coordinate))
     }
 
     fn line(&self, index: usize) -> Option<[S; 4]> {

@@ -38,6 +38,14 @@ pub trait Context<S: Real> {
     fn omega_body(&self, _body: usize) -> Option<Vector3<S>> {
         None
     }
+    /// A coordinate of a joint [m or rad].
+    fn coordinate(&self, _joint: usize, _index: usize) -> Option<S> {
+        None
+    }
+    /// The rate of a coordinate of a joint [m/s or rad/s].
+    fn coordinate_rate(&self, _joint: usize, _index: usize) -> Option<S> {
+        None
+    }
     /// Tension [N], length [m], stretch [m] and stretch rate [m/s] of a line.
     fn line(&self, _line: usize) -> Option<[S; 4]> {
         None
@@ -112,6 +120,10 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
         Formula::Length(i) => line(*i, 1),
         Formula::Stretch(i) => line(*i, 2),
         Formula::StretchRate(i) => line(*i, 3),
+        Formula::Coordinate(joint, index) => context.coordinate(*joint, *index).map(Scalar),
+        Formula::CoordinateRate(joint, index) => {
+            context.coordinate_rate(*joint, *index).map(Scalar)
+        }
         Formula::Vector(parts) => match parts.as_slice() {
             [x, y, z] => Some(Vector(Vector3::new(
                 scalar(x, context),

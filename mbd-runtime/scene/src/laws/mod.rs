@@ -4,6 +4,7 @@ mod algebra;
 mod block;
 mod body;
 mod constraint;
+mod coordinate;
 mod ends;
 mod evaluation;
 mod forces;

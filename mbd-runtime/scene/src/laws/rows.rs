@@ -97,7 +97,7 @@ impl<S: Real> Columns<S> {
 
 impl<S: Real> Row<S> {
     /// Columns, couple and γ of `factor` × row; Φ likewise.
-    fn scaled(&self, factor: S) -> Self {
+    pub(super) fn scaled(&self, factor: S) -> Self {
         Row {
             value: factor * self.value,
             parent: self.parent.scaled(factor),
@@ -108,7 +108,7 @@ impl<S: Real> Row<S> {
         }
     }
 
-    fn plus(&self, other: &Self) -> Self {
+    pub(super) fn plus(&self, other: &Self) -> Self {
         Row {
             value: self.value + other.value,
             parent: self.parent.plus(&other.parent),
@@ -267,7 +267,8 @@ fn pull<S: Real>(end: &End<S>) -> Vector3<S> {
     end.outward.apply(&end.omega.cross(&end.swing()))
 }
 
-fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
+/// (2).
+pub(super) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
     let kind = RowKind::Perpendicular(*b);
     let (a, b) = (ends.parent.axis(a), ends.child.axis(b));
     let (b_parent, a_child) = (ends.relative().apply(&b), ends.relative().back(&a));
@@ -291,7 +292,8 @@ fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
     }
 }
 
-fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
+/// (3).
+pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
     let (parent, child) = (&ends.parent, &ends.child);
     let a = parent.axis(a);
     let a_child = ends.relative().back(&a);

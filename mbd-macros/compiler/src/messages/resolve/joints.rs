@@ -33,6 +33,15 @@ pub fn joint_on_point(at: Region, name: &str, massless: bool) -> Report {
     )
 }
 
+pub fn no_coordinates(at: Region, name: &str, keyword: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{name}` is a `{keyword}` joint, which has no coordinate to measure; ask its bodies, such as `BODY.omega_body`, or `angle(BODY.x, OTHER.x)`"
+        ),
+    )
+}
+
 pub fn free_from_body(at: Region) -> Report {
     Report::new(at, "a `free` joint begins at the world: `from world`")
 }

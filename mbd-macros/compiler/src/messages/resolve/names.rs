@@ -48,7 +48,7 @@ pub fn unknown_thing(at: Region, word: &str, known: &[&str]) -> Report {
     Report::new(
         at,
         format!(
-            "no body, point or line named `{word}`{}",
+            "no body, joint, point or line named `{word}`{}",
             did_you_mean(word, known.iter().copied())
         ),
     )

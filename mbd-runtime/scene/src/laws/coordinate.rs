@@ -1,0 +1,126 @@
+//! Joint coordinates in motion: value, rate, direction of the generalised force, γ; once for all joints.
+//!
+//! ```text
+//! slide     s = a1·d                      an in-plane row (3) of [`super::rows`]                                  [m]      (1)
+//! turn      θ = atan2(S, C)               C = a1·b2, S = c1·d2, two perpendicular rows (2)                        [rad]    (2)
+//!           ρ = C² + S²                   1 where the joint holds
+//!           Φ_v(θ) = (C Φ_v(S) − S Φ_v(C))/ρ,   θ̇ = (C Ṡ − S Ċ)/ρ                                                          (3)
+//!           γ(θ) = (C γ(S) − S γ(C) + θ̇ ρ̇)/ρ,   ρ̇ = 2 (C Ċ + S Ṡ)                                                          (4)
+//! thread    θ = a1·d/h, h = pitch/2π      a slide, scaled                                                         [rad]    (5)
+//! ```
+//!
+//! The second rate of a coordinate is Φ_v v̇ − γ. A generalised force Q [N or N m] on a coordinate acts on the bodies as Φ_vᵀ Q: its power
+//! is Q times the rate, in every state, also off the joint. A turn lies in (−π, π] and jumps there; a thread counts turns.
+//! Singular at ρ = 0, a quarter turn off the joint, where no angle is defined. Rejected: θ̇ = a1·(ω_c − ω_p), which is the rate of θ only
+//! where the joint holds, so that the energy of a spring would not balance inside a step.
+//! Source: derived, from the rows of Kamman, Connecting Joints I.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Vector3;
+
+use super::rows::{Ends, Row, in_plane, perpendicular};
+use crate::Real;
+use crate::joints::{Axis, Coordinate, Measure};
+
+/// A turn on its way: the rows of its cosine and sine, and 1/ρ.
+struct Turning<S: Real> {
+    cosine: Row<S>,
+    sine: Row<S>,
+    inverse: S,
+}
+
+impl<S: Real> Turning<S> {
+    fn new(ends: &Ends<'_, S>, [a, b]: &[Axis; 2], [c, d]: &[Axis; 2]) -> Self {
+        let (cosine, sine) = (perpendicular(ends, a, b), perpendicular(ends, c, d));
+        let (x, y) = (cosine.value, sine.value);
+        Turning {
+            inverse: S::one() / (x * x + y * y),
+            cosine,
+            sine,
+        }
+    }
+
+    /// Φ_v by (3).
+    fn parent(&self) -> Vector3<S> {
+        let (x, y) = (self.cosine.value, self.sine.value);
+        let swept =
+            self.sine.parent.angular.map(|n| x * n) - self.cosine.parent.angular.map(|n| y * n);
+        swept.map(|n| n * self.inverse)
+    }
+
+    /// θ, Φ_v and γ by (2) to (4); w = ω_p − ω_c.
+    fn row(&self, w: &Vector3<S>) -> Row<S> {
+        let (x, y) = (self.cosine.value, self.sine.value);
+        let row = self
+            .sine
+            .scaled(x * self.inverse)
+            .plus(&self.cosine.scaled(-(y * self.inverse)));
+        let [x_rate, y_rate] = [&self.cosine, &self.sine].map(|row| row.parent.angular.dot(w));
+        let stretching = S::from_f64(2.0) * (x * x_rate + y * y_rate);
+        let rate = row.parent.angular.dot(w);
+        Row {
+            value: y.atan2(x),
+            bias: row.bias + rate * (stretching * self.inverse),
+            ..row
+        }
+    }
+}
+
+impl<S: Real> Ends<'_, S> {
+    /// The value of a coordinate [m or rad].
+    pub fn value(&self, coordinate: &Coordinate) -> S {
+        let value = match &coordinate.measure {
+            Measure::Slide(axis) => self.way(axis),
+            Measure::Turn { cosine, sine } => {
+                let [c, s] = [cosine, sine].map(|[a, b]| self.cosine(a, b));
+                s.atan2(c)
+            }
+            Measure::Thread { axis, pitch } => self.way(axis) / self.lead(*pitch),
+        };
+        value.label(coordinate.name)
+    }
+
+    /// The rate of a coordinate [m/s or rad/s].
+    pub fn rate(&self, coordinate: &Coordinate) -> S {
+        let rate = match &coordinate.measure {
+            Measure::Slide(axis) => self.way_rate(axis),
+            Measure::Turn { cosine, sine } => {
+                let swept = Turning::new(self, cosine, sine).parent();
+                swept.dot(&self.spin().difference)
+            }
+            Measure::Thread { axis, pitch } => self.way_rate(axis) / self.lead(*pitch),
+        };
+        rate.label(coordinate.rate)
+    }
+
+    /// A coordinate as a row: its value, Φ_v of (1), (3) or (5), γ of (4). A motion that keeps the coordinate's rate has Φ_v v̇ = γ.
+    pub fn row(&self, coordinate: &Coordinate) -> Row<S> {
+        match &coordinate.measure {
+            Measure::Slide(axis) => in_plane(self, axis),
+            Measure::Turn { cosine, sine } => {
+                Turning::new(self, cosine, sine).row(&self.spin().difference)
+            }
+            Measure::Thread { axis, pitch } => {
+                in_plane(self, axis).scaled(S::one() / self.lead(*pitch))
+            }
+        }
+    }
+
+    /// a1·d [m].
+    fn way(&self, axis: &Axis) -> S {
+        let gap = self.reach() - self.parent.arm;
+        self.parent.axis(axis).dot(&gap)
+    }
+
+    /// Its rate [m/s]: a1·(u − ω_p × e).
+    fn way_rate(&self, axis: &Axis) -> S {
+        let carried = self.parent.omega.cross(&self.reach());
+        self.parent.axis(axis).dot(&(self.reach_rate() - carried))
+    }
+
+    /// Way along the axis per radian [m/rad].
+    fn lead(&self, pitch: usize) -> S {
+        (self.number(pitch) * S::from_f64(1.0 / TAU)).label("lead")
+    }
+}
