@@ -3,6 +3,7 @@
 use crate::Gravity;
 use crate::elimination::{Elimination, Part};
 use crate::formula::Place;
+use crate::partition::Partition;
 use crate::quantity::{Differentiated, Quantity, Variable};
 use crate::scene::{Frame, LoadKind, NodeModel, PointKind, Scene};
 
@@ -358,7 +359,13 @@ impl Layout {
             });
             self.nc += len;
         }
-        self.elimination = Elimination::new(scene.bodies.len(), &self.points, &self.joints);
+        let partitions: Vec<Option<Partition>> = scene
+            .joints
+            .iter()
+            .map(|joint| Partition::of(&joint.law))
+            .collect();
+        self.elimination =
+            Elimination::new(scene.bodies.len(), &self.points, &self.joints, &partitions);
     }
 
     fn node_at(&self, place: Place) -> Option<usize> {

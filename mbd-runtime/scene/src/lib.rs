@@ -18,6 +18,7 @@ pub mod laws;
 mod layout;
 mod model;
 mod params;
+mod partition;
 mod quantity;
 mod real;
 mod scene;
@@ -37,6 +38,7 @@ pub use layout::{
 };
 pub use model::Model;
 pub use params::{ParamError, check_params};
+pub use partition::Partition;
 pub use quantity::{At, Differentiated, Quantity, Variable};
 pub use real::{Float, Real, TINY};
 pub use scene::{

@@ -79,6 +79,8 @@ pub struct End<S: Real> {
     pub outward: Turn<S>,
     /// The joint's point from the centre of mass, own components [m].
     pub arm: Vector3<S>,
+    /// The point whose velocity the columns of the rows multiply, from the centre of mass, own components [m].
+    pub reference: Vector3<S>,
     /// Joint frame → own components.
     pub frame: Turn<S>,
     /// Acceleration of `position` [m/s²] and angular acceleration [rad/s²] where time alone prescribes them, world axes.
@@ -95,6 +97,7 @@ impl<S: Real> End<S> {
             omega: Vector3::zeros(),
             outward: Turn::None,
             arm,
+            reference: Vector3::zeros(),
             frame,
             prescribed: None,
         }
@@ -114,6 +117,16 @@ impl<S: Real> End<S> {
     /// An axis of the joint frame, own components.
     pub fn axis(&self, axis: &Axis) -> Vector3<S> {
         self.frame.apply(&axis.vector())
+    }
+
+    /// The joint's point from the reference point, own components [m].
+    pub fn lever(&self) -> Vector3<S> {
+        self.arm - self.reference
+    }
+
+    /// Velocity of the reference point, world axes [m/s].
+    pub fn reference_velocity(&self) -> Vector3<S> {
+        self.velocity + self.outward.apply(&self.omega.cross(&self.reference))
     }
 
     /// ω × arm: velocity of the joint's point against the centre of mass, own components [m/s].

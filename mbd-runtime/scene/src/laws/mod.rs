@@ -14,6 +14,7 @@ mod ground;
 pub mod line;
 mod node;
 mod numbers;
+mod pair;
 pub mod rows;
 
 use algebra::{elements, vector, write};

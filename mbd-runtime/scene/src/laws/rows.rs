@@ -59,6 +59,19 @@ pub struct Row<S: Real> {
     pub couple: Vector3<S>,
     /// γ.
     pub bias: S,
+    /// What it forbids.
+    pub kind: RowKind,
+}
+
+/// What a row forbids.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RowKind {
+    /// One of three rows: the joint points part.
+    Coincide,
+    /// The child turns: about an axis that is perpendicular to this axis of frame 2.
+    Perpendicular(Axis),
+    /// Another motion.
+    Other,
 }
 
 impl<S: Real> Columns<S> {
@@ -85,7 +98,7 @@ impl<S: Real> Columns<S> {
 
     /// The rate an end's velocity gives to the row.
     pub fn rate(&self, end: &End<S>) -> S {
-        self.linear.dot(&end.velocity) + self.angular.dot(&end.omega)
+        self.linear.dot(&end.reference_velocity()) + self.angular.dot(&end.omega)
     }
 
     /// The acceleration a prescribed end gives to the row; `None` where nothing is prescribed.
@@ -104,6 +117,7 @@ impl<S: Real> Row<S> {
             child: self.child.scaled(factor),
             couple: self.couple.map(|x| factor * x),
             bias: factor * self.bias,
+            kind: self.kind,
         }
     }
 
@@ -114,6 +128,7 @@ impl<S: Real> Row<S> {
             child: self.child.plus(&other.child),
             couple: self.couple + other.couple,
             bias: self.bias + other.bias,
+            kind: RowKind::Other,
         }
     }
 
@@ -180,14 +195,15 @@ impl<S: Real> Rows<S> {
                 value: gap[k],
                 parent: Columns {
                     linear: -unit,
-                    angular: parent.outward.row(k).cross(&parent.arm),
+                    angular: parent.outward.row(k).cross(&parent.lever()),
                 },
                 child: Columns {
                     linear: unit,
-                    angular: child.arm.cross(&child.outward.row(k)),
+                    angular: child.lever().cross(&child.outward.row(k)),
                 },
                 couple: Vector3::zeros(),
                 bias: bias[k],
+                kind: RowKind::Coincide,
             });
         }
     }
@@ -229,14 +245,15 @@ impl<S: Real> Rows<S> {
             value: half * (gap.dot(&direction) - length),
             parent: Columns {
                 linear: -direction,
-                angular: parent.outward.back(&direction).cross(&parent.arm),
+                angular: parent.outward.back(&direction).cross(&parent.lever()),
             },
             child: Columns {
                 linear: direction,
-                angular: child.arm.cross(&child.outward.back(&direction)),
+                angular: child.lever().cross(&child.outward.back(&direction)),
             },
             couple: Vector3::zeros(),
             bias: direction.dot(&(pull(parent) - pull(child))) - rate.dot(&rate) * shrink,
+            kind: RowKind::Other,
         });
     }
 
@@ -285,6 +302,7 @@ fn pull<S: Real>(end: &End<S>) -> Vector3<S> {
 
 /// (2).
 pub(super) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
+    let kind = RowKind::Perpendicular(*b);
     let (a, b) = (ends.parent.axis(a), ends.child.axis(b));
     let (b_parent, a_child) = (ends.relative().apply(&b), ends.relative().back(&a));
     let spin = ends.spin();
@@ -303,6 +321,7 @@ pub(super) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> 
         },
         couple,
         bias: spin.square * cosine - along - normal.dot(&spin.cross),
+        kind,
     }
 }
 
@@ -321,13 +340,14 @@ pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
         value: a.dot(&(reach - parent.arm)),
         parent: Columns {
             linear: -linear,
-            angular: a.cross(&reach),
+            angular: a.cross(&(reach - parent.reference)),
         },
         child: Columns {
             linear,
-            angular: child.arm.cross(&a_child),
+            angular: child.lever().cross(&a_child),
         },
         couple: Vector3::zeros(),
         bias: a.dot(&(coriolis - carried)) - a_child.dot(&own),
+        kind: RowKind::Other,
     }
 }
