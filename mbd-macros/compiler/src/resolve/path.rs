@@ -21,7 +21,9 @@ impl Resolver<'_> {
             return self.tail(index, rest);
         }
         if word == "time" {
-            self.live(scope, here, "time")?;
+            if scope.stage != Stage::Course {
+                self.live(scope, here, "time")?;
+            }
             return self.tail(Typed::of(Formula::Time, false, units::TIME, here), rest);
         }
         if word == "world" {
@@ -124,6 +126,7 @@ impl Resolver<'_> {
         match scope.stage {
             Stage::Live => Some(()),
             Stage::Fixed => self.fail(say::not_fixed(at, what)),
+            Stage::Course => self.fail(say::not_prescribed(at, what)),
             Stage::Constant => self.fail(say::not_constant(at, what)),
         }
     }

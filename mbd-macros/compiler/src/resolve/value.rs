@@ -16,6 +16,8 @@ pub enum Stage {
     Constant,
     /// Also params: known before a run.
     Fixed,
+    /// Also time: a motion prescribed before a run. It is differentiated twice.
+    Course,
     /// Everything in the scene.
     Live,
 }

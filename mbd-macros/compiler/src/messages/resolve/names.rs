@@ -20,6 +20,24 @@ pub fn not_fixed(at: Region, what: &str) -> Report {
     )
 }
 
+pub fn not_prescribed(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a prescribed motion is a function of time alone: it can use numbers, consts, params and `time`, not {what}"
+        ),
+    )
+}
+
+pub fn table_of_time(at: Region, table: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a prescribed motion has a velocity and an acceleration, and the table `{table}` has corners: write it with functions such as sin, exp or powers of `time`"
+        ),
+    )
+}
+
 pub fn table_without_argument(at: Region, word: &str) -> Report {
     Report::new(
         at,
