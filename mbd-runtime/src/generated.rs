@@ -61,6 +61,8 @@ pub struct Energy<T> {
     pub load_power: T,
     /// Power of the dampers [W], ≤ 0.
     pub damper_power: T,
+    /// Power that prescribed motions put in [W].
+    pub drive_power: T,
 }
 
 /// Momentum of bodies and points with mass, world axes.

@@ -5,7 +5,7 @@ use crate::elimination::{Elimination, Part};
 use crate::formula::Place;
 use crate::partition::Partition;
 use crate::quantity::{Differentiated, Quantity, Variable};
-use crate::scene::{LoadKind, NodeModel, PointKind, Scene};
+use crate::scene::{Frame, LoadKind, NodeModel, PointKind, Scene};
 
 /// Index ranges of a scene's state, lines, nodes and inputs.
 ///
@@ -61,6 +61,8 @@ pub struct JointSlots {
     pub len: usize,
     /// What its parent end and its child end sit on; `None` for the world.
     pub ends: [Option<Part>; 2],
+    /// Whether its rows depend on time: an end on a frame of the world that moves.
+    pub driven: bool,
 }
 
 /// Offsets into q and into v.
@@ -204,7 +206,7 @@ impl Layout {
             Quantity::Balance => 3 * self.nodes.len(),
             Quantity::Guards => 2 * self.lines.len() + self.events,
             Quantity::Outputs => self.columns,
-            Quantity::Energy => 5,
+            Quantity::Energy => 6,
             Quantity::Momentum => 6,
             Quantity::MassMatrix => self.nv * self.nv,
             Quantity::BiasForce | Quantity::Forces => self.nv,
@@ -336,6 +338,10 @@ impl Layout {
     }
 
     fn place_rows(&mut self, scene: &Scene) {
+        let moving = |place: Place| match place {
+            Place::World(frame) => scene.world_frames.get(frame).is_some_and(Frame::moves),
+            _ => false,
+        };
         for joint in &scene.joints {
             let ends = [joint.parent, joint.child].map(|place| match place {
                 Place::World(_) => None,
@@ -349,6 +355,7 @@ impl Layout {
                 row: self.nc,
                 len,
                 ends,
+                driven: len > 0 && [joint.parent, joint.child].into_iter().any(moving),
             });
             self.nc += len;
         }

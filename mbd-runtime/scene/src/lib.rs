@@ -12,6 +12,7 @@ mod cost;
 mod dual;
 mod elimination;
 mod formula;
+mod jet;
 pub mod joints;
 pub mod laws;
 mod layout;
@@ -26,6 +27,7 @@ pub use cost::Cost;
 pub use dual::Dual;
 pub use elimination::{Below, Elimination, Part, Step};
 pub use formula::{Formula, Function, Place};
+pub use jet::Jet;
 pub use joints::{
     Axis, ConstantAngle, Cylindrical, Distance, Free, Hinge, JointLaw, Planar, PointOnLine,
     PointOnPlane, Prismatic, Rigid, Screw, Spherical, Universal,

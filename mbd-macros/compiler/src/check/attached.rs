@@ -1,4 +1,5 @@
-//! Whether every body is held by joints that lead to the world, or is declared free.
+//! Whether every body is held by joints that lead to the world, or is declared free. A point with mass passes on what holds it; a body that
+//! hangs on a free point is as free as the point.
 
 use std::collections::BTreeMap;
 
@@ -14,13 +15,14 @@ pub fn check_attached(resolver: &mut Resolver<'_>) {
     if any_bad(resolver, "joint") {
         return;
     }
-    let mut groups = Groups::new(resolver.scene.bodies.len());
+    let bodies = resolver.scene.bodies.len();
+    let mut groups = Groups::new(bodies + resolver.scene.points.len());
     for joint in &resolver.scene.joints {
-        groups.join(node(joint.parent), node(joint.child));
+        groups.join(node(joint.parent, bodies), node(joint.child, bodies));
     }
     let mut floating: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     let world = groups.root(0);
-    for body in 0..resolver.scene.bodies.len() {
+    for body in 0..bodies {
         let root = groups.root(body + 1);
         if root != world {
             floating.entry(root).or_default().push(body);
@@ -69,23 +71,24 @@ fn check_free_once(resolver: &mut Resolver<'_>) {
     }
 }
 
-/// 0 for the world, a body's index plus 1.
-fn node(place: Place) -> usize {
+/// 0 for the world, then the bodies, then the points.
+fn node(place: Place, bodies: usize) -> usize {
     match place {
-        Place::Body(body, _) => body + 1,
-        Place::World(_) | Place::Point(_) => 0,
+        Place::World(_) => 0,
+        Place::Body(body, _) => 1 + body,
+        Place::Point(point) => 1 + bodies + point,
     }
 }
 
-/// What joints hold together: the world is 0, bodies follow.
+/// What joints hold together: the world is 0, bodies and points follow.
 struct Groups {
     up: Vec<usize>,
 }
 
 impl Groups {
-    fn new(bodies: usize) -> Self {
+    fn new(members: usize) -> Self {
         Groups {
-            up: (0..=bodies).collect(),
+            up: (0..=members).collect(),
         }
     }
 

@@ -192,8 +192,8 @@ fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
         Quantity::Energy => (
             quote!(::mbd_runtime::Energy<#t>),
             quote! {
-                let [kinetic, gravitational, elastic, load_power, damper_power] = values;
-                ::mbd_runtime::Energy { kinetic, gravitational, elastic, load_power, damper_power }
+                let [kinetic, gravitational, elastic, load_power, damper_power, drive_power] = values;
+                ::mbd_runtime::Energy { kinetic, gravitational, elastic, load_power, damper_power, drive_power }
             },
         ),
         Quantity::Momentum => (

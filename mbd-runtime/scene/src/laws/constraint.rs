@@ -79,12 +79,14 @@ impl<S: Real> Evaluation<'_, S> {
     }
 
     fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
-        let turn = |rotation: Option<nalgebra::Matrix3<S>>| rotation.map_or(Turn::None, Turn::By);
         match place {
-            Place::World(frame) => {
-                let frame = self.numbers.world_frames.get(frame)?;
-                Some(End::fixed(frame.position, turn(frame.rotation)))
-            }
+            Place::World(frame) => Some(match self.moving(frame) {
+                Some(motion) => End::moving(motion),
+                None => {
+                    let frame = self.numbers.world_frames.get(frame)?;
+                    End::fixed(frame.position, frame.rotation.into())
+                }
+            }),
             Place::Point(point) => match *self.layout.points.get(point)? {
                 PointSlots::Mass(slots) => Some(End {
                     speeds: Some((slots.v, 3)),
@@ -101,7 +103,7 @@ impl<S: Real> Evaluation<'_, S> {
                     speeds: Some((slots.v, 6)),
                     position: motion.position,
                     velocity: motion.velocity,
-                    ..End::fixed(frame.position, turn(frame.rotation))
+                    ..End::fixed(frame.position, frame.rotation.into())
                 };
                 Some(match components {
                     AngularVelocity::Body => End {
@@ -138,12 +140,15 @@ pub fn branch<S: Real>(
         .iter()
         .map(|&slots| super::Motion::read(at.state, slots, layout.nq, scene.angular_velocity))
         .collect();
+    let mut ground = Vec::new();
+    super::ground::ground(scene, numbers, at.time, &mut ground);
     let evaluation = Evaluation {
         scene,
         layout,
         numbers,
         at,
         motions: &motions,
+        ground: &ground,
     };
     match (
         evaluation.ends(joint, AngularVelocity::Body),
@@ -190,11 +195,12 @@ impl<S: Real> Constraints<S> {
             S::section(&joint.name);
             if let Some(ends) = ends(index) {
                 joint.law.constrain(&ends, rows);
+                rows.prescribe(&ends);
             }
         }
     }
 
-    /// Writes Φ, Φ_v, Φ_v v or γ.
+    /// Writes Φ, Φ_v, Φ_v v + Φ_t or γ.
     pub fn write(&mut self, what: Quantity, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let components = evaluation.scene.angular_velocity;
         self.run(evaluation, |joint| evaluation.ends(joint, components));
@@ -413,6 +419,29 @@ impl<S: Real> Constraints<S> {
             write(out, 6 * index, &force);
             write(out, 6 * index + 3, &torque);
         }
+    }
+
+    /// Power that prescribed motions put in through the joints, −λᵀ Φ_t [W], after [`Constraints::accelerate`].
+    pub fn drive_power(&self, evaluation: &Evaluation<'_, S>) -> S {
+        let layout = evaluation.layout;
+        let mut power = S::zero();
+        for (index, rows) in self.rows.iter().enumerate() {
+            let driven = layout.joints.get(index).is_some_and(|slots| slots.driven);
+            let step = layout.elimination.step_of(Part::Joint(index));
+            let (Some(step), true) = (step, driven) else {
+                continue;
+            };
+            let Some(ends) = evaluation.ends(index, AngularVelocity::Body) else {
+                continue;
+            };
+            let unknowns = self.system.unknowns(&layout.elimination, step);
+            for (row, &unknown) in rows.rows().iter().zip(unknowns) {
+                if let Some(rate) = row.prescribed_rate(&ends) {
+                    power += unknown * rate;
+                }
+            }
+        }
+        power
     }
 
     /// Solves (2) for the rows of the arguments and writes δ.

@@ -10,6 +10,7 @@ mod evaluation;
 mod forces;
 mod formula;
 mod gravity;
+mod ground;
 pub mod line;
 mod node;
 mod numbers;
@@ -26,6 +27,7 @@ use nalgebra::Vector3;
 pub use algebra::{inverse, rotation, solve_positive, symmetric};
 pub use constraint::branch;
 pub use formula::norm;
+pub use ground::FrameMotion;
 pub use numbers::{BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers};
 
 use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
@@ -34,6 +36,7 @@ use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 #[derive(Clone, Debug)]
 pub struct Scratch<S: Real> {
     motions: Vec<Motion<S>>,
+    ground: Vec<Option<FrameMotion<S>>>,
     assembly: Assembly<S>,
     constraints: Constraints<S>,
 }
@@ -44,6 +47,7 @@ impl<S: Real> Scratch<S> {
     pub fn new(scene: &Scene) -> Self {
         Scratch {
             motions: vec![Motion::unknown(); scene.bodies.len()],
+            ground: Vec::with_capacity(scene.world_frames.len()),
             assembly: Assembly::new(scene.bodies.len(), scene.points.len()),
             constraints: Constraints::new(scene),
         }
@@ -85,12 +89,14 @@ pub fn evaluate<S: Real>(
         S::section(&body.name);
         *motion = Motion::read(at.state, *slots, layout.nq, scene.angular_velocity);
     }
+    ground::ground(scene, numbers, at.time, &mut scratch.ground);
     let evaluation = Evaluation {
         scene,
         layout,
         numbers,
         at,
         motions: &scratch.motions,
+        ground: &scratch.ground,
     };
     match what {
         Quantity::Ends => ends(&evaluation, out),
@@ -117,7 +123,19 @@ pub fn evaluate<S: Real>(
         }
         Quantity::Guards => guards(&evaluation, out),
         Quantity::Outputs => outputs(&evaluation, out),
-        Quantity::Energy => energy(&evaluation, out),
+        Quantity::Energy => {
+            let drives = forces::drive_power(&evaluation);
+            let through_joints = if layout.joints.iter().any(|joint| joint.driven) {
+                scratch.assembly.collect(&evaluation);
+                scratch
+                    .constraints
+                    .accelerate(&evaluation, &scratch.assembly);
+                scratch.constraints.drive_power(&evaluation)
+            } else {
+                S::zero()
+            };
+            energy(&evaluation, drives + through_joints, out);
+        }
         Quantity::Momentum => momentum(&evaluation, out),
         Quantity::MassMatrix => mass_matrix(&evaluation, out),
         Quantity::BiasForce => bias_force(&evaluation, out),
@@ -340,8 +358,8 @@ fn outputs<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     }
 }
 
-/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − K s₊) ṡ.
-fn energy<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − K s₊) ṡ, power of prescribed motions.
+fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
     let numbers = evaluation.numbers;
     let (mut kinetic, mut potential, mut elastic, mut damping) =
         (S::zero(), S::zero(), S::zero(), S::zero());
@@ -382,6 +400,7 @@ fn energy<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         elastic,
         forces::load_power(evaluation),
         damping,
+        drives,
     ]);
 }
 

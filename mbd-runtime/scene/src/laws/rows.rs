@@ -12,6 +12,13 @@
 //! helix [m]            h sin(φ − θ)       from (2) and (3), see [`Rows::helix`]                                                          (5)
 //! ```
 //!
+//! An end on a frame of the world that moves has a velocity and an acceleration prescribed by time. Its columns times these go to the
+//! right-hand sides, so that the rows of the others are Φ_v v = −Φ_t and Φ_v v̇ = γ with
+//!
+//! ```text
+//! Φ_t = Φ_v v of the prescribed end,   γ = −(dΦ_v/dt) v − Φ_v v̇ of the prescribed end                            (6)
+//! ```
+//!
 //! with s = R p and u = ṙ_c + ω_c×s2 − ṙ_p. In body components the same rows are written from p1, p2, ω′ and A = R_pᵀ R_c alone:
 //!
 //! ```text
@@ -93,6 +100,12 @@ impl<S: Real> Columns<S> {
     pub fn rate(&self, end: &End<S>) -> S {
         self.linear.dot(&end.reference_velocity()) + self.angular.dot(&end.omega)
     }
+
+    /// The acceleration a prescribed end gives to the row; `None` where nothing is prescribed.
+    fn prescribed(&self, end: &End<S>) -> Option<S> {
+        let [acceleration, alpha] = end.prescribed?;
+        Some(self.linear.dot(&acceleration) + self.angular.dot(&alpha))
+    }
 }
 
 impl<S: Real> Row<S> {
@@ -119,9 +132,18 @@ impl<S: Real> Row<S> {
         }
     }
 
-    /// Φ_v v.
+    /// Φ_v v + Φ_t.
     pub fn rate(&self, ends: &Ends<'_, S>) -> S {
         self.parent.rate(&ends.parent) + self.child.rate(&ends.child)
+    }
+
+    /// Φ_t by (6); `None` where nothing is prescribed.
+    pub fn prescribed_rate(&self, ends: &Ends<'_, S>) -> Option<S> {
+        let both = [(&self.parent, &ends.parent), (&self.child, &ends.child)];
+        let prescribed = both.into_iter().filter(|(_, end)| end.prescribed.is_some());
+        prescribed
+            .map(|(columns, end)| columns.rate(end))
+            .reduce(|a, b| a + b)
     }
 }
 
@@ -149,6 +171,17 @@ impl<S: Real> Rows<S> {
     #[must_use]
     pub fn rows(&self) -> &[Row<S>] {
         &self.rows
+    }
+
+    /// Takes what is prescribed to the right-hand sides by (6). Once, after all rows.
+    pub fn prescribe(&mut self, ends: &Ends<'_, S>) {
+        for row in &mut self.rows {
+            for (columns, end) in [(&row.parent, &ends.parent), (&row.child, &ends.child)] {
+                if let Some(known) = columns.prescribed(end) {
+                    row.bias -= known;
+                }
+            }
+        }
     }
 
     /// The joint points coincide: three rows [m], (1).
