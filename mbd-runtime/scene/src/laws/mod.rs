@@ -27,7 +27,7 @@ use nalgebra::Vector3;
 pub use algebra::{inverse, rotation, solve_positive, symmetric};
 pub use constraint::branch;
 pub use formula::norm;
-pub use ground::FrameMotion;
+pub use ground::{FrameMotion, ground};
 pub use numbers::{BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers};
 
 use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
