@@ -173,12 +173,13 @@ impl<S: Real> System<S> {
         }
     }
 
-    /// Solves for the right-hand side by (2); the factor stays.
-    pub fn solve(&mut self, plan: &Elimination) {
+    /// Solves for the right-hand side by (2); the factor stays. `enter` hears which part comes next.
+    pub fn solve(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
         for (index, step) in plan.steps.iter().enumerate() {
             if step.rides {
                 continue;
             }
+            enter(step.part);
             if step.partition.is_some() {
                 self.carry_pair(plan, index);
                 continue;
@@ -204,6 +205,7 @@ impl<S: Real> System<S> {
             if step.rides {
                 continue;
             }
+            enter(step.part);
             if step.partition.is_some() {
                 self.find_pair(plan, index);
                 continue;

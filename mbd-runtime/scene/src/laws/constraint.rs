@@ -362,7 +362,8 @@ impl<S: Real> Constraints<S> {
                 }
             }
         }
-        self.system.solve(plan);
+        self.system
+            .solve(plan, |part| enter::<S>(evaluation.scene, part));
     }
 
     /// Linear acceleration (world axes) and ω̇ (components of the state) of a body that joints hold, after [`Constraints::accelerate`].
@@ -460,7 +461,8 @@ impl<S: Real> Constraints<S> {
                 }
             }
         }
-        self.system.solve(plan);
+        self.system
+            .solve(plan, |part| enter::<S>(evaluation.scene, part));
         out.fill(S::zero());
         for (index, step) in plan.steps.iter().enumerate() {
             let unknowns = self.system.unknowns(plan, index);
