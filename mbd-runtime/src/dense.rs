@@ -62,7 +62,7 @@ impl Dense {
             mix: vec![0.0; nc * nc],
             along: vec![0.0; nc],
             rest: vec![0.0; nv],
-            whole: vec![0.0; size * size],
+            whole: Vec::new(),
             unknowns: vec![0.0; size],
             spare: vec![0.0; size],
             exchange: vec![0; size],
@@ -223,7 +223,8 @@ impl Dense {
     pub(crate) fn accelerate_whole(&mut self, chosen: &[usize]) {
         let (n, size) = (self.nv, self.nv + chosen.len());
         let mut whole = std::mem::take(&mut self.whole);
-        whole.fill(0.0);
+        // Most runs never come here: its room is made at the first use.
+        whole.resize(size * size, 0.0);
         for i in 0..size {
             for j in 0..size {
                 whole[i * size + j] = self.element(chosen, i, j);

@@ -1,15 +1,16 @@
 //! The ladder behind the emitted solver of rows, climbed at step boundaries only and held for a whole step.
 //!
 //! 1. The rows kept in the declaration, in the emitted elimination.
-//! 2. Where other rows leave less than 1e-10 to the pivot of one of them: rows chosen anew, by what is new in each, solved without structure.
+//! 2. Where other rows leave less than 1e-10 to the pivot of one of them: rows chosen anew at the start of the step, by what is new in
+//!    each, solved without structure. Stages of the step that are regular again keep the emitted rows, unless one of them fails.
 //! 3. Where masses differ so much that the emitted elimination loses digits: the whole matrix with row exchange.
 //!
 //! Rows are never chosen again inside a step: order four would drop to two.
 
+use mbd_scene::laws::Numbers;
 use mbd_scene::{Float, Model, Quantity};
 
 use crate::dense::Dense;
-use crate::error::StepError;
 use crate::system::{External, System};
 
 /// Part left to a pivot below which its row counts as dependent on others; more where the scalar has fewer digits.
@@ -36,6 +37,8 @@ pub(crate) enum Rung {
 struct Held {
     rung: Rung,
     rows: Vec<usize>,
+    /// Whether every stage of the step takes these rows: one of them could not be solved otherwise.
+    whole_step: bool,
 }
 
 /// The ladder of one run.
@@ -59,8 +62,6 @@ pub(crate) struct Ladder<T> {
     spare: Vec<usize>,
     /// The worst rung used.
     pub worst: Rung,
-    /// Relative loss of the emitted elimination at the start, where it was measured.
-    pub loss: f64,
 }
 
 impl<T> Ladder<T> {
@@ -101,6 +102,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     pub(crate) fn pick(&mut self, time: f64, state: &[T]) {
         self.ladder.at_end = true;
         self.ladder.next.rung = self.ladder.base;
+        self.ladder.next.whole_step = false;
         if self.ladder.base == Rung::Emitted && self.is_regular() {
             return;
         }
@@ -113,7 +115,12 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         self.read_dense(time, state);
         let mut rows = std::mem::take(&mut self.ladder.next.rows);
         self.ladder.dense.choose(&mut rows);
-        self.ladder.next = Held { rung, rows };
+        let whole_step = rung == Rung::Whole || self.ladder.base == Rung::Chosen;
+        self.ladder.next = Held {
+            rung,
+            rows,
+            whole_step,
+        };
         self.ladder.worst = self.ladder.worst.max(rung);
         self.counters.rows_chosen = self.counters.rows_chosen.saturating_add(1);
     }
@@ -126,23 +133,21 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         }
         let state = state.get(..self.nx).unwrap_or_default();
         self.pick_anew(time, state);
+        self.ladder.next.whole_step = true;
         self.ladder.commit();
         true
     }
 
     /// At a start: whether masses cost digits, by comparison with the whole matrix. Rates are those of the start.
     #[cold]
-    pub(crate) fn weigh(
-        &mut self,
-        time: f64,
-        state: &[T],
-        rates: &mut [T],
-    ) -> Result<(), StepError> {
+    pub(crate) fn weigh(&mut self, time: f64, state: &[T], rates: &mut [T]) {
         let state = state.get(..self.nx).unwrap_or_default();
         let (nq, nv) = (self.model.layout().nq, self.model.layout().nv);
-        if self.ladder.now.rung != Rung::Emitted || !self.is_uneven(time, state) {
-            return Ok(());
+        if self.model.layout().nc == 0 || self.ladder.now.rung != Rung::Emitted || !self.is_uneven()
+        {
+            return;
         }
+        self.read_dense(time, state);
         let mut rows = std::mem::take(&mut self.ladder.next.rows);
         self.ladder.dense.choose(&mut rows);
         self.read_right(time, state);
@@ -153,34 +158,28 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         let pairs = emitted.iter().zip(precise);
         let off = pairs.fold(0.0, |most: f64, (a, b)| most.max((a.to_f64() - b).abs()));
         let loss = if scale > 0.0 { off / scale } else { off };
-        self.ladder.loss = loss;
         if loss > LOSS.max(64.0 * T::EPSILON.to_f64()) || !loss.is_finite() {
             self.ladder.base = Rung::Whole;
             self.ladder.worst = Rung::Whole;
             self.ladder.next = Held {
                 rung: Rung::Whole,
                 rows,
+                whole_step: true,
             };
             self.ladder.commit();
             self.accelerate(time, state, rates);
         }
-        Ok(())
     }
 
     /// Whether masses differ by more than [`RATIO`].
-    fn is_uneven(&mut self, time: f64, state: &[T]) -> bool {
-        self.read_dense(time, state);
-        let nv = self.model.layout().nv;
-        let masses = self.ladder.dense.mass.iter().step_by(nv + 1);
-        let layout = self.model.layout();
-        let linear = |speed: usize| {
-            let bodies = layout.bodies.iter().map(|slots| slots.v);
-            !bodies.into_iter().any(|v| (v + 3..v + 6).contains(&speed))
-        };
-        let (least, most) = masses.enumerate().filter(|(speed, _)| linear(*speed)).fold(
-            (f64::INFINITY, 0.0),
-            |(least, most): (f64, f64), (_, mass)| (least.min(*mass), most.max(*mass)),
-        );
+    fn is_uneven(&self) -> bool {
+        let numbers = Numbers::new(self.model.scene(), self.model.params());
+        let bodies = numbers.bodies.iter().map(|body| body.mass.to_f64());
+        let points = numbers.points.iter().map(|(mass, _)| mass.to_f64());
+        let masses = bodies.chain(points.filter(|mass| *mass > 0.0));
+        let (least, most) = masses.fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), mass| {
+            (least.min(mass), most.max(mass))
+        });
         most > RATIO * least
     }
 
@@ -193,6 +192,14 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     #[cold]
     fn accelerate_anew(&mut self, time: f64, state: &[T], rates: &mut [T]) {
+        if !self.ladder.at_end && !self.ladder.now.whole_step {
+            // Only the start of this step is singular; a stage that is not keeps its rows.
+            self.ladder.margin = f64::NAN;
+            self.measure(time, state);
+            if self.is_regular() {
+                return;
+            }
+        }
         self.read_dense(time, state);
         self.read_right(time, state);
         let Ladder {

@@ -96,7 +96,12 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             return Ok(());
         }
         let state = state.get_mut(..self.nx).unwrap_or_default();
-        let norm = self.project_positions(time, state, START_ITERATIONS)?;
+        let mut norm = self.project_positions(time, state, START_ITERATIONS)?;
+        if !self.holds(norm, state) && self.model.layout().redundancy.lost() > 0 {
+            // With these parameters the rows that were left out may ask for more than the others.
+            self.choose_always();
+            norm = self.project_positions(time, state, START_ITERATIONS)?;
+        }
         if !self.holds(norm, state) {
             return Err(StepError::InconsistentStart {
                 norm,
