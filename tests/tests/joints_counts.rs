@@ -81,9 +81,10 @@ fn cost(scene: &Scene, what: Quantity) -> usize {
     equations.program(what).expect("traced").cost().total()
 }
 
-/// Operations of filling, factorising and solving the system, given the rows.
+/// Operations of filling, factorising and solving the system, given the rows: without the margin, two a row.
 fn solving(scene: &Scene) -> usize {
-    cost(scene, Quantity::Correction) - cost(scene, Quantity::ConstraintJacobian)
+    let margin = 2 * Layout::new(scene).rank();
+    cost(scene, Quantity::Correction) - cost(scene, Quantity::ConstraintJacobian) - margin
 }
 
 #[test]

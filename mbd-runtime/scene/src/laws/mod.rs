@@ -15,6 +15,7 @@ pub mod line;
 mod node;
 mod numbers;
 mod pair;
+mod posture;
 pub mod rows;
 
 use algebra::{elements, vector, write};
@@ -27,8 +28,9 @@ use nalgebra::Vector3;
 pub use algebra::{inverse, rotation, solve_positive, symmetric};
 pub use constraint::branch;
 pub use formula::norm;
-pub use ground::FrameMotion;
+pub use ground::{FrameMotion, ground};
 pub use numbers::{BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers};
+pub(crate) use posture::Posture;
 
 use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 
@@ -42,14 +44,15 @@ pub struct Scratch<S: Real> {
 }
 
 impl<S: Real> Scratch<S> {
-    /// Room for one scene.
+    /// Room for the scene of a layout.
     #[must_use]
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(layout: &Layout) -> Self {
+        let (bodies, points) = (layout.bodies.len(), layout.points.len());
         Scratch {
-            motions: vec![Motion::unknown(); scene.bodies.len()],
-            ground: Vec::with_capacity(scene.world_frames.len()),
-            assembly: Assembly::new(scene.bodies.len(), scene.points.len()),
-            constraints: Constraints::new(scene),
+            motions: vec![Motion::unknown(); bodies],
+            ground: Vec::new(),
+            assembly: Assembly::new(bodies, points),
+            constraints: Constraints::new(layout),
         }
     }
 }
