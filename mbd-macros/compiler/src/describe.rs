@@ -1,6 +1,6 @@
 //! Formulas as the user would write them, and formulas changed all over a scene.
 
-use mbd_scene::joints::Coordinate;
+use mbd_scene::joints::{Along, Coordinate};
 use mbd_scene::{Formula, Function, Gravity, LoadKind, Place, PointKind, Scene, Triple};
 
 /// A place by its name, `capsule.bridle[0]`.
@@ -203,6 +203,8 @@ pub fn rewrite(scene: &mut Scene, change: &mut impl FnMut(&mut Formula)) {
     for joint in &mut scene.joints {
         let numbers = joint.law.numbers_mut();
         numbers.into_iter().for_each(|number| one(number, change));
+        let along = joint.along.iter_mut().flat_map(Along::formulas_mut);
+        along.for_each(|formula| one(formula, change));
     }
     for line in &mut scene.lines {
         for formula in [

@@ -43,6 +43,42 @@ pub fn check_attached(resolver: &mut Resolver<'_>) {
     }
 }
 
+/// A joint marked `loop` closes one: without the marked joints its two ends are joined already.
+pub fn check_marks(resolver: &mut Resolver<'_>) {
+    if any_bad(resolver, "joint") {
+        return;
+    }
+    let scene = &resolver.scene;
+    let mut groups = Groups::new(scene.bodies.len());
+    for joint in scene.joints.iter().filter(|joint| !joint.cut) {
+        groups.join(node(joint.parent), node(joint.child));
+    }
+    let mut reports = Vec::new();
+    for (index, joint) in scene.joints.iter().enumerate() {
+        let (parent, child) = (node(joint.parent), node(joint.child));
+        if !joint.cut || groups.root(parent) == groups.root(child) {
+            continue;
+        }
+        let world = groups.root(0);
+        let alone = if groups.root(child) == world {
+            parent
+        } else {
+            child
+        };
+        let body = alone.checked_sub(1);
+        let places = (
+            resolver.declared.get(&Named::Joint(index)),
+            body.and_then(|body| resolver.declared.get(&Named::Body(body))),
+        );
+        if let (Some(&at), Some(&body)) = places {
+            reports.push(say::no_loop(at, &joint.name, body));
+        }
+    }
+    reports
+        .into_iter()
+        .for_each(|report| resolver.messages.push(report));
+}
+
 fn check_free_once(resolver: &mut Resolver<'_>) {
     let mut first: BTreeMap<usize, usize> = BTreeMap::new();
     let scene = &resolver.scene;

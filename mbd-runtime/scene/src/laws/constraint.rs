@@ -242,7 +242,8 @@ impl<S: Real> Constraints<S> {
                     if !uniform {
                         force += body_gravity(evaluation, body).map(|g| numbers.mass * g);
                     }
-                    let torque = motion.rotation.transpose() * torque - motion.gyroscopic(numbers);
+                    let torque = motion.rotation.transpose() * torque + assembly.own[body]
+                        - motion.gyroscopic(numbers);
                     write(right, 0, &force);
                     write(right, 3, &torque);
                 }
