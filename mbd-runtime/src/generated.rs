@@ -55,12 +55,14 @@ pub struct Energy<T> {
     pub kinetic: T,
     /// Energy of gravity [J]; zero at the world origin, or at infinity for a point mass.
     pub gravitational: T,
-    /// Σ ½ K s₊² [J].
+    /// Σ ½ K s₊² of lines, of springs and stops of joints [J].
     pub elastic: T,
     /// Power of the loads on bodies and points [W].
     pub load_power: T,
-    /// Power of the dampers [W], ≤ 0.
+    /// Power of dampers and friction [W], ≤ 0.
     pub damper_power: T,
+    /// Power that prescribed motions put in [W].
+    pub drive_power: T,
 }
 
 /// Momentum of bodies and points with mass, world axes.
@@ -87,7 +89,16 @@ pub struct LineState<T> {
     pub stiffness: [T; 6],
 }
 
-/// A coordinate or a speed.
+/// What a joint does to its child at the origin of frame 2, world axes; its parent receives the opposite at the same point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reaction<T> {
+    /// Force [N].
+    pub force: [T; 3],
+    /// Torque about the origin of frame 2 [N m].
+    pub torque: [T; 3],
+}
+
+/// A coordinate, a speed or a constraint row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoordInfo {
     /// Its name, `capsule.qw`.

@@ -32,7 +32,7 @@ mod watch;
 pub use columns::{Name, state_names};
 pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError};
 pub use event::{Happening, Occurrence};
-pub use generated::{CoordInfo, Costs, Energy, LineState, Momentum, ParamInfo, Wrench};
+pub use generated::{CoordInfo, Costs, Energy, LineState, Momentum, ParamInfo, Reaction, Wrench};
 pub use generic::{Generic, GenericWork};
 pub use integrate::Scales;
 pub use linearise::{Linearisation, Matrix};

@@ -50,7 +50,8 @@ pub struct Options {
     pub watch: bool,
     /// The most accepted and rejected steps of one call.
     pub max_steps: u64,
-    /// Whether the work of loads and dampers is integrated along with the run.
+    /// Whether the work of loads, dampers and prescribed motions is integrated along with the run. Where joints are driven this solves the system of
+    /// the joints once more a stage.
     pub work: bool,
     /// Whether a run stops on a declared event.
     pub stop_at_events: bool,

@@ -3,7 +3,7 @@
 use mbd_scene::laws::{LineNumbers, Numbers};
 use mbd_scene::{Float, Layout, ParamError, Real, Scene, check_params};
 
-use crate::LineState;
+use crate::{LineState, Reaction};
 
 pub use crate::verify::verify;
 
@@ -81,6 +81,20 @@ pub fn line_states<T: Real, const N: usize>(numbers: &[T]) -> [LineState<T>; N] 
             stretch,
             rate,
             stiffness: [xx, xy, xz, yy, yz, zz],
+        }
+    })
+}
+
+/// Six numbers a joint as reactions.
+#[must_use]
+pub fn reactions<T: Real, const N: usize>(numbers: &[T]) -> [Reaction<T>; N] {
+    let mut joints = numbers.chunks_exact(6);
+    std::array::from_fn(|_| {
+        let joint: Option<&[T; 6]> = joints.next().and_then(fixed);
+        let [fx, fy, fz, tx, ty, tz] = *joint.unwrap_or(&[T::zero(); 6]);
+        Reaction {
+            force: [fx, fy, fz],
+            torque: [tx, ty, tz],
         }
     })
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Φ_v δ = −Φ,    M δ = Φ_vᵀ μ,   x ← x moved by δ         repeated with fresh rows                (1)
-//! Φ_v δ = −Φ_v v, M δ = Φ_vᵀ μ,  v ← v + δ                                                        (2)
+//! Φ_v δ = −(Φ_v v + Φ_t), M δ = Φ_vᵀ μ,  v ← v + δ                                                (2)
 //! ```
 //!
 //! The move is the smallest one weighted by mass. Rotations move by the exponential: q ← q ∘ exp(δ/2) in body components,
@@ -271,10 +271,15 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
                 *to = *from;
             }
             self.read_rows(Quantity::ConstraintRate, time, &trial);
+            let moved = self.projection.rows.clone();
+            // Φ_t, where motions are prescribed, is the rate at rest.
+            let speeds = nq..nq + self.projection.shift.len();
+            trial.get_mut(speeds).unwrap_or_default().fill(T::zero());
+            self.read_rows(Quantity::ConstraintRate, time, &trial);
             self.projection.trial = trial;
-            let rows = self.projection.rows.iter().enumerate();
-            let error = rows.fold(0.0, |most: f64, (row, got)| {
-                most.max((got.to_f64() + asked(row)).abs())
+            let rows = moved.iter().zip(&self.projection.rows).enumerate();
+            let error = rows.fold(0.0, |most: f64, (row, (got, rest))| {
+                most.max((got.to_f64() - rest.to_f64() + asked(row)).abs())
             });
             unsolved = error > UNSOLVED;
         }

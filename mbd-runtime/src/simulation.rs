@@ -176,11 +176,11 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         self.state.get(..self.system.nx).unwrap_or(&[])
     }
 
-    /// Work of the loads and of the dampers on bodies and points since the start [J], when [`Options::work`] asks for it.
+    /// Work of the loads, of the dampers and of prescribed motions on bodies and points since the start [J], when [`Options::work`] asks for it.
     #[must_use]
-    pub fn work(&self) -> Option<[f64; 2]> {
+    pub fn work(&self) -> Option<[f64; 3]> {
         match self.state.get(self.system.nx..)? {
-            [loads, dampers] => Some([loads.to_f64(), dampers.to_f64()]),
+            [loads, dampers, drives] => Some([loads, dampers, drives].map(|work| work.to_f64())),
             _ => None,
         }
     }

@@ -44,8 +44,8 @@ impl<T, E: External<T>> External<T> for &E {
     }
 }
 
-/// Integrals carried along behind the state: work of the loads and of the dampers [J].
-pub(crate) const WORKS: usize = 2;
+/// Integrals carried along behind the state: work of the loads, of the dampers and of prescribed motions [J].
+pub(crate) const WORKS: usize = 3;
 
 /// A model with everything it needs to be a right-hand side.
 pub(crate) struct System<'m, T: Float, M: Model<T>, E> {
@@ -66,12 +66,12 @@ pub(crate) struct System<'m, T: Float, M: Model<T>, E> {
     /// The numbers the caller supplied last.
     pub inputs: Vec<T>,
     quaternions: Vec<usize>,
-    energy: [T; 5],
+    energy: [T; 6],
     /// Scratch of the model.
     pub work: M::Work,
     /// What keeps the state on the joints.
     pub projection: Projection<T>,
-    /// Whether the work of loads and dampers is integrated along.
+    /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
 }
 
@@ -89,7 +89,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
             nx: layout.nx(),
             inputs: vec![T::zero(); layout.ni],
             quaternions: layout.bodies.iter().map(|slots| slots.q + 3).collect(),
-            energy: [T::zero(); 5],
+            energy: [T::zero(); 6],
             work: model.work(),
             projection: Projection::new(layout.nc, layout.nv, layout.nx()),
             works,

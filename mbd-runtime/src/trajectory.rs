@@ -33,7 +33,8 @@ pub struct Content {
     pub reactions: bool,
     /// The declared outputs.
     pub outputs: bool,
-    /// Kinetic, gravitational and elastic energy and their sum [J], power of loads and dampers [W], and their work [J] when the run integrates it.
+    /// Kinetic, gravitational and elastic energy and their sum [J], power of loads, dampers and prescribed
+    /// motions [W], and their work [J] when the run integrates it.
     pub energy: bool,
 }
 
@@ -325,8 +326,9 @@ fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
             ["kinetic", "gravitational", "elastic", "total"]
                 .map(|kind| Name::new("energy", kind, "J")),
         );
-        names.extend(["loads", "dampers"].map(|kind| Name::new("power", kind, "W")));
-        names.extend(["loads", "dampers"].map(|kind| Name::new("work", kind, "J")));
+        let kinds = ["loads", "dampers", "drives"];
+        names.extend(kinds.map(|kind| Name::new("power", kind, "W")));
+        names.extend(kinds.map(|kind| Name::new("work", kind, "J")));
     }
     names
 }

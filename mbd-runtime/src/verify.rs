@@ -17,6 +17,7 @@ struct Place {
     ends: Vec<f64>,
     inputs: Vec<f64>,
     rows: Vec<f64>,
+    time: f64,
 }
 
 /// Compares a model with the laws run on numbers, its derivatives with dual numbers, and asks that M is symmetric and positive definite.
@@ -84,8 +85,8 @@ fn check_mass_matrix(model: &impl Model<f64>, place: &Place) -> Result<(), Strin
     Ok(())
 }
 
-/// The energy changes by the power of loads and dampers: d(T + V + E)/dt = P, along ẋ. For scenes without nodes (their velocity is not
-/// free) whose gravity is known.
+/// The energy changes by the power of loads, dampers and prescribed motions: d(T + V + E)/dt = P + λᵀ Φ̇, along ẋ (Φ̇ is not zero at a
+/// random place). For scenes without nodes (their velocity is not free) whose gravity is known.
 fn check_power(model: &impl Model<f64>, place: &Place) -> Result<(), String> {
     if !model.layout().nodes.is_empty() || model.scene().gravity == Gravity::Field {
         return Ok(());
@@ -97,6 +98,7 @@ fn check_power(model: &impl Model<f64>, place: &Place) -> Result<(), String> {
     let rates = evaluate(model, Quantity::Derivative, &free);
     let moved = |by: f64| {
         let mut moved = free.clone();
+        moved.time += by;
         moved
             .state
             .iter_mut()
@@ -112,11 +114,17 @@ fn check_power(model: &impl Model<f64>, place: &Place) -> Result<(), String> {
         .fold(1.0_f64, |scale, rate| scale.max(rate.abs()));
     let step = 1e-5 / fastest;
     let change = (moved(step) - moved(-step)) / (2.0 * step);
-    let power = energy[3] + energy[4];
+    let multipliers = evaluate(model, Quantity::Multipliers, &free);
+    let slips = evaluate(model, Quantity::ConstraintRate, &free);
+    let slipping = multipliers
+        .iter()
+        .zip(&slips)
+        .map(|(force, rate)| force * rate);
+    let power = energy[3] + energy[4] + energy[5] + slipping.sum::<f64>();
     let largest = energy.iter().fold(1.0_f64, |scale, x| scale.max(x.abs()));
     if (change - power).abs() > 1e-4 * (power.abs() + largest * fastest * 1e-4) {
         return Err(format!(
-            "the energy changes by {change} W, loads and dampers give {power} W"
+            "the energy changes by {change} W, loads, dampers and prescribed motions give {power} W"
         ));
     }
     Ok(())
@@ -161,13 +169,14 @@ impl Place {
                 .collect(),
             inputs: list(layout.ni),
             rows: list(layout.nc),
+            time: 0.3,
             state,
         }
     }
 
     fn at(&self) -> At<'_, f64> {
         At {
-            time: 0.3,
+            time: self.time,
             state: &self.state,
             nodes: &self.nodes,
             effective: &self.effective,

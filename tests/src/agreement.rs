@@ -1,8 +1,8 @@
-//! Generated code against the interpreter, to the bit, and against the laws on numbers, to rounding.
+//! Generated code against the interpreter, to the bit, and against the laws on numbers, to rounding: at instants and along runs.
 
 use mbd_compiler::Interpreted;
-use mbd_runtime::Generic;
-use mbd_scene::{Model, Quantity};
+use mbd_runtime::{Generic, Options, Simulation};
+use mbd_scene::{Float, Model, Quantity};
 
 use crate::assert_close;
 use crate::instant::{Instant, value};
@@ -13,24 +13,34 @@ use crate::random::Random;
 /// # Panics
 /// With the first number that differs, its quantity and the model.
 pub fn agrees<M: Model<f64>>(model: &M) {
+    let mut random = Random::new(7);
+    let instants: Vec<_> = (0..20)
+        .map(|_| Instant::random(model.scene(), &mut random))
+        .collect();
+    agrees_at(model, &instants);
+}
+
+/// The same at given instants.
+///
+/// # Panics
+/// As [`agrees`].
+pub fn agrees_at<M: Model<f64>>(model: &M, instants: &[Instant<f64>]) {
     let scene = model.scene().clone();
     let name = scene.name.clone();
     let interpreted = Interpreted::new(scene.clone(), model.params())
         .expect("the generated model accepted these parameters");
-    let generic = Generic::new(scene.clone(), model.params())
-        .expect("the generated model accepted these parameters");
+    let generic =
+        Generic::new(scene, model.params()).expect("the generated model accepted these parameters");
     assert_eq!(
         model.layout(),
         generic.layout(),
         "{name}: the declaration and its layout survive code generation"
     );
-    let mut random = Random::new(7);
-    for _ in 0..20 {
-        let instant = Instant::random(&scene, &mut random);
+    for instant in instants {
         for what in model.layout().quantities() {
             let (generated, interpreted) = (
-                value(model, what, &instant),
-                value(&interpreted, what, &instant),
+                value(model, what, instant),
+                value(&interpreted, what, instant),
             );
             for (i, (a, b)) in generated.iter().zip(&interpreted).enumerate() {
                 assert!(
@@ -48,11 +58,69 @@ pub fn agrees<M: Model<f64>>(model: &M) {
             };
             assert_close(
                 &generated,
-                &value(&generic, what, &instant),
+                &value(&generic, what, instant),
                 relative,
                 1e-12,
                 &format!("{name}, {what:?}"),
             );
         }
     }
+}
+
+/// A run of Rk4 with projection from a consistent start: the generated model gives the bits of the interpreter at every step, and after the
+/// last one the state of the generic solver to `relative` of its largest number.
+///
+/// # Panics
+/// With the first step that differs, or a run that fails.
+pub fn agrees_along<T: Float, M: Model<T>>(
+    model: &M,
+    start: &[f64],
+    (steps, step): (u32, f64),
+    relative: f64,
+) {
+    let scene = model.scene().clone();
+    let name = scene.name.clone();
+    let interpreted = Interpreted::new(scene.clone(), model.params()).expect("valid parameters");
+    let generic = Generic::new(scene, model.params()).expect("valid parameters");
+    let (mut ours, mut theirs, mut laws) = (
+        begun(model, start, step),
+        begun(&interpreted, start, step),
+        begun(&generic, start, step),
+    );
+    let bits = |state: &[T]| -> Vec<u64> { state.iter().map(|x| x.to_f64().to_bits()).collect() };
+    assert_eq!(bits(ours.state()), bits(theirs.state()), "{name}: start");
+    for count in 0..steps {
+        advance(&mut ours, &name);
+        advance(&mut theirs, &name);
+        advance(&mut laws, &name);
+        assert_eq!(
+            bits(ours.state()),
+            bits(theirs.state()),
+            "{name}: step {count}"
+        );
+    }
+    let wide = |state: &[T]| -> Vec<f64> { state.iter().map(|x| x.to_f64()).collect() };
+    assert_close(
+        &wide(ours.state()),
+        &wide(laws.state()),
+        relative,
+        0.0,
+        &name,
+    );
+}
+
+fn begun<'m, T: Float, M: Model<T>>(
+    model: &'m M,
+    start: &[f64],
+    step: f64,
+) -> Simulation<'m, T, M> {
+    let mut run = Simulation::new(model, Options::rk4(step)).expect("options");
+    let state: Vec<T> = start.iter().map(|&x| T::from_f64(x)).collect();
+    run.set_state(0.0, &state).expect("a state");
+    run.start().expect("a consistent start");
+    run
+}
+
+fn advance<T: Float, M: Model<T>>(run: &mut Simulation<'_, T, M>, name: &str) {
+    run.step().unwrap_or_else(|error| panic!("{name}: {error}"));
 }

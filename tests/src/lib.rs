@@ -8,6 +8,7 @@ pub mod implicit;
 pub mod instant;
 pub mod jet;
 pub mod mechanism;
+pub mod obeying;
 pub mod oracle;
 pub mod random;
 pub mod random_scene;

@@ -329,7 +329,7 @@ fn a_quantity_that_is_not_emitted_says_so_loudly() {
         inputs: &[],
         rows: &[],
     };
-    let mut energy = [0.0; 5];
+    let mut energy = [0.0; 6];
     weight.evaluate(Quantity::Energy, &at, &mut (), &mut energy);
     assert!(energy.iter().all(|x| x.is_nan()));
 }

@@ -1,10 +1,13 @@
 //! Joints in generated code: chains and loops declared in the language agree in every execution, in both components of angular velocity.
 
-use mbd_runtime::{Options, Simulation, model};
-use mbd_scene::{AngularVelocity, Layout, Model, Quantity};
-use tests::agreement::agrees;
+use mbd_runtime::model;
+use mbd_scene::{AngularVelocity, Model, Quantity};
+use tests::agreement::{agrees, agrees_along, agrees_at};
 use tests::assert_close;
+use tests::instant::Instant;
 use tests::mechanism::evaluate;
+use tests::obeying::obeying;
+use tests::random::Random;
 use tests::reference::{load, numbers};
 
 /// Two links on parallel hinges, the second axis inclined by a frame.
@@ -95,6 +98,117 @@ macro_rules! ring {
     };
 }
 
+/// A free hub with four arms on tangential hinges.
+macro_rules! hub {
+    ($name:ident $components:ident) => {
+        model! {
+            /// A hub with four arms.
+            pub model $name<T> {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            angular_velocity: $components;
+            body centre {
+                mass: 5.0 kg,
+                inertia: diag(0.4, 0.5, 0.8) kg*m^2,
+                frame east at [0.5, 0.0, 0.0] m,
+                frame north at [0.0, 0.5, 0.0] m,
+                frame west at [-0.5, 0.0, 0.0] m,
+                frame south at [0.0, -0.5, 0.0] m,
+            }
+            body a { mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+            body b { mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+            body c { mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+            body d { mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+            joint centre_free: free from world to centre.com;
+            joint pin_a: hinge from centre.east to a.top { axis: y }
+            joint pin_b: hinge from centre.north to b.top { axis: x }
+            joint pin_c: hinge from centre.west to c.top { axis: y }
+            joint pin_d: hinge from centre.south to d.top { axis: x }
+            }
+        }
+    };
+}
+
+hub!(HubBody body);
+hub!(HubWorld world);
+
+/// Joints in a tree, axes odd, frames inclined, a pitch that stays a parameter.
+macro_rules! turning {
+    ($name:ident $components:ident) => {
+        model! {
+            /// Joints that turn.
+            pub model $name<T> {
+            gravity: [0.4, -0.3, -9.81] m/s^2;
+            angular_velocity: $components;
+            param pitch = 80 mm in 10 mm ..= 200 mm;
+            body nut { mass: 1.3 kg, inertia: diag(0.03, 0.04, 0.05) kg*m^2, frame tip at [0.1, 0.2, -0.3] m rotated rpy(0.3, -0.4, 0.5) }
+            body spider {
+                mass: 0.8 kg,
+                inertia: full { xx: 0.03, yy: 0.04, zz: 0.05, xy: 0.004, xz: -0.003, yz: 0.002 } kg*m^2 (matrix elements),
+                frame top at [0.0, 0.1, 0.3] m rotated rpy(-0.2, 0.1, 0.7),
+                frame tip at [0.2, 0.0, -0.3] m,
+            }
+            body sleeve { mass: 0.9 kg, inertia: diag(0.03, 0.04, 0.05) kg*m^2, frame top at [0.1, 0.0, 0.2] m }
+            joint thread: screw from world to nut.com { axis: [0.6, 0.0, 0.8], pitch: pitch }
+            joint knuckle: universal from nut.tip to spider.top { axes: [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0]] }
+            joint slide: cylindrical from spider.tip to sleeve.top { axis: [1, 2, 3] }
+            }
+        }
+    };
+}
+
+turning!(TurningBody body);
+turning!(TurningWorld world);
+
+/// Joints that slide, and a weld.
+macro_rules! sliding {
+    ($name:ident $components:ident) => {
+        model! {
+            /// Joints that slide.
+            pub model $name<T> {
+            gravity: [0.4, -0.3, -9.81] m/s^2;
+            angular_velocity: $components;
+            body tile { mass: 1.1 kg, inertia: diag(0.03, 0.04, 0.05) kg*m^2, frame edge at [0.3, 0.1, 0.0] m rotated rpy(0.1, 0.2, 0.3) }
+            body weld { mass: 0.7 kg, inertia: diag(0.02, 0.03, 0.04) kg*m^2, frame top at [0.0, 0.2, 0.2] m, frame tip at [0.0, -0.2, 0.1] m }
+            body cart { mass: 0.6 kg, inertia: diag(0.02, 0.03, 0.04) kg*m^2 }
+            joint floor: planar from world to tile.com { axis: [0.0, 0.6, 0.8] }
+            joint glue: rigid from tile.edge to weld.top;
+            joint guide: prismatic from weld.tip to cart.com { axis: -x }
+            }
+        }
+    };
+}
+
+sliding!(SlidingBody body);
+sliding!(SlidingWorld world);
+
+/// The joints of one or two rows, and a hinge and a spherical joint carried by them.
+macro_rules! holding {
+    ($name:ident $components:ident) => {
+        model! {
+            /// Joints that hold little.
+            pub model $name<T> {
+            gravity: [0.4, -0.3, -9.81] m/s^2;
+            angular_velocity: $components;
+            body bob { mass: 1.3 kg, inertia: diag(0.03, 0.04, 0.05) kg*m^2, frame top at [0.1, 0.2, 0.3] m, frame tip at [0.1, 0.2, -0.3] m rotated rpy(0.3, -0.4, 0.5) }
+            body bead { mass: 0.8 kg, inertia: diag(0.03, 0.04, 0.05) kg*m^2, frame eye at [0.0, 0.1, 0.1] m }
+            body puck { mass: 0.9 kg, inertia: diag(0.03, 0.04, 0.05) kg*m^2, frame rim at [0.1, 0.0, 0.2] m rotated rpy(0.5, 0.0, 0.1) }
+            body cone { mass: 1.1 kg, inertia: diag(0.03, 0.04, 0.05) kg*m^2, frame edge at [0.3, 0.1, 0.0] m }
+            body ball { mass: 0.7 kg, inertia: diag(0.02, 0.03, 0.04) kg*m^2, frame top at [0.0, 0.2, 0.2] m, frame tip at [0.0, -0.2, 0.1] m rotated rpy(0.2, 0.3, 0.0) }
+            body leaf { mass: 0.6 kg, inertia: diag(0.02, 0.03, 0.04) kg*m^2, frame top at [0.1, -0.2, 0.3] m }
+            joint rod: distance from world to bob.top { length: 0.8 m }
+            joint wire: point_on_line from bob.tip to bead.eye { axis: [2, 1, 0] }
+            joint shelf: point_on_plane from world to puck.rim { axis: z }
+            joint tilt: constant_angle from puck.rim to cone.com { axes: [z, x], angle: 60 deg }
+            joint socket: spherical from cone.edge to ball.top;
+            joint door: hinge from ball.tip to leaf.top { axis: [0.3, -0.5, 0.7] }
+            }
+        }
+    };
+}
+
+holding!(HoldingBody body);
+holding!(HoldingWorld world);
+
 ring!(LoopBody body);
 ring!(LoopWorld world);
 
@@ -140,32 +254,13 @@ door!(DoorWorld world);
 
 #[test]
 fn what_acts_along_coordinates_agrees_in_every_execution() {
-    agrees(&DoorBody::<f64>::new(Default::default()).expect("defaults"));
-    agrees(&DoorWorld::<f64>::new(Default::default()).expect("defaults"));
-}
-
-#[test]
-fn a_door_with_a_closer_runs_in_f32_as_in_f64() {
-    let double = DoorBody::<f64>::new(Default::default()).expect("defaults");
-    let single = DoorBody::<f32>::new(Default::default()).expect("defaults");
-    let mut start = vec![0.0; Layout::new(double.scene()).nx()];
-    // The bolt and what sits on it lie along the door.
-    let half = std::f64::consts::FRAC_1_SQRT_2;
-    start[..7].copy_from_slice(&[0.4, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
-    for body in start[7..28].chunks_exact_mut(7) {
-        body.copy_from_slice(&[0.8, 0.0, 0.1, half, 0.0, half, 0.0]);
+    fn check<M: Model<f64>>(model: &M) {
+        agrees_at(model, &on_the_joints(model));
+        let start = obeying(model.scene(), &mut Random::new(8));
+        agrees_along(model, &start, (100, 2e-3), 1e-10);
     }
-    let mut run = Simulation::new(&double, Options::tsit5(1e-9)).expect("options");
-    run.set_state(0.0, &start).expect("a state");
-    run.run(1.0).expect("a run");
-    let mut low = Simulation::new(&single, Options::tsit5(1e-5)).expect("options");
-    let start: Vec<f32> = start.iter().map(|x| *x as f32).collect();
-    low.set_state(0.0, &start).expect("a state");
-    low.run(1.0).expect("a run");
-    assert!(!run.events().is_empty(), "a stop is touched");
-    assert_eq!(run.events().len(), low.events().len());
-    let low: Vec<f64> = low.state().iter().map(|x| f64::from(*x)).collect();
-    assert_close(&low, run.state(), 0.0, 2e-3, "f32 against f64");
+    check(&DoorBody::<f64>::new(Default::default()).expect("defaults"));
+    check(&DoorWorld::<f64>::new(Default::default()).expect("defaults"));
 }
 
 #[test]
@@ -180,22 +275,109 @@ fn a_closed_loop_of_four_joints_agrees_in_every_execution() {
     agrees(&LoopWorld::<f64>::new(Default::default()).expect("defaults"));
 }
 
+/// Random instants on the joints, and near them.
+fn on_the_joints<M: Model<f64>>(model: &M) -> Vec<Instant<f64>> {
+    let mut random = Random::new(31);
+    let mut instants = Vec::new();
+    for _ in 0..5 {
+        let state = obeying(model.scene(), &mut random);
+        let off = state.iter().map(|x| x + random.uniform(-1e-2, 1e-2));
+        let off = off.collect();
+        for state in [state, off] {
+            let instant = Instant::random(model.scene(), &mut random);
+            instants.push(Instant { state, ..instant });
+        }
+    }
+    instants
+}
+
 #[test]
-fn the_declared_loop_closes_where_the_loop_of_the_reference_does() {
+fn every_joint_agrees_in_every_execution() {
+    fn check<M: Model<f64>>(model: &M) {
+        agrees_at(model, &on_the_joints(model));
+    }
+    check(&TurningBody::<f64>::new(Default::default()).expect("defaults"));
+    check(&TurningWorld::<f64>::new(Default::default()).expect("defaults"));
+    check(&SlidingBody::<f64>::new(Default::default()).expect("defaults"));
+    check(&SlidingWorld::<f64>::new(Default::default()).expect("defaults"));
+    check(&HoldingBody::<f64>::new(Default::default()).expect("defaults"));
+    check(&HoldingWorld::<f64>::new(Default::default()).expect("defaults"));
+    check(&HubBody::<f64>::new(Default::default()).expect("defaults"));
+    check(&HubWorld::<f64>::new(Default::default()).expect("defaults"));
+}
+
+#[test]
+fn a_run_of_a_tree_is_the_same_in_every_execution() {
+    fn run<M: Model<f64>>(model: &M) {
+        let start = obeying(model.scene(), &mut Random::new(8));
+        agrees_along(model, &start, (100, 2e-3), 1e-10);
+    }
+    run(&ChainBody::<f64>::new(Default::default()).expect("defaults"));
+    run(&ChainWorld::<f64>::new(Default::default()).expect("defaults"));
+    run(&HubBody::<f64>::new(Default::default()).expect("defaults"));
+    run(&HubWorld::<f64>::new(Default::default()).expect("defaults"));
+    run(&TurningBody::<f64>::new(Default::default()).expect("defaults"));
+    run(&TurningWorld::<f64>::new(Default::default()).expect("defaults"));
+    run(&SlidingBody::<f64>::new(Default::default()).expect("defaults"));
+    run(&SlidingWorld::<f64>::new(Default::default()).expect("defaults"));
+    run(&HoldingBody::<f64>::new(Default::default()).expect("defaults"));
+    run(&HoldingWorld::<f64>::new(Default::default()).expect("defaults"));
+}
+
+#[test]
+fn a_run_of_the_closed_loop_is_the_same_in_every_execution() {
+    let body = LoopBody::<f64>::new(Default::default()).expect("defaults");
+    agrees_along(&body, &of_the_reference(&body, 0), (100, 2e-3), 1e-10);
+    let world = LoopWorld::<f64>::new(Default::default()).expect("defaults");
+    agrees_along(&world, &of_the_reference(&world, 0), (100, 2e-3), 1e-10);
+}
+
+#[test]
+fn runs_in_single_precision_have_the_bits_of_the_interpreter() {
+    fn run<M: Model<f32>>(model: &M, start: &[f64]) {
+        agrees_along(model, start, (50, 2e-3), 1e-4);
+    }
+    let start = |scene| obeying(scene, &mut Random::new(8));
+    let door = DoorBody::<f32>::new(Default::default()).expect("defaults");
+    run(&door, &start(door.scene()));
+    let chain = ChainBody::<f32>::new(Default::default()).expect("defaults");
+    run(&chain, &start(chain.scene()));
+    let hub = HubWorld::<f32>::new(Default::default()).expect("defaults");
+    run(&hub, &start(hub.scene()));
+    let turning = TurningBody::<f32>::new(Default::default()).expect("defaults");
+    run(&turning, &start(turning.scene()));
+    let sliding = SlidingWorld::<f32>::new(Default::default()).expect("defaults");
+    run(&sliding, &start(sliding.scene()));
+    let holding = HoldingWorld::<f32>::new(Default::default()).expect("defaults");
+    run(&holding, &start(holding.scene()));
+    let double = LoopBody::<f64>::new(Default::default()).expect("defaults");
+    let closed = LoopBody::<f32>::new(Default::default()).expect("defaults");
+    run(&closed, &of_the_reference(&double, 0));
+}
+
+/// A state of `reference/loops`, at rest.
+fn of_the_reference<M: Model<f64>>(model: &M, instant: usize) -> Vec<f64> {
     let file = load("loops/loop_RUSP.json");
     let history = &file["time_history"];
+    let layout = model.layout();
+    let mut state = vec![0.0; layout.nx()];
+    for (body, slots) in layout.bodies.iter().enumerate() {
+        let position = numbers(&history["r"][instant][body]);
+        let attitude = numbers(&history["quat"][instant][body]);
+        state[slots.q..slots.q + 3].copy_from_slice(&position);
+        state[slots.q + 3..slots.q + 7].copy_from_slice(&attitude);
+    }
+    state
+}
+
+#[test]
+fn the_declared_loop_closes_where_the_loop_of_the_reference_does() {
     let model = LoopBody::<f64>::new(Default::default()).expect("defaults");
-    let layout = Layout::new(model.scene());
+    let layout = model.layout();
     assert_eq!(model.scene().angular_velocity, AngularVelocity::Body);
     assert_eq!((layout.nv, layout.nc), (18, 17));
     for instant in [0, 20, 50] {
-        let mut state = vec![0.0; layout.nx()];
-        for (body, slots) in layout.bodies.iter().enumerate() {
-            let position = numbers(&history["r"][instant][body]);
-            let attitude = numbers(&history["quat"][instant][body]);
-            state[slots.q..slots.q + 3].copy_from_slice(&position);
-            state[slots.q + 3..slots.q + 7].copy_from_slice(&attitude);
-        }
+        let state = of_the_reference(&model, instant);
         let rows = evaluate(model.scene(), Quantity::Constraint, &state, &[], &[]);
         assert_close(&rows, &[0.0; 17], 0.0, 1e-11, "rows of the closed loop");
     }

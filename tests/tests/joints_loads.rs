@@ -1,7 +1,7 @@
 //! What acts along joint coordinates: the law against loads written out by hand, closed forms, energy, derivatives, and what it costs.
 
 use mbd_compiler::Interpreted;
-use mbd_runtime::{Generic, Happening, Options, ParamError, Quantity, Simulation};
+use mbd_runtime::{Generic, Happening, Mode, Options, ParamError, Quantity, Simulation, StepError};
 use mbd_scene::{Differentiated, Layout, Model, Scene, Variable};
 use tests::assert_close;
 use tests::declared::{cost, derived_cost, read};
@@ -330,37 +330,73 @@ fn rk4_keeps_its_order_through_bounces_between_two_stops() {
     }
 }
 
+/// Runs for three seconds and balances energy with the work of loads, dampers and drives; hands the works back, and the switches of stops.
+fn balance(scene: Scene, params: &[f64], start: &[f64]) -> ([f64; 3], usize) {
+    let model = Interpreted::new(scene, params).expect("valid params");
+    let options = Options {
+        work: true,
+        ..Options::tsit5(1e-12)
+    };
+    let mut run = Simulation::new(&model, options).expect("options");
+    run.set_state(0.0, start).expect("a state");
+    let energy = |run: &mut Simulation<'_, f64, _>| {
+        let mut out = [0.0; 6];
+        run.evaluate(Quantity::Energy, &mut out).expect("no nodes");
+        out[..3].iter().sum::<f64>()
+    };
+    let before = energy(&mut run);
+    for tenth in 1..=30 {
+        run.run(0.1 * f64::from(tenth)).expect("a run");
+        let works = run.work().expect("asked for");
+        let change = energy(&mut run) - before;
+        assert_close(&[change], &[works.iter().sum()], 0.0, 1e-9, "energy");
+    }
+    let stops = run.events().iter();
+    let stops = stops.filter(|event| matches!(event.what, Happening::Stop(..)));
+    (run.work().expect("asked for"), stops.count())
+}
+
 #[test]
 fn the_energy_of_a_run_balances_with_springs_dampers_friction_stops_and_forces() {
     for components in COMPONENTS {
         let scene = arm(components, HINGE, SLEEVE, "");
-        let model = Interpreted::new(scene, &[3.0, 0.4]).expect("defaults");
-        let options = Options {
-            work: true,
-            ..Options::tsit5(1e-12)
-        };
-        let mut run = Simulation::new(&model, options).expect("options");
-        run.set_state(0.0, &start(&mut Random::new(2)))
-            .expect("a state");
-        let energy = |run: &mut Simulation<'_, f64, _>| {
-            let mut out = [0.0; 5];
-            run.evaluate(Quantity::Energy, &mut out).expect("no nodes");
-            out[..3].iter().sum::<f64>()
-        };
-        let before = energy(&mut run);
-        for tenth in 1..=30 {
-            run.run(0.1 * f64::from(tenth)).expect("a run");
-            let [loads, dampers] = run.work().expect("asked for");
-            let change = energy(&mut run) - before;
-            assert_close(&[change], &[loads + dampers], 0.0, 1e-9, components);
-        }
-        let stops = run.events().iter();
-        let stops = stops
-            .filter(|event| matches!(event.what, Happening::Stop(..)))
-            .count();
+        let start = start(&mut Random::new(2));
+        let ([loads, dampers, drives], stops) = balance(scene, &[3.0, 0.4], &start);
         assert!(stops >= 4, "{stops} switches of stops");
-        let [loads, dampers] = run.work().expect("asked for");
         assert!(dampers < -0.1 && loads.abs() > 1e-3, "{loads} {dampers}");
+        assert_eq!(drives, 0.0);
+    }
+}
+
+#[test]
+fn the_energy_of_springs_on_a_moving_frame_balances_with_the_work_of_the_drive() {
+    for components in COMPONENTS {
+        let scene = read(&format!(
+            "model Shaker {{
+                gravity: [0.0, 0.0, -9.81] m/s^2;
+                angular_velocity: {components};
+                world {{ frame deck at [0.0, 0.0, 0.1 m * sin(7 rad/s * time)] rotated rpy(0.0, 0.0, 0.2 * sin(3 rad/s * time)) }}
+                body cart {{ mass: 2.0 kg, inertia: diag(0.17, 0.2, 0.1) kg*m^2, frame pin at [0.0, 0.3, 0.0] m }}
+                body flag {{ mass: 0.4 kg, inertia: diag(0.02, 0.02, 0.01) kg*m^2, frame pin at [0.3, 0.0, 0.0] m }}
+                point bead {{ mass: 0.2 kg }}
+                joint shaft: cylindrical from world.deck to cart.com {{
+                    slide: {{ stiffness: 300 N/m, damping: 3 N*s/m, stops: [-0.1, 0.05] m, stop_stiffness: 2 kN/m, stop_damping: 4 N*s/m }},
+                    angle: {{ stiffness: 4 N*m/rad, damping: 0.2 N*m*s, friction: 0.1 N*m, friction_rate: 0.1 rad/s, force: 0.3 N*m }},
+                }}
+                joint hinge: hinge from cart.pin to flag.pin {{ axis: z, damping: 0.02 N*m*s }}
+                joint wire: point_on_line from world.deck to bead {{ axis: x, stiffness: 20 N/m, damping: 0.1 N*s/m }}
+            }}"
+        ));
+        let mut start = vec![0.0; 32];
+        (start[3], start[10]) = (1.0, 1.0);
+        start[7..9].copy_from_slice(&[-0.3, 0.3]);
+        start[14] = 0.2;
+        let ([loads, dampers, drives], stops) = balance(scene, &[], &start);
+        assert!(
+            dampers < -0.1 && drives.abs() > 0.1 && loads != 0.0,
+            "{loads} {dampers} {drives}"
+        );
+        assert!(stops >= 2, "{stops} switches of stops");
     }
 }
 
@@ -475,4 +511,51 @@ fn numbers_that_no_coordinate_can_have_are_refused_by_name() {
         matches!(error, Some(ParamError::NotPhysical { .. })),
         "{error:?}"
     );
+}
+
+#[test]
+fn the_watch_of_fixed_steps_knows_the_springs_of_joints() {
+    both(|components, hinge, joint| {
+        let (unit, _, inertia) = measures(hinge);
+        let stiffness = 2e4 * inertia;
+        let text = format!("{joint} stiffness: {stiffness:?} {unit} }}");
+        let model = Generic::<f64>::with_defaults(alone(components, &text)).expect("defaults");
+        let run = |step: f64| {
+            let mut run = Simulation::new(&model, Options::rk4(step)).expect("options");
+            run.set_state(0.0, &placed(hinge, 0.01, 0.0))
+                .expect("a state");
+            run.run(2.0).map_err(|error| error.cause)
+        };
+        // Step times rate: 1.41 is stable, 2.97 is not.
+        assert_eq!(run(0.01).err(), None, "{text}");
+        let unstable = run(0.021).err();
+        assert!(
+            matches!(unstable, Some(StepError::UnstableStep { .. })),
+            "{text}: {unstable:?}"
+        );
+    });
+}
+
+#[test]
+fn a_run_goes_on_from_a_snapshot_in_the_middle_of_a_touch_to_the_bit() {
+    let text = "hinge from world to bob.com { axis: z, stops: [-0.1, 0.3] rad, stop_stiffness: 200 N*m, stop_damping: 4 N*m*s }";
+    let model = Generic::<f64>::with_defaults(alone("body", text)).expect("defaults");
+    let mut run = Simulation::new(&model, Options::rk4(0.01)).expect("options");
+    run.set_state(0.0, &placed(true, 0.0, 0.7))
+        .expect("a state");
+    run.run(0.5).expect("a run");
+    assert!(
+        matches!(run.events(), [only] if matches!(only.what, Happening::Stop(1, Mode::Active)))
+    );
+    let snapshot = run.snapshot();
+    let mut other = Simulation::new(&model, Options::rk4(0.01)).expect("options");
+    other.restore(&snapshot).expect("a snapshot of this model");
+    for run in [&mut run, &mut other] {
+        run.run(3.0).expect("a run");
+    }
+    let bits = |run: &Simulation<'_, f64, _>| -> Vec<u64> {
+        run.state().iter().map(|x| x.to_bits()).collect()
+    };
+    assert_eq!(bits(&run), bits(&other));
+    assert!(run.events().len() > 3);
 }

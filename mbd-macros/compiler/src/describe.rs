@@ -1,6 +1,6 @@
 //! Formulas as the user would write them, and formulas changed all over a scene.
 
-use mbd_scene::joints::{Along, Coordinate};
+use mbd_scene::joints::{Along, Coordinate, FORCE, NUMBERS, STOPS};
 use mbd_scene::{Formula, Function, Gravity, LoadKind, Place, PointKind, Scene, Triple};
 
 /// A place by its name, `capsule.bridle[0]`.
@@ -147,6 +147,32 @@ fn apply(scene: &Scene, function: Function, parts: &[Formula], level: u8) -> Str
         Function::Angle => "angle",
     };
     format!("{name}({})", list(scene, parts))
+}
+
+/// What acts along one coordinate of a joint, in the user's names.
+#[must_use]
+pub fn along(scene: &Scene, coordinate: &Coordinate, along: &Along) -> String {
+    let mut parts = Vec::new();
+    let given = |index: usize| {
+        let (field, formula) = (NUMBERS.get(index)?, along.numbers()[index].as_ref()?);
+        let unit = field.measured.unit(coordinate);
+        Some(format!("{} = {} {unit}", field.name, text(scene, formula)))
+    };
+    parts.extend((0..NUMBERS.len()).filter_map(given));
+    if along.stops.iter().any(Option::is_some) {
+        let place = |stop: &Option<Formula>| {
+            let stop = stop.as_ref();
+            stop.map_or_else(|| "none".to_owned(), |stop| text(scene, stop))
+        };
+        let [low, high] = along.stops.each_ref().map(place);
+        let unit = STOPS.measured.unit(coordinate);
+        parts.push(format!("stops = [{low}, {high}] {unit}"));
+    }
+    if let Some(force) = &along.force {
+        let unit = FORCE.measured.unit(coordinate);
+        parts.push(format!("force = {} {unit}", text(scene, force)));
+    }
+    parts.join(", ")
 }
 
 /// Applies `change` to every formula of a scene and to everything inside it.

@@ -76,6 +76,16 @@ pull = "side[1].tension"
 [event.slack]
 value = "side[0].tension"
 falls = "0 N"
+
+[body."bead[i in 0..2]"]
+mass = "0.1 kg"
+inertia = "diag(1e-4, 1e-4, 1e-4) kg*m^2"
+frame."ear[j in 0..2]" = "[0.0, i * 1 cm, j * 1 cm]"
+
+[joint."hold[i in 0..2]"]
+kind = "spherical"
+from = "link.tip"
+to = "bead[i].ear[1 - i]"
 "#;
 
 /// The same scene as text.
@@ -95,7 +105,13 @@ model Link<T> {
         frame top at [0.0, 0.0, 0.5] m,
         frame tip at [0.0, 0.0, -0.5] m rotated rpy(0.0, 0.0, 90 deg),
     }
+    body bead[i in 0..2] {
+        mass: 0.1 kg,
+        inertia: diag(1e-4, 1e-4, 1e-4) kg*m^2,
+        frame ear[j in 0..2] at [0.0, i * 1 cm, j * 1 cm],
+    }
     joint link_free: free from world to link.com;
+    joint hold[i in 0..2]: spherical from link.tip to bead[i].ear[1 - i];
     line side[i in 0..2] from world.anchor to link.top { free_length: L + i * 10 cm, stiffness: 1 kN/m }
     load drag on link at tip = -(0.5 kg/s) * (link.tip.velocity - wind);
     output pull = side[1].tension;

@@ -9,8 +9,14 @@
 //! world has no node. Any order gives a block LDLᵀ without pivoting as long as a joint follows one of its bodies: its own diagonal block is
 //! zero until that body has filled it with −Φ_v M⁻¹ Φ_vᵀ. The orders differ a lot in cost: a hub with 11 arms costs ten times more bodies
 //! first than leaf first, a chain half as much again leaf first as bodies first. So candidates are counted and the cheapest is taken.
+//!
+//! The last candidate takes a body out **together with the joint that carries it**, leaf to root, where the joint determines part of the
+//! body's speeds exactly ([`Partition`]): substitution in place of pivots, the articulated-body recursion on a tree. The rows of the
+//! other joints stay in the system until at most one thing outside (a body not yet gone, or the world) is coupled to them; then a
+//! rigid motion of everything they hold does not change them, so what has gone determines their full block.
 
 use crate::layout::{JointSlots, PointSlots};
+use crate::partition::Partition;
 
 /// What a node of the system is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +30,7 @@ pub enum Part {
 }
 
 /// A node of the system at its place in the order.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     /// What it is.
     pub part: Part,
@@ -36,6 +42,10 @@ pub struct Step {
     pub diagonal: usize,
     /// Later nodes it is coupled to, in order.
     pub below: Vec<Below>,
+    /// A body that leaves together with the joint that carries it, the next step: how that joint parts its speeds.
+    pub partition: Option<Partition>,
+    /// A joint that leaves together with the body it carries, the step before.
+    pub rides: bool,
 }
 
 /// A coupling to a later node.
@@ -50,7 +60,7 @@ pub struct Below {
 }
 
 /// The order of elimination of a scene, and where its blocks live.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Elimination {
     /// The nodes, first eliminated first.
     pub steps: Vec<Step>,
@@ -64,8 +74,10 @@ pub struct Elimination {
     pub points: Vec<Option<usize>>,
     /// The step of each joint; `None` where it has no rows.
     pub joints: Vec<Option<usize>>,
-    /// Estimated operations of the candidates: bodies first, least degree, least cost.
-    pub candidates: [usize; 3],
+    /// The joint that carries each body out of the system; `None` where none does.
+    pub carriers: Vec<Option<usize>>,
+    /// Estimated operations of the candidates: bodies first, least degree, least cost, articulated bodies.
+    pub candidates: [usize; 4],
 }
 
 /// The graph while nodes leave it.
@@ -76,6 +88,8 @@ struct Graph {
     neighbours: Vec<Vec<usize>>,
     /// Whether fill has reached its diagonal block.
     filled: Vec<bool>,
+    /// Whether it is coupled to the world.
+    grounded: Vec<bool>,
     gone: Vec<bool>,
 }
 
@@ -86,6 +100,7 @@ impl Graph {
             sizes: Vec::new(),
             neighbours: Vec::new(),
             filled: Vec::new(),
+            grounded: Vec::new(),
             gone: Vec::new(),
         };
         let held = |part: Part| {
@@ -100,8 +115,9 @@ impl Graph {
         }
         for (index, joint) in joints.iter().enumerate().filter(|(_, j)| j.len > 0) {
             let node = graph.push(Part::Joint(index), joint.len);
+            graph.grounded[node] = joint.ends.contains(&None);
             for end in joint.ends.into_iter().flatten() {
-                if let Some(other) = graph.parts.iter().position(|&part| part == end) {
+                if let Some(other) = graph.node(end) {
                     graph.join(node, other);
                 }
             }
@@ -114,8 +130,13 @@ impl Graph {
         self.sizes.push(size);
         self.neighbours.push(Vec::new());
         self.filled.push(false);
+        self.grounded.push(false);
         self.gone.push(false);
         self.parts.len() - 1
+    }
+
+    fn node(&self, part: Part) -> Option<usize> {
+        self.parts.iter().position(|&known| known == part)
     }
 
     fn join(&mut self, a: usize, b: usize) {
@@ -153,12 +174,66 @@ impl Graph {
         let neighbours = std::mem::take(&mut self.neighbours[node]);
         for (i, &a) in neighbours.iter().enumerate() {
             self.filled[a] = true;
+            self.grounded[a] |= self.grounded[node];
             self.neighbours[a].retain(|&other| other != node);
             for &b in neighbours.iter().take(i) {
                 self.join(a, b);
             }
         }
         neighbours
+    }
+
+    /// Whether a joint's rows are determined by what has gone: at most one thing outside is coupled to them.
+    fn settled(&self, node: usize) -> bool {
+        let outside = self.neighbours[node].iter().filter(|&&n| !self.is_joint(n));
+        self.filled[node] && outside.count() + usize::from(self.grounded[node]) <= 1
+    }
+
+    /// Estimated operations of eliminating a body together with the joint that carries it. A third of the products meets a zero or a one.
+    fn pair_cost(&self, body: usize, joint: usize) -> usize {
+        let rows = self.sizes[joint];
+        let loops = self.coupled(body) - rows;
+        let outside = loops + self.coupled(joint) - self.sizes[body];
+        let free = (6 - rows) * (rows + loops) * (rows + loops + 1);
+        free + (2 * rows * rows * outside + rows * outside * (outside + 1)) * 7 / 20
+    }
+
+    /// Eliminates each body that a joint carries together with that joint, the carried before their carriers, and the rest by cost.
+    /// `carriers`: per node the joint node that carries it. None if there are no such bodies.
+    fn run_articulated(mut self, carriers: &[Option<usize>]) -> Option<(Vec<usize>, usize)> {
+        let riding: Vec<usize> = carriers.iter().copied().flatten().collect();
+        let (mut order, mut cost) = (Vec::new(), 0);
+        loop {
+            let carries = |graph: &Graph, node: usize| {
+                let outboard = carriers
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(n, &j)| Some((n, j?)));
+                outboard.into_iter().any(|(n, joint)| {
+                    n != node && !graph.gone[n] && graph.neighbours[joint].contains(&node)
+                })
+            };
+            let price = |graph: &Graph, node: usize| match carriers[node] {
+                Some(joint) => graph.pair_cost(node, joint),
+                None => graph.cost(node),
+            };
+            let next = (0..self.parts.len())
+                .filter(|&node| !self.gone[node] && !riding.contains(&node))
+                .filter(|&node| match self.is_joint(node) {
+                    true => self.settled(node),
+                    false => !carries(&self, node),
+                })
+                .min_by_key(|&node| price(&self, node));
+            let Some(node) = next else { break };
+            cost += price(&self, node);
+            self.eliminate(node);
+            order.push(node);
+            if let Some(joint) = carriers[node] {
+                self.eliminate(joint);
+                order.push(joint);
+            }
+        }
+        (!riding.is_empty() && order.len() == self.parts.len()).then_some((order, cost))
     }
 
     /// Eliminates everything, always the ready node of the smallest key; the order and its cost.
@@ -176,35 +251,83 @@ impl Graph {
     }
 }
 
+/// The joint that carries each body: the first that parts its speeds, unless the body carries itself through it.
+fn carriers(
+    bodies: usize,
+    joints: &[JointSlots],
+    partitions: &[Option<Partition>],
+) -> Vec<Option<usize>> {
+    let mut carriers: Vec<Option<usize>> = vec![None; bodies];
+    for (index, (joint, partition)) in joints.iter().zip(partitions).enumerate() {
+        let [parent, Some(Part::Body(child))] = joint.ends else {
+            continue;
+        };
+        let parts = partition.is_some_and(|partition| joint.len == 3 + partition.turns);
+        let mut inboard = parent;
+        while let Some(Part::Body(body)) = inboard
+            && body != child
+        {
+            inboard = carriers[body].and_then(|joint| joints[joint].ends[0]);
+        }
+        if parts && carriers[child].is_none() && inboard != Some(Part::Body(child)) {
+            carriers[child] = Some(index);
+        }
+    }
+    carriers
+}
+
 impl Elimination {
-    /// Chooses the cheapest of the candidate orders and lays out its blocks.
+    /// Chooses the cheapest of the candidate orders and lays out its blocks. `partitions`: how each joint parts the speeds of its child.
     #[must_use]
-    pub fn new(bodies: usize, points: &[PointSlots], joints: &[JointSlots]) -> Self {
+    pub fn new(
+        bodies: usize,
+        points: &[PointSlots],
+        joints: &[JointSlots],
+        partitions: &[Option<Partition>],
+    ) -> Self {
         let graph = Graph::new(bodies, points, joints);
         let bodies_first = |g: &Graph, n: usize| (usize::from(g.is_joint(n)), g.cost(n));
         let least_degree =
             |g: &Graph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));
         let least_cost = |g: &Graph, n: usize| (g.cost(n), 0);
-        let candidates = [
+        let carriers = carriers(bodies, joints, partitions);
+        let carrying: Vec<Option<usize>> = graph
+            .parts
+            .iter()
+            .map(|part| match *part {
+                Part::Body(body) => carriers[body].and_then(|joint| graph.node(Part::Joint(joint))),
+                _ => None,
+            })
+            .collect();
+        let plain = [
             graph.clone().run(bodies_first),
             graph.clone().run(least_degree),
             graph.clone().run(least_cost),
         ];
-        let costs = candidates.each_ref().map(|(_, cost)| *cost);
+        let articulated = graph.clone().run_articulated(&carrying);
+        let [a, b, c] = plain.each_ref().map(|(_, cost)| *cost);
+        let last = articulated.as_ref().map_or(usize::MAX, |(_, cost)| *cost);
         let mut elimination = Elimination {
-            candidates: costs,
+            candidates: [a, b, c, last],
             bodies: vec![None; bodies],
             points: vec![None; points.len()],
             joints: vec![None; joints.len()],
+            carriers: vec![None; bodies],
             ..Elimination::default()
         };
-        if let Some((order, _)) = candidates.into_iter().min_by_key(|(_, cost)| *cost) {
-            elimination.lay_out(graph, &order);
+        let cheapest = plain.into_iter().min_by_key(|(_, cost)| *cost);
+        match (articulated, cheapest) {
+            (Some((order, cost)), Some((_, other))) if cost <= other => {
+                elimination.carriers = carriers;
+                elimination.lay_out(graph, &order, partitions);
+            }
+            (_, Some((order, _))) => elimination.lay_out(graph, &order, partitions),
+            _ => {}
         }
         elimination
     }
 
-    fn lay_out(&mut self, mut graph: Graph, order: &[usize]) {
+    fn lay_out(&mut self, mut graph: Graph, order: &[usize], partitions: &[Option<Partition>]) {
         let mut place = vec![0; graph.parts.len()];
         for (step, &node) in order.iter().enumerate() {
             place[node] = step;
@@ -225,12 +348,19 @@ impl Elimination {
                 targets: Vec::new(),
             });
             let below = below.collect();
+            let carrier = match part {
+                Part::Body(body) => self.carriers[body],
+                _ => None,
+            };
+            let partition = carrier.and_then(|joint| partitions.get(joint).copied().flatten());
             self.steps.push(Step {
                 part,
                 first: self.unknowns,
                 size,
                 diagonal,
                 below,
+                partition,
+                rides: matches!(part, Part::Joint(joint) if self.carriers.contains(&Some(joint))),
             });
             self.unknowns += size;
         }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// A place on a body, on the world or at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Place {
-    /// A frame fixed in the world: index into `Scene::world_frames`.
+    /// A frame of the world: index into `Scene::world_frames`.
     World(usize),
     /// The origin of a body's frame: body index, frame index. Frame 0 of every body is `com`.
     Body(usize, usize),

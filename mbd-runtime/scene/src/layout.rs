@@ -4,8 +4,9 @@ use crate::Gravity;
 use crate::elimination::{Elimination, Part};
 use crate::formula::Place;
 use crate::joints::Side;
+use crate::partition::Partition;
 use crate::quantity::{Differentiated, Quantity, Variable};
-use crate::scene::{LoadKind, NodeModel, PointKind, Scene};
+use crate::scene::{Frame, LoadKind, NodeModel, PointKind, Scene};
 
 /// Index ranges of a scene's state, lines, nodes and inputs.
 ///
@@ -63,6 +64,8 @@ pub struct JointSlots {
     pub len: usize,
     /// What its parent end and its child end sit on; `None` for the world.
     pub ends: [Option<Part>; 2],
+    /// Whether its rows depend on time: an end on a frame of the world that moves.
+    pub driven: bool,
 }
 
 /// A stop of a joint.
@@ -229,7 +232,7 @@ impl Layout {
             Quantity::Balance => 3 * self.nodes.len(),
             Quantity::Guards => 2 * self.one_way() + self.events,
             Quantity::Outputs => self.columns,
-            Quantity::Energy => 5,
+            Quantity::Energy => 6,
             Quantity::Momentum => 6,
             Quantity::MassMatrix => self.nv * self.nv,
             Quantity::BiasForce | Quantity::Forces => self.nv,
@@ -249,6 +252,19 @@ impl Layout {
             Quantity::Correction if self.nc > 0 => self.nv,
             Quantity::Reactions | Quantity::Correction => 0,
             Quantity::Partial(of, by) => self.len(of.quantity()) * self.variables(by),
+        }
+    }
+
+    /// Columns of a quantity that is a matrix; 1 for a list.
+    #[must_use]
+    pub fn columns_of(&self, what: Quantity) -> usize {
+        match what {
+            Quantity::MassMatrix | Quantity::ConstraintJacobian => self.nv,
+            Quantity::NodeByAnchor(k) | Quantity::CondensedStiffness(k) => {
+                self.placed(k).map_or(1, |n| 3 * n.anchors.len())
+            }
+            Quantity::Partial(_, by) => self.variables(by),
+            _ => 1,
         }
     }
 
@@ -348,6 +364,10 @@ impl Layout {
     }
 
     fn place_rows(&mut self, scene: &Scene) {
+        let moving = |place: Place| match place {
+            Place::World(frame) => scene.world_frames.get(frame).is_some_and(Frame::moves),
+            _ => false,
+        };
         for joint in &scene.joints {
             let ends = [joint.parent, joint.child].map(|place| match place {
                 Place::World(_) => None,
@@ -361,10 +381,17 @@ impl Layout {
                 row: self.nc,
                 len,
                 ends,
+                driven: len > 0 && [joint.parent, joint.child].into_iter().any(moving),
             });
             self.nc += len;
         }
-        self.elimination = Elimination::new(scene.bodies.len(), &self.points, &self.joints);
+        let partitions: Vec<Option<Partition>> = scene
+            .joints
+            .iter()
+            .map(|joint| Partition::of(&joint.law))
+            .collect();
+        self.elimination =
+            Elimination::new(scene.bodies.len(), &self.points, &self.joints, &partitions);
     }
 
     fn node_at(&self, place: Place) -> Option<usize> {

@@ -12,11 +12,13 @@ mod cost;
 mod dual;
 mod elimination;
 mod formula;
+mod jet;
 pub mod joints;
 pub mod laws;
 mod layout;
 mod model;
 mod params;
+mod partition;
 mod quantity;
 mod real;
 mod scene;
@@ -25,6 +27,7 @@ pub use cost::Cost;
 pub use dual::Dual;
 pub use elimination::{Below, Elimination, Part, Step};
 pub use formula::{Formula, Function, Place};
+pub use jet::Jet;
 pub use joints::{
     Along, Axis, ConstantAngle, Cylindrical, Distance, Free, Hinge, JointLaw, Planar, PointOnLine,
     PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical, Universal,
@@ -35,6 +38,7 @@ pub use layout::{
 };
 pub use model::Model;
 pub use params::{ParamError, check_params};
+pub use partition::Partition;
 pub use quantity::{At, Differentiated, Quantity, Variable};
 pub use real::{Float, Real, TINY};
 pub use scene::{

@@ -22,7 +22,8 @@ pub enum Quantity {
     Guards,
     /// The declared outputs, component by component.
     Outputs,
-    /// Kinetic, gravitational and elastic energy [J], power of the loads and power of dampers and friction on the bodies and points [W] (≤ 0 for a damper).
+    /// Kinetic, gravitational and elastic energy [J], power of the loads and power of dampers and friction on the bodies and points
+    /// [W] (≤ 0 for a damper), power that prescribed motions (moving frames of the world) put in [W].
     Energy,
     /// Linear momentum [kg m/s] and angular momentum about the world origin [kg m²/s]; of bodies and points with mass.
     Momentum,
@@ -42,11 +43,11 @@ pub enum Quantity {
     CondensedStiffness(usize),
     /// The constraints Φ (n_c), rows in the order of `Layout::joints` [m or 1]: zero where the joints hold.
     Constraint,
-    /// Φ_v, dense, row by row (n_c × n_v); only structural non-zeros are written. Φ̇ = Φ_v v.
+    /// Φ_v, dense, row by row (n_c × n_v); only structural non-zeros are written. Φ̇ = Φ_v v + Φ_t.
     ConstraintJacobian,
-    /// Φ_v v (n_c) [m/s or 1/s].
+    /// Φ̇ = Φ_v v + Φ_t (n_c) [m/s or 1/s]; Φ_t is zero unless a motion is prescribed.
     ConstraintRate,
-    /// γ = −(dΦ_v/dt) v (n_c): Φ_v v̇ = γ holds along every motion of the joints [m/s² or 1/s²].
+    /// γ = −(dΦ_v/dt) v − dΦ_t/dt (n_c): Φ_v v̇ = γ holds along every motion of the joints [m/s² or 1/s²].
     ConstraintBias,
     /// The multipliers λ (n_c) of M v̇ + h = f + Φ_vᵀ λ, Φ_v v̇ = γ [N for a row in metres, N m for a row without unit].
     Multipliers,

@@ -29,7 +29,7 @@ pub struct Scene {
     pub inputs: Vec<Input>,
     /// Tables, linear between their rows.
     pub tables: Vec<Table>,
-    /// Frames fixed in the world. Index 0 is the world itself: origin, axes, name `world`.
+    /// Frames of the world, fixed or moving as a function of time. Index 0 is the world itself: origin, axes, name `world`.
     pub world_frames: Vec<Frame>,
     /// Rigid bodies.
     pub bodies: Vec<Body>,
@@ -217,7 +217,7 @@ pub struct Table {
     pub y_unit: Unit,
 }
 
-/// A place and axes on a body or in the world.
+/// A place and axes on a body or in the world. The formulas of a frame of the world may contain time, those of a body may not.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Name; repeated frames are `bridle[0]`, `bridle[1]`, ….
@@ -226,6 +226,16 @@ pub struct Frame {
     pub position: Triple,
     /// Rotation from frame axes to body axes: rows of the matrix; columns are the frame's axes. `None`: parallel to the body.
     pub rotation: Option<[Triple; 3]>,
+}
+
+impl Frame {
+    /// Whether it depends on time.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        let rows = self.rotation.iter().flatten().flatten();
+        let mut all = self.position.iter().chain(rows);
+        all.any(|formula| formula.contains(|part| *part == Formula::Time))
+    }
 }
 
 /// A rigid body.

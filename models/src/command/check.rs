@@ -11,7 +11,7 @@ use super::scene_file::SceneFile;
 
 /// Reads a scene and tells what is in it.
 pub fn check(path: &Path) -> Result<String, Failure> {
-    let file = SceneFile::read(path)?;
+    let file = SceneFile::find(path)?;
     let mut parts = vec![describe::counts(&file.scene).text()];
     parts.extend(describe::things(&file.scene).iter().map(Table::text));
     parts.push(describe::operations(&Equations::trace(&file.scene)).text());

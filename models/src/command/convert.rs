@@ -9,7 +9,7 @@ use super::scene_file::SceneFile;
 
 /// The scene of a file as TOML, with the settings of its run.
 pub fn convert(path: &Path) -> Result<String, Failure> {
-    let file = SceneFile::read(path)?;
+    let file = SceneFile::find(path)?;
     let scene = write_toml(&file.scene);
     Ok(match file.run.as_str() {
         "" => scene,

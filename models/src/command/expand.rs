@@ -7,6 +7,6 @@ use super::scene_file::SceneFile;
 
 /// The expansion as formatted text.
 pub fn expand(path: &Path) -> Result<String, Failure> {
-    let file = SceneFile::read(path)?;
+    let file = SceneFile::find(path)?;
     mbd_compiler::expand(&file.reading).map_err(Failure::Invalid)
 }

@@ -2,10 +2,11 @@
 
 use mbd_compiler::nearest;
 use models::report::Table;
+use models::scenes;
 
-/// A scene that comes along.
-#[derive(Debug)]
-pub struct Ready {
+/// A ready scene that is a file: the two forms a scene file can have.
+#[derive(Clone, Copy, Debug)]
+pub struct Written {
     /// Its name for `mbd run`.
     pub name: &'static str,
     /// What it is.
@@ -16,25 +17,44 @@ pub struct Ready {
     pub is_toml: bool,
 }
 
-/// The ready scenes; the file of each is in `models/scenes`.
-pub const READY: &[Ready] = &[
-    Ready {
+/// The ready scenes that are files; they lie in `models/scenes`.
+const WRITTEN: &[Written] = &[
+    Written {
         name: "drop",
-        what: "a capsule under a parachute, dropped with slack in the riser; a stepwise equilibrium point",
+        what: "Capsule under a parachute, dropped with slack in the riser; a stepwise equilibrium point. A scene in TOML.",
         text: include_str!("../../scenes/drop.toml"),
         is_toml: true,
     },
-    Ready {
+    Written {
         name: "swing",
-        what: "a bob on a line that hangs from the knot of two others; a static equilibrium point",
+        what: "Bob on a line that hangs from the knot of two others; a static equilibrium point. A scene as text.",
         text: include_str!("../../scenes/swing.mbd"),
         is_toml: false,
     },
 ];
 
+/// A ready scene.
+#[derive(Clone, Copy, Debug)]
+pub enum Ready {
+    /// Compiled with `model!`.
+    Compiled(&'static scenes::Ready),
+    /// A file, run without compilation.
+    Written(&'static Written),
+}
+
+/// The names of the ready scenes.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    let compiled = scenes::READY.iter().map(|ready| ready.name);
+    compiled.chain(WRITTEN.iter().map(|ready| ready.name))
+}
+
 /// A ready scene by name.
-pub fn ready(name: &str) -> Option<&'static Ready> {
-    READY.iter().find(|ready| ready.name == name)
+pub fn ready(name: &str) -> Option<Ready> {
+    let compiled = scenes::READY.iter().find(|ready| ready.name == name);
+    let written = || WRITTEN.iter().find(|ready| ready.name == name);
+    compiled
+        .map(Ready::Compiled)
+        .or_else(|| written().map(Ready::Written))
 }
 
 /// The table of `mbd list`.
@@ -44,17 +64,22 @@ pub fn list() -> String {
         .column("what", "");
     table.push([
         "parachute".into(),
-        "the main job: `mbd` without arguments, or `mbd parachute`".into(),
+        "The main job: `mbd` without arguments, or `mbd parachute`.".into(),
     ]);
-    for ready in READY {
+    for ready in scenes::READY {
+        let doc = (ready.scene)().doc;
+        let what = doc.lines().next().unwrap_or_default();
+        table.push([ready.name.into(), what.into()]);
+    }
+    for ready in WRITTEN {
         table.push([ready.name.into(), ready.what.into()]);
     }
-    table.text()
+    table.text() + "\n`mbd run NAME` runs one; check, expand and convert take its name, too.\n"
 }
 
 /// No scene has this name.
 pub fn unknown(name: &str) -> String {
-    let near = nearest(name, READY.iter().map(|ready| ready.name));
-    let hint = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+    let hint = nearest(name, names().chain(["parachute"]))
+        .map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
     format!("no ready scene and no file named `{name}`{hint} (`mbd list` shows the ready scenes)")
 }

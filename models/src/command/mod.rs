@@ -40,7 +40,7 @@ enum Command {
     List,
     /// Run a scene: history, figures, report and summary.
     Run(RunArgs),
-    /// Check a scene file and say what it contains: bodies, freedoms, nodes, operations.
+    /// Check a scene and say what it contains: bodies, freedoms, nodes, operations.
     Check(SceneArgs),
     /// Print the Rust that `model!` makes of a scene.
     Expand(SceneArgs),
@@ -48,10 +48,10 @@ enum Command {
     Convert(SceneArgs),
 }
 
-/// A scene file.
+/// A scene.
 #[derive(Args, Debug)]
 struct SceneArgs {
-    /// A scene: `.toml`, or the text of a `model!` declaration in a file of any other name.
+    /// A ready scene (`mbd list`), or a file: `.toml`, or the text of a `model!` declaration in a file of any other name.
     scene: PathBuf,
 }
 

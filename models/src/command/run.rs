@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use mbd_runtime::scene::Scene;
 use models::progress::Progress;
-use models::run::{Outcome, Plan, Settings, fly, publish, summary_json};
+use models::run::{Outcome, Plan, Settings, publish, summary_json};
 use toml::Value;
 
 use super::failure::Failure;
@@ -46,18 +46,24 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
         scene,
         settings,
         remarks,
+        fly,
         ..
-    } = find(&args.scene)?;
+    } = SceneFile::find(&args.scene)?;
     let settings = with_flags(settings, args)?;
     let invalid = |error: &dyn std::fmt::Display| {
         Failure::Invalid(format!("{}: {error}", args.scene.display()))
     };
     let plan = Plan::new(&scene, &settings).map_err(|error| invalid(&error))?;
-    let outcome = fly(&scene, &plan, &mut Progress::new()).map_err(|error| invalid(&error))?;
+    let progress = &mut Progress::new();
+    let flown = match fly {
+        Some(fly) => fly(&plan, progress),
+        None => models::run::fly(&scene, &plan, progress),
+    };
+    let outcome = flown.map_err(|error| invalid(&error))?;
     let folder = args
         .out
         .clone()
-        .unwrap_or_else(|| Path::new("out").join(folder_name(&scene)));
+        .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene, &scene)));
     let table =
         publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&folder, &error))?;
     let told = if args.json {
@@ -69,15 +75,6 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
     match &outcome.error {
         None => Ok(told),
         Some(error) => Err(Failure::Aborted(format!("{told}\n{}: {error}", scene.name))),
-    }
-}
-
-/// A ready scene by name, else a file.
-fn find(scene: &Path) -> Result<SceneFile, Failure> {
-    match scene.to_str().and_then(list::ready) {
-        Some(ready) if !scene.exists() => SceneFile::of_text(ready.text, ready.name, ready.is_toml),
-        _ if scene.exists() || scene.extension().is_some() => SceneFile::read(scene),
-        _ => Err(Failure::Usage(list::unknown(&scene.display().to_string()))),
     }
 }
 
@@ -111,10 +108,11 @@ fn typed(text: &str) -> Value {
         .map_or_else(|_| Value::String(text.to_string()), Value::Float)
 }
 
-/// The name of a scene as the name of a folder.
-fn folder_name(scene: &Scene) -> String {
-    scene
-        .name
+/// The name of a ready scene, or of the model in a file, as the name of a folder.
+fn folder_name(given: &Path, scene: &Scene) -> String {
+    let ready = given.to_str().filter(|name| list::ready(name).is_some());
+    ready
+        .unwrap_or(&scene.name)
         .to_lowercase()
         .replace(|c: char| !c.is_alphanumeric(), "_")
 }

@@ -1,14 +1,16 @@
-//! Scene files: reading them, and telling every mistake of a file with its place.
+//! Scenes by name or file: reading them, and telling every mistake of a file with its place.
 
 use std::path::Path;
 
-use mbd_compiler::{Message, Reading, read_text, read_toml};
+use mbd_compiler::{Message, Reading, read_text, read_toml, write_toml};
 use mbd_runtime::scene::Scene;
 use models::run::{Settings, split};
+use models::scenes::{self, Fly};
 
 use super::failure::Failure;
+use super::list::{self, Ready};
 
-/// A scene file that was read without errors.
+/// A scene that was read without errors.
 #[derive(Debug)]
 pub struct SceneFile {
     /// The scene.
@@ -21,14 +23,40 @@ pub struct SceneFile {
     pub run: String,
     /// Warnings, and choices that were made, one line each.
     pub remarks: Vec<String>,
+    /// How its compiled model runs; `None` for a file.
+    pub fly: Option<Fly>,
 }
 
 /// Files above this size are no scenes [bytes].
 const LARGEST: u64 = 10_000_000;
 
 impl SceneFile {
+    /// A ready scene by name, else a file.
+    pub fn find(scene: &Path) -> Result<SceneFile, Failure> {
+        match scene.to_str().and_then(list::ready) {
+            Some(Ready::Compiled(ready)) if !scene.is_file() => SceneFile::of_compiled(ready),
+            Some(Ready::Written(ready)) if !scene.is_file() => {
+                SceneFile::of_text(ready.text, ready.name, ready.is_toml)
+            }
+            _ if scene.exists() || scene.extension().is_some() => SceneFile::read(scene),
+            _ => Err(Failure::Usage(list::unknown(&scene.display().to_string()))),
+        }
+    }
+
+    /// The declaration of a compiled scene, read back from its data.
+    fn of_compiled(ready: &scenes::Ready) -> Result<SceneFile, Failure> {
+        let text = format!("{}\n{}", write_toml(&(ready.scene)()), (ready.run)());
+        let mut file = SceneFile::of_text(&text, ready.name, true)?;
+        file.fly = Some(ready.fly);
+        // Its names were checked when it was compiled; in its data consts are folded and would seem unused.
+        file.remarks.clear();
+        // Ready scenes are declared over the scalar; data does not tell.
+        file.reading.options.generic = true;
+        Ok(file)
+    }
+
     /// Reads `.toml`, or the text of a `model!` declaration from a file of any other name.
-    pub fn read(path: &Path) -> Result<SceneFile, Failure> {
+    fn read(path: &Path) -> Result<SceneFile, Failure> {
         let text = read_file(path)?;
         let is_toml = path
             .extension()
@@ -37,7 +65,7 @@ impl SceneFile {
     }
 
     /// Reads a text; `name` is the file's name in messages.
-    pub fn of_text(text: &str, name: &str, is_toml: bool) -> Result<SceneFile, Failure> {
+    fn of_text(text: &str, name: &str, is_toml: bool) -> Result<SceneFile, Failure> {
         let (scene, run) = split(text);
         let read = if is_toml { read_toml } else { read_text };
         let (reading, settings) = (read(&scene), Settings::read(&run));
@@ -59,6 +87,7 @@ impl SceneFile {
                     settings,
                     run: run.trim().to_string(),
                     remarks,
+                    fly: None,
                 })
             }
             _ => Err(Failure::Invalid(counted(&mistakes))),

@@ -1,8 +1,11 @@
 //! Line plots: what is drawn, and where each part of the drawing goes.
 
-use super::axis::{Axis, HUGE, Range, Scale, superscript};
+use super::axis::{Axis, HUGE, Range, Scale};
+use super::frame::{
+    LINE, RIGHT, SMALL, TEXT, TITLE, WIDTH, draw_axes, label, left_margin, legend_rows,
+};
 use super::look::{Look, style_sheet};
-use super::svg::{Anchor, Svg, text_width, wrap};
+use super::svg::{Anchor, Svg, wrap};
 use super::trace::{Panel, Trace};
 
 /// One curve: pairs of x and y in drawing order, of equal length (a longer one is cut).
@@ -59,13 +62,7 @@ pub struct Figure<'a> {
     levels: Vec<(String, f64)>,
 }
 
-const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 320.0;
-const RIGHT: f64 = 22.0;
-const TITLE: f64 = 15.0;
-const TEXT: f64 = 12.5;
-const SMALL: f64 = 11.5;
-const LINE: f64 = 17.0;
 
 impl<'a> Figure<'a> {
     /// An empty figure.
@@ -167,7 +164,8 @@ impl<'a> Figure<'a> {
         let x = Axis::new(self.range(0), self.scales[0], 8);
         let y = Axis::new(self.range(1), self.scales[1], 6);
         let title = wrap(&self.title, TITLE, WIDTH - 2.0 * RIGHT);
-        let legend = self.legend_rows(left_margin(&y));
+        let names = self.series.iter().map(|series| series.name.as_str());
+        let legend = legend_rows(names, left_margin(&y));
         let top = 8.0 + 1.3 * TITLE * title.len() as f64 + LINE * legend.len() as f64 + 12.0;
         let left = left_margin(&y);
         let panel = Panel {
@@ -200,7 +198,7 @@ impl<'a> Figure<'a> {
             top - 12.0 - LINE * legend.len() as f64,
             &traces,
         );
-        self.draw_axes(&mut svg, &panel);
+        draw_axes(&mut svg, &panel, &self.labels);
         self.draw_curves(&mut svg, &panel, &traces);
         for (row, words) in under.iter().enumerate() {
             let down = bottom + LINE * (row as f64 + 0.4);
@@ -257,24 +255,6 @@ impl<'a> Figure<'a> {
             })
     }
 
-    /// The series of each row of the legend, with their left ends [px].
-    fn legend_rows(&self, left: f64) -> Vec<Vec<(usize, f64)>> {
-        let mut rows: Vec<Vec<(usize, f64)>> = Vec::new();
-        let mut free = WIDTH;
-        for (index, series) in self.series.iter().enumerate() {
-            let width = 44.0 + text_width(&series.name, TEXT) + 18.0;
-            if free + width > WIDTH - RIGHT + 18.0 {
-                rows.push(Vec::new());
-                free = left;
-            }
-            if let Some(row) = rows.last_mut() {
-                row.push((index, free));
-            }
-            free += width;
-        }
-        rows
-    }
-
     fn draw_legend(&self, svg: &mut Svg, rows: &[Vec<(usize, f64)>], top: f64, traces: &[Trace]) {
         let marked: Vec<bool> = traces.iter().map(|trace| !trace.marks.is_empty()).collect();
         for (row, entries) in rows.iter().enumerate() {
@@ -290,39 +270,6 @@ impl<'a> Figure<'a> {
                 svg.text("", at, TEXT, Anchor::Start, false, name);
             }
         }
-    }
-
-    fn draw_axes(&self, svg: &mut Svg, panel: &Panel) {
-        let ([left, top], [width, height]) = (panel.at, panel.size);
-        let class = |label: &str| {
-            if label.is_empty() {
-                "mbd-minor"
-            } else {
-                "mbd-grid"
-            }
-        };
-        for tick in &panel.x.ticks {
-            let right = left + tick.place * width;
-            svg.line(class(&tick.label), [right, top], [right, top + height]);
-            let at = [right, top + height + 16.0];
-            if !tick.label.is_empty() {
-                svg.text("", at, TEXT, Anchor::Middle, false, &tick.label);
-            }
-        }
-        for tick in &panel.y.ticks {
-            let down = top + (1.0 - tick.place) * height;
-            svg.line(class(&tick.label), [left, down], [left + width, down]);
-            let at = [left - 6.0, down + 0.35 * TEXT];
-            if !tick.label.is_empty() {
-                svg.text("", at, TEXT, Anchor::End, false, &tick.label);
-            }
-        }
-        let [x, y] = [(0, panel.x), (1, panel.y)]
-            .map(|(axis, scale)| with_exponent(&self.labels[axis], scale.exponent));
-        let below = [left + 0.5 * width, top + height + 36.0];
-        svg.text("", below, TEXT, Anchor::Middle, false, &x);
-        let beside = [16.0, top + 0.5 * height];
-        svg.text("", beside, TEXT, Anchor::Middle, true, &y);
     }
 
     fn draw_curves(&self, svg: &mut Svg, panel: &Panel, traces: &[Trace]) {
@@ -414,39 +361,10 @@ impl<'a> Figure<'a> {
     }
 }
 
-fn left_margin(y: &Axis) -> f64 {
-    let widest = y
-        .ticks
-        .iter()
-        .map(|tick| text_width(&tick.label, TEXT))
-        .fold(20.0, f64::max);
-    34.0 + widest
-}
-
 fn samples(count: usize) -> String {
     match count {
         1 => "1 sample".to_string(),
         count => format!("{count} samples"),
-    }
-}
-
-fn label(name: &str, unit: &str) -> String {
-    if unit.is_empty() {
-        name.to_string()
-    } else {
-        format!("{name} [{unit}]")
-    }
-}
-
-/// `force [N]` with the power of ten that the tick labels leave out: `force [10³ N]`.
-fn with_exponent(label: &str, exponent: i32) -> String {
-    if exponent == 0 {
-        return label.to_string();
-    }
-    let power = format!("10{}", superscript(exponent));
-    match label.split_once('[') {
-        Some((name, unit)) => format!("{name}[{power} {unit}"),
-        None => format!("{label} [{power}]"),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::Path;
 
+use super::drawing::Drawing;
 use super::figure::Figure;
 use super::look::style_sheet;
 use super::svg::escape;
@@ -90,12 +91,22 @@ impl Report {
 
     /// Adds a figure; its caption stands under it as text.
     #[must_use]
-    pub fn figure(mut self, figure: &Figure<'_>) -> Self {
-        let caption = match figure.caption_text() {
+    pub fn figure(self, figure: &Figure<'_>) -> Self {
+        self.picture(&figure.inline(), figure.caption_text())
+    }
+
+    /// Adds the drawing of a mechanism; its caption stands under it as text.
+    #[must_use]
+    pub fn drawing(self, drawing: &Drawing) -> Self {
+        self.picture(&drawing.inline(), drawing.caption_text())
+    }
+
+    fn picture(mut self, svg: &str, caption: &str) -> Self {
+        let caption = match caption {
             "" => String::new(),
             caption => format!("<figcaption>{}</figcaption>\n", escape(caption)),
         };
-        self.body += &format!("<figure>\n{}{caption}</figure>\n", figure.inline());
+        self.body += &format!("<figure>\n{svg}{caption}</figure>\n");
         self
     }
 

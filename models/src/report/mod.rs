@@ -1,6 +1,7 @@
 //! Pictures and reports: what a run leaves behind for people.
 //!
 //! - [`Figure`] draws line plots as SVG: axes with units, legend, several [`Series`] that stay apart in black and white.
+//! - [`Drawing`] draws a mechanism at several instants, with equal scales on both axes.
 //! - [`Table`] is one table for the terminal, the report and a CSV file.
 //! - [`Report`] is one HTML file that needs no network.
 //! - [`Spectrum`] says which frequencies a history contains.
@@ -8,7 +9,9 @@
 //! Everything here is a pure function of its input: the same data give the same bytes.
 
 mod axis;
+mod drawing;
 mod figure;
+mod frame;
 mod html;
 mod look;
 mod number;
@@ -17,6 +20,7 @@ mod svg;
 mod table;
 mod trace;
 
+pub use drawing::{Drawing, Shape};
 pub use figure::{Figure, Series};
 pub use html::Report;
 pub use look::Look;

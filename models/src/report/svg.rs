@@ -103,6 +103,35 @@ impl Svg {
             &format!("<line class=\"{class}\" x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\"/>\n");
     }
 
+    /// A circle.
+    pub fn circle(&mut self, class: &str, at: [f64; 2], radius: f64) {
+        let ([x, y], r) = (at.map(pixel), pixel(radius));
+        self.text += &format!("<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>\n");
+    }
+
+    /// A closed outline through these places; a single line for two.
+    pub fn outline(&mut self, class: &str, places: &[[f64; 2]]) {
+        let mut data = String::new();
+        for (index, place) in places.iter().enumerate() {
+            let [x, y] = place.map(pixel);
+            data += &format!("{}{x} {y}", if index == 0 { "M" } else { " " });
+        }
+        if places.len() > 2 {
+            data.push('Z');
+        }
+        self.path(class, &data);
+    }
+
+    /// Everything until [`Svg::unfade`] is seen through: 1 not at all, 0 invisible.
+    pub fn fade(&mut self, opacity: f64) {
+        self.text += &format!("<g opacity=\"{opacity:.2}\">\n");
+    }
+
+    /// Ends [`Svg::fade`].
+    pub fn unfade(&mut self) {
+        self.text += "</g>\n";
+    }
+
     /// A path, its data already written.
     pub fn path(&mut self, class: &str, data: &str) {
         if !data.is_empty() {

@@ -41,7 +41,7 @@ const FAR: f64 = 1e5;
 
 impl Panel<'_> {
     /// The place of a sample [px].
-    fn place(&self, x: f64, y: f64) -> Option<[f64; 2]> {
+    pub fn place(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         let (x, y) = (self.x.place(x)?, self.y.place(y)?);
         let right = self.at[0] + x * self.size[0];
         let down = self.at[1] + (1.0 - y) * self.size[1];

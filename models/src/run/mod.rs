@@ -1,14 +1,21 @@
-//! Running a scene that was read from a file: what is asked ([`Plan`]), the run itself ([`Outcome`]), and what it leaves behind.
+//! Running a scene: what is asked ([`Plan`]), the run itself ([`Outcome`]), how well it kept its laws ([`Quality`]), and what it leaves behind.
 
+mod mechanism;
 mod outcome;
 mod plan;
+mod plots;
 mod publish;
+mod quality;
 mod settings;
+mod summary;
 
-pub use outcome::{Outcome, fly};
+pub use mechanism::drawings;
+pub use outcome::{Outcome, fly, fly_model};
 pub use plan::{Plan, PlanError};
-pub use publish::{publish, summary_json};
+pub use publish::publish;
+pub use quality::Quality;
 pub use settings::{Settings, split};
+pub use summary::summary_json;
 
 #[cfg(test)]
 mod tests;

@@ -1,10 +1,12 @@
-//! The run itself: the compiled equations of the scene, interpreted.
+//! The run itself: of a compiled model, or of the compiled equations of a scene, interpreted.
 
 use std::time::Instant;
 
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{Content, External, ParamError, RunError, Sampling, Simulation, Trajectory};
+use mbd_runtime::{
+    Content, External, Model, ParamError, RunError, Sampling, Simulation, Trajectory,
+};
 
 use super::plan::Plan;
 use crate::progress::Progress;
@@ -39,18 +41,24 @@ impl External<f64> for Held<'_> {
 /// Params that the scene cannot be run with. A run that stops early is an [`Outcome`] with its reason.
 pub fn fly(scene: &Scene, plan: &Plan, progress: &mut Progress) -> Result<Outcome, ParamError> {
     let model = Interpreted::<f64>::new(scene.clone(), &plan.params)?;
+    Ok(fly_model(&model, plan, progress))
+}
+
+/// Runs a model as planned. A run that stops early has its reason.
+#[must_use]
+pub fn fly_model<M: Model<f64>>(model: &M, plan: &Plan, progress: &mut Progress) -> Outcome {
     let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
-    let mut trajectory = Trajectory::new(&model, sampling, Content::ALL);
+    let mut trajectory = Trajectory::new(model, sampling, Content::ALL);
     let started = Instant::now();
     let mut time = 0.0;
     let mut run = || {
-        let mut simulation = Simulation::with_loads(&model, plan.options, Held(&plan.inputs))?;
+        let mut simulation = Simulation::with_loads(model, plan.options, Held(&plan.inputs))?;
         simulation.set_state(0.0, &plan.state)?;
         if let Some(nodes) = &plan.nodes {
             simulation.set_nodes(nodes)?;
         }
         let mut watch = |now: f64| {
-            progress.show(now / plan.until, &scene.name);
+            progress.show(now / plan.until, &model.scene().name);
             true
         };
         let stop = simulation.run_while(plan.until, Some(&mut trajectory), &mut watch);
@@ -59,10 +67,10 @@ pub fn fly(scene: &Scene, plan: &Plan, progress: &mut Progress) -> Result<Outcom
     };
     let error = run().err();
     progress.clear();
-    Ok(Outcome {
+    Outcome {
         time,
         error,
         wall_s: started.elapsed().as_secs_f64(),
         trajectory,
-    })
+    }
 }

@@ -4,8 +4,8 @@ use std::fmt;
 
 use mbd_compiler::{nearest, read_number};
 use mbd_runtime::scene::Scene;
-use mbd_runtime::scene::{InputSource, NodeModel};
-use mbd_runtime::{Layout, Options, state_names};
+use mbd_runtime::scene::{InputSource, Line, NodeModel};
+use mbd_runtime::{Content, Generic, Layout, Name, Options, Sampling, Trajectory, state_names};
 use toml::{Table, Value};
 
 use super::settings::Settings;
@@ -27,6 +27,10 @@ pub struct Plan {
     pub nodes: Option<Vec<f64>>,
     /// What the caller supplies, held constant.
     pub inputs: Vec<f64>,
+    /// When the mechanism is drawn [s]; empty: evenly over the run.
+    pub instants: Vec<f64>,
+    /// Titles of figures, and the columns each shows.
+    pub figures: Vec<(String, Vec<String>)>,
 }
 
 /// A setting that cannot be used: its name and what is wrong with it.
@@ -76,9 +80,16 @@ impl Plan {
             )
         })?;
         let (state, nodes) = start(scene, &layout, &settings.start)?;
+        let instants = settings.instants.as_deref().unwrap_or_default();
+        let instants = instants
+            .iter()
+            .map(|value| number("instants", value, "s"))
+            .collect::<Result<_, _>>()?;
         Ok(Plan {
+            instants,
+            figures: figures(scene, &settings.figures)?,
             until,
-            options: options(&layout, settings)?,
+            options: options(scene, &layout, settings)?,
             every: seconds("every", &settings.every)?,
             params: params(scene, &settings.params)?,
             state,
@@ -146,7 +157,7 @@ fn positive(setting: &str, value: &Value, unit: &str) -> Result<f64, PlanError> 
     }
 }
 
-fn options(layout: &Layout, settings: &Settings) -> Result<Options, PlanError> {
+fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Options, PlanError> {
     let stepwise = layout
         .nodes
         .iter()
@@ -164,7 +175,54 @@ fn options(layout: &Layout, settings: &Settings) -> Result<Options, PlanError> {
         (None, None) => Options::tsit5(TOLERANCE),
     };
     options.locate = settings.locate.unwrap_or(true);
+    // The balance of energy needs the work of what gives and takes it.
+    let damped = |line: &Line| !scene.is_zero(&line.damping);
+    options.work = !scene.loads.is_empty() || scene.lines.iter().any(damped);
     Ok(options)
+}
+
+/// Figures by title; their columns exist and share a unit.
+fn figures(scene: &Scene, given: &Table) -> Result<Vec<(String, Vec<String>)>, PlanError> {
+    let mut figures = Vec::new();
+    let model = Generic::<f64>::with_defaults(scene.clone());
+    let history = model.map(|model| Trajectory::new(&model, Sampling::Steps, Content::ALL));
+    let names: &[Name] = history.as_ref().map_or(&[], Trajectory::names);
+    for (title, value) in given {
+        let setting = format!("figures.{title}");
+        let Value::Array(list) = value else {
+            let text = "give the columns it shows: [\"riser.tension\", \"leg[0].tension\"]";
+            return Err(wrong(setting, text));
+        };
+        let mut columns = Vec::new();
+        let mut unit: Option<&str> = None;
+        for value in list {
+            let column = value.as_str().unwrap_or_default();
+            let Some(name) = names.iter().find(|name| name.name == column) else {
+                let known = names.iter().map(|name| name.name.as_str());
+                return Err(wrong(setting, no_column(column, known)));
+            };
+            let known = unit.get_or_insert(&name.unit);
+            if *known != name.unit {
+                let text = format!(
+                    "`{column}` is in `{}`, the first column in `{known}`: a figure has one unit",
+                    name.unit
+                );
+                return Err(wrong(setting, text));
+            }
+            columns.push(column.to_string());
+        }
+        figures.push((title.clone(), columns));
+    }
+    Ok(figures)
+}
+
+fn no_column<'a>(column: &str, known: impl Iterator<Item = &'a str>) -> String {
+    match nearest(column, known) {
+        Some(near) => format!("the history has no column `{column}`; did you mean `{near}`?"),
+        None => {
+            format!("the history has no column `{column}`; the header of history.csv names them")
+        }
+    }
 }
 
 fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError> {

@@ -6,6 +6,10 @@
 //! step = "0.01 s"        # fixed RK4 steps; or: tolerance = 1e-8, adaptive Tsit5
 //! every = "0.02 s"       # rows of the history
 //! locate = true          # steps end on slack/taut switches and on events
+//! instants = ["0 s", "1 s"] # when the mechanism is drawn; by itself five times, evenly
+//!
+//! [run.figures]          # columns that share a figure; every output and line not named here has its own
+//! Height = ["capsule.z", "chute.z"]
 //!
 //! [run.start]            # what is not given is zero; attitudes are upright
 //! capsule.z = "2.6 m"
@@ -32,6 +36,11 @@ pub struct Settings {
     pub every: Option<Value>,
     /// Whether steps end on slack/taut switches and on declared events.
     pub locate: Option<bool>,
+    /// When the mechanism is drawn, with units or in seconds.
+    pub instants: Option<Vec<Value>>,
+    /// Figures: a title, and the columns of the history it shows.
+    #[serde(default)]
+    pub figures: Table,
     /// Coordinates and speeds at the start, positions of equilibrium points to search from: `capsule.z = "2.6 m"`.
     #[serde(default)]
     pub start: Table,

@@ -156,6 +156,20 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
         &format!("[run]\nuntil = 1\n{winded}rain = 1\n"),
         "`inputs.rain`",
     );
+    let figures = |list: &str| format!("[run]\nuntil = 1\n{winded}[run.figures]\nA = {list}\n");
+    fails(&figures("3"), "give the columns it shows");
+    fails(
+        &figures("[\"hieght\"]"),
+        "`figures.A`: the history has no column `hieght`; did you mean `height`?",
+    );
+    fails(
+        &figures("[\"height\", \"fall.tension\"]"),
+        "`fall.tension` is in `N`, the first column in `m`",
+    );
+    fails(
+        &format!("[run]\nuntil = 1\ninstants = [\"1 m\"]\n{winded}"),
+        "`instants`: `1 m` has the wrong unit: expected s",
+    );
     let plan = Plan::new(&scene, &settings(&format!("[run]\nuntil = 1\n{winded}"))).unwrap();
     assert_eq!(plan.inputs, [1.0, 2.0, 3.0]);
 }
@@ -175,6 +189,8 @@ fn a_swing_is_flown_and_leaves_its_files() {
         "report.html",
         "summary.json",
         "height.svg",
+        "mechanism.svg",
+        "Energy_balance.svg",
         "rope_tension.svg",
         "fall_tension.svg",
     ] {

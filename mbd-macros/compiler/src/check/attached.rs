@@ -1,8 +1,9 @@
-//! Whether every body is held by joints that lead to the world, or is declared free.
+//! Whether every body is held by joints that lead to the world, or is declared free. A point with mass passes on what holds it; a body that
+//! hangs on a free point is as free as the point.
 
 use std::collections::BTreeMap;
 
-use mbd_scene::Place;
+use mbd_scene::{Joint, Place};
 
 use super::any_bad;
 use crate::messages::check as say;
@@ -14,13 +15,14 @@ pub fn check_attached(resolver: &mut Resolver<'_>) {
     if any_bad(resolver, "joint") {
         return;
     }
-    let mut groups = Groups::new(resolver.scene.bodies.len());
+    let bodies = resolver.scene.bodies.len();
+    let mut groups = Groups::new(bodies + resolver.scene.points.len());
     for joint in &resolver.scene.joints {
-        groups.join(node(joint.parent), node(joint.child));
+        groups.join(node(joint.parent, bodies), node(joint.child, bodies));
     }
     let mut floating: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     let world = groups.root(0);
-    for body in 0..resolver.scene.bodies.len() {
+    for body in 0..bodies {
         let root = groups.root(body + 1);
         if root != world {
             floating.entry(root).or_default().push(body);
@@ -49,34 +51,36 @@ pub fn check_marks(resolver: &mut Resolver<'_>) {
         return;
     }
     let scene = &resolver.scene;
-    let mut groups = Groups::new(scene.bodies.len());
+    let bodies = scene.bodies.len();
+    let mut groups = Groups::new(bodies + scene.points.len());
+    let ends = |joint: &Joint| [joint.parent, joint.child];
     for joint in scene.joints.iter().filter(|joint| !joint.cut) {
-        groups.join(node(joint.parent), node(joint.child));
+        let [parent, child] = ends(joint).map(|place| node(place, bodies));
+        groups.join(parent, child);
     }
     let mut reports = Vec::new();
     for (index, joint) in scene.joints.iter().enumerate() {
-        let (parent, child) = (node(joint.parent), node(joint.child));
+        let [parent, child] = ends(joint).map(|place| node(place, bodies));
         if !joint.cut || groups.root(parent) == groups.root(child) {
             continue;
         }
-        let world = groups.root(0);
-        let alone = if groups.root(child) == world {
-            parent
-        } else {
-            child
+        // What the joint attaches: its child, unless that leads to the world.
+        let held = groups.root(child) == groups.root(0);
+        let attached = match if held { joint.parent } else { joint.child } {
+            Place::Body(body, _) => Named::Body(body),
+            Place::Point(point) => Named::Point(point),
+            Place::World(_) => continue,
         };
-        let body = alone.checked_sub(1);
         let places = (
             resolver.declared.get(&Named::Joint(index)),
-            body.and_then(|body| resolver.declared.get(&Named::Body(body))),
+            resolver.declared.get(&attached),
         );
-        if let (Some(&at), Some(&body)) = places {
-            reports.push(say::no_loop(at, &joint.name, body));
+        if let (Some(&at), Some(&owner)) = places {
+            reports.push(say::no_loop(at, &joint.name, owner));
         }
     }
-    reports
-        .into_iter()
-        .for_each(|report| resolver.messages.push(report));
+    let messages = &mut resolver.messages;
+    reports.into_iter().for_each(|report| messages.push(report));
 }
 
 fn check_free_once(resolver: &mut Resolver<'_>) {
@@ -105,23 +109,24 @@ fn check_free_once(resolver: &mut Resolver<'_>) {
     }
 }
 
-/// 0 for the world, a body's index plus 1.
-fn node(place: Place) -> usize {
+/// 0 for the world, then the bodies, then the points.
+fn node(place: Place, bodies: usize) -> usize {
     match place {
-        Place::Body(body, _) => body + 1,
-        Place::World(_) | Place::Point(_) => 0,
+        Place::World(_) => 0,
+        Place::Body(body, _) => 1 + body,
+        Place::Point(point) => 1 + bodies + point,
     }
 }
 
-/// What joints hold together: the world is 0, bodies follow.
+/// What joints hold together: the world is 0, bodies and points follow.
 struct Groups {
     up: Vec<usize>,
 }
 
 impl Groups {
-    fn new(bodies: usize) -> Self {
+    fn new(members: usize) -> Self {
         Groups {
-            up: (0..=bodies).collect(),
+            up: (0..=members).collect(),
         }
     }
 

@@ -16,7 +16,7 @@ use crate::resolve::{Named, Resolver};
 
 /// Runs all checks. Where items were lost in reading (not `whole`), what seems missing may be one of them.
 pub fn check(resolver: &mut Resolver<'_>, whole: bool) {
-    resolver.whole = whole;
+    resolver.whole &= whole;
     check_not_empty(resolver);
     attached::check_attached(resolver);
     attached::check_marks(resolver);

@@ -192,8 +192,8 @@ fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
         Quantity::Energy => (
             quote!(::mbd_runtime::Energy<#t>),
             quote! {
-                let [kinetic, gravitational, elastic, load_power, damper_power] = values;
-                ::mbd_runtime::Energy { kinetic, gravitational, elastic, load_power, damper_power }
+                let [kinetic, gravitational, elastic, load_power, damper_power, drive_power] = values;
+                ::mbd_runtime::Energy { kinetic, gravitational, elastic, load_power, damper_power, drive_power }
             },
         ),
         Quantity::Momentum => (
@@ -208,6 +208,21 @@ fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
             (
                 quote!([::mbd_runtime::LineState<#t>; #count]),
                 quote!(::mbd_runtime::__private::line_states(&values)),
+            )
+        }
+        Quantity::Reactions => {
+            let count = whole(layout.joints.len());
+            (
+                quote!([::mbd_runtime::Reaction<#t>; #count]),
+                quote!(::mbd_runtime::__private::reactions(&values)),
+            )
+        }
+        Quantity::ConstraintJacobian => {
+            let (nc, nv) = (whole(layout.nc), whole(layout.nv));
+            let matrix = quote!(::mbd_runtime::nalgebra::SMatrix<#t, #nc, #nv>);
+            (
+                matrix,
+                quote!(::mbd_runtime::nalgebra::SMatrix::from_row_slice(&values)),
             )
         }
         _ => {

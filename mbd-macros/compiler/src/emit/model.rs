@@ -12,6 +12,8 @@ use super::interface::gather;
 use super::literal::{number, whole};
 use super::methods::methods;
 use super::quantity;
+use crate::equations::is_matrix;
+use crate::program::Program;
 
 /// The struct, its implementations and, hidden, its equations.
 pub fn model(context: &Context) -> TokenStream {
@@ -100,7 +102,7 @@ fn constants(context: &Context) -> TokenStream {
     let (name, used, real) = (context.named(""), context.used(), context.real());
     let (equations, scene) = (context.equations, context.scene());
     let layout = &equations.layout;
-    let [nq, nv, nz, np] = [layout.nq, layout.nv, layout.nz, layout.np].map(whole);
+    let [nq, nv, nz, nc, np] = [layout.nq, layout.nv, layout.nz, layout.nc, layout.np].map(whole);
     let hash = Literal::u64_unsuffixed(hash(&format!("{scene:?}")));
     let coordinate = |index: usize| {
         let (name, unit) = crate::names::coordinate(scene, layout, index);
@@ -128,6 +130,15 @@ fn constants(context: &Context) -> TokenStream {
         let (name, cost) = (quantity::name(scene, layout, *what), cost(program.cost()));
         quote!((#name, #cost))
     });
+    let matrices = layout
+        .quantities()
+        .into_iter()
+        .filter(|&what| is_matrix(what));
+    let sparsity = matrices
+        .map(|what| (what, equations.program(what)))
+        // After an error nothing is emitted, but every name is there.
+        .filter(|(_, program)| program.is_some() || equations.programs.is_empty())
+        .map(|(what, program)| sparsity(context, what, program));
     quote! {
         impl #real #name #used {
             /// Number of coordinates.
@@ -137,7 +148,7 @@ fn constants(context: &Context) -> TokenStream {
             /// Number of node states.
             pub const NZ: usize = #nz;
             /// Number of constraint rows.
-            pub const NC: usize = 0;
+            pub const NC: usize = #nc;
             /// Number of live parameters.
             pub const NP: usize = #np;
             /// Changes when the declaration changes.
@@ -146,11 +157,32 @@ fn constants(context: &Context) -> TokenStream {
             pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &[#(#coords),*];
             /// Name and unit of every speed.
             pub const SPEEDS: &'static [::mbd_runtime::CoordInfo] = &[#(#speeds),*];
+            #(#sparsity)*
             /// Name, unit, default, range and documentation of every live parameter.
             pub const PARAMS: &'static [::mbd_runtime::ParamInfo] = &[#(#params),*];
             /// Operations of every quantity.
             pub const COST: ::mbd_runtime::Costs = ::mbd_runtime::Costs(&[#(#costs),*]);
         }
+    }
+}
+
+/// Row and column of every structural non-zero of a matrix.
+fn sparsity(context: &Context, what: Quantity, program: Option<&Program>) -> TokenStream {
+    let (scene, layout) = (context.scene(), &context.equations.layout);
+    let quantity = quantity::name(scene, layout, what);
+    let name = format_ident!("{}_SPARSITY", quantity.to_uppercase());
+    let columns = layout.columns_of(what).max(1);
+    let outputs = program.map_or(&[][..], |program| &program.outputs);
+    let places = outputs.iter().map(|(at, _)| {
+        let (row, column) = (whole(at / columns), whole(at % columns));
+        quote!((#row, #column))
+    });
+    let doc = format!(
+        " Row and column of every structural non-zero of `{quantity}`, row by row; all else is zero in every state."
+    );
+    quote! {
+        #[doc = #doc]
+        pub const #name: &'static [(usize, usize)] = &[#(#places),*];
     }
 }
 

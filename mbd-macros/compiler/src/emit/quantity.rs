@@ -95,7 +95,11 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
             )
         }
         Quantity::Derivative => (
-            "State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.",
+            if layout.nc == 0 {
+                "State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`."
+            } else {
+                "State derivative: `q̇ = N(q) v`, `v̇` of `M v̇ + h = f + Φ_vᵀ λ`, `Φ_v v̇ = γ`, `ż = w`."
+            },
             format!(
                 "{nx} = [{} q̇ | {nv} v̇ | {} ż]; SI units.",
                 layout.nq, layout.nz
@@ -119,8 +123,8 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
             format!("{n} columns, each in its unit."),
         ),
         Quantity::Energy => (
-            "Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, power of the dampers.",
-            "5 [J, J, J, W, W].".to_owned(),
+            "Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.",
+            "6 [J, J, J, W, W, W].".to_owned(),
         ),
         Quantity::Momentum => (
             "Momentum of bodies and points with mass: `Σ m v`, `Σ r × m v + R I ω`.",
@@ -143,19 +147,19 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
             format!("{} × 10 [N, m, m, m/s, 6 N/m].", layout.lines.len()),
         ),
         Quantity::Constraint => (
-            "Constraints of the joints: `Φ(q) = 0`, rows in declaration order.",
+            "Constraints of the joints: `Φ(q, t) = 0`, rows in declaration order.",
             format!("{n} [m for a row of points, 1 for a row of directions]."),
         ),
         Quantity::ConstraintJacobian => (
-            "Constraint Jacobian `Φ_v`: `Φ̇ = Φ_v v`.",
+            "Constraint Jacobian `Φ_v`: `Φ̇ = Φ_v v + Φ_t`.",
             format!("{}×{nv}, row by row, structural non-zeros only.", layout.nc),
         ),
         Quantity::ConstraintRate => (
-            "Rate of the constraints: `Φ_v v`.",
+            "Rate of the constraints: `Φ̇ = Φ_v v + Φ_t`.",
             format!("{n} [m/s or 1/s]."),
         ),
         Quantity::ConstraintBias => (
-            "Bias of the constraints: `γ = −(dΦ_v/dt) v`, so that `Φ_v v̇ = γ`.",
+            "Bias of the constraints: `γ = −(dΦ_v/dt) v − dΦ_t/dt`, so that `Φ_v v̇ = γ`.",
             format!("{n} [m/s² or 1/s²]."),
         ),
         Quantity::Multipliers => (

@@ -11,12 +11,17 @@ pub fn empty(at: Region, name: &str) -> Report {
 }
 
 pub fn floating(at: Region, body: &str) -> Report {
+    let free = free(body);
     Report::new(
         at,
-        format!(
-            "body `{body}` is attached to nothing: add `joint {body}_free: free from world to {body}.com;`"
-        ),
+        format!("body `{body}` is attached to nothing: add `{free}`"),
     )
+}
+
+/// The joint that lets a body fly; that of `bar[0]` is `bar_free[0]`.
+fn free(body: &str) -> String {
+    let (word, index) = body.split_at(body.find('[').unwrap_or(body.len()));
+    format!("joint {word}_free{index}: free from world to {body}.com;")
 }
 
 pub fn floating_together(at: Region, bodies: &[&str]) -> Report {
@@ -25,8 +30,9 @@ pub fn floating_together(at: Region, bodies: &[&str]) -> Report {
     Report::new(
         at,
         format!(
-            "bodies {} are joined to each other, but nothing joins them to the world: add `joint {first}_free: free from world to {first}.com;`",
-            list.join(", ")
+            "bodies {} are joined to each other, but nothing joins them to the world: add `{}`",
+            list.join(", "),
+            free(first)
         ),
     )
 }
@@ -114,10 +120,10 @@ pub fn unused(at: Region, kind: &str, name: &str) -> Report {
     Report::new(at, format!("{kind} `{name}` is declared but never used"))
 }
 
-pub fn no_loop(at: Region, name: &str, body: Region) -> Report {
+pub fn no_loop(at: Region, name: &str, owner: Region) -> Report {
     Report::new(
         at,
         format!("joint `{name}` is marked `loop` but closes none: remove `loop`"),
     )
-    .also(body, "this body is attached by it")
+    .also(owner, "this is attached by it")
 }

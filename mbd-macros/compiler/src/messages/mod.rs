@@ -144,13 +144,23 @@ pub(crate) struct Messages {
     reports: Vec<Report>,
 }
 
+/// Whether two texts are the same but for whole numbers: `bar[0]` and `bar[1]` of one repetition share their mistakes.
+fn same(a: &str, b: &str) -> bool {
+    fn words(text: &str) -> impl Iterator<Item = &str> {
+        text.split(|c: char| c.is_ascii_digit())
+            .filter(|part| !part.is_empty())
+    }
+    words(a).eq(words(b))
+}
+
 /// More messages than this help nobody.
 const MOST: usize = 100;
 
 impl Messages {
-    /// Adds a message; the same text at the same place counts once.
+    /// Adds a message; the same text at the same place counts once, whichever instance of a repetition it is about.
     pub fn push(&mut self, report: Report) {
-        if self.reports.len() < MOST && !self.reports.contains(&report) {
+        let known = |other: &Report| other.at == report.at && same(&other.text, &report.text);
+        if self.reports.len() < MOST && !self.reports.iter().any(known) {
             self.reports.push(report);
         }
     }

@@ -10,6 +10,9 @@ use crate::syntax::expression::{self, Expression};
 use crate::syntax::{Cursor, Value, unit, words};
 use crate::units;
 
+/// Instants at which a rotation that depends on time is looked at [s].
+const INSTANTS: [f64; 3] = [0.0, 0.37, 2.9];
+
 /// The rows of a rotation matrix.
 type Rows = [[Formula; 3]; 3];
 
@@ -23,7 +26,7 @@ impl Resolver<'_> {
         for instance in self.of("world frame") {
             let named = Named::WorldFrame(instance.slot);
             self.poison(named, |this| {
-                let (position, rotation) = this.frame(&instance)?;
+                let (position, rotation) = this.frame(&instance, Stage::Course)?;
                 let frame = this.scene.world_frames.get_mut(instance.slot)?;
                 frame.position = position;
                 frame.rotation = rotation;
@@ -40,7 +43,7 @@ impl Resolver<'_> {
         for instance in self.of("frame") {
             let (body, frame) = (instance.owner, instance.slot);
             self.poison(Named::Frame(body, frame), |this| {
-                let (position, rotation) = this.frame(&instance)?;
+                let (position, rotation) = this.frame(&instance, Stage::Fixed)?;
                 let entry = this.scene.bodies.get_mut(body)?.frames.get_mut(frame)?;
                 entry.position = position;
                 entry.rotation = rotation;
@@ -120,10 +123,19 @@ impl Resolver<'_> {
         }
     }
 
-    /// Position and rotation of a frame.
-    fn frame(&mut self, instance: &Instance<'_>) -> Option<([Formula; 3], Option<Rows>)> {
-        let scope = instance.scope(Stage::Fixed);
-        let position = self.triple("at", instance.item.clause("at")?, units::LENGTH, scope);
+    /// Position and rotation of a frame: known before a run, or functions of time.
+    fn frame(
+        &mut self,
+        instance: &Instance<'_>,
+        stage: Stage,
+    ) -> Option<([Formula; 3], Option<Rows>)> {
+        let scope = instance.scope(stage);
+        let at = instance.item.clause("at")?;
+        let position = self.triple("at", at, units::LENGTH, scope);
+        let position = position.and_then(|parts| {
+            self.two_derivatives(&parts, at.at)?;
+            Some(parts)
+        });
         let rotation = match instance.item.clause("rotated") {
             Some(value) => self.rotation(value, scope)?,
             None => None,
@@ -246,20 +258,46 @@ impl Resolver<'_> {
         }
     }
 
+    /// Formulas of time that must have a velocity and an acceleration.
+    pub fn two_derivatives(&mut self, formulas: &[Formula], at: Region) -> Option<()> {
+        let timed = |part: &Formula| *part == Formula::Time;
+        let mut table = None;
+        for formula in formulas {
+            formula.walk(&mut |part| {
+                if let Formula::Lookup(index, argument) = part
+                    && argument.iter().any(|argument| argument.contains(timed))
+                {
+                    table = Some(*index);
+                }
+            });
+        }
+        match table.and_then(|index| self.scene.tables.get(index)) {
+            Some(table) => {
+                let report = say::table_of_time(at, &table.name);
+                self.fail(report)
+            }
+            None => Some(()),
+        }
+    }
+
     /// A rotation that is no rotation is an error; one that turns nothing is `None`.
     fn checked_rotation(&mut self, rows: Rows, at: Region) -> Option<Option<Rows>> {
-        let known: Vec<f64> = rows
-            .iter()
-            .flatten()
-            .filter_map(|part| fold::at_defaults(part, &self.scene))
-            .collect();
-        if let [a, b, c, d, e, f, g, h, i] = known[..] {
+        for time in INSTANTS {
+            let known: Vec<f64> = rows
+                .iter()
+                .flatten()
+                .filter_map(|part| fold::at_time(part, &self.scene, time))
+                .collect();
+            let [a, b, c, d, e, f, g, h, i] = known[..] else {
+                break;
+            };
             let r = nalgebra::Matrix3::new(a, b, c, d, e, f, g, h, i);
             let error = (r.transpose() * r - nalgebra::Matrix3::identity()).norm();
             if error.is_nan() || error > 1e-9 || r.determinant() < 0.0 {
                 return self.fail(say::no_rotation(at));
             }
         }
+        self.two_derivatives(rows.as_flattened(), at)?;
         let number = |i: usize, j: usize| Formula::Number(if i == j { 1.0 } else { 0.0 });
         let identity: Rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(i, j)));
         Some((rows != identity).then_some(rows))

@@ -73,7 +73,7 @@ impl<'a> Resolver<'a> {
         };
         if spec.word == "world" {
             for frame in item.block.iter().filter(|frame| frame.word.text == "frame") {
-                self.collect_frame(None, frame);
+                self.collect_frame(None, frame, &[]);
             }
             self.add_instance("world", item, 0, None);
             return;
@@ -82,7 +82,7 @@ impl<'a> Resolver<'a> {
             return;
         };
         self.reserved(name);
-        for (index, label, value) in self.expand(name) {
+        for (index, label, value) in self.expand(name, &[]) {
             let slot = self.slots(spec.word);
             let named = named(spec.word, slot);
             let at = Region::from(name.word.at);
@@ -98,17 +98,29 @@ impl<'a> Resolver<'a> {
             }
             self.declared.insert(named, at);
             self.placeholder(spec.word, item, label);
+            let outer: Vec<(String, i64)> = value.clone().into_iter().collect();
             self.add_instance(spec.word, item, slot, value);
             if item.broken {
                 self.bad.insert(named);
             }
-        }
-        if spec.word == "body" {
-            let body = self.scene.bodies.len().wrapping_sub(1);
-            for frame in item.block.iter().filter(|field| field.word.text == "frame") {
-                self.collect_frame(Some(body), frame);
+            if spec.word == "body" && !self.collect_frames(slot, item, &outer) {
+                return;
             }
         }
+    }
+
+    /// The frames of a body, `outer` the index of its repetition; false when there are too many.
+    fn collect_frames(&mut self, body: usize, item: &'a Item<'a>, outer: &[(String, i64)]) -> bool {
+        let frames = || item.block.iter().filter(|field| field.word.text == "frame");
+        if !outer.is_empty() && self.size() + frames().count() > MOST {
+            self.messages.push(say::too_many(item.name_at(), MOST));
+            self.whole = false;
+            return false;
+        }
+        for frame in frames() {
+            self.collect_frame(Some(body), frame, outer);
+        }
+        true
     }
 
     fn add_instance(
@@ -118,15 +130,16 @@ impl<'a> Resolver<'a> {
         slot: usize,
         index: Option<(String, i64)>,
     ) {
+        let indices = index.into_iter().collect();
         self.instances.entry(word).or_default().push(Instance {
             item,
             slot,
             owner: 0,
-            index,
+            indices,
         });
     }
 
-    fn collect_frame(&mut self, body: Option<usize>, item: &'a Item<'a>) {
+    fn collect_frame(&mut self, body: Option<usize>, item: &'a Item<'a>, outer: &[(String, i64)]) {
         let Some(name) = &item.name else {
             return;
         };
@@ -135,7 +148,7 @@ impl<'a> Resolver<'a> {
             self.messages
                 .push(say_syntax::reserved_name(at, &name.word.text));
         }
-        let instances = self.expand(name);
+        let instances = self.expand(name, outer);
         if instances.is_empty()
             && let Some(owner) = body.and_then(|body| self.scene.bodies.get(body))
         {
@@ -167,7 +180,7 @@ impl<'a> Resolver<'a> {
                 item,
                 slot,
                 owner: body.unwrap_or(0),
-                index: value,
+                indices: outer.iter().cloned().chain(value).collect(),
             });
             if item.broken {
                 self.bad.insert(named);
@@ -186,23 +199,27 @@ impl<'a> Resolver<'a> {
         self.messages.push(report);
     }
 
-    /// Index, label and the value of the repetition, for every instance of a name.
-    fn expand(&mut self, name: &Name<'_>) -> Vec<Labelled> {
+    /// Index, label and the value of the repetition, for every instance of a name; `outer`: the repetition around it.
+    fn expand(&mut self, name: &Name<'_>, outer: &[(String, i64)]) -> Vec<Labelled> {
         let word = &name.word.text;
-        match self.index(name) {
+        match self.index(name, outer) {
             Some(Index::None) => vec![(None, word.clone(), None)],
             Some(Index::One(i)) => vec![(Some(i), format!("{word}[{i}]"), None)],
             Some(Index::Range(variable, first, end)) => (first..end)
                 .map(|i| (Some(i), format!("{word}[{i}]"), Some((variable.clone(), i))))
                 .collect(),
             None => {
-                self.broken.insert(word.clone());
+                self.whole = false;
+                // A frame is lost on its own body only.
+                if outer.is_empty() {
+                    self.broken.insert(word.clone());
+                }
                 Vec::new()
             }
         }
     }
 
-    fn index(&mut self, name: &Name<'_>) -> Option<Index> {
+    fn index(&mut self, name: &Name<'_>, outer: &[(String, i64)]) -> Option<Index> {
         let Some(value) = name.index else {
             return Some(Index::None);
         };
@@ -210,7 +227,7 @@ impl<'a> Resolver<'a> {
         let repeated =
             matches!(cursor.ahead(1).map(|l| &l.kind), Some(Kind::Word(word)) if word == "in");
         if !repeated {
-            return self.constant_index(value).map(Index::One);
+            return self.constant_index(value, outer).map(Index::One);
         }
         let variable = cursor.word()?;
         if words::reserved(&variable.text).is_some() || self.names.get(&variable.text).is_some() {
@@ -219,8 +236,11 @@ impl<'a> Resolver<'a> {
                 &variable.text,
             ));
         }
+        if outer.iter().any(|(taken, _)| *taken == variable.text) {
+            return self.fail(say::index_twice(variable.at.into(), &variable.text));
+        }
         cursor.keyword("in")?;
-        let (first, end) = self.bounds(cursor, value)?;
+        let (first, end) = self.bounds(cursor, value, outer)?;
         let count = end.saturating_sub(first);
         if count <= 0 {
             return self.fail(say::empty_repetition(value.at));
@@ -233,10 +253,15 @@ impl<'a> Resolver<'a> {
     }
 
     /// `0..3` or `0..=2`: first and one past the last.
-    fn bounds(&mut self, mut cursor: Cursor<'_>, whole: Value<'_>) -> Option<(i64, i64)> {
+    fn bounds(
+        &mut self,
+        mut cursor: Cursor<'_>,
+        whole: Value<'_>,
+        outer: &[(String, i64)],
+    ) -> Option<(i64, i64)> {
         let scope = Scope {
             stage: Stage::Constant,
-            index: None,
+            indices: outer,
         };
         let first = match expression::prefix(&mut cursor) {
             Ok(first) => self.whole_number(&first, scope)?,
@@ -256,13 +281,13 @@ impl<'a> Resolver<'a> {
         Some((first, last.saturating_add(i64::from(inclusive))))
     }
 
-    fn constant_index(&mut self, value: Value<'_>) -> Option<i64> {
+    fn constant_index(&mut self, value: Value<'_>, outer: &[(String, i64)]) -> Option<i64> {
         if value.lexemes.is_empty() {
             return self.fail(say_syntax::range(value.at));
         }
         let scope = Scope {
             stage: Stage::Constant,
-            index: None,
+            indices: outer,
         };
         match expression::whole(value) {
             Ok(parsed) => self.whole_number(&parsed, scope),

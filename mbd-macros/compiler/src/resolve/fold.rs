@@ -108,6 +108,24 @@ pub fn at_defaults(formula: &Formula, scene: &Scene) -> Option<f64> {
     known(formula, scene, true)?.scalar()
 }
 
+/// The value of a scalar formula at a time [s], with all params at their defaults.
+pub fn at_time(formula: &Formula, scene: &Scene, time: f64) -> Option<f64> {
+    at_defaults(&with_time(formula, time), scene)
+}
+
+/// A formula with its time replaced by a number.
+fn with_time(formula: &Formula, time: f64) -> Formula {
+    let all = |parts: &[Formula]| parts.iter().map(|part| with_time(part, time)).collect();
+    match formula {
+        Formula::Time => Formula::Number(time),
+        Formula::Vector(parts) => Formula::Vector(all(parts)),
+        Formula::Component(parts, axis) => Formula::Component(all(parts), *axis),
+        Formula::Apply(function, parts) => Formula::Apply(*function, all(parts)),
+        Formula::Lookup(table, parts) => Formula::Lookup(*table, all(parts)),
+        other => other.clone(),
+    }
+}
+
 fn interpolate(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let after = x.partition_point(|&x| x <= at);
     let (first, last) = (*y.first()?, *y.last()?);

@@ -166,10 +166,17 @@ impl Resolver<'_> {
                 let body = self.scene.bodies.get(a)?;
                 Some(format!("body `{}`", body.name))
             }
+            (Place::Point(a), Place::Point(b)) if a == b => {
+                let point = self.scene.points.get(a)?;
+                Some(format!("point `{}`", point.name))
+            }
             _ => None,
         };
         if let Some(owner) = owner {
             return self.fail(say::joint_to_itself(to, &name, &owner));
+        }
+        for (end, place, at) in [("from", parent, from), ("to", child, to)] {
+            self.axes_at(&law, end, place, at)?;
         }
         let entry = self.scene.joints.get_mut(instance.slot)?;
         entry.law = law;
@@ -230,14 +237,45 @@ impl Resolver<'_> {
 
     fn joint_end(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Place> {
         let place = self.place(value, scope)?;
-        match place {
-            Place::Point(point) => {
-                let name = self.scene.points.get(point)?.name.clone();
-                let massless = matches!(self.scene.points.get(point)?.kind, PointKind::Node(_));
-                self.fail(say::joint_on_point(value.at, &name, massless))
+        if let Place::Point(point) = place {
+            let point = self.scene.points.get(point)?;
+            if matches!(point.kind, PointKind::Node(_)) {
+                let report = say::joint_on_massless(value.at, &point.name);
+                return self.fail(report);
             }
-            place => Some(place),
         }
+        Some(place)
+    }
+
+    /// A point with mass has no axes; most joints need some.
+    fn axes_at(
+        &mut self,
+        law: &JointLaw,
+        end: &'static str,
+        place: Place,
+        at: Region,
+    ) -> Option<()> {
+        let Place::Point(point) = place else {
+            return Some(());
+        };
+        let side = usize::from(end == "to");
+        let without = |(_, axes): &&(&str, [bool; 2])| !axes[side];
+        let fitting: Vec<&str> = JointLaw::AXES
+            .iter()
+            .filter(without)
+            .map(|(keyword, _)| *keyword)
+            .collect();
+        if fitting.contains(&law.keyword()) {
+            return Some(());
+        }
+        let name = self.scene.points.get(point)?.name.clone();
+        self.fail(say::joint_without_axes(
+            at,
+            law.keyword(),
+            end,
+            &name,
+            &fitting,
+        ))
     }
 
     /// `x`, `-z`, or a vector of numbers and consts.

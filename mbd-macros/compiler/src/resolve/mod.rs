@@ -41,8 +41,8 @@ pub struct Instance<'a> {
     pub slot: usize,
     /// The body of a frame.
     pub owner: usize,
-    /// The name of the index and its value.
-    pub index: Option<(String, i64)>,
+    /// The repetitions it is in, that of its body first: the name of each index and its value.
+    pub indices: Vec<(String, i64)>,
 }
 
 impl Instance<'_> {
@@ -50,10 +50,7 @@ impl Instance<'_> {
     pub fn scope(&self, stage: Stage) -> Scope<'_> {
         Scope {
             stage,
-            index: self
-                .index
-                .as_ref()
-                .map(|(name, value)| (name.as_str(), *value)),
+            indices: &self.indices,
         }
     }
 }

@@ -16,14 +16,14 @@ impl Resolver<'_> {
         let (first, rest) = steps.split_first()?;
         let word = first.word.text.as_str();
         let here = Region::from(first.word.at);
-        if let Some((name, value)) = scope.index
-            && name == word
-        {
-            let index = Typed::of(Formula::Number(value as f64), false, units::NONE, here);
+        if let Some((_, value)) = scope.indices.iter().find(|(name, _)| name == word) {
+            let index = Typed::of(Formula::Number(*value as f64), false, units::NONE, here);
             return self.tail(index, rest);
         }
         if word == "time" {
-            self.live(scope, here, "time")?;
+            if scope.stage != Stage::Course {
+                self.live(scope, here, "time")?;
+            }
             return self.tail(Typed::of(Formula::Time, false, units::TIME, here), rest);
         }
         if word == "world" {
@@ -66,7 +66,7 @@ impl Resolver<'_> {
                     rest,
                 )
             }
-            Named::Body(body) => self.body_quantity(body, first, rest, at, scope),
+            Named::Body(body) => self.body_quantity(body, rest, at, scope),
             Named::Point(point) => {
                 self.live(scope, at, &format!("the motion of `{word}`"))?;
                 self.point_quantity(point, word, rest, at)
@@ -126,6 +126,7 @@ impl Resolver<'_> {
         match scope.stage {
             Stage::Live => Some(()),
             Stage::Fixed => self.fail(say::not_fixed(at, what)),
+            Stage::Course => self.fail(say::not_prescribed(at, what)),
             Stage::Constant => self.fail(say::not_constant(at, what)),
         }
     }
@@ -193,7 +194,8 @@ impl Resolver<'_> {
                     Some(named) => Some(*named),
                     None => {
                         let keys: Vec<i64> = members.keys().copied().collect();
-                        self.fail(say::index_range(index.at(), &step.word.text, value, &keys))
+                        let (at, word) = (index.at(), &step.word.text);
+                        self.fail(say::index_range(at, word, value, &keys, scope.indices))
                     }
                 }
             }
@@ -282,12 +284,11 @@ impl Resolver<'_> {
     fn body_quantity(
         &mut self,
         body: usize,
-        first: &Step,
         rest: &[Step],
         at: Region,
         scope: Scope<'_>,
     ) -> Option<Typed> {
-        let owner = &first.word.text;
+        let owner = &self.scene.bodies.get(body)?.name.clone();
         self.live(scope, at, &format!("the motion of `{owner}`"))?;
         let Some((step, after)) = rest.split_first() else {
             return self.fail(say::body_without_quantity(at, owner));

@@ -13,7 +13,7 @@ use crate::units;
 /// Settings are made of numbers, consts and params.
 const FIXED: Scope<'static> = Scope {
     stage: Stage::Fixed,
-    index: None,
+    indices: &[],
 };
 
 impl Resolver<'_> {

@@ -16,6 +16,8 @@ pub enum Stage {
     Constant,
     /// Also params: known before a run.
     Fixed,
+    /// Also time: a motion prescribed before a run. It is differentiated twice.
+    Course,
     /// Everything in the scene.
     Live,
 }
@@ -25,8 +27,8 @@ pub enum Stage {
 pub struct Scope<'s> {
     /// What it may depend on.
     pub stage: Stage,
-    /// The repetition it is in: the name of the index and its value.
-    pub index: Option<(&'s str, i64)>,
+    /// The repetitions it is in, the outer one first: the name of each index and its value.
+    pub indices: &'s [(String, i64)],
 }
 
 /// A formula with its shape and dimension.

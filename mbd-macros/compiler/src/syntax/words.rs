@@ -133,12 +133,12 @@ pub const ITEMS: &[ItemWord] = &[
         fields: Some(&["frame"]),
         form: "world { frame NAME at [x, y, z] m }",
     },
-    item(
+    repeated(item(
         "body",
         &[],
         Some(&["mass", "center_of_mass", "inertia", "frame"]),
         "body NAME { mass: 2.0 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2 }",
-    ),
+    )),
     repeated(item(
         "point",
         &[],
@@ -164,7 +164,7 @@ pub const ITEMS: &[ItemWord] = &[
         LINE_FIELDS,
         "spring NAME from body.frame to body.frame { free_length: 1.0 m, stiffness: 1.0 kN/m }",
     )),
-    item(
+    repeated(item(
         "load",
         &[
             needs("on", "on"),
@@ -175,14 +175,14 @@ pub const ITEMS: &[ItemWord] = &[
         ],
         None,
         "load NAME on body at frame = expression;",
-    ),
-    item(
+    )),
+    repeated(item(
         "output",
         &[needs("=", "value"), may("in", "in")],
         None,
         "output NAME = expression;",
-    ),
-    item(
+    )),
+    repeated(item(
         "event",
         &[
             needs("=", "value"),
@@ -192,7 +192,7 @@ pub const ITEMS: &[ItemWord] = &[
         ],
         None,
         "event NAME = expression crosses value;",
-    ),
+    )),
 ];
 
 /// Everything that may stand between the braces of a model.

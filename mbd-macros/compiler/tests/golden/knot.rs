@@ -740,6 +740,12 @@ const _: () = {
                 unit: "m/s",
             },
         ];
+        /// Row and column of every structural non-zero of `mass_matrix`, row by row; all else is zero in every state.
+        pub const MASS_MATRIX_SPARSITY: &'static [(usize, usize)] = &[
+            (0, 0),
+            (1, 1),
+            (2, 2),
+        ];
         /// Name, unit, default, range and documentation of every live parameter.
         pub const PARAMS: &'static [::mbd_runtime::ParamInfo] = &[];
         /// Operations of every quantity.

@@ -150,7 +150,7 @@ for ParachuteExternal<L> {
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
 /// | [`guards`](Self::guards) | 9 of 9 | 298 |
 /// | [`outputs`](Self::outputs) | 2 of 2 | 99 |
-/// | [`energy`](Self::energy) | 5 of 5 | 485 |
+/// | [`energy`](Self::energy) | 6 of 6 | 485 |
 /// | [`mass_matrix`](Self::mass_matrix) | 16 of 144 | 0 |
 /// | [`bias_force`](Self::bias_force) | 12 of 12 | 65 |
 /// | [`forces`](Self::forces) | 12 of 12 | 460 |
@@ -1959,8 +1959,8 @@ const _: () = {
         let tilt_t_5 = tilt_t_4.atan2(capsule_r33);
         *out = [riser_tension, tilt_t_5];
     }
-    /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, power of the dampers.
-    /// 5 [J, J, J, W, W].
+    /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
+    /// 6 [J, J, J, W, W, W].
     /// 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
     #[inline(never)]
     fn energy<T: ::mbd_runtime::Real>(
@@ -1972,7 +1972,7 @@ const _: () = {
         inputs: &[T; 9],
         params: &[T; 3],
         derived: &[T; 3],
-        out: &mut [T; 5],
+        out: &mut [T; 6],
     ) {
         let [canopy_x, canopy_y, canopy_z, canopy_qw, canopy_qx, canopy_qy, canopy_qz,
         capsule_x, capsule_y, capsule_z, capsule_qw, capsule_qx, capsule_qy, capsule_qz,
@@ -2500,7 +2500,7 @@ const _: () = {
         let thruster_t_10 = thruster_t_7 + thruster_t_8;
         let thruster_t_11 = thruster_t_9 + thruster_t_10;
         let thruster_t_12 = thruster_t_6 + thruster_t_11;
-        *out = [capsule_t_82, capsule_t_95, leg_2_t_57, thruster_t_12, leg_2_t_62];
+        *out = [capsule_t_82, capsule_t_95, leg_2_t_57, thruster_t_12, leg_2_t_62, zero];
     }
     /// Mass matrix `M` in `M v̇ + h = f`.
     /// 12×12 [kg, kg m²], row by row, structural non-zeros only.
@@ -3365,6 +3365,25 @@ const _: () = {
                 unit: "rad/s",
             },
         ];
+        /// Row and column of every structural non-zero of `mass_matrix`, row by row; all else is zero in every state.
+        pub const MASS_MATRIX_SPARSITY: &'static [(usize, usize)] = &[
+            (0, 0),
+            (1, 1),
+            (2, 2),
+            (3, 3),
+            (4, 4),
+            (5, 5),
+            (6, 6),
+            (7, 7),
+            (8, 8),
+            (9, 9),
+            (9, 10),
+            (10, 9),
+            (10, 10),
+            (10, 11),
+            (11, 10),
+            (11, 11),
+        ];
         /// Name, unit, default, range and documentation of every live parameter.
         pub const PARAMS: &'static [::mbd_runtime::ParamInfo] = &[
             ::mbd_runtime::ParamInfo {
@@ -3885,9 +3904,9 @@ const _: () = {
             outputs(q, v, z, nodes, hold, &self.values, out);
             ParachuteOutputs::from_array(values)
         }
-        /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, power of the dampers.
+        /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
         ///
-        /// 5 \[J, J, J, W, W\].
+        /// 6 \[J, J, J, W, W, W\].
         /// 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
         #[must_use]
         pub fn energy(
@@ -3902,16 +3921,18 @@ const _: () = {
             let [v] = &state.v.data.0;
             let [z] = &state.z.data.0;
             let inputs = &Self::inputs(time, state, loads);
-            let mut values = [T::zero(); 5];
+            let mut values = [T::zero(); 6];
             let out = &mut values;
             energy(q, v, z, nodes, hold, inputs, &self.values, &self.derived, out);
-            let [kinetic, gravitational, elastic, load_power, damper_power] = values;
+            let [kinetic, gravitational, elastic, load_power, damper_power, drive_power,
+            ] = values;
             ::mbd_runtime::Energy {
                 kinetic,
                 gravitational,
                 elastic,
                 load_power,
                 damper_power,
+                drive_power,
             }
         }
         /// Mass matrix `M` in `M v̇ + h = f`.

@@ -47,6 +47,7 @@ impl Joint for Distance {
     const FREEDOMS: usize = 5;
     const COORDINATES: usize = 6;
     const SUMMARY: &'static str = "a massless rod of `length` between two points";
+    const AXES: [bool; 2] = [false; 2];
 
     fn read(fields: &mut dyn Fields) -> Self {
         Distance {

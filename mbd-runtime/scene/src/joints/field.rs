@@ -54,9 +54,7 @@ impl Rule {
             Rule::NotNegative => "zero or positive",
             Rule::Positive => "positive",
             Rule::NotZero => "finite and not zero",
-            Rule::WithinHalfTurns => {
-                "between -180 and 180 degrees, where the angle jumps"
-            }
+            Rule::WithinHalfTurns => "between -180 and 180 degrees, where the angle jumps",
             Rule::OpenHalfTurn => "between 0 and 180 degrees, both excluded",
         }
     }

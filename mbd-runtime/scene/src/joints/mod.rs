@@ -31,6 +31,8 @@ pub trait Joint: Sized {
     const COORDINATES: usize = Self::FREEDOMS;
     /// One line for the list of joints.
     const SUMMARY: &'static str;
+    /// Whether its rows use the axes of frame 1 and of frame 2. A point with mass has none, and can be the end of a joint that asks for none.
+    const AXES: [bool; 2] = [true; 2];
 
     /// Reads its fields: the only place that says which there are.
     fn read(fields: &mut dyn Fields) -> Self;
@@ -100,6 +102,11 @@ macro_rules! joints {
             /// One line a joint: keyword, freedoms, what it is.
             pub const CATALOGUE: &'static [(&'static str, usize, &'static str)] = &[
                 $((stringify!($keyword), <$name as Joint>::FREEDOMS, <$name as Joint>::SUMMARY)),*
+            ];
+
+            /// Whether the rows of a joint use the axes of its parent end and of its child end: see [`Joint::AXES`].
+            pub const AXES: &'static [(&'static str, [bool; 2])] = &[
+                $((stringify!($keyword), <$name as Joint>::AXES)),*
             ];
 
             /// Reads the joint of a keyword; `None` if there is none of that name.

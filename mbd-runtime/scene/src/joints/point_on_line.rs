@@ -27,6 +27,7 @@ impl Joint for PointOnLine {
     const FREEDOMS: usize = 4;
     const COORDINATES: usize = 5;
     const SUMMARY: &'static str = "a point of the child stays on a line of the parent along `axis`";
+    const AXES: [bool; 2] = [true, false];
 
     fn read(fields: &mut dyn Fields) -> Self {
         PointOnLine {

@@ -28,6 +28,7 @@ impl Joint for PointOnPlane {
     const COORDINATES: usize = 6;
     const SUMMARY: &'static str =
         "a point of the child stays in the plane of the parent normal to `axis`";
+    const AXES: [bool; 2] = [true, false];
 
     fn read(fields: &mut dyn Fields) -> Self {
         PointOnPlane {

@@ -23,6 +23,7 @@ impl Joint for Spherical {
     const FREEDOMS: usize = 3;
     const COORDINATES: usize = 4;
     const SUMMARY: &'static str = "three rotations about a shared point";
+    const AXES: [bool; 2] = [false; 2];
 
     fn read(_fields: &mut dyn Fields) -> Self {
         Spherical {}

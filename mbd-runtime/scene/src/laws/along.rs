@@ -240,7 +240,23 @@ impl<S: Real> Acting<'_, S> {
         [elastic, load, damping]
     }
 
-    /// The two ends: what each sits on, and its share of the row.
+    /// Q times the share of moving frames of the world in the rate [W]; `None` where no end moves by itself.
+    pub fn driven(&self) -> Option<S> {
+        let (parent, child) = (&self.ends.parent, &self.ends.child);
+        if parent.prescribed.is_none() && child.prescribed.is_none() {
+            return None;
+        }
+        let row = self.row();
+        let mut share = S::zero();
+        for (end, columns) in [(parent, &row.parent), (child, &row.child)] {
+            if end.prescribed.is_some() {
+                share += columns.rate(end);
+            }
+        }
+        Some(self.effort() * share)
+    }
+
+    /// The two ends: what each sits on.
     pub fn places(&self) -> Option<[Place; 2]> {
         let joint = self.evaluation.scene.joints.get(self.joint)?;
         Some([joint.parent, joint.child])

@@ -15,13 +15,13 @@ use crate::elimination::{Elimination, Part, Step};
 #[derive(Clone, Debug)]
 pub struct System<S: Real> {
     /// K, then L D below the diagonal (unscaled columns).
-    store: Vec<S>,
+    pub(super) store: Vec<S>,
     /// L below the diagonal.
-    scaled: Vec<S>,
+    pub(super) scaled: Vec<S>,
     /// 1 / D.
-    inverse: Vec<S>,
+    pub(super) inverse: Vec<S>,
     /// b, then y, then x.
-    right: Vec<S>,
+    pub(super) right: Vec<S>,
 }
 
 impl<S: Real> System<S> {
@@ -88,8 +88,15 @@ impl<S: Real> System<S> {
 
     /// Factorises K by (1). `enter` hears which part comes next.
     pub fn factor(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
-        for step in &plan.steps {
+        for (index, step) in plan.steps.iter().enumerate() {
+            if step.rides {
+                continue;
+            }
             enter(step.part);
+            if step.partition.is_some() {
+                self.factor_pair(plan, index);
+                continue;
+            }
             let n = step.size;
             for p in 0..n {
                 let pivot = step.diagonal + p * n;
@@ -168,7 +175,14 @@ impl<S: Real> System<S> {
 
     /// Solves for the right-hand side by (2); the factor stays.
     pub fn solve(&mut self, plan: &Elimination) {
-        for step in &plan.steps {
+        for (index, step) in plan.steps.iter().enumerate() {
+            if step.rides {
+                continue;
+            }
+            if step.partition.is_some() {
+                self.carry_pair(plan, index);
+                continue;
+            }
             let n = step.size;
             for p in 0..n {
                 let value = self.right[step.first + p];
@@ -186,7 +200,14 @@ impl<S: Real> System<S> {
                 }
             }
         }
-        for step in plan.steps.iter().rev() {
+        for (index, step) in plan.steps.iter().enumerate().rev() {
+            if step.rides {
+                continue;
+            }
+            if step.partition.is_some() {
+                self.find_pair(plan, index);
+                continue;
+            }
             let n = step.size;
             for p in (0..n).rev() {
                 let mut total = self.right[step.first + p];
@@ -213,7 +234,8 @@ impl<S: Real> System<S> {
         }
     }
 
-    fn carry(&mut self, factor: usize, row: usize, value: S) {
+    /// Takes factor × value out of a row of the right-hand side.
+    pub(super) fn carry(&mut self, factor: usize, row: usize, value: S) {
         let factor = self.scaled[factor];
         if !factor.is_zero() {
             self.right[row] -= factor * value;

@@ -21,7 +21,7 @@ use super::forces::Assembly;
 use super::rows::{Columns, End, Ends, Rows, Turn};
 use super::{GravityNumbers, body_gravity, point_gravity};
 use crate::elimination::Part;
-use crate::{AngularVelocity, At, Layout, Place, PointSlots, Quantity, Real, Scene};
+use crate::{AngularVelocity, At, Layout, Partition, Place, PointSlots, Quantity, Real, Scene};
 
 /// Rows and system of one scene. Carries nothing from call to call.
 #[derive(Clone, Debug)]
@@ -43,13 +43,50 @@ impl<S: Real> Evaluation<'_, S> {
         ))
     }
 
-    fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
-        let turn = |rotation: Option<nalgebra::Matrix3<S>>| rotation.map_or(Turn::None, Turn::By);
-        match place {
-            Place::World(frame) => {
-                let frame = self.numbers.world_frames.get(frame)?;
-                Some(End::fixed(frame.position, turn(frame.rotation)))
+    /// The two ends of a joint in the system: columns multiply the velocity of each body's [`Evaluation::reference`]. Body components.
+    fn system_ends(&self, joint: usize) -> Option<Ends<'_, S>> {
+        let mut ends = self.ends(joint, AngularVelocity::Body)?;
+        let declared = self.scene.joints.get(joint)?;
+        for (end, place) in [
+            (&mut ends.parent, declared.parent),
+            (&mut ends.child, declared.child),
+        ] {
+            if let Place::Body(body, _) = place {
+                end.reference = self.reference(body).unwrap_or_else(Vector3::zeros);
             }
+        }
+        Some(ends)
+    }
+
+    /// The point of a body whose velocity is its unknown in the system, body axes: where the joint that carries it holds it; `None` is
+    /// the centre of mass.
+    fn reference(&self, body: usize) -> Option<Vector3<S>> {
+        let carrier = (*self.layout.elimination.carriers.get(body)?)?;
+        match self.scene.joints.get(carrier)?.child {
+            Place::Body(body, frame) => {
+                let frames = &self.numbers.bodies.get(body)?.frames;
+                Some(frames.get(frame)?.position)
+            }
+            _ => None,
+        }
+    }
+
+    /// Rows k of R r̃ for the reference point r of a body: a velocity of the centre of mass is that of the reference point + R r̃ ω′.
+    fn levers(&self, body: usize) -> Option<[Vector3<S>; 3]> {
+        let (reference, motion) = (self.reference(body)?, self.motions.get(body)?);
+        let turn = Turn::By(motion.rotation);
+        Some(std::array::from_fn(|k| turn.row(k).cross(&reference)))
+    }
+
+    fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
+        match place {
+            Place::World(frame) => Some(match self.moving(frame) {
+                Some(motion) => End::moving(motion),
+                None => {
+                    let frame = self.numbers.world_frames.get(frame)?;
+                    End::fixed(frame.position, frame.rotation.into())
+                }
+            }),
             Place::Point(point) => match *self.layout.points.get(point)? {
                 PointSlots::Mass(slots) => Some(End {
                     speeds: Some((slots.v, 3)),
@@ -66,7 +103,7 @@ impl<S: Real> Evaluation<'_, S> {
                     speeds: Some((slots.v, 6)),
                     position: motion.position,
                     velocity: motion.velocity,
-                    ..End::fixed(frame.position, turn(frame.rotation))
+                    ..End::fixed(frame.position, frame.rotation.into())
                 };
                 Some(match components {
                     AngularVelocity::Body => End {
@@ -103,12 +140,15 @@ pub fn branch<S: Real>(
         .iter()
         .map(|&slots| super::Motion::read(at.state, slots, layout.nq, scene.angular_velocity))
         .collect();
+    let mut ground = Vec::new();
+    super::ground::ground(scene, numbers, at.time, &mut ground);
     let evaluation = Evaluation {
         scene,
         layout,
         numbers,
         at,
         motions: &motions,
+        ground: &ground,
     };
     match (
         evaluation.ends(joint, AngularVelocity::Body),
@@ -137,7 +177,11 @@ impl<S: Real> Constraints<S> {
     }
 
     /// Runs the rows of every joint.
-    fn run(&mut self, evaluation: &Evaluation<'_, S>, components: AngularVelocity) {
+    fn run<'a>(
+        &mut self,
+        evaluation: &'a Evaluation<'a, S>,
+        ends: impl Fn(usize) -> Option<Ends<'a, S>>,
+    ) {
         let joints = evaluation
             .scene
             .joints
@@ -149,16 +193,17 @@ impl<S: Real> Constraints<S> {
                 continue;
             }
             S::section(&joint.name);
-            if let Some(ends) = evaluation.ends(index, components) {
+            if let Some(ends) = ends(index) {
                 joint.law.constrain(&ends, rows);
+                rows.prescribe(&ends);
             }
         }
     }
 
-    /// Writes Φ, Φ_v, Φ_v v or γ.
+    /// Writes Φ, Φ_v, Φ_v v + Φ_t or γ.
     pub fn write(&mut self, what: Quantity, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let components = evaluation.scene.angular_velocity;
-        self.run(evaluation, components);
+        self.run(evaluation, |joint| evaluation.ends(joint, components));
         let layout = evaluation.layout;
         for (index, (slots, rows)) in layout.joints.iter().zip(&self.rows).enumerate() {
             let Some(ends) = evaluation.ends(index, components).filter(|_| slots.len > 0) else {
@@ -184,21 +229,11 @@ impl<S: Real> Constraints<S> {
     fn prepare(&mut self, evaluation: &Evaluation<'_, S>) {
         let (layout, numbers) = (evaluation.layout, evaluation.numbers);
         let plan = &layout.elimination;
-        self.run(evaluation, AngularVelocity::Body);
+        self.run(evaluation, |joint| evaluation.system_ends(joint));
         self.system.clear();
         for (index, step) in plan.steps.iter().enumerate() {
             match step.part {
-                Part::Body(body) => {
-                    let body = &numbers.bodies[body];
-                    for i in 0..3 {
-                        self.system.set_diagonal(plan, index, (i, i), body.mass);
-                        for j in 0..=i {
-                            let inertia = body.inertia[(i, j)];
-                            self.system
-                                .set_diagonal(plan, index, (3 + i, 3 + j), inertia);
-                        }
-                    }
-                }
+                Part::Body(body) => self.write_body(evaluation, index, body),
                 Part::Point(point) => {
                     let mass = numbers.points[point].0;
                     for i in 0..3 {
@@ -225,6 +260,62 @@ impl<S: Real> Constraints<S> {
             .factor(plan, |part| enter::<S>(evaluation.scene, part));
     }
 
+    /// Writes the mass block of a body about its reference point r: [m I, m R r̃; ·, I′ + m r̃ᵀ r̃], and the directions of its speeds.
+    fn write_body(&mut self, evaluation: &Evaluation<'_, S>, index: usize, body: usize) {
+        let plan = &evaluation.layout.elimination;
+        let numbers = &evaluation.numbers.bodies[body];
+        let mut inertia = numbers.inertia;
+        if let Some(r) = evaluation.reference(body) {
+            let square = r.dot(&r);
+            inertia = nalgebra::Matrix3::from_fn(|i, j| {
+                let diagonal = if i == j { square } else { S::zero() };
+                inertia[(i, j)] + numbers.mass * (diagonal - r[i] * r[j])
+            });
+        }
+        let levers = evaluation.levers(body);
+        for i in 0..3 {
+            self.system.set_diagonal(plan, index, (i, i), numbers.mass);
+            for j in 0..=i {
+                self.system
+                    .set_diagonal(plan, index, (3 + i, 3 + j), inertia[(i, j)]);
+            }
+            for (k, lever) in levers.iter().flatten().enumerate() {
+                let value = numbers.mass * lever[i];
+                self.system.set_diagonal(plan, index, (3 + i, k), value);
+            }
+        }
+        let carrier = plan.carriers.get(body).copied().flatten();
+        if let (Some(partition), Some(joint)) = (plan.steps[index].partition, carrier) {
+            self.write_directions(evaluation, index, joint, &partition);
+        }
+    }
+
+    /// Writes the directions E of a carried body's angular speeds: those its joint determines first.
+    fn write_directions(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        index: usize,
+        joint: usize,
+        partition: &Partition,
+    ) {
+        let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) else {
+            return;
+        };
+        let [u, v] = partition.axis.complement();
+        let (free, first, second) = (
+            ends.child.axis(&partition.axis),
+            ends.child.axis(&u),
+            ends.child.axis(&v),
+        );
+        let [first, second] = match (partition.turns, self.rows[joint].rows().get(3)) {
+            (1, Some(row)) => [row.child.angular, free.cross(&row.child.angular)],
+            _ => [first, second],
+        };
+        let plan = &evaluation.layout.elimination;
+        let directions = nalgebra::Matrix3::from_columns(&[first, second, free]);
+        self.system.set_directions(plan, index, &directions);
+    }
+
     /// Solves (1): accelerations less the common fall, and −λ.
     pub fn accelerate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>) {
         self.prepare(evaluation);
@@ -242,8 +333,11 @@ impl<S: Real> Constraints<S> {
                     if !uniform {
                         force += body_gravity(evaluation, body).map(|g| numbers.mass * g);
                     }
-                    let torque = motion.rotation.transpose() * torque + assembly.own[body]
+                    let mut torque = motion.rotation.transpose() * torque + assembly.own[body]
                         - motion.gyroscopic(numbers);
+                    for (k, lever) in evaluation.levers(body).iter().flatten().enumerate() {
+                        torque += lever.map(|x| x * force[k]);
+                    }
                     write(right, 0, &force);
                     write(right, 3, &torque);
                 }
@@ -280,7 +374,8 @@ impl<S: Real> Constraints<S> {
         let plan = &evaluation.layout.elimination;
         let unknowns = self.system.unknowns(plan, plan.step_of(Part::Body(body))?);
         let spin = state_components(evaluation, body, vector(unknowns, 3));
-        Some([vector::<S>(unknowns, 0) + common_fall(evaluation), spin])
+        let acceleration = of_centre(evaluation, body, unknowns);
+        Some([acceleration + common_fall(evaluation), spin])
     }
 
     /// Acceleration of a point that joints hold, world axes.
@@ -326,6 +421,29 @@ impl<S: Real> Constraints<S> {
         }
     }
 
+    /// Power that prescribed motions put in through the joints, −λᵀ Φ_t [W], after [`Constraints::accelerate`].
+    pub fn drive_power(&self, evaluation: &Evaluation<'_, S>) -> S {
+        let layout = evaluation.layout;
+        let mut power = S::zero();
+        for (index, rows) in self.rows.iter().enumerate() {
+            let driven = layout.joints.get(index).is_some_and(|slots| slots.driven);
+            let step = layout.elimination.step_of(Part::Joint(index));
+            let (Some(step), true) = (step, driven) else {
+                continue;
+            };
+            let Some(ends) = evaluation.ends(index, AngularVelocity::Body) else {
+                continue;
+            };
+            let unknowns = self.system.unknowns(&layout.elimination, step);
+            for (row, &unknown) in rows.rows().iter().zip(unknowns) {
+                if let Some(rate) = row.prescribed_rate(&ends) {
+                    power += unknown * rate;
+                }
+            }
+        }
+        power
+    }
+
     /// Solves (2) for the rows of the arguments and writes δ.
     pub fn correct(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let layout = evaluation.layout;
@@ -350,7 +468,7 @@ impl<S: Real> Constraints<S> {
                 Part::Body(body) => {
                     let at = layout.bodies[body].v;
                     let turn = state_components(evaluation, body, vector(unknowns, 3));
-                    write(out, at, &vector(unknowns, 0));
+                    write(out, at, &of_centre(evaluation, body, unknowns));
                     write(out, at + 3, &turn);
                 }
                 Part::Point(point) => {
@@ -361,6 +479,15 @@ impl<S: Real> Constraints<S> {
                 Part::Joint(_) => {}
             }
         }
+    }
+}
+
+/// The velocity, or its rate, of the centre of mass, world axes, from the six unknowns of a body.
+fn of_centre<S: Real>(evaluation: &Evaluation<'_, S>, body: usize, unknowns: &[S]) -> Vector3<S> {
+    let (at_reference, spin): (Vector3<S>, Vector3<S>) = (vector(unknowns, 0), vector(unknowns, 3));
+    match evaluation.levers(body) {
+        Some(levers) => Vector3::from_fn(|k, _| at_reference[k] + levers[k].dot(&spin)),
+        None => at_reference,
     }
 }
 

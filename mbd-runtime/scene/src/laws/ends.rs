@@ -8,6 +8,7 @@ use std::cell::OnceCell;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::ground::FrameMotion;
 use crate::joints::Axis;
 use crate::{AngularVelocity, Real};
 
@@ -18,6 +19,12 @@ pub enum Turn<S: Real> {
     None,
     /// By a matrix.
     By(Matrix3<S>),
+}
+
+impl<S: Real> From<Option<Matrix3<S>>> for Turn<S> {
+    fn from(rotation: Option<Matrix3<S>>) -> Self {
+        rotation.map_or(Turn::None, Turn::By)
+    }
 }
 
 impl<S: Real> Turn<S> {
@@ -56,7 +63,8 @@ impl<S: Real> Turn<S> {
     }
 }
 
-/// One end: a place on a body, at a point with mass or in the world.
+/// One end: a place on a body, at a point with mass or in the world. Of a frame of the world that moves, what stands below for the
+/// centre of mass is its origin, and its own components are along world axes.
 #[derive(Clone, Copy, Debug)]
 pub struct End<S: Real> {
     /// First speed and number of speeds (6 for a body, 3 for a point) of what it sits on; `None` for the world.
@@ -71,8 +79,12 @@ pub struct End<S: Real> {
     pub outward: Turn<S>,
     /// The joint's point from the centre of mass, own components [m].
     pub arm: Vector3<S>,
+    /// The point whose velocity the columns of the rows multiply, from the centre of mass, own components [m].
+    pub reference: Vector3<S>,
     /// Joint frame → own components.
     pub frame: Turn<S>,
+    /// Acceleration of `position` [m/s²] and angular acceleration [rad/s²] where time alone prescribes them, world axes.
+    pub prescribed: Option<[Vector3<S>; 2]>,
 }
 
 impl<S: Real> End<S> {
@@ -85,13 +97,36 @@ impl<S: Real> End<S> {
             omega: Vector3::zeros(),
             outward: Turn::None,
             arm,
+            reference: Vector3::zeros(),
             frame,
+            prescribed: None,
+        }
+    }
+
+    /// An end on a frame of the world that moves.
+    pub fn moving(motion: &FrameMotion<S>) -> Self {
+        End {
+            position: motion.position,
+            velocity: motion.velocity,
+            omega: motion.omega,
+            prescribed: Some([motion.acceleration, motion.alpha]),
+            ..End::fixed(Vector3::zeros(), motion.rotation.into())
         }
     }
 
     /// An axis of the joint frame, own components.
     pub fn axis(&self, axis: &Axis) -> Vector3<S> {
         self.frame.apply(&axis.vector())
+    }
+
+    /// The joint's point from the reference point, own components [m].
+    pub fn lever(&self) -> Vector3<S> {
+        self.arm - self.reference
+    }
+
+    /// Velocity of the reference point, world axes [m/s].
+    pub fn reference_velocity(&self) -> Vector3<S> {
+        self.velocity + self.outward.apply(&self.omega.cross(&self.reference))
     }
 
     /// ω × arm: velocity of the joint's point against the centre of mass, own components [m/s].

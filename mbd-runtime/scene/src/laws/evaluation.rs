@@ -1,9 +1,10 @@
 //! One evaluation: the scene at a state, seen by every law and every formula.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::body::Motion;
 use super::formula::{Context, Value};
+use super::ground::FrameMotion;
 use super::line;
 use super::node;
 use super::numbers::{FrameNumbers, Numbers};
@@ -19,6 +20,8 @@ pub struct Evaluation<'a, S: Real> {
     pub numbers: &'a Numbers<S>,
     pub at: &'a At<'a, S>,
     pub motions: &'a [Motion<S>],
+    /// Per frame of the world its motion, if it moves.
+    pub ground: &'a [Option<FrameMotion<S>>],
 }
 
 /// A line in motion.
@@ -39,11 +42,10 @@ impl<'a, S: Real> Evaluation<'a, S> {
     /// Position of a place [m], world axes.
     pub fn position_of(&self, place: Place) -> Option<Vector3<S>> {
         match place {
-            Place::World(frame) => self
-                .numbers
-                .world_frames
-                .get(frame)
-                .map(|frame| frame.position),
+            Place::World(frame) => match self.moving(frame) {
+                Some(motion) => Some(motion.position),
+                None => Some(self.numbers.world_frames.get(frame)?.position),
+            },
             Place::Body(body, frame) => {
                 let (motion, frame) = self.frame(body, frame)?;
                 let place = motion.position + motion.arm(&frame.position);
@@ -59,7 +61,10 @@ impl<'a, S: Real> Evaluation<'a, S> {
     /// Velocity of a place [m/s], world axes. The velocity of a `static` or `stepwise` node is Σ H⁻¹ J_i v_i.
     pub fn velocity_of(&self, place: Place) -> Option<Vector3<S>> {
         match place {
-            Place::World(_) => Some(Vector3::zeros()),
+            Place::World(frame) => Some(match self.moving(frame) {
+                Some(motion) => motion.velocity,
+                None => Vector3::zeros(),
+            }),
             Place::Body(body, frame) => {
                 let (motion, frame) = self.frame(body, frame)?;
                 Some(motion.velocity_of(&frame.position))
@@ -69,6 +74,11 @@ impl<'a, S: Real> Evaluation<'a, S> {
                 PointSlots::Node(node) => self.node_velocity(node),
             },
         }
+    }
+
+    /// The motion of a frame of the world, if it moves.
+    pub fn moving(&self, frame: usize) -> Option<&FrameMotion<S>> {
+        self.ground.get(frame)?.as_ref()
     }
 
     /// Position of a node [m].
@@ -196,16 +206,17 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
             return None;
         }
         let unit = Vector3::from_fn(|i, _| if i == axis { S::one() } else { S::zero() });
-        let of = |frame: &FrameNumbers<S>| {
-            frame
-                .rotation
-                .map_or(unit, |rotation| rotation.column(axis).into_owned())
+        let of = |rotation: Option<Matrix3<S>>| {
+            rotation.map_or(unit, |rotation| rotation.column(axis).into_owned())
         };
         match place {
-            Place::World(frame) => self.numbers.world_frames.get(frame).map(of),
+            Place::World(frame) => Some(match self.moving(frame) {
+                Some(motion) => of(motion.rotation),
+                None => of(self.numbers.world_frames.get(frame)?.rotation),
+            }),
             Place::Body(body, frame) => {
                 let (motion, frame) = self.frame(body, frame)?;
-                Some(motion.rotation * of(frame))
+                Some(motion.rotation * of(frame.rotation))
             }
             Place::Point(_) => None,
         }

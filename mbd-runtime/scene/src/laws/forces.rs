@@ -181,3 +181,36 @@ pub fn load_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
     }
     power
 }
+
+/// Power that moving frames of the world put into the lines and the joint coordinates that end there [W]: the drive holds against the pull,
+/// T u·v at the `to` end, −T u·v at the `from` end; against the effort, −Q times the share of the frame in the rate.
+pub fn drive_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
+    let mut power = S::zero();
+    for (index, line) in evaluation.scene.lines.iter().enumerate() {
+        let velocity = |place: Place| match place {
+            Place::World(frame) => evaluation.moving(frame).map(|motion| motion.velocity),
+            _ => None,
+        };
+        let (from, to) = (velocity(line.from), velocity(line.to));
+        if from.is_none() && to.is_none() {
+            continue;
+        }
+        let Some(motion) = evaluation.line_motion(index) else {
+            continue;
+        };
+        let along =
+            |velocity: Vector3<S>| motion.tension * motion.geometry.direction.dot(&velocity);
+        if let Some(velocity) = to {
+            power += along(velocity);
+        }
+        if let Some(velocity) = from {
+            power -= along(velocity);
+        }
+    }
+    super::along::visit(evaluation, |acting| {
+        if let Some(driven) = acting.driven() {
+            power -= driven;
+        }
+    });
+    power
+}

@@ -11,9 +11,11 @@ mod evaluation;
 mod forces;
 mod formula;
 mod gravity;
+mod ground;
 pub mod line;
 mod node;
 mod numbers;
+mod pair;
 pub mod rows;
 
 use algebra::{elements, vector, write};
@@ -27,6 +29,7 @@ pub use algebra::{inverse, rotation, solve_positive, symmetric};
 pub use along::AlongNumbers;
 pub use constraint::branch;
 pub use formula::norm;
+pub use ground::FrameMotion;
 pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers, constant,
 };
@@ -37,6 +40,7 @@ use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 #[derive(Clone, Debug)]
 pub struct Scratch<S: Real> {
     motions: Vec<Motion<S>>,
+    ground: Vec<Option<FrameMotion<S>>>,
     assembly: Assembly<S>,
     constraints: Constraints<S>,
 }
@@ -47,6 +51,7 @@ impl<S: Real> Scratch<S> {
     pub fn new(scene: &Scene) -> Self {
         Scratch {
             motions: vec![Motion::unknown(); scene.bodies.len()],
+            ground: Vec::with_capacity(scene.world_frames.len()),
             assembly: Assembly::new(scene.bodies.len(), scene.points.len()),
             constraints: Constraints::new(scene),
         }
@@ -88,12 +93,14 @@ pub fn evaluate<S: Real>(
         S::section(&body.name);
         *motion = Motion::read(at.state, *slots, layout.nq, scene.angular_velocity);
     }
+    ground::ground(scene, numbers, at.time, &mut scratch.ground);
     let evaluation = Evaluation {
         scene,
         layout,
         numbers,
         at,
         motions: &scratch.motions,
+        ground: &scratch.ground,
     };
     match what {
         Quantity::Ends => ends(&evaluation, out),
@@ -120,7 +127,19 @@ pub fn evaluate<S: Real>(
         }
         Quantity::Guards => guards(&evaluation, out),
         Quantity::Outputs => outputs(&evaluation, out),
-        Quantity::Energy => energy(&evaluation, out),
+        Quantity::Energy => {
+            let drives = forces::drive_power(&evaluation);
+            let through_joints = if layout.joints.iter().any(|joint| joint.driven) {
+                scratch.assembly.collect(&evaluation);
+                scratch
+                    .constraints
+                    .accelerate(&evaluation, &scratch.assembly);
+                scratch.constraints.drive_power(&evaluation)
+            } else {
+                S::zero()
+            };
+            energy(&evaluation, drives + through_joints, out);
+        }
         Quantity::Momentum => momentum(&evaluation, out),
         Quantity::MassMatrix => mass_matrix(&evaluation, out),
         Quantity::BiasForce => bias_force(&evaluation, out),
@@ -352,8 +371,8 @@ fn outputs<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     }
 }
 
-/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − K s₊) ṡ and friction.
-fn energy<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − K s₊) ṡ and friction, power of prescribed motions.
+fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
     let numbers = evaluation.numbers;
     let (mut kinetic, mut potential, mut elastic, mut damping) =
         (S::zero(), S::zero(), S::zero(), S::zero());
@@ -395,7 +414,7 @@ fn energy<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         load += given;
         damping += lost;
     });
-    out.copy_from_slice(&[kinetic, potential, elastic, load, damping]);
+    out.copy_from_slice(&[kinetic, potential, elastic, load, damping, drives]);
 }
 
 fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {

@@ -31,6 +31,15 @@ pub struct FrameNumbers<S> {
     pub rotation: Option<Matrix3<S>>,
 }
 
+impl<S: Real> FrameNumbers<S> {
+    fn unknown() -> Self {
+        FrameNumbers {
+            position: Vector3::repeat(S::from_f64(f64::NAN)),
+            rotation: None,
+        }
+    }
+}
+
 /// The constants of a line, or of a stop: its stiffness, its damping, and no free length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineNumbers<S> {
@@ -86,7 +95,7 @@ pub struct Numbers<S> {
     pub points: Vec<(S, S)>,
     /// Per line, then per stop.
     pub lines: Vec<LineNumbers<S>>,
-    /// The world frames.
+    /// The world frames that stay where they are; NaN for one that moves.
     pub world_frames: Vec<FrameNumbers<S>>,
     /// Gravity.
     pub gravity: GravityNumbers<S>,
@@ -126,14 +135,17 @@ impl<S: Real> Numbers<S> {
         let frames = |frames: &[Frame]| {
             frames
                 .iter()
-                .map(|frame| FrameNumbers {
-                    position: triple(&frame.position, &constants),
-                    rotation: frame.rotation.as_ref().map(|rows| {
-                        let rows = rows
-                            .each_ref()
-                            .map(|row| triple(row, &constants).transpose());
-                        Matrix3::from_rows(&rows)
-                    }),
+                .map(|frame| match frame.moves() {
+                    true => FrameNumbers::unknown(),
+                    false => FrameNumbers {
+                        position: triple(&frame.position, &constants),
+                        rotation: frame.rotation.as_ref().map(|rows| {
+                            let rows = rows
+                                .each_ref()
+                                .map(|row| triple(row, &constants).transpose());
+                            Matrix3::from_rows(&rows)
+                        }),
+                    },
                 })
                 .collect::<Vec<_>>()
         };

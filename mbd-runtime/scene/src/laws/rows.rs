@@ -12,6 +12,13 @@
 //! helix [m]            h sin(φ − θ)       from (2) and (3), see [`Rows::helix`]                                                          (5)
 //! ```
 //!
+//! An end on a frame of the world that moves has a velocity and an acceleration prescribed by time. Its columns times these go to the
+//! right-hand sides, so that the rows of the others are Φ_v v = −Φ_t and Φ_v v̇ = γ with
+//!
+//! ```text
+//! Φ_t = Φ_v v of the prescribed end,   γ = −(dΦ_v/dt) v − Φ_v v̇ of the prescribed end                            (6)
+//! ```
+//!
 //! with s = R p and u = ṙ_c + ω_c×s2 − ṙ_p. In body components the same rows are written from p1, p2, ω′ and A = R_pᵀ R_c alone:
 //!
 //! ```text
@@ -52,6 +59,19 @@ pub struct Row<S: Real> {
     pub couple: Vector3<S>,
     /// γ.
     pub bias: S,
+    /// What it forbids.
+    pub kind: RowKind,
+}
+
+/// What a row forbids.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RowKind {
+    /// One of three rows: the joint points part.
+    Coincide,
+    /// The child turns: about an axis that is perpendicular to this axis of frame 2.
+    Perpendicular(Axis),
+    /// Another motion.
+    Other,
 }
 
 impl<S: Real> Columns<S> {
@@ -78,7 +98,13 @@ impl<S: Real> Columns<S> {
 
     /// The rate an end's velocity gives to the row.
     pub fn rate(&self, end: &End<S>) -> S {
-        self.linear.dot(&end.velocity) + self.angular.dot(&end.omega)
+        self.linear.dot(&end.reference_velocity()) + self.angular.dot(&end.omega)
+    }
+
+    /// The acceleration a prescribed end gives to the row; `None` where nothing is prescribed.
+    fn prescribed(&self, end: &End<S>) -> Option<S> {
+        let [acceleration, alpha] = end.prescribed?;
+        Some(self.linear.dot(&acceleration) + self.angular.dot(&alpha))
     }
 }
 
@@ -91,6 +117,7 @@ impl<S: Real> Row<S> {
             child: self.child.scaled(factor),
             couple: self.couple.map(|x| factor * x),
             bias: factor * self.bias,
+            kind: self.kind,
         }
     }
 
@@ -101,12 +128,22 @@ impl<S: Real> Row<S> {
             child: self.child.plus(&other.child),
             couple: self.couple + other.couple,
             bias: self.bias + other.bias,
+            kind: RowKind::Other,
         }
     }
 
-    /// Φ_v v.
+    /// Φ_v v + Φ_t.
     pub fn rate(&self, ends: &Ends<'_, S>) -> S {
         self.parent.rate(&ends.parent) + self.child.rate(&ends.child)
+    }
+
+    /// Φ_t by (6); `None` where nothing is prescribed.
+    pub fn prescribed_rate(&self, ends: &Ends<'_, S>) -> Option<S> {
+        let both = [(&self.parent, &ends.parent), (&self.child, &ends.child)];
+        let prescribed = both.into_iter().filter(|(_, end)| end.prescribed.is_some());
+        prescribed
+            .map(|(columns, end)| columns.rate(end))
+            .reduce(|a, b| a + b)
     }
 }
 
@@ -136,6 +173,17 @@ impl<S: Real> Rows<S> {
         &self.rows
     }
 
+    /// Takes what is prescribed to the right-hand sides by (6). Once, after all rows.
+    pub fn prescribe(&mut self, ends: &Ends<'_, S>) {
+        for row in &mut self.rows {
+            for (columns, end) in [(&row.parent, &ends.parent), (&row.child, &ends.child)] {
+                if let Some(known) = columns.prescribed(end) {
+                    row.bias -= known;
+                }
+            }
+        }
+    }
+
     /// The joint points coincide: three rows [m], (1).
     pub fn coincide(&mut self, ends: &Ends<'_, S>) {
         let (parent, child) = (&ends.parent, &ends.child);
@@ -147,14 +195,15 @@ impl<S: Real> Rows<S> {
                 value: gap[k],
                 parent: Columns {
                     linear: -unit,
-                    angular: parent.outward.row(k).cross(&parent.arm),
+                    angular: parent.outward.row(k).cross(&parent.lever()),
                 },
                 child: Columns {
                     linear: unit,
-                    angular: child.arm.cross(&child.outward.row(k)),
+                    angular: child.lever().cross(&child.outward.row(k)),
                 },
                 couple: Vector3::zeros(),
                 bias: bias[k],
+                kind: RowKind::Coincide,
             });
         }
     }
@@ -196,14 +245,15 @@ impl<S: Real> Rows<S> {
             value: half * (gap.dot(&direction) - length),
             parent: Columns {
                 linear: -direction,
-                angular: parent.outward.back(&direction).cross(&parent.arm),
+                angular: parent.outward.back(&direction).cross(&parent.lever()),
             },
             child: Columns {
                 linear: direction,
-                angular: child.arm.cross(&child.outward.back(&direction)),
+                angular: child.lever().cross(&child.outward.back(&direction)),
             },
             couple: Vector3::zeros(),
             bias: direction.dot(&(pull(parent) - pull(child))) - rate.dot(&rate) * shrink,
+            kind: RowKind::Other,
         });
     }
 
@@ -252,6 +302,7 @@ fn pull<S: Real>(end: &End<S>) -> Vector3<S> {
 
 /// (2).
 pub(super) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
+    let kind = RowKind::Perpendicular(*b);
     let (a, b) = (ends.parent.axis(a), ends.child.axis(b));
     let (b_parent, a_child) = (ends.relative().apply(&b), ends.relative().back(&a));
     let spin = ends.spin();
@@ -270,6 +321,7 @@ pub(super) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> 
         },
         couple,
         bias: spin.square * cosine - along - normal.dot(&spin.cross),
+        kind,
     }
 }
 
@@ -288,13 +340,14 @@ pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
         value: a.dot(&(reach - parent.arm)),
         parent: Columns {
             linear: -linear,
-            angular: a.cross(&reach),
+            angular: a.cross(&(reach - parent.reference)),
         },
         child: Columns {
             linear,
-            angular: child.arm.cross(&a_child),
+            angular: child.lever().cross(&a_child),
         },
         couple: Vector3::zeros(),
         bias: a.dot(&(coriolis - carried)) - a_child.dot(&own),
+        kind: RowKind::Other,
     }
 }

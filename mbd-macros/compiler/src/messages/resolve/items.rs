@@ -38,6 +38,13 @@ pub fn empty_repetition(at: Region) -> Report {
     )
 }
 
+pub fn index_twice(at: Region, word: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{word}` is already the index of the repetition around this one; choose another"),
+    )
+}
+
 pub fn too_many(at: Region, most: usize) -> Report {
     Report::new(
         at,

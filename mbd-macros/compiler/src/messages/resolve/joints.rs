@@ -24,12 +24,27 @@ pub fn joint_law(at: Region, word: &str) -> Report {
     Report::new(at, text)
 }
 
-pub fn joint_on_point(at: Region, name: &str, massless: bool) -> Report {
-    let massless = if massless { "massless " } else { "" };
+pub fn joint_on_massless(at: Region, name: &str) -> Report {
     Report::new(
         at,
         format!(
-            "a joint cannot end at the {massless}point `{name}`: a point carries forces of lines only"
+            "a joint cannot end at the massless point `{name}`: its lines alone place it. give it a `mass`"
+        ),
+    )
+}
+
+pub fn joint_without_axes(
+    at: Region,
+    keyword: &str,
+    end: &str,
+    name: &str,
+    fitting: &[&str],
+) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a `{keyword}` joint needs axes at its `{end}` end, and the point `{name}` has none. joints that can have a point there: {}",
+            fitting.join(", ")
         ),
     )
 }

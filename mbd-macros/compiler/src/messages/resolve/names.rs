@@ -20,6 +20,24 @@ pub fn not_fixed(at: Region, what: &str) -> Report {
     )
 }
 
+pub fn not_prescribed(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a prescribed motion is a function of time alone: it can use numbers, consts, params and `time`, not {what}"
+        ),
+    )
+}
+
+pub fn table_of_time(at: Region, table: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a prescribed motion has a velocity and an acceleration, and the table `{table}` has corners: write it with functions such as sin, exp or powers of `time`"
+        ),
+    )
+}
+
 pub fn table_without_argument(at: Region, word: &str) -> Report {
     Report::new(
         at,
@@ -75,13 +93,28 @@ pub fn index_wanted(at: Region, word: &str, first: i64) -> Report {
     )
 }
 
-pub fn index_range(at: Region, word: &str, value: i64, known: &[i64]) -> Report {
+/// `indices`: those of the repetition around it, which say how the value came about.
+pub fn index_range(
+    at: Region,
+    word: &str,
+    value: i64,
+    known: &[i64],
+    indices: &[(String, i64)],
+) -> Report {
     let range = match known {
         [only] => format!("only `{word}[{only}]` exists"),
         [first, .., last] => format!("its indices are {first} to {last}"),
         [] => "it has none".to_string(),
     };
-    Report::new(at, format!("`{word}` has no index {value}; {range}"))
+    let here: Vec<String> = indices
+        .iter()
+        .map(|(name, value)| format!("{name} = {value}"))
+        .collect();
+    let here = match here.as_slice() {
+        [] => String::new(),
+        here => format!(" (here {})", here.join(", ")),
+    };
+    Report::new(at, format!("`{word}` has no index {value}{here}; {range}"))
 }
 
 pub fn whole_index(at: Region) -> Report {

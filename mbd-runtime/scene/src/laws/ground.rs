@@ -1,0 +1,105 @@
+//! Frames of the world that move as declared: pose, velocity and acceleration from their formulas of time.
+//!
+//! ```text
+//! p(t), ṗ, p̈;   ω = ½ Σ c_i × ċ_i,   α = ½ Σ c_i × c̈_i          c_i the columns of R(t)                          (1)
+//! ```
+//!
+//! With Ṙ = ω̃ R and R̈ = (α̃ + ω̃²) R, (1) takes the skew parts of Ṙ Rᵀ and R̈ Rᵀ. Derived.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::formula::{Context, triple};
+use super::numbers::Numbers;
+use crate::jet::{self, Jet};
+use crate::{Frame, Real, Scene};
+
+/// A frame of the world in motion, world axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameMotion<S: Real> {
+    /// Its origin [m].
+    pub position: Vector3<S>,
+    /// Frame axes → world axes; `None`: parallel to the world for good.
+    pub rotation: Option<Matrix3<S>>,
+    /// Velocity of its origin [m/s].
+    pub velocity: Vector3<S>,
+    /// Angular velocity [rad/s].
+    pub omega: Vector3<S>,
+    /// Acceleration of its origin [m/s²].
+    pub acceleration: Vector3<S>,
+    /// Angular acceleration [rad/s²].
+    pub alpha: Vector3<S>,
+}
+
+/// What a prescribed motion may depend on: time, consts and params.
+struct Course<'a, S: Real> {
+    scene: &'a Scene,
+    params: &'a [S],
+    time: S,
+}
+
+impl<S: Real> Context<Jet<S>> for Course<'_, S> {
+    fn scene(&self) -> &Scene {
+        self.scene
+    }
+
+    fn param(&self, index: usize) -> Option<Jet<S>> {
+        self.params.get(index).copied().map(Jet::constant)
+    }
+
+    fn time(&self) -> Option<Jet<S>> {
+        Some(Jet::time(self.time))
+    }
+}
+
+/// The frames of the world that move, at a time; `None` where one does not.
+pub fn ground<S: Real>(
+    scene: &Scene,
+    numbers: &Numbers<S>,
+    time: S,
+    out: &mut Vec<Option<FrameMotion<S>>>,
+) {
+    let params = &numbers.params;
+    let course = Course {
+        scene,
+        params,
+        time,
+    };
+    out.clear();
+    let moves = |frame: &Frame| frame.moves().then(|| motion(frame, &course));
+    out.extend(scene.world_frames.iter().map(moves));
+}
+
+fn motion<S: Real>(frame: &Frame, course: &Course<'_, S>) -> FrameMotion<S> {
+    S::section(&frame.name);
+    let [position, velocity, acceleration] = jet::split(&triple(&frame.position, course));
+    let mut motion = FrameMotion {
+        position,
+        rotation: None,
+        velocity,
+        omega: Vector3::zeros(),
+        acceleration,
+        alpha: Vector3::zeros(),
+    };
+    if let Some(rows) = &frame.rotation {
+        let rows = rows
+            .each_ref()
+            .map(|row| jet::split(&triple(row, course)).map(|part| part.transpose()));
+        let [pose, rate, curve] =
+            [0, 1, 2].map(|part| Matrix3::from_rows(&rows.each_ref().map(|row| row[part])));
+        motion.rotation = Some(pose);
+        motion.omega = skew(&pose, &rate);
+        motion.alpha = skew(&pose, &curve);
+    }
+    motion
+}
+
+/// ½ Σ c_i × ċ_i.
+fn skew<S: Real>(pose: &Matrix3<S>, rate: &Matrix3<S>) -> Vector3<S> {
+    let half = S::from_f64(0.5);
+    let columns = pose.column_iter().zip(rate.column_iter());
+    columns
+        .fold(Vector3::zeros(), |sum: Vector3<S>, (c, d)| {
+            sum + c.cross(&d)
+        })
+        .map(|x| half * x)
+}

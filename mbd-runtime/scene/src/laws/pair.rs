@@ -1,0 +1,463 @@
+//! A body and the joint that carries it, taken out of the system together: substitution instead of pivots.
+//!
+//! ```text
+//! [M_dd M_fdᵀ Nᵀ] [ d]   [r_d]      d, f: dependent and free speeds of the body (see [`Partition`])
+//! [M_fd M_ff  0 ] [ f] = [r_f]      C_o, B_o: couplings of another node o to d and to λ
+//! [N    0     0 ] [−λ]   [r_λ]                                                                                  (1)
+//! free: pivots M_ff, with their fill into M_dd, C_o and the other nodes                                         (2)
+//! dependent: d = ρ + Σ X_o o,  ρ = N⁻¹ r_λ,  X_o = −N⁻¹ B_oᵀ                                                    (3)
+//! fill: K_oo′ += X_oᵀ P_o′ + C_o X_o′,  P_o = M_dd X_o + C_oᵀ;  r_o += X_oᵀ (r_d − M_dd ρ) − C_o ρ              (4)
+//! −λ = N⁻ᵀ (r_d − M_dd d − Σ C_oᵀ o)                                                                            (5)
+//! ```
+//!
+//! N = diag(I₃, N′), N′ of at most three attitude rows, inverted in closed form. On a tree every C is zero and (2) to (4) are the
+//! articulated-body recursion: after (2), M_dd is the inertia that the joint hands inboard. Rows make it exact off the constraints too.
+//! Source: Featherstone, articulated-body algorithm.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::block::System;
+use crate::Real;
+use crate::elimination::{Below, Elimination, Step};
+
+/// Speeds of a body.
+const SPEEDS: usize = 6;
+
+/// The steps of a body and of the joint that carries it.
+#[derive(Clone, Copy)]
+struct Pair<'a> {
+    body: &'a Step,
+    joint: &'a Step,
+    /// Number of attitude rows.
+    turns: usize,
+    /// Number of dependent speeds, which is that of the rows.
+    rows: usize,
+}
+
+impl<'a> Pair<'a> {
+    fn new(plan: &'a Elimination, index: usize) -> Option<Self> {
+        let body = plan.steps.get(index)?;
+        let turns = body.partition?.turns;
+        Some(Pair {
+            body,
+            joint: plan.steps.get(index + 1)?,
+            turns,
+            rows: 3 + turns,
+        })
+    }
+
+    /// Couplings of the body to others than its joint, which is the next step and so the first of all.
+    fn others(&self) -> &'a [Below] {
+        self.body.below.get(1..).unwrap_or_default()
+    }
+
+    /// The coupling of the body to a node, if there is one.
+    fn coupling(&self, step: usize) -> Option<&'a Below> {
+        self.others().iter().find(|below| below.step == step)
+    }
+
+    /// The speeds that are left when free speed `f` goes.
+    fn left(&self, f: usize) -> impl DoubleEndedIterator<Item = usize> + Clone + use<> {
+        (0..self.rows).chain(f + 1..SPEEDS)
+    }
+
+    /// Whether η are other components than those of ω′.
+    fn turned(&self) -> bool {
+        self.turns == 1 || self.turns == 2
+    }
+}
+
+impl<S: Real> System<S> {
+    /// Sets E of the body of a step: its columns are the directions of η, body axes.
+    pub fn set_directions(&mut self, plan: &Elimination, index: usize, e: &Matrix3<S>) {
+        if let Some(pair) = Pair::new(plan, index).filter(Pair::turned) {
+            // The joint has no diagonal block of its own, and at least 3 × 3 numbers of room.
+            let room = self.store.iter_mut().skip(pair.joint.diagonal);
+            for (slot, &value) in room.zip(e.transpose().iter()) {
+                *slot = value;
+            }
+        }
+    }
+
+    fn directions(&self, pair: &Pair<'_>) -> Option<Matrix3<S>> {
+        let at = pair.joint.diagonal;
+        pair.turned()
+            .then(|| Matrix3::from_fn(|i, j| self.store[at + 3 * i + j]))
+    }
+
+    /// Takes the pair of step `index` and the next one out of the matrix.
+    pub(super) fn factor_pair(&mut self, plan: &Elimination, index: usize) {
+        let Some(pair) = Pair::new(plan, index) else {
+            return;
+        };
+        let directions = self.directions(&pair);
+        let mut mass = self.mass_of(&pair);
+        if let Some(e) = &directions {
+            turn_mass(&mut mass, e);
+            for below in pair.others() {
+                for row in 0..plan.steps[below.step].size {
+                    self.turn_row(below.at + SPEEDS * row + 3, e);
+                }
+            }
+        }
+        for f in pair.rows..SPEEDS {
+            self.free(plan, &pair, f, &mut mass);
+        }
+        for (i, row) in mass.iter().enumerate() {
+            let at = pair.body.diagonal + SPEEDS * i;
+            self.store[at..at + SPEEDS].copy_from_slice(row);
+        }
+        self.invert_rows(&pair, directions.as_ref());
+        self.substitute(plan, &pair, &mass);
+    }
+
+    /// The full block of the body.
+    fn mass_of(&self, pair: &Pair<'_>) -> [[S; SPEEDS]; SPEEDS] {
+        let at = pair.body.diagonal;
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| self.store[at + SPEEDS * i.max(j) + i.min(j)])
+        })
+    }
+
+    /// Three numbers of the store, a row vector: times E.
+    fn turn_row(&mut self, at: usize, e: &Matrix3<S>) {
+        let old = Vector3::from_fn(|j, _| self.store[at + j]);
+        for j in 0..3 {
+            self.store[at + j] = sparse_dot((0..3).map(|r| (old[r], e[(r, j)])));
+        }
+    }
+
+    /// Takes free speed `f` out, by (2).
+    fn free(
+        &mut self,
+        plan: &Elimination,
+        pair: &Pair<'_>,
+        f: usize,
+        mass: &mut [[S; SPEEDS]; SPEEDS],
+    ) {
+        let inverse = S::one() / mass[f][f];
+        self.inverse[pair.body.first + f] = inverse;
+        for i in pair.left(f) {
+            let shared = mass[i][f];
+            let factor = scale(shared, inverse);
+            self.scaled[pair.body.diagonal + SPEEDS * f + i] = factor;
+            if factor.is_zero() {
+                continue;
+            }
+            for j in pair.left(f).take_while(|&j| j <= i) {
+                if !mass[j][f].is_zero() {
+                    mass[i][j] -= factor * mass[j][f];
+                    mass[j][i] = mass[i][j];
+                }
+            }
+        }
+        for below in pair.others() {
+            for row in 0..plan.steps[below.step].size {
+                let at = below.at + SPEEDS * row;
+                let factor = scale(self.store[at + f], inverse);
+                self.scaled[at + f] = factor;
+                if factor.is_zero() {
+                    continue;
+                }
+                for i in pair.left(f) {
+                    if !mass[i][f].is_zero() {
+                        self.store[at + i] -= factor * mass[i][f];
+                    }
+                }
+            }
+        }
+        for (i, below) in pair.others().iter().enumerate() {
+            let rows = plan.steps[below.step].size;
+            // The first target is that of the joint.
+            let targets = below.targets.iter().skip(1);
+            for (other, &target) in pair.others()[..=i].iter().zip(targets) {
+                let columns = plan.steps[other.step].size;
+                for row in 0..rows {
+                    let factor = self.scaled[below.at + SPEEDS * row + f];
+                    if factor.is_zero() {
+                        continue;
+                    }
+                    for column in 0..last(below, other, row, columns) {
+                        let shared = self.store[other.at + SPEEDS * column + f];
+                        if !shared.is_zero() {
+                            self.store[target + row * columns + column] -= factor * shared;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// N′⁻¹ of the attitude rows, from their columns in the body.
+    fn invert_rows(&mut self, pair: &Pair<'_>, directions: Option<&Matrix3<S>>) {
+        let (k, at) = (pair.turns, pair.body.below[0].at);
+        let n = |i: usize, j: usize| {
+            let row = |r: usize| self.store[at + SPEEDS * (3 + i) + 3 + r];
+            match directions {
+                Some(e) => sparse_dot((0..3).map(|r| (row(r), e[(r, j)]))),
+                None => row(j),
+            }
+        };
+        let inverse = match k {
+            0 => return,
+            1 => Matrix3::from_diagonal_element(S::one() / n(0, 0)),
+            2 => {
+                let (a, b, c, d) = (n(0, 0), n(0, 1), n(1, 0), n(1, 1));
+                let scale = S::one() / (a * d - b * c);
+                let zero = S::zero();
+                let (a, b, c, d) = (a * scale, b * scale, c * scale, d * scale);
+                Matrix3::new(d, -b, zero, -c, a, zero, zero, zero, zero)
+            }
+            _ => {
+                let row = |i: usize| Vector3::from_fn(|j, _| n(i, j));
+                let (a, b, c) = (row(0), row(1), row(2));
+                let (bc, ca, ab) = (b.cross(&c), c.cross(&a), a.cross(&b));
+                let scale = S::one() / a.dot(&bc);
+                Matrix3::from_columns(&[bc, ca, ab]).map(|x| x * scale)
+            }
+        };
+        for i in 0..k {
+            for j in 0..k {
+                self.scaled[pair.joint.diagonal + k * i + j] = inverse[(i, j)];
+            }
+        }
+    }
+
+    /// Element (i, j) of N′⁻¹.
+    fn inverse_row(&self, pair: &Pair<'_>, i: usize, j: usize) -> S {
+        self.scaled[pair.joint.diagonal + pair.turns * i + j]
+    }
+
+    /// Takes the dependent speeds and the rows out, by (3) and (4). Leaves X_oᵀ in `scaled`, P_oᵀ in `store`.
+    fn substitute(&mut self, plan: &Elimination, pair: &Pair<'_>, mass: &[[S; SPEEDS]; SPEEDS]) {
+        let n = pair.rows;
+        for below in &pair.joint.below {
+            let coupling = pair.coupling(below.step);
+            for row in 0..plan.steps[below.step].size {
+                let at = below.at + n * row;
+                let mut x = [S::zero(); SPEEDS];
+                for (i, x) in x.iter_mut().enumerate().take(n) {
+                    *x = match i.checked_sub(3) {
+                        None => -self.store[at + i],
+                        Some(i) => -sparse_dot((0..pair.turns).map(|j| {
+                            let column = self.store[at + 3 + j];
+                            (self.inverse_row(pair, i, j), column)
+                        })),
+                    };
+                }
+                let mut p = [S::zero(); SPEEDS];
+                for (e, &factor) in x.iter().enumerate().take(n) {
+                    if !factor.is_zero() {
+                        for (p, row) in p.iter_mut().zip(mass).take(n) {
+                            *p += row[e] * factor;
+                        }
+                    }
+                }
+                if let Some(coupling) = coupling {
+                    for (i, p) in p.iter_mut().enumerate().take(n) {
+                        *p += self.store[coupling.at + SPEEDS * row + i];
+                    }
+                }
+                self.scaled[at..at + n].copy_from_slice(&x[..n]);
+                self.store[at..at + n].copy_from_slice(&p[..n]);
+            }
+        }
+        for (i, below) in pair.joint.below.iter().enumerate() {
+            let coupling = pair.coupling(below.step);
+            for (other, &target) in pair.joint.below[..=i].iter().zip(&below.targets) {
+                let columns = plan.steps[other.step].size;
+                for row in 0..plan.steps[below.step].size {
+                    let at = below.at + n * row;
+                    for column in 0..last(below, other, row, columns) {
+                        let from = other.at + n * column;
+                        let mut total =
+                            sparse_dot((0..n).map(|d| (self.scaled[at + d], self.store[from + d])));
+                        if let Some(coupling) = coupling {
+                            let own = coupling.at + SPEEDS * row;
+                            total += sparse_dot(
+                                (0..n).map(|d| (self.scaled[from + d], self.store[own + d])),
+                            );
+                        }
+                        self.store[target + row * columns + column] += total;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Carries the right-hand side of the pair of step `index` to the others, by (4).
+    pub(super) fn carry_pair(&mut self, plan: &Elimination, index: usize) {
+        let Some(pair) = Pair::new(plan, index) else {
+            return;
+        };
+        let (first, rows, n) = (pair.body.first, pair.joint.first, pair.rows);
+        if let Some(e) = self.directions(&pair) {
+            self.turn_right(first + 3, &e.transpose());
+        }
+        for f in n..SPEEDS {
+            let value = self.right[first + f];
+            if value.is_zero() {
+                continue;
+            }
+            for i in pair.left(f) {
+                self.carry(pair.body.diagonal + SPEEDS * f + i, first + i, value);
+            }
+            for below in pair.others() {
+                let later = &plan.steps[below.step];
+                for row in 0..later.size {
+                    self.carry(below.at + SPEEDS * row + f, later.first + row, value);
+                }
+            }
+        }
+        let attitude: [S; 3] = std::array::from_fn(|i| {
+            let columns = 0..pair.turns;
+            match i < pair.turns {
+                true => sparse_dot(
+                    columns.map(|j| (self.inverse_row(&pair, i, j), self.right[rows + 3 + j])),
+                ),
+                false => S::zero(),
+            }
+        });
+        self.right[rows + 3..rows + n].copy_from_slice(&attitude[..pair.turns]);
+        for d in 0..n {
+            let held = (0..n).map(|e| (self.right[rows + e], self.mass_at(&pair, d, e)));
+            let held = sparse_dot(held);
+            self.right[first + d] -= held;
+        }
+        for below in &pair.joint.below {
+            let later = &plan.steps[below.step];
+            for row in 0..later.size {
+                let at = below.at + n * row;
+                let push = sparse_dot((0..n).map(|d| (self.scaled[at + d], self.right[first + d])));
+                self.right[later.first + row] += push;
+            }
+        }
+        for below in pair.others() {
+            let later = &plan.steps[below.step];
+            for row in 0..later.size {
+                let at = below.at + SPEEDS * row;
+                let held = sparse_dot((0..n).map(|d| (self.right[rows + d], self.store[at + d])));
+                self.right[later.first + row] -= held;
+            }
+        }
+    }
+
+    /// Finds the unknowns of the pair of step `index` from those of the others, by (3), (5) and the pivots of (2).
+    pub(super) fn find_pair(&mut self, plan: &Elimination, index: usize) {
+        let Some(pair) = Pair::new(plan, index) else {
+            return;
+        };
+        let (first, rows, n) = (pair.body.first, pair.joint.first, pair.rows);
+        let mut shift = [S::zero(); SPEEDS];
+        for below in &pair.joint.below {
+            let later = &plan.steps[below.step];
+            for row in 0..later.size {
+                let value = self.right[later.first + row];
+                let at = below.at + n * row;
+                for (shift, &x) in shift.iter_mut().zip(&self.scaled[at..at + n]) {
+                    if !x.is_zero() {
+                        *shift += x * value;
+                    }
+                }
+            }
+        }
+        let mut push = [S::zero(); SPEEDS];
+        for (d, push) in push.iter_mut().enumerate().take(n) {
+            let held = (0..n).map(|e| (shift[e], self.mass_at(&pair, d, e)));
+            *push = self.right[first + d] - sparse_dot(held);
+            for below in pair.others() {
+                let later = &plan.steps[below.step];
+                *push -= sparse_dot((0..later.size).map(|row| {
+                    let factor = self.store[below.at + SPEEDS * row + d];
+                    (factor, self.right[later.first + row])
+                }));
+            }
+        }
+        for (d, &shift) in shift.iter().enumerate().take(n) {
+            self.right[first + d] = self.right[rows + d] + shift;
+        }
+        self.right[rows..rows + 3].copy_from_slice(&push[..3]);
+        for j in 0..pair.turns {
+            let columns = (0..pair.turns).map(|i| (self.inverse_row(&pair, i, j), push[3 + i]));
+            self.right[rows + 3 + j] = sparse_dot(columns);
+        }
+        for f in (n..SPEEDS).rev() {
+            let mut total = scale(self.right[first + f], self.inverse[first + f]);
+            for i in pair.left(f) {
+                let factor = self.scaled[pair.body.diagonal + SPEEDS * f + i];
+                if !factor.is_zero() {
+                    total -= factor * self.right[first + i];
+                }
+            }
+            for below in pair.others() {
+                let later = &plan.steps[below.step];
+                for row in 0..later.size {
+                    let factor = self.scaled[below.at + SPEEDS * row + f];
+                    if !factor.is_zero() {
+                        total -= factor * self.right[later.first + row];
+                    }
+                }
+            }
+            self.right[first + f] = total;
+        }
+        if let Some(e) = self.directions(&pair) {
+            self.turn_right(first + 3, &e);
+        }
+    }
+
+    /// Element of the body's block after (2), in the speeds [d ; f].
+    fn mass_at(&self, pair: &Pair<'_>, i: usize, j: usize) -> S {
+        self.store[pair.body.diagonal + SPEEDS * i + j]
+    }
+
+    /// Three numbers of the right-hand side: turned by a matrix.
+    fn turn_right(&mut self, at: usize, e: &Matrix3<S>) {
+        let old = Vector3::from_fn(|j, _| self.right[at + j]);
+        for i in 0..3 {
+            self.right[at + i] = sparse_dot((0..3).map(|j| (old[j], e[(i, j)])));
+        }
+    }
+}
+
+/// A body's block in the components η: Eᵀ of the angular rows and E of the angular columns.
+fn turn_mass<S: Real>(mass: &mut [[S; SPEEDS]; SPEEDS], e: &Matrix3<S>) {
+    let turned: [[S; 3]; 3] = std::array::from_fn(|i| {
+        std::array::from_fn(|j| sparse_dot((0..3).map(|r| (mass[i][3 + r], e[(r, j)]))))
+    });
+    for (i, row) in turned.iter().enumerate() {
+        for (j, &value) in row.iter().enumerate() {
+            mass[i][3 + j] = value;
+            mass[3 + j][i] = value;
+        }
+    }
+    let half: [[S; 3]; 3] = std::array::from_fn(|i| {
+        std::array::from_fn(|j| sparse_dot((0..3).map(|r| (mass[3 + i][3 + r], e[(r, j)]))))
+    });
+    for i in 0..3 {
+        for j in 0..=i {
+            mass[3 + i][3 + j] = sparse_dot((0..3).map(|r| (half[r][j], e[(r, i)])));
+            mass[3 + j][3 + i] = mass[3 + i][3 + j];
+        }
+    }
+}
+
+/// Σ a b over the products in which neither is zero.
+fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
+    products
+        .filter(|(a, b)| !a.is_zero() && !b.is_zero())
+        .fold(S::zero(), |sum, (a, b)| sum + a * b)
+}
+
+/// a b, where a is not zero.
+fn scale<S: Real>(a: S, b: S) -> S {
+    if a.is_zero() { a } else { a * b }
+}
+
+/// The columns of a row of a block: of a diagonal block those of the lower triangle.
+fn last(below: &Below, other: &Below, row: usize, columns: usize) -> usize {
+    if below.step == other.step {
+        row + 1
+    } else {
+        columns
+    }
+}

@@ -1,0 +1,51 @@
+//! Coordinate partitioning: which speeds of its child a joint determines, and which it leaves free.
+//!
+//! ```text
+//! speeds of the child at the joint's point: y = [v (3, world axes) ; η],  ω′ = E η         (1)
+//! dependent: v and the first `turns` of η;  free: the rest of η                            (2)
+//! ```
+//!
+//! E is chosen so that the free speeds do not enter the rows at all: an attitude row turns the child about n = b × a only, which is
+//! perpendicular to the axis b fixed in the child, on the constraints and off them. So (2) is exact, and the dependent speeds follow
+//! from the parent's by a matrix that is singular only where the rows themselves are dependent.
+//! Source: Wehage and Haug, coordinate partitioning; with (2) block elimination is the articulated-body recursion (Featherstone).
+
+use crate::AngularVelocity;
+use crate::joints::{Axis, JointLaw};
+use crate::laws::rows::{End, Ends, RowKind, Rows, Turn};
+
+/// What a joint of three coincide rows and `turns` attitude rows determines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Partition {
+    /// Number of attitude rows, 0 to 3.
+    pub turns: usize,
+    /// The axis of the child's joint frame about which its attitude rows do not turn; any where there are none or three.
+    pub axis: Axis,
+}
+
+impl Partition {
+    /// The partition of a joint; `None` where its rows are not of this kind.
+    #[must_use]
+    pub fn of(law: &JointLaw) -> Option<Self> {
+        let at_rest = || End::<f64>::fixed(nalgebra::Vector3::zeros(), Turn::None);
+        let mut rows = Rows::default();
+        let ends = Ends::new(at_rest(), at_rest(), &[], AngularVelocity::Body);
+        law.constrain(&ends, &mut rows);
+        let (point, turns) = rows.rows().split_at_checked(3)?;
+        if point.iter().any(|row| row.kind != RowKind::Coincide) {
+            return None;
+        }
+        let mut axes = Vec::new();
+        for row in turns {
+            let RowKind::Perpendicular(axis) = row.kind else {
+                return None;
+            };
+            axes.push(axis);
+        }
+        let shared = axes.windows(2).all(|pair| pair[0] == pair[1]);
+        (turns.len() == 3 || shared && turns.len() < 3).then(|| Partition {
+            turns: turns.len(),
+            axis: axes.first().copied().unwrap_or_default(),
+        })
+    }
+}

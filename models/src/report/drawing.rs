@@ -1,0 +1,377 @@
+//! Line drawings of a mechanism: bodies, lines, joints and paths in one plane, equal scales on both axes.
+
+use super::axis::{Axis, Range, Scale};
+use super::frame::{
+    LINE, RIGHT, SMALL, TEXT, TITLE, WIDTH, draw_axes, label, left_margin, legend_rows,
+};
+use super::look::{Look, style_sheet};
+use super::svg::{Anchor, Svg, wrap};
+use super::trace::Panel;
+
+/// A place in the plane of the drawing: right and up.
+type Place = [f64; 2];
+
+/// One part of a mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A rigid body: the convex hull of these places; a line for two, a square mark for one.
+    Body(Vec<Place>),
+    /// A line between two places, slack or taut.
+    Line([Place; 2], bool),
+    /// The way between the two places of a joint that slides.
+    Rail([Place; 2]),
+    /// A joint between two bodies.
+    Joint(Place),
+    /// A joint, or the end of a line, fixed in the world.
+    Pivot(Place),
+    /// A point, with or without mass.
+    Point(Place),
+}
+
+impl Shape {
+    fn places(&self) -> &[Place] {
+        match self {
+            Shape::Body(places) => places,
+            Shape::Line(ends, _) | Shape::Rail(ends) => ends,
+            Shape::Joint(at) | Shape::Pivot(at) | Shape::Point(at) => std::slice::from_ref(at),
+        }
+    }
+
+    /// Later ones lie on top.
+    fn layer(&self) -> usize {
+        match self {
+            Shape::Body(_) => 0,
+            Shape::Line(..) | Shape::Rail(_) => 1,
+            Shape::Pivot(_) => 2,
+            Shape::Joint(_) | Shape::Point(_) => 3,
+        }
+    }
+}
+
+/// A mechanism at one or more instants, later ones darker, and the paths of named points.
+///
+/// ```
+/// use models::report::{Drawing, Shape};
+/// let svg = Drawing::new("Pendulum", ["x", "z"])
+///     .instant([Shape::Body(vec![[0.0, 0.0], [0.3, -0.4]]), Shape::Pivot([0.0, 0.0])])
+///     .svg();
+/// assert!(svg.starts_with("<svg"));
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Drawing {
+    title: String,
+    caption: String,
+    labels: [String; 2],
+    instants: Vec<Vec<Shape>>,
+    paths: Vec<(String, Vec<Place>)>,
+}
+
+/// The panel is no higher and no lower than this [px].
+const HEIGHTS: [f64; 2] = [150.0, 540.0];
+/// The panel is no narrower than this [px].
+const NARROWEST: f64 = 230.0;
+/// Half the size of the mark of a body that is one place [px].
+const MARK: f64 = 6.0;
+
+impl Drawing {
+    /// An empty drawing; its axes measure metres.
+    #[must_use]
+    pub fn new(title: impl Into<String>, axes: [&str; 2]) -> Self {
+        Drawing {
+            title: title.into(),
+            labels: axes.map(|name| label(name, "m")),
+            ..Drawing::default()
+        }
+    }
+
+    /// Adds the mechanism at one instant.
+    #[must_use]
+    pub fn instant(mut self, shapes: impl IntoIterator<Item = Shape>) -> Self {
+        self.instants.push(shapes.into_iter().collect());
+        self
+    }
+
+    /// Adds the path of a point, with its name in the legend.
+    #[must_use]
+    pub fn path(mut self, name: impl Into<String>, places: Vec<Place>) -> Self {
+        self.paths.push((name.into(), places));
+        self
+    }
+
+    /// The text under the drawing.
+    #[must_use]
+    pub fn caption(mut self, caption: impl Into<String>) -> Self {
+        self.caption = caption.into();
+        self
+    }
+
+    /// The caption.
+    #[must_use]
+    pub fn caption_text(&self) -> &str {
+        &self.caption
+    }
+
+    /// The drawing as a file of its own, title and caption included.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        self.draw(true)
+    }
+
+    /// The drawing without caption and style sheet, to stand inside an HTML page that has both.
+    pub(super) fn inline(&self) -> String {
+        self.draw(false)
+    }
+
+    fn draw(&self, alone: bool) -> String {
+        let bounds = self.bounds();
+        // The margin depends on the labels, which depend on the range: the first guess of the range is close enough for it.
+        let left = left_margin(&axis(bounds[1], 300.0));
+        let (ranges, size) = fitted(bounds, WIDTH - RIGHT - left);
+        let (x, y) = (axis(ranges[0], size[0]), axis(ranges[1], size[1]));
+        let title = wrap(&self.title, TITLE, WIDTH - 2.0 * RIGHT);
+        let legend = legend_rows(self.paths.iter().map(|(name, _)| name.as_str()), left);
+        let head = 8.0 + 1.3 * TITLE * title.len() as f64;
+        let top = head + LINE * legend.len() as f64 + 12.0;
+        let panel = Panel {
+            at: [left, top],
+            size,
+            x: &x,
+            y: &y,
+        };
+        let under = match alone {
+            true => wrap(&self.caption, SMALL, WIDTH - 2.0 * RIGHT - 40.0),
+            false => Vec::new(),
+        };
+        let bottom = top + size[1] + 48.0;
+        let style = alone.then(style_sheet);
+        let mut svg = Svg::open(
+            [WIDTH, bottom + LINE * under.len() as f64],
+            &self.title,
+            &self.caption,
+            style.as_deref(),
+        );
+        for (row, words) in title.iter().enumerate() {
+            let down = 8.0 + 1.3 * TITLE * (row as f64 + 0.8);
+            svg.text("", [left, down], TITLE, Anchor::Start, false, words);
+        }
+        self.draw_legend(&mut svg, &legend, head);
+        draw_axes(&mut svg, &panel, &self.labels);
+        self.draw_inside(&mut svg, &panel);
+        svg.rect("mbd-frame", panel.at, panel.size);
+        for (row, words) in under.iter().enumerate() {
+            let down = bottom + LINE * (row as f64 + 0.4);
+            svg.text("", [left, down], SMALL, Anchor::Start, false, words);
+        }
+        svg.close()
+    }
+
+    /// Lowest and highest place of everything along both axes; a square metre for nothing.
+    fn bounds(&self) -> [[f64; 2]; 2] {
+        let shapes = self.instants.iter().flatten().flat_map(Shape::places);
+        let places = shapes.chain(self.paths.iter().flat_map(|(_, places)| places));
+        let mut bounds: Option<[[f64; 2]; 2]> = None;
+        for place in places.filter(|place| place.iter().all(|x| x.is_finite())) {
+            let bounds = bounds.get_or_insert_with(|| place.map(|x| [x, x]));
+            for (ends, x) in bounds.iter_mut().zip(place) {
+                *ends = [ends[0].min(*x), ends[1].max(*x)];
+            }
+        }
+        bounds.unwrap_or([[-0.5, 0.5]; 2])
+    }
+
+    fn draw_legend(&self, svg: &mut Svg, rows: &[Vec<(usize, f64)>], top: f64) {
+        for (row, entries) in rows.iter().enumerate() {
+            let middle = top + LINE * (row as f64 + 0.5);
+            for &(index, left) in entries {
+                let Some((name, _)) = self.paths.get(index) else {
+                    continue;
+                };
+                svg.line(&path_class(index), [left, middle], [left + 36.0, middle]);
+                let at = [left + 43.0, middle + 0.35 * TEXT];
+                svg.text("", at, TEXT, Anchor::Start, false, name);
+            }
+        }
+    }
+
+    fn draw_inside(&self, svg: &mut Svg, panel: &Panel) {
+        svg.clip(panel.at, panel.size);
+        let last = self.instants.len().saturating_sub(1);
+        for (index, shapes) in self.instants.iter().enumerate() {
+            let share = if last == 0 {
+                1.0
+            } else {
+                index as f64 / last as f64
+            };
+            svg.fade(0.25 + 0.75 * share * share);
+            let mut ordered: Vec<&Shape> = shapes.iter().collect();
+            ordered.sort_by_key(|shape| shape.layer());
+            for shape in ordered {
+                draw_shape(svg, panel, shape);
+            }
+            svg.unfade();
+        }
+        for (index, (_, places)) in self.paths.iter().enumerate() {
+            let trace = panel.trace(places.iter().map(|&[x, y]| (x, y)));
+            svg.path(&path_class(index), &trace.path);
+        }
+        svg.unclip();
+    }
+}
+
+/// The look of a path: not the wide pale band, which would hide the bodies.
+fn path_class(index: usize) -> String {
+    format!("mbd-series {}", Look::of(index % 7 + 1).class())
+}
+
+fn axis([low, high]: [f64; 2], length: f64) -> Axis {
+    let count = (length / 90.0).round().clamp(2.0, 8.0) as usize;
+    Axis::new(Range::Fixed(low, high), Scale::Linear, count)
+}
+
+/// Ranges with a margin and the size of the panel, one scale for both axes, for a panel at most `widest` wide.
+fn fitted(bounds: [[f64; 2]; 2], widest: f64) -> ([[f64; 2]; 2], [f64; 2]) {
+    let most = bounds
+        .iter()
+        .map(|[low, high]| high - low)
+        .fold(1e-9, f64::max);
+    // A margin around everything; what has no extent of its own gets some room.
+    let spans = bounds.map(|[low, high]| (high - low).max(0.2 * most) + 0.12 * most);
+    let [lowest, highest] = HEIGHTS;
+    let height = (widest * spans[1] / spans[0]).clamp(lowest, highest);
+    let width = (height * spans[0] / spans[1]).clamp(NARROWEST, widest);
+    let size = [width, height];
+    let metres_a_pixel = (spans[0] / width).max(spans[1] / height);
+    let range = |k: usize| {
+        let [low, high] = bounds[k];
+        let half = 0.5 * metres_a_pixel * size[k];
+        [0.5 * (low + high) - half, 0.5 * (low + high) + half]
+    };
+    ([range(0), range(1)], size)
+}
+
+fn draw_shape(svg: &mut Svg, panel: &Panel, shape: &Shape) {
+    let at = |place: &Place| panel.place(place[0], place[1]);
+    match shape {
+        Shape::Body(places) => {
+            let places: Vec<Place> = places.iter().filter_map(at).collect();
+            match hull(places).as_slice() {
+                [] => {}
+                [[x, y]] => {
+                    let corner = [x - MARK, y - MARK];
+                    svg.rect("mbd-body", corner, [2.0 * MARK, 2.0 * MARK]);
+                }
+                corners => svg.outline("mbd-body", corners),
+            }
+        }
+        Shape::Line([from, to], slack) => {
+            if let (Some(from), Some(to)) = (at(from), at(to)) {
+                let class = if *slack { "mbd-slack" } else { "mbd-rope" };
+                svg.line(class, from, to);
+            }
+        }
+        Shape::Rail([from, to]) => {
+            if let (Some(from), Some(to)) = (at(from), at(to)) {
+                svg.line("mbd-rail", from, to);
+            }
+        }
+        Shape::Joint(place) => {
+            if let Some(place) = at(place) {
+                svg.circle("mbd-joint", place, 3.6);
+            }
+        }
+        Shape::Pivot(place) => {
+            if let Some([x, y]) = at(place) {
+                let foot = [[x, y], [x - 8.0, y + 13.0], [x + 8.0, y + 13.0]];
+                svg.outline("mbd-pivot", &foot);
+                svg.circle("mbd-joint", [x, y], 3.6);
+            }
+        }
+        Shape::Point(place) => {
+            if let Some(place) = at(place) {
+                svg.circle("mbd-dot", place, 3.2);
+            }
+        }
+    }
+}
+
+/// The corners of the convex hull, in order (Andrew's monotone chain); places closer than half a pixel are one.
+fn hull(mut places: Vec<Place>) -> Vec<Place> {
+    places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    places.dedup_by(|a, b| (a[0] - b[0]).abs() < 0.5 && (a[1] - b[1]).abs() < 0.5);
+    if places.len() < 3 {
+        return places;
+    }
+    let half = |places: &mut dyn Iterator<Item = Place>| {
+        let mut chain: Vec<Place> = Vec::new();
+        for place in places {
+            while let [.., a, b] = chain[..] {
+                let turn = (b[0] - a[0]) * (place[1] - a[1]) - (b[1] - a[1]) * (place[0] - a[0]);
+                if turn > 0.0 {
+                    break;
+                }
+                chain.pop();
+            }
+            chain.push(place);
+        }
+        chain.pop();
+        chain
+    };
+    let mut corners = half(&mut places.iter().copied());
+    corners.extend(half(&mut places.iter().rev().copied()));
+    corners
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_metre_is_as_long_across_as_upwards() {
+        for bounds in [
+            [[0.0, 1.0], [0.0, 0.2]],
+            [[-3.0, 2.0], [0.0, 40.0]],
+            [[0.0, 0.0], [0.0, 0.0]],
+            [[5.0, 5.0], [-1.0, 1.0]],
+        ] {
+            let (ranges, size) = fitted(bounds, 680.0);
+            let scale = |k: usize| (ranges[k][1] - ranges[k][0]) / size[k];
+            assert!((scale(0) / scale(1) - 1.0).abs() < 1e-12, "{bounds:?}");
+            for k in 0..2 {
+                assert!(ranges[k][0] < bounds[k][0] && bounds[k][1] < ranges[k][1]);
+            }
+            assert!(size[0] <= 680.0 && size[1] <= HEIGHTS[1]);
+        }
+    }
+
+    #[test]
+    fn a_body_is_the_hull_of_its_places() {
+        let square = vec![
+            [0.0, 0.0],
+            [10.0, 10.0],
+            [5.0, 5.0],
+            [10.0, 0.0],
+            [0.0, 10.0],
+            [0.1, 0.1],
+        ];
+        assert_eq!(hull(square).len(), 4);
+        assert_eq!(
+            hull(vec![[0.0, 0.0], [5.0, 5.0], [9.0, 9.0]]),
+            [[0.0, 0.0], [9.0, 9.0]]
+        );
+        assert_eq!(hull(vec![[1.0, 1.0], [1.2, 1.1]]).len(), 1);
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_left_out() {
+        let svg = Drawing::new("none", ["x", "z"])
+            .instant([
+                Shape::Body(vec![[f64::NAN, 0.0], [1.0, 0.0], [2.0, 1.0]]),
+                Shape::Body(Vec::new()),
+                Shape::Joint([f64::INFINITY, 0.0]),
+            ])
+            .path("gap", vec![[0.0, 0.0], [f64::NAN, 1.0], [2.0, 2.0]])
+            .svg();
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        assert!(Drawing::new("", ["x", "y"]).svg().starts_with("<svg"));
+    }
+}

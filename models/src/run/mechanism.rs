@@ -1,0 +1,333 @@
+//! The mechanism of a run at several instants, drawn in the plane in which it extends most.
+
+use mbd_runtime::Trajectory;
+use mbd_runtime::nalgebra::Vector3;
+use mbd_runtime::scene::laws::{Numbers, rotation};
+use mbd_runtime::scene::{Place, PointKind, Scene};
+
+use super::plan::Plan;
+use crate::report::{Drawing, Shape};
+
+/// The instants of a drawing when none are asked for.
+const INSTANTS: usize = 5;
+/// Paths of more bodies than this are not told apart: only the last one is drawn.
+const PATHS: usize = 5;
+/// A second view is drawn when the mechanism is at least this deep, compared with its largest extent.
+const DEEP: f64 = 0.1;
+/// What nothing holds and what travels further than this many of its own lengths is drawn about its own middle.
+const TRAVELS: f64 = 1.2;
+/// Places of a joint that are further apart than this slide on each other [m].
+const APART: f64 = 1e-9;
+
+/// A part of the mechanism in space.
+enum Part {
+    Body(Vec<Vector3<f64>>),
+    Line([Vector3<f64>; 2], bool),
+    /// Between the two places of a joint that slides.
+    Rail([Vector3<f64>; 2]),
+    Joint(Vector3<f64>),
+    Pivot(Vector3<f64>),
+    Point(Vector3<f64>),
+}
+
+impl Part {
+    fn places(&self) -> &[Vector3<f64>] {
+        match self {
+            Part::Body(places) => places,
+            Part::Line(ends, _) | Part::Rail(ends) => ends,
+            Part::Joint(at) | Part::Pivot(at) | Part::Point(at) => std::slice::from_ref(at),
+        }
+    }
+
+    fn seen(&self, view: &impl Fn(&Vector3<f64>) -> [f64; 2]) -> Shape {
+        match self {
+            Part::Body(places) => Shape::Body(places.iter().map(view).collect()),
+            Part::Line(ends, slack) => Shape::Line(ends.each_ref().map(view), *slack),
+            Part::Rail(ends) => Shape::Rail(ends.each_ref().map(view)),
+            Part::Joint(at) => Shape::Joint(view(at)),
+            Part::Pivot(at) => Shape::Pivot(view(at)),
+            Part::Point(at) => Shape::Point(view(at)),
+        }
+    }
+}
+
+/// The drawings of a run: one, or two views where the mechanism extends in space; none where nothing holds it together.
+#[must_use]
+pub fn drawings(scene: &Scene, plan: &Plan, trajectory: &Trajectory) -> Vec<Drawing> {
+    let rows = rows(plan, trajectory.times());
+    let stage = Stage {
+        scene,
+        trajectory,
+        numbers: Numbers::new(scene, &plan.params),
+    };
+    let mut instants: Vec<Vec<Part>> = rows.iter().map(|&row| stage.parts(row)).collect();
+    let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else {
+        return Vec::new();
+    };
+    let mut paths = stage.paths(first..=last);
+    let travels = about_itself(&mut instants, &mut paths);
+    let depth = extents(&instants, &paths);
+    let Some([across, up, deep]) = views(depth) else {
+        return Vec::new();
+    };
+    let times: Vec<String> = rows
+        .iter()
+        .filter_map(|&row| trajectory.times().get(row))
+        .map(|time| ((time * 1000.0).round() / 1000.0).to_string())
+        .collect();
+    let caption = format!(
+        "At {} s, from pale to dark{}. Circles: joints and knots; triangles: fixed in the world{}.",
+        times.join(", "),
+        if travels {
+            "; moving with its middle"
+        } else {
+            ""
+        },
+        if paths.is_empty() {
+            ""
+        } else {
+            "; curves: paths of centres of mass and points, from the first to the last of these instants"
+        }
+    );
+    let mut planes = vec![[across, up]];
+    if depth[deep] > DEEP * depth[across].max(depth[up]) {
+        planes.push([deep, up]);
+    }
+    planes
+        .into_iter()
+        .map(|plane| draw(scene, plane, &instants, &paths, &caption))
+        .collect()
+}
+
+fn draw(
+    scene: &Scene,
+    plane: [usize; 2],
+    instants: &[Vec<Part>],
+    paths: &[(String, Vec<Vector3<f64>>)],
+    caption: &str,
+) -> Drawing {
+    let view = |place: &Vector3<f64>| plane.map(|axis| place[axis]);
+    let names = plane.map(|axis| ["x", "y", "z"].get(axis).copied().unwrap_or_default());
+    let title = format!(
+        "{}: the mechanism, {}{} plane",
+        scene.name, names[0], names[1]
+    );
+    let mut drawing = Drawing::new(title, names).caption(caption);
+    for parts in instants {
+        drawing = drawing.instant(parts.iter().map(|part| part.seen(&view)));
+    }
+    for (name, places) in paths {
+        drawing = drawing.path(name, places.iter().map(view).collect());
+    }
+    drawing
+}
+
+/// The rows of the history nearest to the instants of a plan, each once.
+fn rows(plan: &Plan, times: &[f64]) -> Vec<usize> {
+    let Some(&end) = times.last() else {
+        return Vec::new();
+    };
+    let start = times.first().copied().unwrap_or(end);
+    let even = |k: usize| start + (end - start) * k as f64 / (INSTANTS - 1) as f64;
+    let wanted: Vec<f64> = match plan.instants.as_slice() {
+        [] => (0..INSTANTS).map(even).collect(),
+        list => list.to_vec(),
+    };
+    let nearest = |time: &f64| {
+        let after = times.partition_point(|t| t < time).min(times.len() - 1);
+        let before = after.saturating_sub(1);
+        let distance = |row: usize| times.get(row).map_or(f64::INFINITY, |t| (t - time).abs());
+        if distance(before) < distance(after) {
+            before
+        } else {
+            after
+        }
+    };
+    let mut rows: Vec<usize> = wanted.iter().map(nearest).collect();
+    rows.sort_unstable();
+    rows.dedup();
+    rows
+}
+
+/// What is needed to place things.
+struct Stage<'a> {
+    scene: &'a Scene,
+    trajectory: &'a Trajectory,
+    numbers: Numbers<f64>,
+}
+
+impl Stage<'_> {
+    fn read<const N: usize>(&self, owner: &str, parts: [&str; N], row: usize) -> Option<[f64; N]> {
+        let mut numbers = [0.0; N];
+        for (number, part) in numbers.iter_mut().zip(parts) {
+            *number = *self
+                .trajectory
+                .column(&format!("{owner}.{part}"))?
+                .get(row)?;
+        }
+        Some(numbers)
+    }
+
+    fn position(&self, owner: &str, row: usize) -> Option<Vector3<f64>> {
+        self.read(owner, ["x", "y", "z"], row).map(Vector3::from)
+    }
+
+    /// A place in world axes [m].
+    fn place(&self, place: Place, row: usize) -> Option<Vector3<f64>> {
+        match place {
+            Place::World(frame) => Some(self.numbers.world_frames.get(frame)?.position),
+            Place::Point(point) => self.position(&self.scene.points.get(point)?.name, row),
+            Place::Body(body, frame) => {
+                let name = &self.scene.bodies.get(body)?.name;
+                let arm = self.numbers.bodies.get(body)?.frames.get(frame)?.position;
+                let turn = rotation(self.read(name, ["qw", "qx", "qy", "qz"], row)?);
+                Some(self.position(name, row)? + turn * arm)
+            }
+        }
+    }
+
+    /// Everything at one row.
+    fn parts(&self, row: usize) -> Vec<Part> {
+        let scene = self.scene;
+        let mut parts = Vec::new();
+        for (body, declared) in scene.bodies.iter().enumerate() {
+            // A body between two of its places; its centre of mass is one of them where it has no other two.
+            let first = usize::from(declared.frames.len() > 2);
+            let frames = (first..declared.frames.len()).map(|frame| Place::Body(body, frame));
+            let places = frames.filter_map(|place| self.place(place, row)).collect();
+            parts.push(Part::Body(places));
+        }
+        for joint in scene.joints.iter().filter(|joint| joint.law.rows() > 0) {
+            let fixed = |place: Place| matches!(place, Place::World(_));
+            let (Some(parent), Some(child)) =
+                (self.place(joint.parent, row), self.place(joint.child, row))
+            else {
+                continue;
+            };
+            if (child - parent).norm() > APART {
+                parts.push(Part::Rail([parent, child]));
+            }
+            parts.extend(
+                [(joint.parent, parent), (joint.child, child)].map(|(end, at)| {
+                    if fixed(end) {
+                        Part::Pivot(at)
+                    } else {
+                        Part::Joint(at)
+                    }
+                }),
+            );
+        }
+        for line in &scene.lines {
+            let ends = [line.from, line.to].map(|end| self.place(end, row));
+            let stretch = self.read(&line.name, ["stretch"], row);
+            if let ([Some(from), Some(to)], Some([stretch])) = (ends, stretch) {
+                let slack = stretch <= 0.0 && line.kind == mbd_runtime::scene::LineKind::Line;
+                parts.push(Part::Line([from, to], slack));
+            }
+            for end in [line.from, line.to] {
+                if let (Place::World(_), Some(at)) = (end, self.place(end, row)) {
+                    parts.push(Part::Pivot(at));
+                }
+            }
+        }
+        for (point, declared) in scene.points.iter().enumerate() {
+            if let Some(at) = self.place(Place::Point(point), row) {
+                parts.push(match declared.kind {
+                    PointKind::Mass(_) => Part::Point(at),
+                    PointKind::Node(_) => Part::Joint(at),
+                });
+            }
+        }
+        parts
+    }
+
+    /// Paths of the centres of mass and of the points with mass.
+    fn paths(&self, rows: std::ops::RangeInclusive<usize>) -> Vec<(String, Vec<Vector3<f64>>)> {
+        let scene = self.scene;
+        let bodies = scene.bodies.iter().map(|body| body.name.as_str());
+        let masses = scene
+            .points
+            .iter()
+            .filter(|point| matches!(point.kind, PointKind::Mass(_)));
+        let names: Vec<&str> = bodies
+            .chain(masses.map(|point| point.name.as_str()))
+            .collect();
+        let shown = match names.as_slice() {
+            list if list.len() <= PATHS => list,
+            [.., last] => std::slice::from_ref(last),
+            [] => &[],
+        };
+        let path = |name: &&str| {
+            let places = rows.clone().filter_map(|row| self.position(name, row));
+            ((*name).to_string(), places.collect())
+        };
+        shown.iter().map(path).collect()
+    }
+}
+
+/// Moves every instant about its own middle, if the mechanism travels far; paths are then left out. Whether it does.
+fn about_itself(instants: &mut [Vec<Part>], paths: &mut Vec<(String, Vec<Vector3<f64>>)>) -> bool {
+    let fixed = instants
+        .iter()
+        .flatten()
+        .any(|part| matches!(part, Part::Pivot(_)));
+    let own = instants
+        .iter()
+        .map(|parts| extents(std::slice::from_ref(parts), &[]).max())
+        .fold(0.0, f64::max);
+    if fixed || extents(instants, &[]).max() < TRAVELS * own {
+        return false;
+    }
+    paths.clear();
+    for parts in instants {
+        let Some((low, high)) = bounds(parts.iter().flat_map(Part::places)) else {
+            continue;
+        };
+        let middle = 0.5 * (low + high);
+        for part in parts {
+            match part {
+                Part::Body(places) => places.iter_mut().for_each(|place| *place -= middle),
+                Part::Line(ends, _) | Part::Rail(ends) => {
+                    ends.iter_mut().for_each(|end| *end -= middle)
+                }
+                Part::Joint(at) | Part::Pivot(at) | Part::Point(at) => *at -= middle,
+            }
+        }
+    }
+    true
+}
+
+fn bounds<'p>(
+    places: impl Iterator<Item = &'p Vector3<f64>>,
+) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    places
+        .filter(|place| place.iter().all(|x| x.is_finite()))
+        .fold(None, |bounds, place| {
+            let (low, high) = bounds.unwrap_or((*place, *place));
+            Some((low.inf(place), high.sup(place)))
+        })
+}
+
+/// How far everything extends along the three axes [m].
+fn extents(instants: &[Vec<Part>], paths: &[(String, Vec<Vector3<f64>>)]) -> Vector3<f64> {
+    let parts = instants.iter().flatten().flat_map(Part::places);
+    let all = parts.chain(paths.iter().flat_map(|(_, places)| places));
+    bounds(all).map_or_else(Vector3::zeros, |(low, high)| high - low)
+}
+
+/// The axes across, up and into the plane of largest extent; up is z where it is in the plane, else y. `None` where nothing extends.
+fn views(extents: Vector3<f64>) -> Option<[usize; 3]> {
+    let (deep, least) = extents.argmin();
+    // Of equal extents the plane with z upwards is taken.
+    let deep = if extents[1] <= least * (1.0 + 1e-9) {
+        1
+    } else {
+        deep
+    };
+    let plane = match deep {
+        0 => [1, 2],
+        1 => [0, 2],
+        _ => [0, 1],
+    };
+    (extents.max() > 0.0).then_some([plane[0], plane[1], deep])
+}

@@ -1,0 +1,219 @@
+//! The figures of a run: histories of outputs and tensions, forces in the joints, drift, energy.
+
+use mbd_runtime::scene::Scene;
+use mbd_runtime::{Name, Trajectory};
+
+use super::plan::Plan;
+use super::quality::balance;
+use crate::report::{Figure, Series};
+
+/// Forces of more joints than this are not told apart: those with the largest forces are drawn.
+const JOINTS: usize = 8;
+
+/// Curves that share a plot.
+pub struct Group<'a> {
+    name: String,
+    axis: String,
+    unit: String,
+    caption: String,
+    curves: Vec<Curve<'a>>,
+    logarithmic: bool,
+}
+
+/// A curve: recorded, or made of recorded ones.
+enum Curve<'a> {
+    Column(&'a str, &'a [f64]),
+    Made(String, Vec<f64>),
+}
+
+impl<'a> Group<'a> {
+    fn of(name: &str, axis: &str, columns: &[&'a Name], trajectory: &'a Trajectory) -> Self {
+        let curves = columns
+            .iter()
+            .filter_map(|name| Some(Curve::Column(&name.name, trajectory.column(&name.name)?)));
+        Group {
+            name: name.to_string(),
+            axis: axis.to_string(),
+            unit: columns
+                .first()
+                .map_or_else(String::new, |name| name.unit.clone()),
+            caption: String::new(),
+            curves: curves.collect(),
+            logarithmic: false,
+        }
+    }
+
+    /// The name of its file.
+    pub fn file(&self) -> String {
+        let plain = |c: char| !c.is_ascii_alphanumeric();
+        format!("{}.svg", self.name.replace(plain, "_"))
+    }
+
+    /// The picture over these times.
+    pub fn figure(&'a self, times: &'a [f64]) -> Figure<'a> {
+        let mut figure = Figure::new(&self.name)
+            .x("time", "s")
+            .y(&self.axis, &self.unit)
+            .caption(&self.caption);
+        if self.logarithmic {
+            figure = figure.log_y();
+        }
+        self.curves.iter().fold(figure, |figure, curve| {
+            figure.series(match curve {
+                Curve::Column(name, values) => Series::new(*name, times, values),
+                Curve::Made(name, values) => Series::new(name, times, values),
+            })
+        })
+    }
+}
+
+/// All figures of a run: those the plan asks for, one for each other output and for the tensions of each line, then joints and energy.
+pub fn groups<'a>(scene: &Scene, plan: &Plan, trajectory: &'a Trajectory) -> Vec<Group<'a>> {
+    let find = |column: &String| trajectory.names().iter().find(|name| name.name == *column);
+    let mut groups: Vec<Group<'a>> = plan
+        .figures
+        .iter()
+        .map(|(title, columns)| {
+            let columns: Vec<&Name> = columns.iter().filter_map(find).collect();
+            Group::of(title, title, &columns, trajectory)
+        })
+        .collect();
+    let shown = |name: &Name| {
+        plan.figures
+            .iter()
+            .any(|(_, list)| list.contains(&name.name))
+    };
+    for (owner, axis, columns) in histories(scene, trajectory.names()) {
+        let title = format!("{owner} {axis}");
+        let columns: Vec<&Name> = columns.into_iter().filter(|name| !shown(name)).collect();
+        if !columns.is_empty() {
+            let axis = if axis.is_empty() { owner } else { axis };
+            groups.push(Group::of(title.trim(), axis, &columns, trajectory));
+        }
+    }
+    groups.extend(reactions(scene, trajectory));
+    groups.extend(drift(trajectory));
+    groups.extend(energy(scene, trajectory));
+    groups
+}
+
+/// The word of a name without its index: `leg[2]` → `leg`.
+fn base(name: &str) -> &str {
+    name.split('[').next().unwrap_or(name)
+}
+
+/// Each output and the tensions of each line: owner, quantity, columns; repeated ones share a figure.
+fn histories<'s, 'n>(
+    scene: &'s Scene,
+    names: &'n [Name],
+) -> Vec<(&'s str, &'static str, Vec<&'n Name>)> {
+    let outputs = scene.outputs.iter().map(|output| (base(&output.name), ""));
+    let lines = scene.lines.iter().map(|line| (base(&line.name), "tension"));
+    let mut groups: Vec<(&str, &str, Vec<&Name>)> = Vec::new();
+    for (owner, what) in outputs.chain(lines) {
+        if groups
+            .iter()
+            .any(|group| (group.0, group.1) == (owner, what))
+        {
+            continue;
+        }
+        let is_line = !what.is_empty();
+        let belongs = |name: &&Name| match name.name.rsplit_once('.') {
+            Some((line, "tension")) if is_line => base(line) == owner,
+            Some((output, _)) => !is_line && base(output) == owner,
+            None => !is_line && base(&name.name) == owner,
+        };
+        groups.push((owner, what, names.iter().filter(belongs).collect()));
+    }
+    groups
+}
+
+/// Sizes of the forces in the joints.
+fn reactions<'a>(scene: &Scene, trajectory: &Trajectory) -> Option<Group<'a>> {
+    let size = |joint: &str| -> Option<Vec<f64>> {
+        let [x, y, z] =
+            ["x", "y", "z"].map(|part| trajectory.column(&format!("{joint}.force.{part}")));
+        let parts = x?.iter().zip(y?).zip(z?);
+        Some(parts.map(|((x, y), z)| x.hypot(*y).hypot(*z)).collect())
+    };
+    let joints = scene.joints.iter().filter(|joint| joint.law.rows() > 0);
+    let mut curves: Vec<(String, Vec<f64>)> = joints
+        .filter_map(|joint| Some((joint.name.clone(), size(&joint.name)?)))
+        .collect();
+    let all = curves.len();
+    if all == 0 {
+        return None;
+    }
+    let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    if all > JOINTS {
+        curves.sort_by(|(_, a), (_, b)| most(b).total_cmp(&most(a)));
+        curves.truncate(JOINTS);
+    }
+    let rest = if all > JOINTS {
+        format!(" The {JOINTS} largest of {all}.")
+    } else {
+        String::new()
+    };
+    Some(Group {
+        name: "Joints: force".to_string(),
+        axis: "force".to_string(),
+        unit: "N".to_string(),
+        caption: format!(
+            "Size of the force of each joint on its child. Components and torques are columns of history.csv.{rest}"
+        ),
+        curves: curves
+            .into_iter()
+            .map(|(name, values)| Curve::Made(name, values))
+            .collect(),
+        logarithmic: false,
+    })
+}
+
+/// How far the joints are open.
+fn drift<'a>(trajectory: &Trajectory) -> Option<Group<'a>> {
+    // A logarithmic axis has no zero.
+    let visible = |column: &[f64]| column.iter().map(|x| x.abs().max(1e-18)).collect();
+    let position = visible(trajectory.column("joint_drift")?);
+    let rate = visible(trajectory.column("joint_drift_rate")?);
+    Some(Group {
+        name: "Joints: drift".to_string(),
+        axis: "drift".to_string(),
+        unit: "m, m/s".to_string(),
+        caption: "Largest row of Φ [m] and of its rate [m/s], rows without unit counted as metres; zero is drawn at 1e-18.".to_string(),
+        curves: vec![
+            Curve::Made("|Φ|".to_string(), position),
+            Curve::Made("|dΦ/dt|".to_string(), rate),
+        ],
+        logarithmic: true,
+    })
+}
+
+/// The parts of the energy, and what the balance leaves.
+fn energy<'a>(scene: &Scene, trajectory: &'a Trajectory) -> Vec<Group<'a>> {
+    let parts: Vec<&Name> = trajectory
+        .names()
+        .iter()
+        .filter(|name| name.name.starts_with("energy.") && name.unit == "J")
+        .filter(|name| {
+            let column = trajectory.column(&name.name).unwrap_or_default();
+            column.iter().any(|x| *x != 0.0)
+        })
+        .collect();
+    let mut groups = Vec::new();
+    if !parts.is_empty() {
+        groups.push(Group::of("Energy", "energy", &parts, trajectory));
+    }
+    if let Some(left) = balance(scene, trajectory) {
+        groups.push(Group {
+            name: "Energy balance".to_string(),
+            axis: "balance".to_string(),
+            unit: "J".to_string(),
+            caption:
+                "E − E(0) − work of loads and dampers: what the steps of the run lose or gain."
+                    .to_string(),
+            curves: vec![Curve::Made("balance".to_string(), left)],
+            logarithmic: false,
+        });
+    }
+    groups
+}

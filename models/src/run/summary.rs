@@ -1,0 +1,163 @@
+//! The numbers of a run: as JSON for programs, as a table for people.
+
+use std::collections::BTreeMap;
+use std::io;
+
+use mbd_runtime::scene::Scene;
+use mbd_runtime::{Layout, Method};
+use serde::Serialize;
+
+use super::outcome::Outcome;
+use super::plan::Plan;
+use super::quality::Quality;
+use crate::report::{Cell, Table};
+
+/// The numbers of a run, for programs.
+#[derive(Debug, Serialize)]
+struct Summary<'a> {
+    scene: &'a str,
+    status: &'a str,
+    message: Option<String>,
+    method: &'static str,
+    step_s: Option<f64>,
+    tolerance: Option<f64>,
+    until_s: f64,
+    reached_s: f64,
+    steps: u64,
+    rejected: u64,
+    rhs: u64,
+    rhs_per_s: f64,
+    node_solves: u64,
+    newton_mean: f64,
+    newton_max: u64,
+    switches: u64,
+    joint_drift_m: Option<f64>,
+    joint_drift_rate_m_s: Option<f64>,
+    energy_imbalance_j: Option<f64>,
+    energy_imbalance_relative: Option<f64>,
+    freedoms: usize,
+    rows: usize,
+    wall_s: f64,
+    wall_s_per_s: f64,
+    params: BTreeMap<&'a str, f64>,
+    last: BTreeMap<String, f64>,
+    events: &'a [(f64, String)],
+}
+
+/// The numbers of a run as JSON.
+///
+/// # Errors
+/// Numbers that JSON cannot hold.
+pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result<String> {
+    let trajectory = &outcome.trajectory;
+    let quality = Quality::of(scene, trajectory);
+    let layout = Layout::new(scene);
+    let statistics = trajectory.statistics;
+    let per_second = |count: f64| {
+        if outcome.time > 0.0 {
+            count / outcome.time
+        } else {
+            0.0
+        }
+    };
+    let (method, step_s, tolerance) = match plan.options.method {
+        Method::Rk4 { step } => ("rk4", Some(step), None),
+        Method::Tsit5 { rtol, .. } => ("tsit5", None, Some(rtol)),
+    };
+    let names = trajectory.names().iter();
+    let last = names.filter_map(|name| {
+        let value = trajectory.column(&name.name)?.last()?;
+        value.is_finite().then(|| (name.name.clone(), *value))
+    });
+    let summary = Summary {
+        scene: &scene.name,
+        status: outcome
+            .error
+            .as_ref()
+            .map_or("ok", |error| error.cause.status()),
+        message: outcome.error.as_ref().map(ToString::to_string),
+        method,
+        step_s,
+        tolerance,
+        until_s: plan.until,
+        reached_s: outcome.time,
+        steps: statistics.steps,
+        rejected: statistics.rejected,
+        rhs: statistics.rhs,
+        rhs_per_s: per_second(statistics.rhs as f64),
+        node_solves: statistics.node_solves,
+        newton_mean: statistics.node_iterations_mean(),
+        newton_max: statistics.node_iterations_max,
+        switches: statistics.switches,
+        joint_drift_m: quality.drift,
+        joint_drift_rate_m_s: quality.drift_rate,
+        energy_imbalance_j: quality.imbalance,
+        energy_imbalance_relative: quality.relative_imbalance,
+        freedoms: layout.nv.saturating_sub(layout.nc),
+        rows: layout.nc,
+        wall_s: outcome.wall_s,
+        wall_s_per_s: per_second(outcome.wall_s),
+        params: scene
+            .params
+            .iter()
+            .map(|param| param.name.as_str())
+            .zip(plan.params.iter().copied())
+            .collect(),
+        last: last.collect(),
+        events: &trajectory.events,
+    };
+    Ok(serde_json::to_string_pretty(&summary)? + "\n")
+}
+
+/// The run in one table. The clock is left out: the same run gives the same report.
+pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
+    let statistics = outcome.trajectory.statistics;
+    let quality = Quality::of(scene, &outcome.trajectory);
+    let layout = Layout::new(scene);
+    let method = match plan.options.method {
+        Method::Rk4 { step } => format!("RK4, fixed step {step} s"),
+        Method::Tsit5 { rtol, .. } => format!("Tsit5, relative tolerance {rtol:e}"),
+    };
+    let switches = if plan.options.locate {
+        "located"
+    } else {
+        "not located"
+    };
+    let mut rows: Vec<(&str, Cell)> = vec![
+        ("method", method.into()),
+        ("slack/taut switches and events", switches.into()),
+        ("end asked for [s]", plan.until.into()),
+        ("end reached [s]", outcome.time.into()),
+        ("steps", Cell::Count(statistics.steps)),
+        ("rejected steps", Cell::Count(statistics.rejected)),
+        ("right-hand sides", Cell::Count(statistics.rhs)),
+    ];
+    if !layout.nodes.is_empty() {
+        let mean = statistics.node_iterations_mean();
+        let most = Cell::Count(statistics.node_iterations_max);
+        rows.push(("Newton iterations a solve, mean", mean.into()));
+        rows.push(("Newton iterations a solve, most", most));
+    }
+    if !scene.lines.is_empty() || !scene.events.is_empty() {
+        rows.push(("located switches", Cell::Count(statistics.switches)));
+    }
+    if layout.nc > 0 {
+        rows.push(("speeds", layout.nv.into()));
+        rows.push(("rows of the joints", layout.nc.into()));
+        rows.push(("joints open by at most |Φ| [m]", quality.drift.into()));
+        rows.push((
+            "joints open at a rate of at most |dΦ/dt| [m/s]",
+            quality.drift_rate.into(),
+        ));
+    }
+    if let Some(imbalance) = quality.imbalance {
+        rows.push(("energy balance missed by at most [J]", imbalance.into()));
+        let share = quality.relative_imbalance;
+        rows.push(("the same over the energy that moved", share.into()));
+    }
+    let mut table = Table::new("Run").column("what", "").column("value", "");
+    for (what, value) in rows {
+        table.push([what.into(), value]);
+    }
+    table
+}

@@ -1,0 +1,61 @@
+//! Ready scenes: each declared once with `model!`, one file a scene, and the one list of them.
+//!
+//! A scene's file holds its declaration and `run()`, the table `[run]` of how it is run, as a scene file would have it. `mbd list` shows the list.
+
+use mbd_runtime::ParamError;
+use mbd_runtime::scene::Scene;
+
+use crate::progress::Progress;
+use crate::run::{Outcome, Plan, fly_model};
+
+/// A ready scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Ready {
+    /// Its name for `mbd run`; its file here.
+    pub name: &'static str,
+    /// The declaration as data.
+    pub scene: fn() -> Scene,
+    /// How it is run: the table `[run]`.
+    pub run: fn() -> String,
+    /// Runs its compiled model as planned.
+    pub fly: Fly,
+}
+
+/// Runs a compiled model.
+///
+/// # Errors
+/// Params that it cannot be run with.
+pub type Fly = fn(&Plan, &mut Progress) -> Result<Outcome, ParamError>;
+
+/// The one list: file, model and params of every scene.
+macro_rules! scenes {
+    ($($file:ident $model:ident $params:ident),* $(,)?) => {
+        $(pub mod $file;)*
+
+        /// The ready scenes.
+        pub const READY: &[Ready] = &[$(Ready {
+            name: stringify!($file),
+            scene: $file::$model::<f64>::scene,
+            run: $file::run,
+            fly: |plan, progress| {
+                let values = plan.params.as_slice().try_into().map_err(|_| ParamError::Count {
+                    expected: $file::$model::<f64>::NP,
+                    found: plan.params.len(),
+                })?;
+                let model = $file::$model::new($file::$params::from_array(values))?;
+                Ok(fly_model(&model, plan, progress))
+            },
+        }),*];
+    };
+}
+
+scenes! {
+    heavy_top HeavyTop HeavyTopParams,
+    four_bar FourBar FourBarParams,
+    slider_crank SliderCrank SliderCrankParams,
+    n_four_bar NFourBar NFourBarParams,
+    double_pendulum DoublePendulum DoublePendulumParams,
+    spatial_loop SpatialLoop SpatialLoopParams,
+    porch_swing PorchSwing PorchSwingParams,
+    hinged_capsule HingedCapsule HingedCapsuleParams,
+}

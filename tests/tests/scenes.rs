@@ -1,0 +1,198 @@
+//! The ready scenes: each runs, stays on its joints and keeps its energy; where the motion is known, it is that.
+
+use mbd_compiler::{read_toml, write_toml};
+use models::progress::Progress;
+use models::run::{Outcome, Plan, Quality, Settings, drawings};
+use models::scenes::{READY, Ready};
+use tests::assert_close;
+use tests::reference::{load, numbers};
+
+/// Three of its rows repeat others, which a run refuses.
+const REDUNDANT: &str = "four_bar";
+
+fn ready(name: &str) -> &'static Ready {
+    READY
+        .iter()
+        .find(|ready| ready.name == name)
+        .expect("a ready scene")
+}
+
+fn plan(ready: &Ready) -> Plan {
+    let settings = Settings::read(&(ready.run)()).expect("settings that read");
+    Plan::new(&(ready.scene)(), &settings).expect("settings that fit the scene")
+}
+
+/// Runs a scene as it comes, at most until a time [s].
+fn flown(name: &str, until: f64) -> Outcome {
+    let mut plan = plan(ready(name));
+    plan.until = plan.until.min(until);
+    let outcome = (ready(name).fly)(&plan, &mut Progress::silent()).expect("default params");
+    assert_eq!(outcome.error, None, "{name}");
+    outcome
+}
+
+fn column<'o>(outcome: &'o Outcome, name: &str) -> &'o [f64] {
+    outcome
+        .trajectory
+        .column(name)
+        .unwrap_or_else(|| panic!("no column {name}"))
+}
+
+fn largest_gap(outcome: &Outcome, one: &str, other: &str) -> f64 {
+    let pairs = column(outcome, one).iter().zip(column(outcome, other));
+    pairs.fold(0.0, |most, (a, b)| (a - b).abs().max(most))
+}
+
+#[test]
+fn every_scene_stays_on_its_joints_and_keeps_its_energy() {
+    for ready in READY.iter().filter(|ready| ready.name != REDUNDANT) {
+        let outcome = flown(ready.name, 1.0);
+        let scene = (ready.scene)();
+        let quality = Quality::of(&scene, &outcome.trajectory);
+        println!("{}: {quality:?}", ready.name);
+        assert!(
+            quality.drift.is_some_and(|drift| drift <= 1e-12),
+            "{}",
+            ready.name
+        );
+        assert!(
+            quality.drift_rate.is_some_and(|rate| rate <= 1e-10),
+            "{}",
+            ready.name
+        );
+        let balance = quality.relative_imbalance.expect("energy moves");
+        assert!(balance <= 1e-7, "{}: {balance}", ready.name);
+        assert!(!drawings(&scene, &plan(ready), &outcome.trajectory).is_empty());
+        let doc = scene.doc.lines().next().unwrap_or_default();
+        assert!(
+            doc.len() > 20 && doc.ends_with('.'),
+            "{}: a line for the list",
+            ready.name
+        );
+    }
+}
+
+#[test]
+fn a_scene_written_as_toml_is_the_compiled_scene() {
+    for ready in READY {
+        let scene = (ready.scene)();
+        let read = read_toml(&write_toml(&scene));
+        assert!(read.errors.is_empty(), "{}: {:?}", ready.name, read.errors);
+        assert_eq!(read.scene.as_ref(), Some(&scene), "{}", ready.name);
+    }
+}
+
+#[test]
+fn the_heavy_top_precesses_at_the_rate_of_the_closed_form() {
+    let scene = (ready("heavy_top").scene)();
+    let of_reference = &load("closed_form/closed_heavy_top_steady.json")["time_history"]["slow"];
+    let rate = scene.consts.iter().find(|known| known.name == "PRECESSION");
+    let rate = rate.expect("a const").value;
+    assert_close(
+        &[rate],
+        &numbers(&of_reference["precession_rate"]),
+        1e-13,
+        0.0,
+        "Ω",
+    );
+    let outcome = flown("heavy_top", 4.0);
+    let nutation = column(&outcome, "nutation");
+    assert_close(
+        nutation,
+        &vec![35.0; nutation.len()],
+        0.0,
+        1e-7,
+        "inclination",
+    );
+    for (found, closed) in [("axis_x", "closed_form_x"), ("axis_y", "closed_form_y")] {
+        let gap = largest_gap(&outcome, found, closed);
+        println!("{found}: {gap:e}");
+        assert!(gap <= 1e-8, "{found}: {gap}");
+    }
+    // Every fourth row is an instant of the reference.
+    for (k, axis) in of_reference["axis"]
+        .as_array()
+        .expect("axes")
+        .iter()
+        .enumerate()
+    {
+        let found = ["axis_x", "axis_y"].map(|name| column(&outcome, name)[4 * k]);
+        assert_close(&found, &numbers(axis)[..2], 0.0, 1e-8, "axis");
+    }
+}
+
+#[test]
+fn the_piston_of_the_slider_crank_goes_where_its_crank_sends_it() {
+    let outcome = flown("slider_crank", 2.0);
+    let gap = largest_gap(&outcome, "slide", "closed_form");
+    println!("{gap:e}");
+    assert!(gap <= 1e-13, "{gap}");
+    // The drive brings the crank near its own speed: the piston has gone up and down.
+    let speed = *column(&outcome, "crank_speed").last().expect("a row");
+    assert!((-31.0..-25.0).contains(&speed), "{speed}");
+}
+
+#[test]
+fn two_windows_follow_the_reference_through_every_flat_position() {
+    let outcome = flown("n_four_bar", 10.0);
+    let history = &load("benchmark/iftomm_A02_n_four_bar_N2.json")["time_history"];
+    let mut most: f64 = 0.0;
+    for (name, reference) in [("tip.x", "xB0"), ("tip.y", "yB0")] {
+        let found: Vec<f64> = column(&outcome, name).iter().step_by(10).copied().collect();
+        let want = numbers(&history[reference]);
+        most = most.max(tests::largest_difference(&found, &want));
+        assert_close(&found, &want, 0.0, 1e-8, name);
+    }
+    println!("{most:e}");
+    for window in 0..2 {
+        let inclination = column(&outcome, &format!("inclination[{window}]"));
+        assert!(
+            inclination.iter().all(|angle| *angle < 1e-6),
+            "left its branch"
+        );
+    }
+}
+
+#[test]
+fn the_spatial_loop_follows_its_reference_history() {
+    let outcome = flown("spatial_loop", 1.5);
+    let history = &load("loops/loop_RUSP.json")["time_history"];
+    let mut most: f64 = 0.0;
+    for (body, name) in ["crank", "coupler", "slider"].into_iter().enumerate() {
+        for (component, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let found = column(&outcome, &format!("{name}.{axis}"));
+            let rows = history["r"].as_array().expect("positions");
+            let want: Vec<f64> = rows
+                .iter()
+                .map(|row| numbers(&row[body])[component])
+                .collect();
+            most = most.max(tests::largest_difference(found, &want));
+            assert_close(found, &want, 0.0, 1e-9, name);
+        }
+    }
+    println!("{most:e}");
+}
+
+#[test]
+fn nothing_takes_energy_from_the_double_pendulum() {
+    let outcome = flown("double_pendulum", 6.0);
+    let scene = (ready("double_pendulum").scene)();
+    let quality = Quality::of(&scene, &outcome.trajectory);
+    assert!(
+        quality
+            .relative_imbalance
+            .is_some_and(|share| share <= 1e-9),
+        "{quality:?}"
+    );
+}
+
+#[test]
+fn both_legs_of_the_rider_swing_alike() {
+    let outcome = flown("porch_swing", 3.0);
+    let gap = largest_gap(&outcome, "leg_angle[0]", "leg_angle[1]");
+    let swing = column(&outcome, "leg_angle[0]")
+        .iter()
+        .fold(0.0f64, |most, a| most.max(a.abs()));
+    println!("{gap:e} of {swing}");
+    assert!(swing > 10.0 && gap <= 1e-6 * swing, "{gap}");
+}
