@@ -1,7 +1,7 @@
 //! Joints in generated code: chains and loops declared in the language agree in every execution, in both components of angular velocity.
 
-use mbd_runtime::model;
-use mbd_scene::{AngularVelocity, Model, Quantity};
+use mbd_runtime::{Options, Simulation, model};
+use mbd_scene::{AngularVelocity, Layout, Model, Quantity};
 use tests::agreement::{agrees, agrees_along, agrees_at};
 use tests::assert_close;
 use tests::instant::Instant;
@@ -211,6 +211,76 @@ holding!(HoldingWorld world);
 
 ring!(LoopBody body);
 ring!(LoopWorld world);
+
+/// A door with a closer and a stop, a bolt with friction that slides and turns in it, a nut on a thread of the bolt.
+macro_rules! door {
+    ($name:ident $components:ident) => {
+        model! {
+            /// What acts along joint coordinates, all of it.
+            pub model $name<T> {
+            gravity: [0.0, 0.5, -9.81] m/s^2;
+            angular_velocity: $components;
+            param closing = 2.0 N*m/rad in 0.0 N*m ..= 10 N*m;
+            param wide = 110 deg in 60 deg ..= 170 deg;
+            const NONE = 0.0 N*m*s;
+            body door {
+                mass: 20 kg,
+                inertia: diag(2.0, 1.0, 1.2) kg*m^2,
+                frame edge at [-0.4, 0.0, 0.0] m rotated rpy(0.0, 5 deg, 0.0),
+                frame lock at [0.4, 0.0, 0.1] m rotated rpy(0.0, 90 deg, 0.0),
+            }
+            body bolt { mass: 0.3 kg, inertia: diag(1e-3, 2e-3, 1e-3) kg*m^2 }
+            body nut { mass: 0.1 kg, inertia: diag(1e-3, 1e-3, 2e-3) kg*m^2 }
+            body spider { mass: 0.1 kg, inertia: diag(1e-3, 1e-3, 2e-3) kg*m^2 }
+            joint hinges: hinge from world to door.edge {
+                axis: z, stiffness: closing, rest: -10 deg, damping: 0.5 N*m*s,
+                stops: [-5 deg, wide], stop_stiffness: 2 kN*m, stop_damping: 5 N*m*s,
+                force: 0.3 N*m * cos(time / 1 s) - 0.1 N*m * bolting.slide / 1 m,
+            }
+            joint bolting: cylindrical from door.lock to bolt.com {
+                slide: { friction: 0.2 N, friction_rate: 1 cm/s, stops: [none, 4 cm], stop_stiffness: 1 kN/m },
+                angle: { damping: NONE, stiffness: 0.01 N*m/rad },
+            }
+            joint thread: screw from bolt.com to nut.com { pitch: 2 cm, damping: 1e-3 N*m*s, stops: [-20 rad, none], stop_stiffness: 1 N*m }
+            joint gimbal: universal from bolt.com to spider.com { damping: 0.01 N*m*s, angle1: { stiffness: 0.2 N*m } }
+            output opening = hinges.angle in deg;
+            }
+        }
+    };
+}
+
+door!(DoorBody body);
+door!(DoorWorld world);
+
+#[test]
+fn what_acts_along_coordinates_agrees_in_every_execution() {
+    agrees(&DoorBody::<f64>::new(Default::default()).expect("defaults"));
+    agrees(&DoorWorld::<f64>::new(Default::default()).expect("defaults"));
+}
+
+#[test]
+fn a_door_with_a_closer_runs_in_f32_as_in_f64() {
+    let double = DoorBody::<f64>::new(Default::default()).expect("defaults");
+    let single = DoorBody::<f32>::new(Default::default()).expect("defaults");
+    let mut start = vec![0.0; Layout::new(double.scene()).nx()];
+    // The bolt and what sits on it lie along the door.
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    start[..7].copy_from_slice(&[0.4, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+    for body in start[7..28].chunks_exact_mut(7) {
+        body.copy_from_slice(&[0.8, 0.0, 0.1, half, 0.0, half, 0.0]);
+    }
+    let mut run = Simulation::new(&double, Options::tsit5(1e-9)).expect("options");
+    run.set_state(0.0, &start).expect("a state");
+    run.run(1.0).expect("a run");
+    let mut low = Simulation::new(&single, Options::tsit5(1e-5)).expect("options");
+    let start: Vec<f32> = start.iter().map(|x| *x as f32).collect();
+    low.set_state(0.0, &start).expect("a state");
+    low.run(1.0).expect("a run");
+    assert!(!run.events().is_empty(), "a stop is touched");
+    assert_eq!(run.events().len(), low.events().len());
+    let low: Vec<f64> = low.state().iter().map(|x| f64::from(*x)).collect();
+    assert_close(&low, run.state(), 0.0, 2e-3, "f32 against f64");
+}
 
 #[test]
 fn a_chain_of_two_hinges_agrees_in_every_execution() {

@@ -2,7 +2,8 @@
 
 use crate::Gravity;
 use crate::elimination::{Elimination, Part};
-use crate::formula::Place;
+use crate::formula::{Formula, Place};
+use crate::joints::Side;
 use crate::partition::Partition;
 use crate::quantity::{Differentiated, Quantity, Variable};
 use crate::scene::{Frame, LoadKind, NodeModel, PointKind, Scene};
@@ -46,8 +47,12 @@ pub struct Layout {
     pub events: usize,
     /// Each joint's place among the rows.
     pub joints: Vec<JointSlots>,
+    /// The stops of the joints, which follow the lines in [`At::hold`](crate::At::hold) and in the guards.
+    pub stops: Vec<StopSlots>,
     /// Number of rows n_c of all joints.
     pub nc: usize,
+    /// Whether outputs, and whether events, ask for the effort of a motor.
+    efforts: [bool; 2],
     /// The system of bodies and joints, and the order in which it is solved.
     pub elimination: Elimination,
 }
@@ -57,12 +62,23 @@ pub struct Layout {
 pub struct JointSlots {
     /// Its first row.
     pub row: usize,
-    /// Number of its rows: 6 − freedoms; 0 where neither end moves, or an end is a massless point.
+    /// Number of its rows: 6 − freedoms and one a motor; 0 where neither end moves, or an end is a massless point.
     pub len: usize,
     /// What its parent end and its child end sit on; `None` for the world.
     pub ends: [Option<Part>; 2],
-    /// Whether its rows depend on time: an end on a frame of the world that moves.
+    /// Whether its rows depend on time: motors, or an end on a frame of the world that moves.
     pub driven: bool,
+}
+
+/// A stop of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StopSlots {
+    /// Its joint.
+    pub joint: usize,
+    /// The coordinate it ends.
+    pub coordinate: usize,
+    /// Which end.
+    pub side: Side,
 }
 
 /// Offsets into q and into v.
@@ -184,6 +200,18 @@ impl Layout {
         layout.place_networks();
         layout.place_inputs(scene);
         layout.place_rows(scene);
+        let stops = scene.stops().map(|(joint, along, side)| StopSlots {
+            joint,
+            coordinate: along.coordinate,
+            side,
+        });
+        layout.stops = stops.collect();
+        let effort =
+            |formula: &Formula| formula.contains(|part| matches!(part, Formula::MotorEffort(..)));
+        layout.efforts = [
+            scene.outputs.iter().any(|output| effort(&output.value)),
+            scene.events.iter().any(|event| effort(&event.guard)),
+        ];
         layout.columns = scene.outputs.iter().map(|output| output.components).sum();
         layout
     }
@@ -192,6 +220,12 @@ impl Layout {
     #[must_use]
     pub fn nx(&self) -> usize {
         self.nq + self.nv + self.nz
+    }
+
+    /// Number of laws that act one way: lines, then stops.
+    #[must_use]
+    pub fn one_way(&self) -> usize {
+        self.lines.len() + self.stops.len()
     }
 
     /// Length of a quantity.
@@ -204,7 +238,7 @@ impl Layout {
                 .map_or(0, |n| 3 * n.nodes.len() + 6 * n.blocks.len() + 3),
             Quantity::Derivative => self.nx(),
             Quantity::Balance => 3 * self.nodes.len(),
-            Quantity::Guards => 2 * self.lines.len() + self.events,
+            Quantity::Guards => 2 * self.one_way() + self.events,
             Quantity::Outputs => self.columns,
             Quantity::Energy => 6,
             Quantity::Momentum => 6,
@@ -239,6 +273,16 @@ impl Layout {
             }
             Quantity::Partial(_, by) => self.variables(by),
             _ => 1,
+        }
+    }
+
+    /// Whether a quantity asks for the effort of a motor, which takes the multipliers.
+    #[must_use]
+    pub fn asks_efforts(&self, what: Quantity) -> bool {
+        match what {
+            Quantity::Outputs => self.efforts[0],
+            Quantity::Guards => self.efforts[1],
+            _ => false,
         }
     }
 
@@ -295,8 +339,7 @@ impl Layout {
                 all.push(Quantity::Partial(of, by));
             }
         }
-        let through_factor =
-            |what| self.nc > 0 && matches!(what, Quantity::Partial(Differentiated::Derivative, _));
+        let through_factor = |what| matches!(what, Quantity::Partial(of, _) if self.nc > 0 && (of == Differentiated::Derivative || self.asks_efforts(of.quantity())));
         all.retain(|&what| self.len(what) > 0 && !through_factor(what));
         all
     }
@@ -350,12 +393,14 @@ impl Layout {
             });
             let massless = |part: &Part| matches!(*part, Part::Point(p) if !matches!(self.points.get(p), Some(PointSlots::Mass(_))));
             let holds = ends[0] != ends[1] && !ends.iter().flatten().any(massless);
-            let len = if holds { joint.law.rows() } else { 0 };
+            let motors = joint.motors().count();
+            let len = if holds { joint.law.rows() + motors } else { 0 };
             self.joints.push(JointSlots {
                 row: self.nc,
                 len,
                 ends,
-                driven: len > 0 && [joint.parent, joint.child].into_iter().any(moving),
+                driven: len > 0
+                    && (motors > 0 || [joint.parent, joint.child].into_iter().any(moving)),
             });
             self.nc += len;
         }

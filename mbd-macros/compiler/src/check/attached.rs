@@ -45,6 +45,48 @@ pub fn check_attached(resolver: &mut Resolver<'_>) {
     }
 }
 
+/// A joint marked `loop` closes one: without the marked joints its two ends are joined already.
+pub fn check_marks(resolver: &mut Resolver<'_>) {
+    if any_bad(resolver, "joint") {
+        return;
+    }
+    let scene = &resolver.scene;
+    let bodies = scene.bodies.len();
+    let mut groups = Groups::new(bodies + scene.points.len());
+    for joint in scene.joints.iter().filter(|joint| !joint.cut) {
+        groups.join(node(joint.parent, bodies), node(joint.child, bodies));
+    }
+    let mut reports = Vec::new();
+    for (index, joint) in scene.joints.iter().enumerate() {
+        let [parent, child] = [joint.parent, joint.child].map(|place| node(place, bodies));
+        if !joint.cut || groups.root(parent) == groups.root(child) {
+            continue;
+        }
+        let world = groups.root(0);
+        let alone = if groups.root(child) == world {
+            parent
+        } else {
+            child
+        };
+        let held = alone
+            .checked_sub(1)
+            .map(|index| match index.checked_sub(bodies) {
+                None => Named::Body(index),
+                Some(point) => Named::Point(point),
+            });
+        let places = (
+            resolver.declared.get(&Named::Joint(index)),
+            held.and_then(|held| resolver.declared.get(&held)),
+        );
+        if let (Some(&at), Some(&body)) = places {
+            reports.push(say::no_loop(at, &joint.name, body));
+        }
+    }
+    reports
+        .into_iter()
+        .for_each(|report| resolver.messages.push(report));
+}
+
 fn check_free_once(resolver: &mut Resolver<'_>) {
     let mut first: BTreeMap<usize, usize> = BTreeMap::new();
     let scene = &resolver.scene;

@@ -1,6 +1,7 @@
 //! The laws of mechanics, each written once over [`Real`]: numbers run them, dual numbers differentiate them, symbols record them.
 
 mod algebra;
+mod along;
 mod block;
 mod body;
 mod constraint;
@@ -12,6 +13,7 @@ mod formula;
 mod gravity;
 mod ground;
 pub mod line;
+mod motor;
 mod node;
 mod numbers;
 mod pair;
@@ -25,10 +27,13 @@ use forces::Assembly;
 use nalgebra::Vector3;
 
 pub use algebra::{inverse, rotation, solve_positive, symmetric};
+pub use along::AlongNumbers;
 pub use constraint::branch;
 pub use formula::norm;
 pub use ground::{FrameMotion, ground};
-pub use numbers::{BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers};
+pub use numbers::{
+    BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers, constant,
+};
 
 use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 
@@ -37,6 +42,7 @@ use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 pub struct Scratch<S: Real> {
     motions: Vec<Motion<S>>,
     ground: Vec<Option<FrameMotion<S>>>,
+    multipliers: Vec<S>,
     assembly: Assembly<S>,
     constraints: Constraints<S>,
 }
@@ -48,6 +54,7 @@ impl<S: Real> Scratch<S> {
         Scratch {
             motions: vec![Motion::unknown(); scene.bodies.len()],
             ground: Vec::with_capacity(scene.world_frames.len()),
+            multipliers: Vec::new(),
             assembly: Assembly::new(scene.bodies.len(), scene.points.len()),
             constraints: Constraints::new(scene),
         }
@@ -97,6 +104,25 @@ pub fn evaluate<S: Real>(
         at,
         motions: &scratch.motions,
         ground: &scratch.ground,
+        multipliers: &[],
+    };
+    let evaluation = if layout.asks_efforts(what) {
+        scratch.assembly.collect(&evaluation);
+        scratch
+            .constraints
+            .accelerate(&evaluation, &scratch.assembly);
+        scratch.multipliers.resize(layout.nc, S::zero());
+        scratch.constraints.write_forces(
+            Quantity::Multipliers,
+            &evaluation,
+            &mut scratch.multipliers,
+        );
+        Evaluation {
+            multipliers: &scratch.multipliers,
+            ..evaluation
+        }
+    } else {
+        evaluation
     };
     match what {
         Quantity::Ends => ends(&evaluation, out),
@@ -265,11 +291,13 @@ fn derivative<S: Real>(
 
 fn applied_forces<S: Real>(evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>, out: &mut [S]) {
     for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
-        let (force, torque) = assembly.bodies[index];
+        let ((force, torque), own) = (assembly.bodies[index], assembly.own[index]);
         write(out, slots.v, &force);
         let torque = match evaluation.scene.angular_velocity {
-            crate::AngularVelocity::Body => evaluation.motions[index].rotation.transpose() * torque,
-            crate::AngularVelocity::World => torque,
+            crate::AngularVelocity::Body => {
+                evaluation.motions[index].rotation.transpose() * torque + own
+            }
+            crate::AngularVelocity::World => torque + evaluation.motions[index].rotation * own,
         };
         write(out, slots.v + 3, &torque);
     }
@@ -341,8 +369,15 @@ fn guards<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
             out[2 * index + 1] = motion.pull;
         }
     }
+    along::visit(evaluation, |acting| {
+        for stop in acting.stops() {
+            out[2 * (lines + stop.stop)] = stop.depth;
+            out[2 * (lines + stop.stop) + 1] = stop.pull;
+        }
+    });
+    let events = 2 * evaluation.layout.one_way();
     for (index, event) in evaluation.scene.events.iter().enumerate() {
-        out[2 * lines + index] = formula::scalar(&event.guard, evaluation);
+        out[events + index] = formula::scalar(&event.guard, evaluation);
     }
 }
 
@@ -358,7 +393,7 @@ fn outputs<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     }
 }
 
-/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − K s₊) ṡ, power of prescribed motions.
+/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − K s₊) ṡ and friction, power of prescribed motions.
 fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
     let numbers = evaluation.numbers;
     let (mut kinetic, mut potential, mut elastic, mut damping) =
@@ -394,14 +429,14 @@ fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
             damping -= (tension - stiffness * taut) * rate;
         }
     }
-    out.copy_from_slice(&[
-        kinetic,
-        potential,
-        elastic,
-        forces::load_power(evaluation),
-        damping,
-        drives,
-    ]);
+    let mut load = forces::load_power(evaluation);
+    along::visit(evaluation, |acting| {
+        let [stored, given, lost] = acting.energy();
+        elastic += stored;
+        load += given;
+        damping += lost;
+    });
+    out.copy_from_slice(&[kinetic, potential, elastic, load, damping, drives]);
 }
 
 fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
