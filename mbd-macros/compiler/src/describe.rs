@@ -66,6 +66,7 @@ fn write(scene: &Scene, formula: &Formula, level: u8) -> String {
         Formula::StretchRate(index) => format!("{}.stretch_rate", line(*index)),
         Formula::Coordinate(joint, index) => coordinate(scene, *joint, *index, |c| c.name),
         Formula::CoordinateRate(joint, index) => coordinate(scene, *joint, *index, |c| c.rate),
+        Formula::MotorEffort(joint, index) => motor_effort(scene, *joint, *index),
         Formula::Vector(parts) => format!("[{}]", list(scene, parts)),
         Formula::Component(parts, axis) => {
             let inner = parts
@@ -79,6 +80,15 @@ fn write(scene: &Scene, formula: &Formula, level: u8) -> String {
         }
         Formula::Apply(function, parts) => apply(scene, *function, parts, level),
     }
+}
+
+/// The force or torque of a motor, `crank.motor_torque`.
+pub fn motor_effort(scene: &Scene, joint: usize, index: usize) -> String {
+    let found = scene.coordinate(joint, index);
+    found.map_or_else(
+        || "?".to_owned(),
+        |(joint, coordinate)| format!("{}.{}", joint.name, joint.law.motor_word(&coordinate)),
+    )
 }
 
 /// A joint coordinate or its rate, `elbow.angle`.

@@ -89,6 +89,9 @@ pub enum Formula {
     Coordinate(usize, usize),
     /// The rate of a coordinate of a joint [m/s or rad/s]: joint, number of the coordinate.
     CoordinateRate(usize, usize),
+    /// The force or torque of a motor along a coordinate of a joint [N or N m]: joint, number of the coordinate. It follows from the
+    /// accelerations, so that nothing they depend on may contain it.
+    MotorEffort(usize, usize),
     /// A vector of three scalars.
     Vector(Vec<Formula>),
     /// Component 0, 1 or 2 of a vector; the list holds the one vector.

@@ -2,7 +2,7 @@
 
 use crate::Gravity;
 use crate::elimination::{Elimination, Part};
-use crate::formula::Place;
+use crate::formula::{Formula, Place};
 use crate::joints::Side;
 use crate::partition::Partition;
 use crate::quantity::{Differentiated, Quantity, Variable};
@@ -54,6 +54,8 @@ pub struct Layout {
     pub nc: usize,
     /// Which rows repeat others: those are left out of the system.
     pub redundancy: Redundancy,
+    /// Whether outputs, and whether events, ask for the effort of a motor.
+    pub efforts: [bool; 2],
     /// The system of bodies and joints, and the order in which it is solved.
     pub elimination: Elimination,
 }
@@ -63,13 +65,13 @@ pub struct Layout {
 pub struct JointSlots {
     /// Its first row.
     pub row: usize,
-    /// Number of its rows: 6 − freedoms; 0 where neither end moves, or an end is a massless point.
+    /// Number of its rows: 6 − freedoms and one a motor; 0 where neither end moves, or an end is a massless point.
     pub len: usize,
     /// Those of them that are in the system: all, unless some repeat rows of other joints.
     pub kept: RowSet,
     /// What its parent end and its child end sit on; `None` for the world.
     pub ends: [Option<Part>; 2],
-    /// Whether its rows depend on time: an end on a frame of the world that moves.
+    /// Whether its rows depend on time: motors, or an end on a frame of the world that moves.
     pub driven: bool,
 }
 
@@ -217,7 +219,10 @@ impl Layout {
     fn kept(mut self, scene: &Scene, redundancy: Redundancy) -> Self {
         for repeat in &redundancy.repeats {
             if let Some(slots) = self.joints.get_mut(repeat.joint) {
-                slots.kept = repeat.kept.within(slots.len);
+                slots.kept = repeat
+                    .kept
+                    .within(repeat.rows)
+                    .or_beyond(repeat.rows, slots.len);
             }
         }
         let joints = scene.joints.iter();
@@ -252,6 +257,12 @@ impl Layout {
             side,
         });
         layout.stops = stops.collect();
+        let effort =
+            |formula: &Formula| formula.contains(|part| matches!(part, Formula::MotorEffort(..)));
+        layout.efforts = [
+            scene.outputs.iter().any(|output| effort(&output.value)),
+            scene.events.iter().any(|event| effort(&event.guard)),
+        ];
         layout.columns = scene.outputs.iter().map(|output| output.components).sum();
         layout
     }
@@ -328,6 +339,16 @@ impl Layout {
         }
     }
 
+    /// Whether a quantity asks for the effort of a motor, which takes the multipliers.
+    #[must_use]
+    pub fn asks_efforts(&self, what: Quantity) -> bool {
+        match what {
+            Quantity::Outputs => self.efforts[0],
+            Quantity::Guards => self.efforts[1],
+            _ => false,
+        }
+    }
+
     /// A network whose nodes are placed by the balance of forces at a position. A `rate` node is not: its balance is one of velocities.
     fn placed(&self, network: usize) -> Option<&Network> {
         let found = self.networks.get(network);
@@ -381,8 +402,7 @@ impl Layout {
                 all.push(Quantity::Partial(of, by));
             }
         }
-        let through_factor =
-            |what| self.nc > 0 && matches!(what, Quantity::Partial(Differentiated::Derivative, _));
+        let through_factor = |what| matches!(what, Quantity::Partial(of, _) if self.nc > 0 && (of == Differentiated::Derivative || self.asks_efforts(of.quantity())));
         all.retain(|&what| self.len(what) > 0 && !through_factor(what));
         all
     }
@@ -436,13 +456,15 @@ impl Layout {
             });
             let massless = |part: &Part| matches!(*part, Part::Point(p) if !matches!(self.points.get(p), Some(PointSlots::Mass(_))));
             let holds = ends[0] != ends[1] && !ends.iter().flatten().any(massless);
-            let len = if holds { joint.law.rows() } else { 0 };
+            let motors = joint.motors().count();
+            let len = if holds { joint.law.rows() + motors } else { 0 };
             self.joints.push(JointSlots {
                 row: self.nc,
                 len,
                 kept: RowSet::all(len),
                 ends,
-                driven: len > 0 && [joint.parent, joint.child].into_iter().any(moving),
+                driven: len > 0
+                    && (motors > 0 || [joint.parent, joint.child].into_iter().any(moving)),
             });
             self.nc += len;
         }

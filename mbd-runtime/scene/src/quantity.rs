@@ -23,7 +23,7 @@ pub enum Quantity {
     /// The declared outputs, component by component.
     Outputs,
     /// Kinetic, gravitational and elastic energy [J], power of the loads and power of dampers and friction on the bodies and points
-    /// [W] (≤ 0 for a damper), power that prescribed motions (moving frames of the world) put in [W].
+    /// [W] (≤ 0 for a damper), power that prescribed motions put in [W].
     Energy,
     /// Linear momentum [kg m/s] and angular momentum about the world origin [kg m²/s]; of bodies and points with mass.
     Momentum,

@@ -347,6 +347,14 @@ pub struct Joint {
     pub cut: bool,
 }
 
+impl Joint {
+    /// The coordinates that motors drive: number of the coordinate and its course, a formula of time; in the order of their rows.
+    pub fn motors(&self) -> impl Iterator<Item = (usize, &Formula)> {
+        let along = self.along.iter();
+        along.filter_map(|along| Some((along.coordinate, along.motor.as_ref()?)))
+    }
+}
+
 /// A line (tension only) or a spring (both ways) with damping.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Line {

@@ -1,9 +1,9 @@
-//! The fields of joint coordinates: spring, damper, friction, stops, force; for one coordinate directly in the braces of the joint, for more
+//! The fields of joint coordinates: spring, damper, friction, stops, force, motor; for one coordinate directly in the braces of the joint, for more
 //! in a block named after the coordinate. A field outside the blocks holds for every coordinate if all have the same unit.
 
 use std::collections::BTreeMap;
 
-use mbd_scene::joints::{AlongField, Coordinate, FORCE, NUMBERS, STOPS, in_order};
+use mbd_scene::joints::{AlongField, Coordinate, FORCE, MOTOR, NUMBERS, STOPS, in_order};
 use mbd_scene::{Along, Formula, JointLaw};
 
 use super::joints::Names;
@@ -15,7 +15,7 @@ use crate::units;
 
 /// The keywords of the fields of a coordinate.
 fn field_words() -> impl Iterator<Item = &'static str> {
-    let fields = NUMBERS.iter().chain([&STOPS, &FORCE]);
+    let fields = NUMBERS.iter().chain([&STOPS, &FORCE, &MOTOR]);
     fields.map(|field| field.name)
 }
 
@@ -205,7 +205,24 @@ impl Resolver<'_> {
             along.force = typed.and_then(|typed| self.along_fits(typed, &FORCE, owner));
             whole &= along.force.is_some();
         }
+        if let Some(value) = given.get(MOTOR.name).and_then(|item| item.clause(":")) {
+            along.motor = self.motor(value, owner);
+            whole &= along.motor.is_some();
+        }
         whole.then_some(along)
+    }
+
+    /// The course of a coordinate: a function of time with two derivatives, which may count turns.
+    fn motor(&mut self, value: Value<'_>, owner: &Owner<'_>) -> Option<Formula> {
+        let scope = Scope {
+            stage: Stage::Course,
+            ..owner.scope
+        };
+        let typed = self.value(value, scope)?;
+        let at = typed.at;
+        let formula = self.along_fits(typed, &MOTOR, owner)?;
+        self.two_derivatives(std::slice::from_ref(&formula), at)?;
+        Some(formula)
     }
 
     fn along_number(

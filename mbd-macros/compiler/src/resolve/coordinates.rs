@@ -1,8 +1,9 @@
-//! Joint coordinates in expressions: `elbow.angle`, `elbow.angle_rate`.
+//! Joint coordinates in expressions: `elbow.angle`, `elbow.angle_rate`, `elbow.motor_torque`.
 
 use mbd_scene::Formula;
+use mbd_scene::joints::Measured;
 
-use super::{Named, Resolver, Typed};
+use super::{Named, Resolver, Scope, Stage, Typed};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
 use crate::syntax::expression::Step;
@@ -15,13 +16,22 @@ impl Resolver<'_> {
         owner: &str,
         rest: &[Step],
         at: Region,
+        scope: Scope<'_>,
     ) -> Option<Typed> {
         if self.bad.contains(&Named::Joint(joint)) {
             return None;
         }
-        let law = self.scene.joints.get(joint)?.law.clone();
+        let declared = self.scene.joints.get(joint)?;
+        let law = declared.law.clone();
+        let driven: Vec<usize> = declared.motors().map(|(index, _)| index).collect();
         let measured: Vec<_> = law.measured().collect();
-        let known: Vec<&str> = measured.iter().flat_map(|c| [c.name, c.rate]).collect();
+        let motors: Vec<String> = measured.iter().map(|c| law.motor_word(c)).collect();
+        let driving = driven.iter().filter_map(|&index| motors.get(index));
+        let known: Vec<&str> = measured
+            .iter()
+            .flat_map(|c| [c.name, c.rate])
+            .chain(driving.map(String::as_str))
+            .collect();
         if known.is_empty() {
             return self.fail(say::no_coordinates(at, owner, law.keyword()));
         }
@@ -29,6 +39,19 @@ impl Resolver<'_> {
             return self.fail(say::without_quantity(at, owner, "joint", &known));
         };
         let word = step.word.text.as_str();
+        if let Some(index) = motors.iter().position(|motor| motor == word) {
+            let here = step.word.at.into();
+            let coordinate = measured.get(index)?;
+            if !driven.contains(&index) {
+                return self.fail(say::no_motor(here, owner, coordinate));
+            }
+            if scope.stage != Stage::Result {
+                return self.fail(say::motor_as_cause(here, owner, word));
+            }
+            let formula = Formula::MotorEffort(joint, index);
+            let dimension = Measured::Force.of(coordinate);
+            return self.tail(Typed::of(formula, false, dimension, at), after);
+        }
         let found = measured.iter().zip(0..).find_map(|(c, index)| {
             let value = (Formula::Coordinate(joint, index), c.dimension());
             let rate = (Formula::CoordinateRate(joint, index), c.rate_dimension());

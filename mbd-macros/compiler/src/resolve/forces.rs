@@ -180,7 +180,7 @@ impl Resolver<'_> {
 
     fn output(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
-        let typed = self.value(item.clause("=")?, instance.scope(Stage::Live))?;
+        let typed = self.value(item.clause("=")?, instance.scope(Stage::Result))?;
         let (mut unit, components) = (typed.unit(), if typed.vector { 3 } else { 1 });
         let mut value = typed.formula;
         if let Some((wanted, at)) = self.in_unit(item.clause("in"))? {
@@ -212,7 +212,7 @@ impl Resolver<'_> {
 
     fn event(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
-        let scope = instance.scope(Stage::Live);
+        let scope = instance.scope(Stage::Result);
         let left = self.value(item.clause("=")?, scope);
         let mut passages = [
             ("crosses", Direction::Crosses),

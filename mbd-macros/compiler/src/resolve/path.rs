@@ -77,7 +77,7 @@ impl Resolver<'_> {
             }
             Named::Joint(joint) => {
                 self.live(scope, at, &format!("the motion of `{word}`"))?;
-                self.joint_quantity(joint, word, rest, at)
+                self.joint_quantity(joint, word, rest, at, scope)
             }
             Named::Table(_) => self.fail(say::table_without_argument(here, word)),
             other => self.fail(say::not_a_quantity(here, word, other.kind())),
@@ -124,7 +124,7 @@ impl Resolver<'_> {
     /// What changes during a run is an error before it.
     fn live(&mut self, scope: Scope<'_>, at: Region, what: &str) -> Option<()> {
         match scope.stage {
-            Stage::Live => Some(()),
+            Stage::Live | Stage::Result => Some(()),
             Stage::Fixed => self.fail(say::not_fixed(at, what)),
             Stage::Course => self.fail(say::not_prescribed(at, what)),
             Stage::Constant => self.fail(say::not_constant(at, what)),

@@ -20,6 +20,8 @@ pub enum Stage {
     Course,
     /// Everything in the scene.
     Live,
+    /// Also what follows from the accelerations: the efforts of motors.
+    Result,
 }
 
 /// Where an expression stands.

@@ -2,7 +2,7 @@
 
 use mbd_scene::{Formula, Function, Place, Scene};
 
-use crate::describe::coordinate;
+use crate::describe::{coordinate, motor_effort};
 
 /// How tightly an expression binds: sums 1, products 2, signs 3, powers 4, names and calls 5.
 type Rank = u8;
@@ -74,6 +74,7 @@ fn ranked(formula: &Formula, scene: &Scene) -> (String, Rank) {
         Formula::StretchRate(line) => (of_line(*line, "stretch_rate", scene), 5),
         Formula::Coordinate(joint, index) => (coordinate(scene, *joint, *index, |c| c.name), 5),
         Formula::CoordinateRate(joint, index) => (coordinate(scene, *joint, *index, |c| c.rate), 5),
+        Formula::MotorEffort(joint, index) => (motor_effort(scene, *joint, *index), 5),
         Formula::Vector(parts) => (vector(parts, scene), 5),
         Formula::Component(of, axis) => {
             let inner = of.first().map(|of| at_least(of, 5, scene));

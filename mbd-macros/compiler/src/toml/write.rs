@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use mbd_scene::joints::{FORCE, NUMBERS, STOPS};
+use mbd_scene::joints::{FORCE, MOTOR, NUMBERS, STOPS};
 use mbd_scene::{
     AngularVelocity, Axis, Body, Clamp, Coordinates, Difference, Dimension, Direction, Formula,
     Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LineKind, LoadKind, NodeModel,
@@ -348,8 +348,11 @@ fn along(out: &mut String, joint: &Joint, scene: &Scene) {
             let [low, high] = along.stops.each_ref().map(place);
             entry(out, STOPS.name, &format!("[{low}, {high}]"));
         }
-        if let Some(force) = &along.force {
-            entry(out, FORCE.name, &text(force, scene));
+        let formulas = [(&FORCE, &along.force), (&MOTOR, &along.motor)];
+        for (field, formula) in formulas {
+            if let Some(formula) = formula {
+                entry(out, field.name, &text(formula, scene));
+            }
         }
     }
 }

@@ -1,4 +1,5 @@
-//! The fields of a joint coordinate: a spring, a damper, friction, stops, a force. The law is in [`crate::laws::along`].
+//! The fields of a joint coordinate: a spring, a damper, friction, stops, a force, a motor. The law of what pushes is in
+//! [`crate::laws::along`], that of the motor, which is a row, in `laws/motor.rs`.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +30,8 @@ pub struct Along {
     pub stop_damping: Option<Formula>,
     /// A force on the coordinate [N or N m]: any quantity of the scene may stand in it.
     pub force: Option<Formula>,
+    /// The course of the coordinate as a function of time [m or rad]: a motor holds it to that.
+    pub motor: Option<Formula>,
 }
 
 /// What a number of [`Along`] measures, by the coordinate it belongs to.
@@ -82,6 +85,8 @@ pub const STOPS: AlongField = field(
 );
 /// The keyword of the force.
 pub const FORCE: AlongField = field("force", Measured::Force, Rule::Finite, None);
+/// The keyword of the motor.
+pub const MOTOR: AlongField = field("motor", Measured::Value, Rule::Finite, None);
 
 /// The numbers of [`Along`], in the order of [`Along::numbers`].
 pub const NUMBERS: [AlongField; 7] = [
@@ -217,6 +222,7 @@ impl Along {
             stop_stiffness,
             stop_damping,
             force,
+            motor,
         } = self;
         [
             stiffness,
@@ -229,6 +235,7 @@ impl Along {
             stop_stiffness,
             stop_damping,
             force,
+            motor,
         ]
         .into_iter()
         .flatten()
@@ -238,7 +245,7 @@ impl Along {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         let mut given = self.numbers().into_iter().chain(&self.stops);
-        given.all(Option::is_none) && self.force.is_none()
+        given.all(Option::is_none) && self.force.is_none() && self.motor.is_none()
     }
 }
 

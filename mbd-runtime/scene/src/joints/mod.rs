@@ -12,7 +12,9 @@ mod coordinate;
 mod field;
 mod motion;
 
-pub use along::{Along, AlongField, FORCE, Measured, NUMBERS, STOP_ORDER, STOPS, Side, in_order};
+pub use along::{
+    Along, AlongField, FORCE, MOTOR, Measured, NUMBERS, STOP_ORDER, STOPS, Side, in_order,
+};
 pub use axis::Axis;
 pub use coordinate::{Coordinate, Measure};
 pub use field::{Field, Fields, Rule};
@@ -230,6 +232,20 @@ impl JointLaw {
     #[must_use]
     pub fn rows(&self) -> usize {
         6 - self.freedoms()
+    }
+
+    /// How the language calls the force or torque of a motor along a coordinate: `motor_torque`; `angle_motor_torque` among several.
+    #[must_use]
+    pub fn motor_word(&self, coordinate: &Coordinate) -> String {
+        let effort = if coordinate.is_angle() {
+            "motor_torque"
+        } else {
+            "motor_force"
+        };
+        match self.measured().count() {
+            1 => effort.to_owned(),
+            _ => format!("{}_{effort}", coordinate.name),
+        }
     }
 
     /// Its measurable coordinates, in order.

@@ -22,7 +22,10 @@ use super::forces::Assembly;
 use super::rows::{Columns, End, Ends, Row, Rows, Turn};
 use super::{GravityNumbers, body_gravity, point_gravity};
 use crate::elimination::Part;
-use crate::{AngularVelocity, At, Layout, Partition, Place, PointSlots, Quantity, Real, Scene};
+use crate::joints::Coordinate;
+use crate::{
+    AngularVelocity, At, Jet, Joint, Layout, Partition, Place, PointSlots, Quantity, Real, Scene,
+};
 
 /// Rows and system of one scene. Carries nothing from call to call.
 #[derive(Clone, Debug)]
@@ -44,6 +47,15 @@ impl<S: Real> Evaluation<'_, S> {
             numbers,
             components,
         ))
+    }
+
+    /// The coordinates of a joint that motors drive, and their courses.
+    fn motors<'e>(&'e self, joint: &'e Joint) -> impl Iterator<Item = (Coordinate, Jet<S>)> + 'e {
+        joint.motors().filter_map(|(index, course)| {
+            let coordinate = joint.law.coordinate(index)?;
+            let course = super::ground::course(course, self.scene, self.numbers, self.at.time);
+            Some((coordinate, course))
+        })
     }
 
     /// The two ends of a joint in the system: columns multiply the velocity of each body's [`Evaluation::reference`]. Body components.
@@ -152,12 +164,21 @@ pub fn branch<S: Real>(
         at,
         motions: &motions,
         ground: &ground,
+        multipliers: &[],
     };
     match (
         evaluation.ends(joint, AngularVelocity::Body),
         scene.joints.get(joint),
     ) {
-        (Some(ends), Some(joint)) => joint.law.branch(&ends),
+        (Some(ends), Some(joint)) => {
+            let [a, b, c] = joint.law.branch(&ends);
+            let driven = evaluation
+                .motors(joint)
+                .fold(c, |least, (coordinate, course)| {
+                    least.min(ends.prescribed_cosine(&coordinate, course.value))
+                });
+            [a, b, driven]
+        }
         _ => [S::from_f64(f64::NAN); 3],
     }
 }
@@ -213,6 +234,9 @@ impl<S: Real> Constraints<S> {
             S::section(&joint.name);
             if let Some(ends) = ends(index) {
                 joint.law.constrain(&ends, rows);
+                for (coordinate, course) in evaluation.motors(joint) {
+                    rows.motor(&ends, &coordinate, &course);
+                }
                 rows.prescribe(&ends);
                 if !slots.all_kept() {
                     rows.keep(slots.kept, &ends, &mut self.kept[index]);
@@ -491,9 +515,7 @@ impl<S: Real> Constraints<S> {
             let unknowns = self.system.unknowns(&layout.elimination, step);
             let rows = in_system(layout, index, &self.rows, &self.kept);
             for (row, &unknown) in rows.iter().zip(unknowns) {
-                if let Some(rate) = row.prescribed_rate(&ends) {
-                    power += unknown * rate;
-                }
+                power += unknown * row.prescribed_rate(&ends);
             }
         }
         power

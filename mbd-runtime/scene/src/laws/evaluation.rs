@@ -22,6 +22,8 @@ pub struct Evaluation<'a, S: Real> {
     pub motions: &'a [Motion<S>],
     /// Per frame of the world its motion, if it moves.
     pub ground: &'a [Option<FrameMotion<S>>],
+    /// The multipliers, where something asks for the effort of a motor; empty elsewhere.
+    pub multipliers: &'a [S],
 }
 
 /// A line in motion.
@@ -235,6 +237,16 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         S::section(&declared.name);
         let ends = self.ends(joint, AngularVelocity::Body)?;
         Some(ends.value(&coordinate))
+    }
+
+    fn motor_effort(&self, joint: usize, index: usize) -> Option<S> {
+        let (declared, slots) = (
+            self.scene.joints.get(joint)?,
+            self.layout.joints.get(joint)?,
+        );
+        let motor = declared.motors().position(|(driven, _)| driven == index)?;
+        let row = slots.row + declared.law.rows() + motor;
+        self.multipliers.get(row).copied()
     }
 
     fn coordinate_rate(&self, joint: usize, index: usize) -> Option<S> {

@@ -46,6 +46,10 @@ pub trait Context<S: Real> {
     fn coordinate_rate(&self, _joint: usize, _index: usize) -> Option<S> {
         None
     }
+    /// The force or torque of a motor along a coordinate of a joint [N or N m].
+    fn motor_effort(&self, _joint: usize, _index: usize) -> Option<S> {
+        None
+    }
     /// Tension [N], length [m], stretch [m] and stretch rate [m/s] of a line.
     fn line(&self, _line: usize) -> Option<[S; 4]> {
         None
@@ -116,6 +120,7 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
         Formula::Axis(place, axis) => context.axis(*place, *axis).map(Vector),
         Formula::AngularVelocityWorld(body) => context.omega_world(*body).map(Vector),
         Formula::AngularVelocityBody(body) => context.omega_body(*body).map(Vector),
+        Formula::MotorEffort(joint, index) => context.motor_effort(*joint, *index).map(Scalar),
         Formula::Tension(i) => line(*i, 0),
         Formula::Length(i) => line(*i, 1),
         Formula::Stretch(i) => line(*i, 2),

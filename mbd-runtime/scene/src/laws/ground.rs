@@ -8,10 +8,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::formula::{Context, triple};
+use super::formula::{Context, scalar, triple};
 use super::numbers::Numbers;
 use crate::jet::{self, Jet};
-use crate::{Frame, Real, Scene};
+use crate::{Formula, Frame, Real, Scene};
 
 /// A frame of the world in motion, world axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +49,17 @@ impl<S: Real> Context<Jet<S>> for Course<'_, S> {
     fn time(&self) -> Option<Jet<S>> {
         Some(Jet::time(self.time))
     }
+}
+
+/// A formula of time with its two derivatives.
+pub fn course<S: Real>(formula: &Formula, scene: &Scene, numbers: &Numbers<S>, time: S) -> Jet<S> {
+    let params = &numbers.params;
+    let course = Course {
+        scene,
+        params,
+        time,
+    };
+    scalar(formula, &course)
 }
 
 /// The frames of the world that move, at a time; `None` where one does not.

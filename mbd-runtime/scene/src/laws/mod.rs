@@ -13,6 +13,7 @@ mod formula;
 mod gravity;
 mod ground;
 pub mod line;
+mod motor;
 mod node;
 mod numbers;
 mod pair;
@@ -43,6 +44,7 @@ use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 pub struct Scratch<S: Real> {
     motions: Vec<Motion<S>>,
     ground: Vec<Option<FrameMotion<S>>>,
+    multipliers: Vec<S>,
     assembly: Assembly<S>,
     constraints: Constraints<S>,
 }
@@ -55,6 +57,7 @@ impl<S: Real> Scratch<S> {
         Scratch {
             motions: vec![Motion::unknown(); bodies],
             ground: Vec::new(),
+            multipliers: Vec::new(),
             assembly: Assembly::new(bodies, points),
             constraints: Constraints::new(layout),
         }
@@ -104,6 +107,25 @@ pub fn evaluate<S: Real>(
         at,
         motions: &scratch.motions,
         ground: &scratch.ground,
+        multipliers: &[],
+    };
+    let evaluation = if layout.asks_efforts(what) {
+        scratch.assembly.collect(&evaluation);
+        scratch
+            .constraints
+            .accelerate(&evaluation, &scratch.assembly);
+        scratch.multipliers.resize(layout.nc, S::zero());
+        scratch.constraints.write_forces(
+            Quantity::Multipliers,
+            &evaluation,
+            &mut scratch.multipliers,
+        );
+        Evaluation {
+            multipliers: &scratch.multipliers,
+            ..evaluation
+        }
+    } else {
+        evaluation
     };
     match what {
         Quantity::Ends => ends(&evaluation, out),

@@ -153,6 +153,7 @@ impl<'a> Posture<'a> {
             at: &at,
             motions: &self.motions,
             ground: &self.ground,
+            multipliers: &[],
         })
     }
 

@@ -34,8 +34,8 @@
 use nalgebra::Vector3;
 
 pub use super::ends::{End, Ends, Spin, Turn};
-use crate::joints::Axis;
-use crate::{Real, RowSet};
+use crate::joints::{Axis, Coordinate};
+use crate::{Jet, Real, RowSet};
 
 /// What one end contributes to a row: the coefficients of its velocity.
 #[derive(Clone, Copy, Debug)]
@@ -55,6 +55,8 @@ pub struct Row<S: Real> {
     pub parent: Columns<S>,
     /// Columns of the child.
     pub child: Columns<S>,
+    /// ∂Φ/∂t where the row itself depends on time: zero but for a motor.
+    pub time: S,
     /// The couple on the child about the origin of frame 2 for a unit multiplier, own components: zero for a row that only pushes.
     pub couple: Vector3<S>,
     /// γ.
@@ -115,6 +117,7 @@ impl<S: Real> Row<S> {
             value: factor * self.value,
             parent: self.parent.scaled(factor),
             child: self.child.scaled(factor),
+            time: factor * self.time,
             couple: self.couple.map(|x| factor * x),
             bias: factor * self.bias,
             kind: self.kind,
@@ -126,6 +129,7 @@ impl<S: Real> Row<S> {
             value: self.value + other.value,
             parent: self.parent.plus(&other.parent),
             child: self.child.plus(&other.child),
+            time: self.time + other.time,
             couple: self.couple + other.couple,
             bias: self.bias + other.bias,
             kind: RowKind::Other,
@@ -134,16 +138,14 @@ impl<S: Real> Row<S> {
 
     /// Φ_v v + Φ_t.
     pub fn rate(&self, ends: &Ends<'_, S>) -> S {
-        self.parent.rate(&ends.parent) + self.child.rate(&ends.child)
+        self.parent.rate(&ends.parent) + self.child.rate(&ends.child) + self.time
     }
 
-    /// Φ_t by (6); `None` where nothing is prescribed.
-    pub fn prescribed_rate(&self, ends: &Ends<'_, S>) -> Option<S> {
+    /// Φ_t: its own and that of prescribed ends by (6).
+    pub fn prescribed_rate(&self, ends: &Ends<'_, S>) -> S {
         let both = [(&self.parent, &ends.parent), (&self.child, &ends.child)];
         let prescribed = both.into_iter().filter(|(_, end)| end.prescribed.is_some());
-        prescribed
-            .map(|(columns, end)| columns.rate(end))
-            .reduce(|a, b| a + b)
+        prescribed.fold(self.time, |sum, (columns, end)| sum + columns.rate(end))
     }
 }
 
@@ -201,6 +203,11 @@ impl<S: Real> Rows<S> {
         }
     }
 
+    /// Holds a coordinate to a course of time: one row, see [`super::motor`].
+    pub fn motor(&mut self, ends: &Ends<'_, S>, coordinate: &Coordinate, course: &Jet<S>) {
+        self.rows.push(ends.prescribed(coordinate, course));
+    }
+
     /// Takes what is prescribed to the right-hand sides by (6). Once, after all rows.
     pub fn prescribe(&mut self, ends: &Ends<'_, S>) {
         for row in &mut self.rows {
@@ -230,6 +237,7 @@ impl<S: Real> Rows<S> {
                     linear: unit,
                     angular: child.lever().cross(&child.outward.row(k)),
                 },
+                time: S::zero(),
                 couple: Vector3::zeros(),
                 bias: bias[k],
                 kind: RowKind::Coincide,
@@ -280,6 +288,7 @@ impl<S: Real> Rows<S> {
                 linear: direction,
                 angular: child.lever().cross(&child.outward.back(&direction)),
             },
+            time: S::zero(),
             couple: Vector3::zeros(),
             bias: direction.dot(&(pull(parent) - pull(child))) - rate.dot(&rate) * shrink,
             kind: RowKind::Other,
@@ -348,6 +357,7 @@ pub(super) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> 
             angular: couple,
             ..Columns::zero()
         },
+        time: S::zero(),
         couple,
         bias: spin.square * cosine - along - normal.dot(&spin.cross),
         kind,
@@ -375,6 +385,7 @@ pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
             linear,
             angular: child.lever().cross(&a_child),
         },
+        time: S::zero(),
         couple: Vector3::zeros(),
         bias: a.dot(&(coriolis - carried)) - a_child.dot(&own),
         kind: RowKind::Other,

@@ -1,6 +1,6 @@
 //! Messages about joints: their kind, their ends, and their fields.
 
-use mbd_scene::joints::{Coordinate, Field, Measured};
+use mbd_scene::joints::{Coordinate, Field, MOTOR, Measured};
 use mbd_scene::{Dimension, JointLaw};
 
 use crate::lexeme::Region;
@@ -54,6 +54,25 @@ pub fn no_coordinates(at: Region, name: &str, keyword: &str) -> Report {
         at,
         format!(
             "`{name}` is a `{keyword}` joint, which has no coordinate to measure; ask its bodies, such as `BODY.omega_body`, or `angle(BODY.x, OTHER.x)`"
+        ),
+    )
+}
+
+pub fn no_motor(at: Region, name: &str, coordinate: &Coordinate) -> Report {
+    let along = coordinate.name;
+    Report::new(
+        at,
+        format!(
+            "joint `{name}` has no motor along `{along}`: give it `motor:`, its course as a function of `time`"
+        ),
+    )
+}
+
+pub fn motor_as_cause(at: Region, name: &str, word: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{name}.{word}` answers to everything that acts, so nothing that acts can depend on it; it can stand in an `output` or an `event`"
         ),
     )
 }
@@ -129,10 +148,15 @@ pub fn no_number(at: Region, keyword: &str, name: &str, field: &Field) -> Report
 }
 
 pub fn no_single_coordinate(at: Region, keyword: &str, field: &str) -> Report {
+    let instead = if field == MOTOR.name {
+        "take a joint that has one, such as `hinge` or `prismatic`, or let a frame of the `world` move"
+    } else {
+        "put a `load` or a `spring` between the two bodies"
+    };
     Report::new(
         at,
         format!(
-            "a `{keyword}` joint has no single coordinate for `{field}` to act along; put a `load` or a `spring` between the two bodies"
+            "a `{keyword}` joint has no single coordinate for `{field}` to act along; {instead}"
         ),
     )
 }

@@ -1,0 +1,55 @@
+//! A motor: a coordinate of a joint that time prescribes, one more row of the joint.
+//!
+//! ```text
+//! slide     Φ = a1·d − f(t)               Φ_t = −ḟ                    γ = γ(a1·d) + f̈                              [m]      (1)
+//! turn      Φ = S cos f − C sin f         Φ_t = −(S sin f + C cos f) ḟ                                             [1]      (2)
+//!           γ = cos f γ(S) − sin f γ(C) + 2 (Ṡ sin f + Ċ cos f) ḟ + (S sin f + C cos f) f̈ + (S cos f − C sin f) ḟ²          (3)
+//! thread    as (1), for θ = a1·d/h                                                                                 [rad]    (4)
+//! ```
+//!
+//! C and S are the cosine and the sine of the angle as in [`super::coordinate`], so that (2) is sin(θ − f): f may count turns, and nothing
+//! jumps. It also holds half a turn off: the start must satisfy cos(θ − f) > 0. The multiplier of the row is the force [N] or the torque
+//! [N m] of the motor along the coordinate. Singular, half a turn off apart, only where nothing is left to move.
+//! Rejected: θ − f with θ from atan2, which jumps once a turn. Source: derived.
+
+use super::rows::{Ends, Row, perpendicular};
+use crate::joints::{Coordinate, Measure};
+use crate::{Jet, Real};
+
+impl<S: Real> Ends<'_, S> {
+    /// The row that holds a coordinate to a course of time.
+    pub fn prescribed(&self, coordinate: &Coordinate, course: &Jet<S>) -> Row<S> {
+        let Measure::Turn { cosine, sine } = &coordinate.measure else {
+            let row = self.row(coordinate);
+            return Row {
+                value: row.value - course.value,
+                time: row.time - course.rate,
+                bias: row.bias + course.curve,
+                ..row
+            };
+        };
+        let across = perpendicular(self, &sine[0], &sine[1]);
+        let along = perpendicular(self, &cosine[0], &cosine[1]);
+        let (sin, cos) = course.value.sin_cos();
+        let row = across.scaled(cos).plus(&along.scaled(-sin));
+        let ahead = across.value * sin + along.value * cos;
+        let turning = across.rate(self) * sin + along.rate(self) * cos;
+        Row {
+            time: -(ahead * course.rate),
+            bias: row.bias
+                + (turning + turning) * course.rate
+                + ahead * course.curve
+                + row.value * (course.rate * course.rate),
+            ..row
+        }
+    }
+
+    /// cos(θ − f) of (2), positive on the branch that is meant; 1 for a coordinate without another.
+    pub fn prescribed_cosine(&self, coordinate: &Coordinate, course: S) -> S {
+        let Measure::Turn { cosine, sine } = &coordinate.measure else {
+            return S::one();
+        };
+        let (sin, cos) = course.sin_cos();
+        self.cosine(&sine[0], &sine[1]) * sin + self.cosine(&cosine[0], &cosine[1]) * cos
+    }
+}
