@@ -9,6 +9,7 @@ use mbd_scene::{
 use super::{Instance, Named, Resolver, Scope, Stage};
 use crate::lexeme::{Kind, Region};
 use crate::messages::{resolve as say, syntax as say_syntax};
+use crate::names::identifier;
 use crate::syntax::words::{self, Reserved};
 use crate::syntax::{Cursor, Item, Model, Name, Value, expression};
 
@@ -97,6 +98,9 @@ impl<'a> Resolver<'a> {
                 continue;
             }
             self.declared.insert(named, at);
+            if spec.word == "input" || (spec.word == "load" && item.given(":").is_some()) {
+                self.function(&label, at);
+            }
             self.placeholder(spec.word, item, label);
             let outer: Vec<(String, i64)> = value.clone().into_iter().collect();
             self.add_instance(spec.word, item, slot, value);
@@ -106,6 +110,17 @@ impl<'a> Resolver<'a> {
             if spec.word == "body" && !self.collect_frames(slot, item, &outer) {
                 return;
             }
+        }
+    }
+
+    /// Inputs and external loads become functions of Rust: `push[0]` and `push_0` would be the same one.
+    fn function(&mut self, label: &str, at: Region) {
+        let function = match label.contains('[') {
+            true => identifier(label),
+            false => label.to_string(),
+        };
+        if !self.functions.insert(function.clone()) {
+            self.messages.push(say::same_function(at, label, &function));
         }
     }
 

@@ -96,6 +96,8 @@ pub struct Resolver<'a> {
     pub broken: BTreeSet<String>,
     /// Names that are declared but not collected yet, while the numbers are made.
     pub later: BTreeSet<String>,
+    /// The functions of Rust that inputs and external loads become.
+    pub functions: BTreeSet<String>,
     /// Whether reading lost no item.
     pub whole: bool,
     /// Points whose model is declared.
@@ -149,6 +151,7 @@ impl<'a> Resolver<'a> {
             bad: BTreeSet::new(),
             broken: BTreeSet::new(),
             later: BTreeSet::new(),
+            functions: BTreeSet::new(),
             whole: true,
             chosen: BTreeSet::new(),
             si: false,

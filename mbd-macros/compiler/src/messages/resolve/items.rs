@@ -31,6 +31,15 @@ pub fn rust_as_name(at: Region, word: &str) -> Report {
     )
 }
 
+pub fn same_function(at: Region, label: &str, function: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{label}` becomes the function `{function}` of Rust, and another input or load does, too; choose another name"
+        ),
+    )
+}
+
 pub fn empty_repetition(at: Region) -> Report {
     Report::new(
         at,
