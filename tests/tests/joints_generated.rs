@@ -1,6 +1,6 @@
 //! Joints in generated code: chains and loops declared in the language agree in every execution, in both components of angular velocity.
 
-use mbd_runtime::{Options, Simulation, model};
+use mbd_runtime::model;
 use mbd_scene::{AngularVelocity, Model, Quantity};
 use tests::agreement::{agrees, agrees_along, agrees_at};
 use tests::assert_close;

@@ -55,7 +55,7 @@ fn evaluate<S: Real>(scene: &Scene, what: Quantity, time: S, state: &[S]) -> Vec
         inputs: &[],
         rows: &[],
     };
-    let mut scratch = Scratch::new(scene);
+    let mut scratch = Scratch::new(&layout);
     laws::evaluate(what, scene, &layout, &numbers, &at, &mut scratch, &mut out);
     out
 }
