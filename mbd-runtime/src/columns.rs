@@ -78,6 +78,17 @@ pub(crate) fn line_name(scene: &Scene, line: usize) -> &str {
         .map_or("line", |line| line.name.as_str())
 }
 
+/// The name of a stop: `elbow.angle high stop`.
+pub(crate) fn stop_name(scene: &Scene, layout: &Layout, stop: usize) -> String {
+    let slots = layout.stops.get(stop);
+    let named = slots.and_then(|slots| {
+        let (joint, coordinate) = scene.coordinate(slots.joint, slots.coordinate)?;
+        let side = slots.side.word();
+        Some(format!("{}.{} {side} stop", joint.name, coordinate.name))
+    });
+    named.unwrap_or_else(|| format!("stop {stop}"))
+}
+
 /// The name of a joint.
 pub(crate) fn joint_name(scene: &Scene, joint: usize) -> &str {
     scene

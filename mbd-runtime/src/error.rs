@@ -109,7 +109,7 @@ pub enum StepError {
     },
     /// A line switches between slack and taut without end.
     EventChatter {
-        /// The line.
+        /// The line or the stop.
         line: String,
         /// Switches counted in the window.
         count: usize,
@@ -215,7 +215,7 @@ impl StepError {
             } => "loosen the tolerance, or look for a jump in a load and declare it as an event".into(),
             StepError::StepCollapse { .. } => "look for a load without a limit near this time".into(),
             StepError::EventChatter { .. } => {
-                "the line is too stiff for the mass it bounces on: declare it rigid, or make the point massless".into()
+                "the line or stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless".into()
             }
             StepError::UnstableStep { suggestion, .. } => {
                 format!("take a fixed step of at most {suggestion:.3e} s, or an adaptive method")
@@ -282,7 +282,7 @@ impl fmt::Display for StepError {
                 window,
             } => write!(
                 f,
-                "line `{line}` switched between slack and taut {count} times in {window:.3e} s"
+                "`{line}` switched between slack and taut {count} times in {window:.3e} s"
             ),
             StepError::UnstableStep { step_size, rho, .. } => {
                 write!(

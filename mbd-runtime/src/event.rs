@@ -6,6 +6,7 @@
 //! ```text
 //! line without a node        active: min(s, e)         otherwise: −min(s, e)
 //! line of a `rate` node      active: min(s, e)         slack: −s                   idle (taut without force): min(s, −e)
+//! stop of a joint            as a line without a node: s its depth, in its own unit [m or rad]
 //! declared event             its guard times the sign it has now
 //! ```
 //!
@@ -21,6 +22,9 @@ use crate::node::Mode;
 pub enum Happening {
     /// A line goes taut, slack, or idle (taut without force).
     Line(usize, Mode),
+    /// A stop of a joint, by its number in `Layout::stops`, is touched (`Active`) or left: it pushes no more (`Slack`, or `Idle` where
+    /// its damping ends the push before the depth is zero).
+    Stop(usize, Mode),
     /// A declared event, by index.
     Declared(usize),
 }
@@ -37,7 +41,7 @@ pub struct Occurrence {
 /// What is looked at inside a step.
 #[derive(Clone, Copy, Debug)]
 enum Watched {
-    /// A damped line, 1/K [m/N], and whether it ends at a `rate` node.
+    /// A line or, behind the lines, a stop; 1/K [m/N, for an angle 1/(N m)], and whether it ends at a `rate` node.
     Line {
         line: usize,
         softness: f64,
@@ -95,17 +99,31 @@ impl Margins {
                 });
             }
         }
+        let stops = (0..layout.stops.len()).map(|stop| layout.lines.len() + stop);
+        for (line, numbers) in stops.zip(model.lines().iter().skip(layout.lines.len())) {
+            if locate {
+                watched.push(Watched::Line {
+                    line,
+                    softness: 1.0 / numbers.stiffness.to_f64(),
+                    rate: false,
+                });
+            }
+        }
         let events = scene.events.iter().enumerate();
         watched.extend(
             events
                 .filter(|_| locate)
                 .map(|(event, declared)| Watched::Declared {
                     event,
-                    at: 2 * scene.lines.len() + event,
+                    at: 2 * layout.one_way() + event,
                     direction: declared.direction,
                 }),
         );
         let count = watched.len();
+        let turning = layout.stops.iter().any(|stop| {
+            let found = scene.coordinate(stop.joint, stop.coordinate);
+            found.is_some_and(|(_, coordinate)| coordinate.is_angle())
+        });
         Margins {
             watched,
             sides: vec![false; scene.events.len()],
@@ -116,8 +134,8 @@ impl Margins {
                 .iter()
                 .map(|n| (n.damping / n.stiffness).to_f64())
                 .fold(0.0, f64::max),
-            places: blocks(layout, Kind::Place),
-            speeds: blocks(layout, Kind::Speed),
+            places: blocks(layout, Kind::Place, turning),
+            speeds: blocks(layout, Kind::Speed, turning),
             start: vec![0.0; count],
             before: vec![0.0; count],
             now: vec![0.0; count],
@@ -259,8 +277,9 @@ enum Kind {
     Speed,
 }
 
-/// Indices of the places (bodies, points, nodes) or of the linear velocities in the state.
-fn blocks(layout: &Layout, kind: Kind) -> Vec<usize> {
+/// Indices of the places (bodies, points, nodes) or of the linear velocities in the state; with `turning` also of attitudes or angular
+/// velocities.
+fn blocks(layout: &Layout, kind: Kind, turning: bool) -> Vec<usize> {
     let masses = layout.points.iter().filter_map(|slots| match slots {
         PointSlots::Mass(slots) => Some(*slots),
         PointSlots::Node(_) => None,
@@ -271,6 +290,12 @@ fn blocks(layout: &Layout, kind: Kind) -> Vec<usize> {
         Kind::Speed => layout.nq + slots.v,
     });
     let mut all: Vec<usize> = first.flat_map(|at| at..at + 3).collect();
+    for slots in layout.bodies.iter().filter(|_| turning) {
+        match kind {
+            Kind::Place => all.extend(slots.q + 3..slots.q + 7),
+            Kind::Speed => all.extend(layout.nq + slots.v + 3..layout.nq + slots.v + 6),
+        }
+    }
     if kind == Kind::Place {
         all.extend(layout.nq + layout.nv..layout.nx());
     }
@@ -284,6 +309,14 @@ fn side_margin(guard: f64, positive: bool) -> f64 {
         // Zero is already the other side: just passed.
         true => guard.min(-f64::MIN_POSITIVE),
         false => -guard,
+    }
+}
+
+/// A mode of a stop in one word.
+pub(crate) fn stop_word(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Free | Mode::Active => "touched",
+        Mode::Slack | Mode::Idle => "left",
     }
 }
 

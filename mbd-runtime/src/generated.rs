@@ -55,11 +55,11 @@ pub struct Energy<T> {
     pub kinetic: T,
     /// Energy of gravity [J]; zero at the world origin, or at infinity for a point mass.
     pub gravitational: T,
-    /// Σ ½ K s₊² [J].
+    /// Σ ½ K s₊² of lines, of springs and stops of joints [J].
     pub elastic: T,
     /// Power of the loads on bodies and points [W].
     pub load_power: T,
-    /// Power of the dampers [W], ≤ 0.
+    /// Power of dampers and friction [W], ≤ 0.
     pub damper_power: T,
     /// Power that prescribed motions put in [W].
     pub drive_power: T,

@@ -359,7 +359,11 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         }
         self.system.switch(self.time, &self.state, switches)?;
         for &(line, mode) in switches {
-            self.note(Happening::Line(line, mode));
+            let lines = self.system.model.layout().lines.len();
+            self.note(match line.checked_sub(lines) {
+                Some(stop) => Happening::Stop(stop, mode),
+                None => Happening::Line(line, mode),
+            });
             let counters = &mut self.system.counters;
             counters.switches = counters.switches.saturating_add(1);
             if self.chatter.sees(self.time) {

@@ -5,6 +5,7 @@
 
 use mbd_scene::{Float, Model, Quantity};
 
+use crate::columns::stop_name;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Scales, TSIT5};
@@ -145,7 +146,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
             guards: layout.len(Quantity::Guards),
             inside: vec![T::zero(); length],
             chosen: vec![false; margins.now.len()],
-            switches: Vec::with_capacity(layout.lines.len()),
+            switches: Vec::with_capacity(layout.one_way()),
             crossed: Vec::with_capacity(layout.events),
             margins,
             noisy: fixed && options.guard_tolerance.is_none(),
@@ -223,6 +224,10 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
                 .events
                 .get(event)
                 .map_or_else(String::new, |event| event.name.clone()),
+            Happening::Stop(stop, mode) => {
+                let name = stop_name(scene, self.system.model.layout(), stop);
+                format!("{name}: {}", crate::event::stop_word(mode))
+            }
             Happening::Line(line, mode) => {
                 format!("{}: {}", self.system.line(line), crate::event::word(mode))
             }

@@ -2,7 +2,7 @@
 
 use mbd_scene::{Float, Model, Quantity};
 
-use crate::columns::{input_name, line_name, node_name, state_names};
+use crate::columns::{input_name, line_name, node_name, state_names, stop_name};
 use crate::error::{Source, Statistics, StepError};
 use crate::integrate::Rates;
 use crate::ladder::{Ladder, Rung as RowsRung};
@@ -328,9 +328,13 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         }
     }
 
-    /// The name of a line.
+    /// The name of a line or, behind the lines, of a stop.
     pub(crate) fn line(&self, line: usize) -> String {
-        line_name(self.model.scene(), line).to_owned()
+        let (scene, layout) = (self.model.scene(), self.model.layout());
+        match line.checked_sub(layout.lines.len()) {
+            Some(stop) => stop_name(scene, layout, stop),
+            None => line_name(scene, line).to_owned(),
+        }
     }
 }
 

@@ -159,7 +159,7 @@ impl Place {
                 .enumerate()
                 .map(stiffness)
                 .collect(),
-            hold: list(layout.lines.len())
+            hold: list(layout.one_way())
                 .into_iter()
                 .map(|x| (1.4 * x).round())
                 .collect(),

@@ -2,12 +2,13 @@
 //!
 //! The stages of RK4 show step times largest rate, hρ = 2 |k₃ − k₂| / |k₂ − k₁|. Five of the last fifty steps above 2.5 stop the run: the method is
 //! stable up to about 2.8. The norm is that of the energy, |k|² = v̇ᵀ diag(M) v̇ + ω² q̇ᵀ diag(M) q̇, ω² = the largest ΣK/m of a body or point over its
-//! lines: in it the exchange of kinetic and elastic energy is a rotation, and the ratio is bounded by the rates of the scene. Rejected: the plain sum
-//! of squares (a step whose stages differ mostly in velocity shows h K/m instead of h √(K/m)), and ω² without M (a turning body with a long lever shows
-//! the lever). Stages that agree to 1e-3 of k₁ say nothing: on a smooth motion k₂ − k₁ can vanish in the slow directions and leave any ratio, while an
+//! lines and joint coordinates (K/I for angles): in it the exchange of kinetic and elastic energy is a rotation, and the ratio is bounded by the
+//! rates of the scene. Rejected: the plain sum of squares (a step whose stages differ mostly in velocity shows h K/m instead of h √(K/m)), and ω²
+//! without M (a turning body with a long lever shows the lever). Stages that agree to 1e-3 of k₁ say nothing: on a smooth motion k₂ − k₁ can vanish in the slow directions and leave any ratio, while an
 //! unstable run soon has differences as large as the rates themselves.
 
-use mbd_scene::{Float, Layout, Model, Place, PointSlots, Slots};
+use mbd_scene::laws::Numbers;
+use mbd_scene::{Float, Layout, Model, Place, PointSlots, Slots, StopSlots};
 use serde::{Deserialize, Serialize};
 
 /// What hρ may not exceed often.
@@ -46,6 +47,7 @@ pub(crate) fn weights<T: Float, M: Model<T>>(model: &M, mass_matrix: &[T]) -> Ve
             .get(v * (layout.nv + 1))
             .map_or(0.0, |m| m.to_f64())
     };
+    let coordinates = coordinates(model);
     let mut frequency: f64 = 1.0;
     let mut lightest = f64::INFINITY;
     for (owner, slots) in owners(layout) {
@@ -54,12 +56,21 @@ pub(crate) fn weights<T: Float, M: Model<T>>(model: &M, mass_matrix: &[T]) -> Ve
         let stiffness: f64 = attached
             .map(|(_, numbers)| numbers.stiffness.to_f64())
             .sum();
-        let rate = stiffness / mass(slots.v);
-        frequency = if rate.is_finite() {
-            frequency.max(rate)
-        } else {
-            frequency
-        };
+        // A turn by the angle a moves the quaternion by a/2: its inertia is the mean of the three moments.
+        let inertia = (3..6).map(|axis| mass(slots.v + axis)).sum::<f64>() / 3.0;
+        let [pushing, turning] = coordinates.iter().fold([0.0; 2], |sum, acting| {
+            match (
+                acting.ends.iter().any(|end| owner.holds(*end)),
+                acting.angle,
+            ) {
+                (false, _) => sum,
+                (true, false) => [sum[0] + acting.stiffness, sum[1]],
+                (true, true) => [sum[0], sum[1] + acting.stiffness],
+            }
+        });
+        let rates = [(stiffness + pushing) / mass(slots.v), turning / inertia];
+        let fastest = rates.into_iter().filter(|rate| rate.is_finite());
+        frequency = fastest.fold(frequency, f64::max);
         lightest = lightest.min(mass(slots.v));
     }
     let mut weights = vec![T::zero(); layout.nx()];
@@ -80,6 +91,44 @@ pub(crate) fn weights<T: Float, M: Model<T>>(model: &M, mass_matrix: &[T]) -> Ve
     let massless = if lightest.is_finite() { lightest } else { 1.0 };
     (0..layout.nz).for_each(|z| set(layout.nq + layout.nv + z, frequency * massless));
     weights
+}
+
+/// A joint coordinate with a spring or stops.
+struct Coordinate {
+    ends: [Place; 2],
+    angle: bool,
+    /// Of the spring and of one stop: only one is touched at a time [N/m or N m].
+    stiffness: f64,
+}
+
+fn coordinates<T: Float, M: Model<T>>(model: &M) -> Vec<Coordinate> {
+    let (scene, lines) = (model.scene(), model.layout().lines.len());
+    let numbers = Numbers::new(scene, model.params());
+    let mut found = Vec::new();
+    for (index, (joint, entries)) in scene.joints.iter().zip(&numbers.along).enumerate() {
+        for (along, numbers) in joint.along.iter().zip(entries) {
+            let Some((_, coordinate)) = scene.coordinate(index, along.coordinate) else {
+                continue;
+            };
+            let stops = model
+                .layout()
+                .stops
+                .iter()
+                .zip(model.lines().iter().skip(lines));
+            let own =
+                |slots: &StopSlots| slots.joint == index && slots.coordinate == along.coordinate;
+            let stop = stops
+                .filter(|(slots, _)| own(slots))
+                .map(|(_, numbers)| numbers.stiffness.to_f64())
+                .fold(0.0, f64::max);
+            found.push(Coordinate {
+                ends: [joint.parent, joint.child],
+                angle: coordinate.is_angle(),
+                stiffness: numbers.stiffness.map_or(0.0, |k| k.to_f64()) + stop,
+            });
+        }
+    }
+    found
 }
 
 /// Bodies and points with mass.

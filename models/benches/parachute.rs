@@ -54,7 +54,7 @@ fn execution<M: Model<f64>>(
     setting: &Setting,
 ) {
     let layout = model.layout();
-    let (effective, hold) = (numbers(model), vec![0.0; layout.lines.len()]);
+    let (effective, hold) = (numbers(model), vec![0.0; layout.one_way()]);
     let at = At {
         time: 6.0,
         state: &setting.state,

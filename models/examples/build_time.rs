@@ -105,7 +105,9 @@ impl Crate {
 }
 
 fn main() -> Outcome<()> {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize()?;
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("..")
+        .canonicalize()?;
     let place = Crate::new(&workspace)?;
     let empty = "//! Nothing.\nuse mbd_runtime as _;\n";
     let (check, release) = (["check"], ["build", "--release"]);
@@ -114,8 +116,13 @@ fn main() -> Outcome<()> {
         place.build(empty, arguments)?;
         *floor = place.build(&format!("{empty}// Again.\n"), arguments)?;
     }
-    println!("empty crate: check {:.2} s, release {:.2} s", floor[0], floor[1]);
-    println!("\n| model | expansion | tokens | `cargo check` beyond empty | release beyond empty |");
+    println!(
+        "empty crate: check {:.2} s, release {:.2} s",
+        floor[0], floor[1]
+    );
+    println!(
+        "\n| model | expansion | tokens | `cargo check` beyond empty | release beyond empty |"
+    );
     println!("|---|---|---|---|---|");
     let mut lines: Vec<[f64; 4]> = Vec::new();
     let chains = [2, 4, 8, 16, 32, 64].map(|n| (format!("chain of {n} hinges"), hinges(n)));
@@ -129,7 +136,8 @@ fn main() -> Outcome<()> {
         lines.push([time, tokens as f64, checked, released]);
     }
     // From n = 8 to n = 64.
-    let exponents = [0, 1, 2, 3].map(|column| (lines[5][column] / lines[2][column]).ln() / 8f64.ln());
+    let exponents =
+        [0, 1, 2, 3].map(|column| (lines[5][column] / lines[2][column]).ln() / 8f64.ln());
     println!(
         "\nexponents in n, hinges 8 to 64: expansion {:.2}, tokens {:.2}, check {:.2}, release {:.2}",
         exponents[0], exponents[1], exponents[2], exponents[3]

@@ -87,6 +87,7 @@ pub fn things(scene: &Scene) -> Vec<Table> {
         bodies(scene, &numbers),
         points(scene, &numbers),
         joints(scene),
+        along(scene, &numbers),
         lines(scene, &numbers),
         params(scene),
     ];
@@ -175,6 +176,46 @@ fn joints(scene: &Scene) -> Table {
         };
         let cells = counts.map(Cell::from).into_iter().chain([reaction.into()]);
         table.push(words.map(Cell::from).into_iter().chain(cells));
+    }
+    table
+}
+
+/// What acts along joint coordinates.
+fn along(scene: &Scene, numbers: &Numbers<f64>) -> Table {
+    let mut table = Table::new("Along joint coordinates")
+        .column("coordinate", "")
+        .column("unit", "")
+        .column("stiffness", "")
+        .column("damping", "")
+        .column("friction", "")
+        .column("low stop", "")
+        .column("high stop", "")
+        .column("force", "");
+    for (joint, numbers) in scene.joints.iter().zip(&numbers.along) {
+        for (along, numbers) in joint.along.iter().zip(numbers) {
+            let Some(coordinate) = joint.law.coordinate(along.coordinate) else {
+                continue;
+            };
+            let number = |x: Option<f64>| x.map_or_else(|| Cell::from("–"), Cell::from);
+            let name = format!("{}.{}", joint.name, coordinate.name);
+            let unit = if coordinate.is_angle() {
+                "rad, N m"
+            } else {
+                "m, N"
+            };
+            let [low, high] = numbers.stops;
+            let force = if along.force.is_some() { "yes" } else { "–" };
+            table.push([
+                Cell::from(name),
+                Cell::from(unit),
+                number(numbers.stiffness),
+                number(numbers.damping),
+                number(numbers.friction.map(|[level, _]| level)),
+                number(low),
+                number(high),
+                Cell::from(force),
+            ]);
+        }
     }
     table
 }
@@ -409,7 +450,7 @@ mod tests {
         let text = format!(
             "model S {{ gravity: none; {} {}
              joint hip: hinge from world to a.com {{ axis: y }}
-             joint knee: universal from a.tip to b.com; }}",
+             joint knee: universal from a.tip to b.com {{ angle2: {{ damping: 0.25 N*m*s }} }} }}",
             link("a"),
             link("b")
         );
@@ -422,6 +463,7 @@ mod tests {
         let tables: Vec<String> = things(&scene).iter().map(Table::text).collect();
         let text = tables.join("\n");
         assert!(text.contains("knee") && text.contains("universal") && text.contains("a.tip"));
+        assert!(text.contains("knee.angle2") && text.contains("0.25"));
     }
 
     #[test]

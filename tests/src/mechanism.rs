@@ -99,6 +99,8 @@ pub fn add_joint(scene: &mut Scene, law: JointLaw, parent: Place, child: Place) 
         law,
         parent,
         child,
+        along: Vec::new(),
+        cut: false,
     });
 }
 

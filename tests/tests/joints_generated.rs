@@ -212,6 +212,57 @@ holding!(HoldingWorld world);
 ring!(LoopBody body);
 ring!(LoopWorld world);
 
+/// A door with a closer and a stop, a bolt with friction that slides and turns in it, a nut on a thread of the bolt.
+macro_rules! door {
+    ($name:ident $components:ident) => {
+        model! {
+            /// What acts along joint coordinates, all of it.
+            pub model $name<T> {
+            gravity: [0.0, 0.5, -9.81] m/s^2;
+            angular_velocity: $components;
+            param closing = 2.0 N*m/rad in 0.0 N*m ..= 10 N*m;
+            param wide = 110 deg in 60 deg ..= 170 deg;
+            const NONE = 0.0 N*m*s;
+            body door {
+                mass: 20 kg,
+                inertia: diag(2.0, 1.0, 1.2) kg*m^2,
+                frame edge at [-0.4, 0.0, 0.0] m rotated rpy(0.0, 5 deg, 0.0),
+                frame lock at [0.4, 0.0, 0.1] m rotated rpy(0.0, 90 deg, 0.0),
+            }
+            body bolt { mass: 0.3 kg, inertia: diag(1e-3, 2e-3, 1e-3) kg*m^2 }
+            body nut { mass: 0.1 kg, inertia: diag(1e-3, 1e-3, 2e-3) kg*m^2 }
+            body spider { mass: 0.1 kg, inertia: diag(1e-3, 1e-3, 2e-3) kg*m^2 }
+            joint hinges: hinge from world to door.edge {
+                axis: z, stiffness: closing, rest: -10 deg, damping: 0.5 N*m*s,
+                stops: [-5 deg, wide], stop_stiffness: 2 kN*m, stop_damping: 5 N*m*s,
+                force: 0.3 N*m * cos(time / 1 s) - 0.1 N*m * bolting.slide / 1 m,
+            }
+            joint bolting: cylindrical from door.lock to bolt.com {
+                slide: { friction: 0.2 N, friction_rate: 1 cm/s, stops: [none, 4 cm], stop_stiffness: 1 kN/m },
+                angle: { damping: NONE, stiffness: 0.01 N*m/rad },
+            }
+            joint thread: screw from bolt.com to nut.com { pitch: 2 cm, damping: 1e-3 N*m*s, stops: [-20 rad, none], stop_stiffness: 1 N*m }
+            joint gimbal: universal from bolt.com to spider.com { damping: 0.01 N*m*s, angle1: { stiffness: 0.2 N*m } }
+            output opening = hinges.angle in deg;
+            }
+        }
+    };
+}
+
+door!(DoorBody body);
+door!(DoorWorld world);
+
+#[test]
+fn what_acts_along_coordinates_agrees_in_every_execution() {
+    fn check<M: Model<f64>>(model: &M) {
+        agrees_at(model, &on_the_joints(model));
+        let start = obeying(model.scene(), &mut Random::new(8));
+        agrees_along(model, &start, (100, 2e-3), 1e-10);
+    }
+    check(&DoorBody::<f64>::new(Default::default()).expect("defaults"));
+    check(&DoorWorld::<f64>::new(Default::default()).expect("defaults"));
+}
+
 #[test]
 fn a_chain_of_two_hinges_agrees_in_every_execution() {
     agrees(&ChainBody::<f64>::new(Default::default()).expect("defaults"));
@@ -287,6 +338,8 @@ fn runs_in_single_precision_have_the_bits_of_the_interpreter() {
         agrees_along(model, start, (50, 2e-3), 1e-4);
     }
     let start = |scene| obeying(scene, &mut Random::new(8));
+    let door = DoorBody::<f32>::new(Default::default()).expect("defaults");
+    run(&door, &start(door.scene()));
     let chain = ChainBody::<f32>::new(Default::default()).expect("defaults");
     run(&chain, &start(chain.scene()));
     let hub = HubWorld::<f32>::new(Default::default()).expect("defaults");

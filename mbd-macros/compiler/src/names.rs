@@ -48,7 +48,10 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
             let letter = if index % 2 == 0 { "k" } else { "l" };
             format!("{}_{letter}", line_name(scene, line.unwrap_or_default()))
         }
-        Slot::Hold(index) => format!("{}_hold", line_name(scene, index)),
+        Slot::Hold(index) => match index.checked_sub(layout.lines.len()) {
+            Some(stop) => format!("{}_hold", stop_name(scene, layout, stop)),
+            None => format!("{}_hold", line_name(scene, index)),
+        },
         Slot::Ends(index) => end(scene, layout, index),
         Slot::Input(index) => input(scene, layout, index),
         Slot::Row(index) => row(scene, layout, index),
@@ -117,6 +120,17 @@ fn body(scene: &Scene, index: usize) -> String {
 fn line_name(scene: &Scene, index: usize) -> String {
     let found = scene.lines.get(index);
     found.map_or_else(|| format!("line_{index}"), |l| identifier(&l.name))
+}
+
+/// The name of a stop: joint, coordinate, side.
+fn stop_name(scene: &Scene, layout: &Layout, index: usize) -> String {
+    let slots = layout.stops.get(index);
+    let named = slots.and_then(|slots| {
+        let (joint, coordinate) = scene.coordinate(slots.joint, slots.coordinate)?;
+        let (joint, side) = (identifier(&joint.name), slots.side.word());
+        Some(format!("{joint}_{}_{side}", coordinate.name))
+    });
+    named.unwrap_or_else(|| format!("stop_{index}"))
 }
 
 /// The name of a number of the state.

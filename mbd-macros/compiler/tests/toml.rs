@@ -280,3 +280,82 @@ fn no_toml_makes_the_reader_panic() {
         assert!(reading.scene.is_some() != reading.errors.iter().any(|e| !e.places.is_empty()));
     }
 }
+
+const DOOR: &str = r#"
+model = "Door"
+gravity = "[0.0, 0.0, -9.81] m/s^2"
+
+[param.closing]
+value = "2.0 N*m/rad"
+
+[body.door]
+mass = "20 kg"
+inertia = "diag(2.0, 1.0, 1.0) kg*m^2"
+
+[body.bolt]
+mass = "0.1 kg"
+inertia = "diag(1e-4, 1e-4, 1e-4) kg*m^2"
+
+[joint.hinges]
+kind = "hinge"
+from = "world"
+to = "door.com"
+axis = "z"
+stiffness = "closing"
+stops = "[-5 deg, 110 deg]"
+stop_stiffness = "1 kN*m/rad"
+
+[joint.bolting]
+kind = "cylindrical"
+from = "door.com"
+to = "bolt.com"
+slide = { friction = "0.2 N", friction_rate = "1 mm/s" }
+angle.damping = "0.1 N*m*s"
+
+[joint.lock]
+kind = "spherical"
+from = "bolt.com"
+to = "world"
+loop = true
+
+[output.opening]
+value = "hinges.angle"
+in = "deg"
+"#;
+
+#[test]
+fn joint_coordinates_have_tables_of_their_own() {
+    let read = read_toml(DOOR);
+    let scene = read
+        .scene
+        .clone()
+        .unwrap_or_else(|| panic!("{}", told(&read).join("\n")));
+    let [hinges, bolting, lock] = &scene.joints[..] else {
+        panic!("three joints");
+    };
+    assert!(lock.cut && !hinges.cut);
+    assert_eq!((hinges.along.len(), bolting.along.len()), (1, 2));
+    assert_eq!(bolting.along[1].damping, Some(0.1.into()));
+    let text = r#"model Door {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param closing = 2.0 N*m/rad;
+        body door { mass: 20 kg, inertia: diag(2.0, 1.0, 1.0) kg*m^2 }
+        body bolt { mass: 0.1 kg, inertia: diag(1e-4, 1e-4, 1e-4) kg*m^2 }
+        joint hinges: hinge from world to door.com { axis: z, stiffness: closing, stops: [-5, 110] deg, stop_stiffness: 1 kN*m/rad }
+        joint bolting: cylindrical from door.com to bolt.com {
+            slide: { friction: 0.2 N, friction_rate: 1 mm/s },
+            angle: { damping: 0.1 N*m*s },
+        }
+        loop joint lock: spherical from bolt.com to world;
+        output opening = hinges.angle in deg;
+    }"#;
+    assert_eq!(read_text(text).scene, Some(scene));
+    let wrong = DOOR
+        .replace("angle.damping", "angle.dampin")
+        .replace("loop = true", "loop = 1");
+    let messages = told(&read_toml(&wrong));
+    assert!(
+        messages[0].contains("unknown field `dampin`; did you mean `damping`?"),
+        "{messages:?}"
+    );
+}

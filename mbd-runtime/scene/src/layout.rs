@@ -3,6 +3,7 @@
 use crate::Gravity;
 use crate::elimination::{Elimination, Part};
 use crate::formula::Place;
+use crate::joints::Side;
 use crate::partition::Partition;
 use crate::quantity::{Differentiated, Quantity, Variable};
 use crate::redundancy::{Redundancy, RowSet};
@@ -47,6 +48,8 @@ pub struct Layout {
     pub events: usize,
     /// Each joint's place among the rows.
     pub joints: Vec<JointSlots>,
+    /// The stops of the joints, which follow the lines in [`At::hold`](crate::At::hold) and in the guards.
+    pub stops: Vec<StopSlots>,
     /// Number of rows n_c of all joints.
     pub nc: usize,
     /// Which rows repeat others: those are left out of the system.
@@ -76,6 +79,17 @@ impl JointSlots {
     pub fn all_kept(&self) -> bool {
         self.kept.len() == self.len
     }
+}
+
+/// A stop of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StopSlots {
+    /// Its joint.
+    pub joint: usize,
+    /// The coordinate it ends.
+    pub coordinate: usize,
+    /// Which end.
+    pub side: Side,
 }
 
 /// Offsets into q and into v.
@@ -232,6 +246,12 @@ impl Layout {
         layout.place_networks();
         layout.place_inputs(scene);
         layout.place_rows(scene);
+        let stops = scene.stops().map(|(joint, along, side)| StopSlots {
+            joint,
+            coordinate: along.coordinate,
+            side,
+        });
+        layout.stops = stops.collect();
         layout.columns = scene.outputs.iter().map(|output| output.components).sum();
         layout
     }
@@ -254,6 +274,12 @@ impl Layout {
         self.nq + self.nv + self.nz
     }
 
+    /// Number of laws that act one way: lines, then stops.
+    #[must_use]
+    pub fn one_way(&self) -> usize {
+        self.lines.len() + self.stops.len()
+    }
+
     /// Length of a quantity.
     #[must_use]
     pub fn len(&self, what: Quantity) -> usize {
@@ -264,7 +290,7 @@ impl Layout {
                 .map_or(0, |n| 3 * n.nodes.len() + 6 * n.blocks.len() + 3),
             Quantity::Derivative => self.nx(),
             Quantity::Balance => 3 * self.nodes.len(),
-            Quantity::Guards => 2 * self.lines.len() + self.events,
+            Quantity::Guards => 2 * self.one_way() + self.events,
             Quantity::Outputs => self.columns,
             Quantity::Energy => 6,
             Quantity::Momentum => 6,

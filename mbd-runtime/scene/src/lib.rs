@@ -30,12 +30,12 @@ pub use elimination::{Below, Elimination, Part, Step};
 pub use formula::{Formula, Function, Place};
 pub use jet::Jet;
 pub use joints::{
-    Axis, ConstantAngle, Cylindrical, Distance, Free, Hinge, JointLaw, Planar, PointOnLine,
-    PointOnPlane, Prismatic, Rigid, Screw, Spherical, Universal,
+    Along, Axis, ConstantAngle, Cylindrical, Distance, Free, Hinge, JointLaw, Planar, PointOnLine,
+    PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical, Universal,
 };
 pub use layout::{
     Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
-    PointSlots, Slots,
+    PointSlots, Slots, StopSlots,
 };
 pub use model::Model;
 pub use params::{ParamError, check_params};

@@ -17,7 +17,7 @@ pub trait Model<T: Float> {
     fn layout(&self) -> &Layout;
     /// The live parameters, in declaration order [SI].
     fn params(&self) -> &[T];
-    /// Stiffness, damping and free length of every line, for these parameters.
+    /// Stiffness, damping and free length of every line, then of every stop (no free length), for these parameters.
     fn lines(&self) -> &[LineNumbers<T>];
     /// Writes a quantity into `out`, whose length is [`Layout::len`]. Lists (`Derivative`, `Ends`, …) are written whole; of matrices
     /// (`MassMatrix`, `NodeByAnchor`, `CondensedStiffness`, `Partial`) only the structural non-zeros, so `out` starts at zero there.

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
-use crate::laws::Numbers;
-use crate::{Float, PointKind, Scene};
+use crate::joints::{AlongField, NUMBERS, STOP_ORDER, STOPS, in_order};
+use crate::laws::{Numbers, constant};
+use crate::{Float, Formula, PointKind, Scene};
 
 /// A parameter value that cannot be run.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,17 +104,6 @@ pub fn check_params<T: Float>(scene: &Scene, params: &[T]) -> Result<(), ParamEr
 }
 
 fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), ParamError> {
-    let demand = |holds: bool, what: String, value: T, rule: &'static str| {
-        if holds {
-            Ok(())
-        } else {
-            Err(ParamError::NotPhysical {
-                what,
-                value: value.to_f64(),
-                rule,
-            })
-        }
-    };
     let positive = |value: T| value.is_finite() && value > T::zero();
     for (body, numbers) in scene.bodies.iter().zip(&numbers.bodies) {
         demand(
@@ -149,6 +139,7 @@ fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), Pa
             )?;
         }
     }
+    check_along(scene, &numbers.params)?;
     for (line, numbers) in scene.lines.iter().zip(&numbers.lines) {
         let (k, c, l) = (numbers.stiffness, numbers.damping, numbers.free_length);
         demand(
@@ -171,4 +162,61 @@ fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), Pa
         )?;
     }
     Ok(())
+}
+
+/// What acts along joint coordinates: every number by its rule, stops with a stiffness and in order.
+fn check_along<T: Float>(scene: &Scene, params: &[T]) -> Result<(), ParamError> {
+    for (index, joint) in scene.joints.iter().enumerate() {
+        for along in &joint.along {
+            let Some((_, coordinate)) = scene.coordinate(index, along.coordinate) else {
+                continue;
+            };
+            let value = |formula: &Formula| constant(scene, params, formula);
+            let check = |field: &AlongField, value: T| {
+                let rule = field.of(&coordinate).rule;
+                let what = format!("{}.{}.{}", joint.name, coordinate.name, field.name);
+                demand(rule.holds(value.to_f64()), what, value, rule.words())
+            };
+            for (field, formula) in NUMBERS.iter().zip(along.numbers()) {
+                let needed = match field.name {
+                    "friction_rate" => along.friction.is_some(),
+                    "stop_stiffness" => along.stops.iter().any(Option::is_some),
+                    _ => false,
+                };
+                match formula {
+                    Some(formula) => check(field, value(formula))?,
+                    None if needed => check(field, T::from_f64(f64::NAN))?,
+                    None => {}
+                }
+            }
+            let stops = along.stops.each_ref().map(|stop| stop.as_ref().map(value));
+            for stop in stops.into_iter().flatten() {
+                check(&STOPS, stop)?;
+            }
+            if let [Some(low), Some(_)] = stops
+                && !in_order(stops.map(|stop| stop.map(Float::to_f64)))
+            {
+                let what = format!("{}.{}.stops", joint.name, coordinate.name);
+                return demand(false, what, low, STOP_ORDER);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// An error unless a demand holds.
+fn demand<T: Float>(
+    holds: bool,
+    what: String,
+    value: T,
+    rule: &'static str,
+) -> Result<(), ParamError> {
+    if holds {
+        return Ok(());
+    }
+    Err(ParamError::NotPhysical {
+        what,
+        value: value.to_f64(),
+        rule,
+    })
 }

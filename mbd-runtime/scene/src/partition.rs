@@ -49,3 +49,36 @@ impl Partition {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cylindrical, Distance, Hinge, Prismatic, Rigid, Spherical, Universal};
+
+    fn turns(law: &JointLaw) -> Option<usize> {
+        Partition::of(law).map(|partition| partition.turns)
+    }
+
+    #[test]
+    fn joints_at_a_point_part_the_speeds_of_their_child() {
+        assert_eq!(turns(&JointLaw::Spherical(Spherical::default())), Some(0));
+        assert_eq!(turns(&JointLaw::Universal(Universal::default())), Some(1));
+        assert_eq!(turns(&JointLaw::Hinge(Hinge::default())), Some(2));
+        assert_eq!(turns(&JointLaw::Rigid(Rigid::default())), Some(3));
+    }
+
+    #[test]
+    fn the_free_direction_of_a_hinge_is_its_axis() {
+        let axis = Axis([0.6, 0.0, 0.8]);
+        let partition = Partition::of(&JointLaw::Hinge(Hinge { axis }));
+        assert_eq!(partition.map(|partition| partition.axis), Some(axis));
+    }
+
+    #[test]
+    fn joints_whose_points_part_leave_the_speeds_as_they_are() {
+        let rod = Distance { length: 1.0.into() };
+        assert_eq!(turns(&JointLaw::Distance(rod)), None);
+        assert_eq!(turns(&JointLaw::Prismatic(Prismatic::default())), None);
+        assert_eq!(turns(&JointLaw::Cylindrical(Cylindrical::default())), None);
+    }
+}

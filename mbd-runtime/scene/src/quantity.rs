@@ -17,11 +17,12 @@ pub enum Quantity {
     /// Balance of all nodes as a function of the state and the node unknowns: Σ T u + W (3 per node) [N]; the residual whose derivatives
     /// carry the node into the linearisation. Reads what `Derivative` reads.
     Balance,
-    /// Per line stretch s [m] and pull K s + C ṡ [N] (K_e (d − L_e) for lines of static and stepwise nodes), then one value an event.
+    /// Per line stretch s [m] and pull K s + C ṡ [N] (K_e (d − L_e) for lines of static and stepwise nodes), per stop depth e [m or rad] and
+    /// K_s e + C_s ė [N or N m], then one value an event.
     Guards,
     /// The declared outputs, component by component.
     Outputs,
-    /// Kinetic, gravitational and elastic energy [J], power of the loads and power of the dampers on the bodies and points
+    /// Kinetic, gravitational and elastic energy [J], power of the loads and power of dampers and friction on the bodies and points
     /// [W] (≤ 0 for a damper), power that prescribed motions (moving frames of the world) put in [W].
     Energy,
     /// Linear momentum [kg m/s] and angular momentum about the world origin [kg m²/s]; of bodies and points with mass.
@@ -30,7 +31,7 @@ pub enum Quantity {
     MassMatrix,
     /// The bias force h (n_v): velocity terms and gravity, M v̇ + h = f.
     BiasForce,
-    /// The applied forces f (n_v): lines and loads.
+    /// The applied forces f (n_v): lines, loads, and what acts along joint coordinates.
     Forces,
     /// Per line: tension [N], length [m], stretch [m], stretch rate [m/s] and the stiffness ∂(force on the `to` end)/∂(position of the `from`
     /// end) = K u uᵀ + (T/d)(I − u uᵀ) (6 numbers: xx xy xz yy yz zz) [N/m].
@@ -109,7 +110,7 @@ pub struct At<'a, S> {
     pub nodes: &'a [S],
     /// Per line of a static or stepwise node: effective stiffness K_e [N/m] and effective free length L_e [m].
     pub effective: &'a [S],
-    /// Per line: 0 the line decides by its own stretch and pull, +1 it carries K s + C ṡ whatever the sign, −1 it carries nothing.
+    /// Per line, then per stop: 0 it decides by its own stretch and pull, +1 it carries K s + C ṡ whatever the sign, −1 it carries nothing.
     pub hold: &'a [S],
     /// The value of [`Quantity::Ends`], for [`Quantity::Equilibrium`], [`Quantity::NodeByAnchor`], [`Quantity::CondensedStiffness`].
     pub ends: &'a [S],

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::formula::{Formula, Place};
-use crate::joints::{Coordinate, JointLaw};
+use crate::joints::{Along, Coordinate, JointLaw, Side};
 
 /// Three scalar formulas: a vector known in components.
 pub type Triple = [Formula; 3];
@@ -53,6 +53,19 @@ impl Scene {
     pub fn coordinate(&self, joint: usize, index: usize) -> Option<(&Joint, Coordinate)> {
         let joint = self.joints.get(joint)?;
         Some((joint, joint.law.coordinate(index)?))
+    }
+
+    /// Every stop: joint, its entry of [`Joint::along`], side; in the order of their numbers.
+    pub fn stops(&self) -> impl Iterator<Item = (usize, &Along, Side)> {
+        let entries = self.joints.iter().enumerate();
+        let entries = entries
+            .flat_map(|(joint, declared)| declared.along.iter().map(move |along| (joint, along)));
+        entries.flat_map(|(joint, along)| {
+            let sides = [Side::Low, Side::High].into_iter();
+            sides
+                .filter(|side| along.stops[side.index()].is_some())
+                .map(move |side| (joint, along, side))
+        })
     }
 
     /// Whether a formula is zero by declaration: the number 0, or a `const` of value 0.
@@ -326,6 +339,12 @@ pub struct Joint {
     pub parent: Place,
     /// Place on the child.
     pub child: Place,
+    /// What acts along its coordinates: at most one entry a coordinate, in their order.
+    #[serde(default)]
+    pub along: Vec<Along>,
+    /// Whether the declaration marks it `loop`: it closes a loop, and a spanning tree is cut here.
+    #[serde(default)]
+    pub cut: bool,
 }
 
 /// A line (tension only) or a spring (both ways) with damping.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::NodeError;
 
-/// What a damped line does between two located events.
+/// What a damped line, or a stop, does between two located events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
     /// Decides by itself at every evaluation: undamped lines, springs, lines of static and stepwise nodes.
@@ -40,7 +40,7 @@ pub struct NodeMemory<T> {
     pub(crate) smooth: Vec<bool>,
     /// Per network: directions spanned by the lines of a `rate` node that stays on the line or plane of its anchors; 3: none is held.
     pub(crate) ranks: Vec<usize>,
-    /// Mode of each line.
+    /// Mode of each line, then of each stop.
     pub(crate) modes: Vec<Mode>,
 }
 
@@ -58,7 +58,7 @@ impl<T: Float> NodeMemory<T> {
             step: T::zero(),
             smooth: vec![false; layout.networks.len()],
             ranks: vec![3; layout.networks.len()],
-            modes: vec![Mode::Free; layout.lines.len()],
+            modes: vec![Mode::Free; layout.one_way()],
         }
     }
 
@@ -74,7 +74,7 @@ impl<T: Float> NodeMemory<T> {
         &self.stretch
     }
 
-    /// The mode of each line.
+    /// The mode of each line, then of each stop of a joint.
     #[must_use]
     pub fn modes(&self) -> &[Mode] {
         &self.modes
@@ -106,6 +106,6 @@ impl<T: Float> NodeMemory<T> {
             self.ranks.len(),
             layout.networks.len(),
         )?;
-        same("memory of modes", self.modes.len(), layout.lines.len())
+        same("memory of modes", self.modes.len(), layout.one_way())
     }
 }

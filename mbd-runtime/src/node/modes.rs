@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The same table serves lines between bodies and points with mass and the lines of `rate` nodes; without damping stretch and pull vanish
-//! together and no line is idle. Springs and the lines of static and stepwise nodes have no modes and no guards.
+//! together and no line is idle. A stop of a joint is such a line: its stretch is the depth, slack is open, taut is touched. Springs and the lines of static and stepwise nodes have no modes and no guards.
 
 use mbd_scene::{Float, Layout, LineEnd, LineKind, Model, NodeModel, Quantity};
 
@@ -20,7 +20,7 @@ use super::stage::Nodes;
 /// A stretch or a pull that ends the mode of a line when it passes zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guard<T> {
-    /// The line.
+    /// The line; behind the lines, the stop.
     pub line: usize,
     /// ≥ 0 while the mode holds [m]: ± stretch, or ± pull over K.
     pub value: T,
@@ -52,8 +52,11 @@ impl Mode {
     }
 }
 
-/// Whether a line has modes: tension only, not of a static or stepwise node, and damped if it is of a `rate` node.
+/// Whether a line has modes: tension only, not of a static or stepwise node, and damped if it is of a `rate` node. A stop always has.
 pub(crate) fn has_mode<T: Float, M: Model<T>>(model: &M, line: usize) -> bool {
+    if line >= model.layout().lines.len() {
+        return line < model.layout().one_way();
+    }
     let damped = model
         .lines()
         .get(line)
@@ -191,7 +194,7 @@ impl<T: Float> Nodes<T> {
         );
         for (line, pair) in guards
             .chunks_exact(2)
-            .take(self.layout.lines.len())
+            .take(self.layout.one_way())
             .enumerate()
         {
             if has_mode(model, line) && !is_node_line(&self.layout, line) {

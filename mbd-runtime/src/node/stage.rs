@@ -22,7 +22,7 @@ pub struct Nodes<T: Float> {
     pub(crate) hold: Vec<T>,
     /// Stretch of each node line at the last solve.
     pub(crate) stretch: Vec<T>,
-    /// Mode of each line at the last solve.
+    /// Mode of each line, then of each stop, at the last solve.
     pub(crate) modes: Vec<Mode>,
     /// `Quantity::Guards` of the last request.
     pub(crate) guards: Vec<T>,
@@ -65,9 +65,9 @@ impl<T: Float> Nodes<T> {
             ends: list(layout.len(Quantity::Ends)),
             nodes: list(3 * layout.nodes.len()),
             effective: list(2 * layout.effective_lines),
-            hold: list(layout.lines.len()),
+            hold: list(layout.one_way()),
             stretch: list(layout.lines.len()),
-            modes: vec![Mode::Free; layout.lines.len()],
+            modes: vec![Mode::Free; layout.one_way()],
             guards: list(layout.len(Quantity::Guards)),
             frozen: false,
             span: T::zero(),
@@ -234,7 +234,7 @@ impl<T: Float> Nodes<T> {
     ) -> Result<(), NodeError> {
         NodeError::same_length("state", state.len(), self.layout.nx())?;
         NodeError::same_length("inputs", inputs.len(), self.layout.ni)?;
-        NodeError::same_length("lines", model.lines().len(), self.layout.lines.len())?;
+        NodeError::same_length("lines", model.lines().len(), self.layout.one_way())?;
         if self.plans.is_empty() {
             return Ok(());
         }
@@ -249,7 +249,7 @@ impl<T: Float> Nodes<T> {
         Ok(())
     }
 
-    /// Holds the damped lines outside nodes in their modes, if modes are frozen.
+    /// Holds the damped lines outside nodes and the stops in their modes, if modes are frozen.
     pub(crate) fn hold_lines<M: Model<T>>(&mut self, model: &M, memory: &NodeMemory<T>) {
         for (index, (hold, mode)) in self.hold.iter_mut().zip(&mut self.modes).enumerate() {
             *mode = Mode::Free;

@@ -340,7 +340,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             .iter()
             .find_map(|occurrence| match occurrence.what {
                 Happening::Declared(event) => Some(event),
-                Happening::Line(..) => None,
+                Happening::Line(..) | Happening::Stop(..) => None,
             })
     }
 }

@@ -74,14 +74,15 @@ impl Dense {
         for (body, (inverse, joints)) in self.inverse.iter().zip(&self.on).enumerate() {
             let v = 6 * body;
             let free: [f64; 6] = std::array::from_fn(|i| self.forces[v + i] - self.bias[v + i]);
-            for i in 0..6 {
-                self.accelerations[v + i] = dot(&inverse[i], &free);
+            let own = &mut self.accelerations[v..v + 6];
+            for (acceleration, row) in own.iter_mut().zip(inverse) {
+                *acceleration = dot(row, &free);
             }
             for &(first, len) in joints {
                 for row in first..first + len {
                     let line = &self.jacobian[row * nv + v..row * nv + v + 6];
-                    for (i, weighted) in self.weighted[row].iter_mut().enumerate() {
-                        *weighted = dot(&inverse[i], line);
+                    for (weighted, row) in self.weighted[row].iter_mut().zip(inverse) {
+                        *weighted = dot(row, line);
                     }
                     self.lambda[row] -= dot(line, &self.accelerations[v..v + 6]);
                 }
@@ -110,8 +111,9 @@ impl Dense {
                     }
                 }
             }
-            for i in 0..6 {
-                self.accelerations[v + i] += dot(&inverse[i], &push);
+            let own = &mut self.accelerations[v..v + 6];
+            for (acceleration, row) in own.iter_mut().zip(inverse) {
+                *acceleration += dot(row, &push);
             }
         }
         &self.accelerations
@@ -160,9 +162,10 @@ fn invert(mut a: [[f64; 6]; 6]) -> [[f64; 6]; 6] {
         let (line, right) = (a[pivot], inverse[pivot]);
         for row in (0..6).filter(|&row| row != pivot) {
             let factor = a[row][pivot];
-            for column in 0..6 {
-                a[row][column] -= factor * line[column];
-                inverse[row][column] -= factor * right[column];
+            for (to, from) in [(&mut a[row], &line), (&mut inverse[row], &right)] {
+                for (x, y) in to.iter_mut().zip(from) {
+                    *x -= factor * y;
+                }
             }
         }
     }

@@ -12,13 +12,14 @@ mod dense;
 mod timing;
 
 use std::hint::black_box;
+use std::time::Instant;
 
 use dense::Dense;
 use mbd_compiler::Equations;
 use mbd_runtime::{At, Generic, Model, Options, Quantity, Simulation, model};
 use timing::{medians, microseconds};
 
-/// Rods of 1 m, hinged one below the other about y, x, y, x, …
+/// Rods of 0.3 m and 1 kg, hinged one below the other about y, x, y, x, …
 macro_rules! chain {
     ($name:ident $half:literal { $($end:tt)* }) => {
         model! {
@@ -27,17 +28,18 @@ macro_rules! chain {
                 emit: [mass_matrix, bias_force, forces];
                 gravity: [0.0, 0.0, -9.81] m/s^2;
                 const HALF = $half;
+                const ROD = 0.3 m;
                 body even[i in 0..HALF] {
                     mass: 1.0 kg,
-                    inertia: diag(0.085, 0.085, 0.001) kg*m^2,
-                    frame top at [0.0, 0.0, 0.5] m,
-                    frame end at [0.0, 0.0, -0.5] m,
+                    inertia: diag(0.0076, 0.0076, 0.0002) kg*m^2,
+                    frame top at [0.0, 0.0, ROD / 2],
+                    frame end at [0.0, 0.0, -ROD / 2],
                 }
                 body odd[i in 0..HALF] {
                     mass: 1.0 kg,
-                    inertia: diag(0.085, 0.085, 0.001) kg*m^2,
-                    frame top at [0.0, 0.0, 0.5] m,
-                    frame end at [0.0, 0.0, -0.5] m,
+                    inertia: diag(0.0076, 0.0076, 0.0002) kg*m^2,
+                    frame top at [0.0, 0.0, ROD / 2],
+                    frame end at [0.0, 0.0, -ROD / 2],
                 }
                 joint hold: hinge from world to even[0].top { axis: y }
                 joint pin_odd[i in 0..HALF]: hinge from even[i].end to odd[i].top { axis: x }
@@ -54,9 +56,42 @@ chain!(Chain16 8 {});
 chain!(Chain32 16 {});
 chain!(Chain64 32 {});
 chain!(Ring8 4 {
-    world { frame far at [0.0, 0.0, -7.0] m }
+    world { frame far at [0.0, 0.0, -2.1] m }
     joint close: spherical from odd[3].end to world.far;
 });
+
+/// IFToMM A02: windows of rods of 1 m and 1 kg between cranks, in one plane. The window closes in two rows, so that no row repeats another.
+macro_rules! four_bars {
+    ($name:ident $windows:literal) => {
+        model! {
+            /// Coupled four-bars.
+            pub model $name {
+                emit: [];
+                gravity: [0.0, -9.81, 0.0] m/s^2;
+                const WINDOWS = $windows;
+                world { frame pivot[i in 0..=WINDOWS] at [1.0 * i, 0.0, 0.0] m }
+                body crank[i in 0..=WINDOWS] {
+                    mass: 1.0 kg,
+                    inertia: diag(1/12, 1/12, 1/12) kg*m^2,
+                    frame root at [-0.5, 0.0, 0.0] m,
+                    frame tip at [0.5, 0.0, 0.0] m,
+                }
+                body coupler[i in 0..WINDOWS] {
+                    mass: 1.0 kg,
+                    inertia: diag(1/12, 1/12, 1/12) kg*m^2,
+                    frame left at [-0.5, 0.0, 0.0] m,
+                    frame right at [0.5, 0.0, 0.0] m,
+                }
+                joint hold[i in 0..=WINDOWS]: hinge from world.pivot[i] to crank[i].root;
+                joint pin[i in 0..WINDOWS]: hinge from crank[i].tip to coupler[i].left;
+                joint close[i in 0..WINDOWS]: point_on_line from coupler[i].right to crank[i + 1].tip;
+            }
+        }
+    };
+}
+
+four_bars!(FourBar 1);
+four_bars!(FourBars10 10);
 
 model! {
     /// A free hub with eleven arms.
@@ -115,34 +150,63 @@ model! {
     }
 }
 
-/// A body's centre of mass and its turn about y.
-type Place = ([f64; 3], f64);
+/// A body's centre of mass and attitude w x y z.
+type Pose = ([f64; 3], [f64; 4]);
 
-/// Rod `n` of a chain that zigzags: two rods leaning by `lean`, two by −`lean`, …
-fn zigzag(n: usize, lean: f64) -> Place {
-    let side = |rod: usize| if rod % 4 < 2 { lean } else { -lean };
-    let mut end = [0.0, 0.0, 0.0];
-    for rod in 0..n {
-        end[0] -= side(rod).sin();
-        end[2] -= side(rod).cos();
-    }
-    let angle = side(n);
-    let centre = [end[0] - 0.5 * angle.sin(), 0.0, end[2] - 0.5 * angle.cos()];
-    (centre, angle)
+/// p q.
+fn product(p: [f64; 4], q: [f64; 4]) -> [f64; 4] {
+    let ([a, b, c, d], [w, x, y, z]) = (p, q);
+    [
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    ]
 }
 
-/// A state with every body in its place; speeds of all kinds, which the start takes to the joints.
-fn state<M: Model<f64>>(model: &M, place: impl Fn(usize) -> Place) -> Vec<f64> {
+/// The third axis of an attitude.
+fn along([w, x, y, z]: [f64; 4]) -> [f64; 3] {
+    [
+        2.0 * (x * z + w * y),
+        2.0 * (y * z - w * x),
+        1.0 - 2.0 * (x * x + y * y),
+    ]
+}
+
+/// Rod `n` of a chain of rods of length `rod`, each turned against the one before by `angle` of its number about y, x, y, x, …
+fn hanging(n: usize, rod: f64, angle: impl Fn(usize) -> f64) -> Pose {
+    let (mut attitude, mut end, mut centre) = ([1.0, 0.0, 0.0, 0.0], [0.0; 3], [0.0; 3]);
+    for k in 0..=n {
+        let (sin, cos) = (0.5 * angle(k)).sin_cos();
+        let turn = if k % 2 == 0 {
+            [cos, 0.0, sin, 0.0]
+        } else {
+            [cos, sin, 0.0, 0.0]
+        };
+        attitude = product(attitude, turn);
+        let down = along(attitude).map(|x| rod * x);
+        centre = std::array::from_fn(|i| end[i] - 0.5 * down[i]);
+        end = std::array::from_fn(|i| end[i] - down[i]);
+    }
+    (centre, attitude)
+}
+
+/// A chain of two times `half` rods, even rods declared before odd ones, every hinge at 0.3 rad.
+fn chain(half: usize) -> impl Fn(usize) -> Pose {
+    move |body| hanging(2 * (body % half) + body / half, 0.3, |_| 0.3)
+}
+
+/// A state with every body in its place; `stir` m/s and rad/s of speeds of all kinds, which the start takes to the joints.
+fn state<M: Model<f64>>(model: &M, place: impl Fn(usize) -> Pose, stir: f64) -> Vec<f64> {
     let layout = model.layout();
     let mut state = vec![0.0; layout.nx()];
     for (body, slots) in layout.bodies.iter().enumerate() {
-        let (centre, angle) = place(body);
+        let (centre, attitude) = place(body);
         state[slots.q..slots.q + 3].copy_from_slice(&centre);
-        state[slots.q + 3] = (0.5 * angle).cos();
-        state[slots.q + 5] = (0.5 * angle).sin();
+        state[slots.q + 3..slots.q + 7].copy_from_slice(&attitude);
     }
     for (index, speed) in state.iter_mut().skip(layout.nq).enumerate() {
-        *speed = 0.3 * (1.7 * index as f64).sin();
+        *speed = stir * (1.7 * index as f64).sin();
     }
     state
 }
@@ -155,7 +219,7 @@ fn begun<'m, M: Model<f64>>(model: &'m M, state: &[f64]) -> Simulation<'m, f64, 
 }
 
 /// Times one mechanism and prints its line of the table.
-fn compare<M: Model<f64>>(name: &str, generated: &M, place: impl Fn(usize) -> Place) {
+fn compare<M: Model<f64>>(name: &str, generated: &M, place: impl Fn(usize) -> Pose) {
     let scene = generated.scene().clone();
     let equations = Equations::trace_only(&scene, &[Quantity::Derivative]);
     let operations = equations
@@ -163,8 +227,8 @@ fn compare<M: Model<f64>>(name: &str, generated: &M, place: impl Fn(usize) -> Pl
         .map_or(0, |program| program.cost().total());
     let generic = Generic::with_defaults(scene).expect("defaults");
     let mut runs = (
-        begun(generated, &state(generated, &place)),
-        begun(&generic, &state(generated, &place)),
+        begun(generated, &state(generated, &place, 0.3)),
+        begun(&generic, &state(generated, &place, 0.3)),
     );
     let start = (runs.0.snapshot(), runs.1.snapshot());
     let at_start = runs.0.state().to_vec();
@@ -240,53 +304,141 @@ fn compare<M: Model<f64>>(name: &str, generated: &M, place: impl Fn(usize) -> Pl
     );
 }
 
+/// Distance of the end of the last rod from where it should be after 1 s, and the time of the run [s].
+fn drop_chain<M: Model<f64>>(model: &M, start: &[f64], steps: u32, want: [f64; 3]) -> (f64, f64) {
+    let began = Instant::now();
+    let step = 1.0 / f64::from(steps);
+    let mut run = Simulation::new(model, Options::rk4(step)).expect("fixed steps");
+    run.set_state(0.0, start).expect("a state of the scene");
+    run.run(1.0).expect("a stable run");
+    let spent = began.elapsed().as_secs_f64();
+    let last = model.layout().bodies.last().expect("a chain").q;
+    let at = |i: usize| run.state()[last + i];
+    let down = along([at(3), at(4), at(5), at(6)]);
+    let miss = (0..3).map(|i| (at(i) - 0.15 * down[i] - want[i]).powi(2));
+    (miss.sum::<f64>().sqrt(), spent)
+}
+
+/// The longest step that puts the end of the chain within 1 mm after 1 s, and what the run takes.
+fn race<M: Model<f64>>(name: &str, model: &M, half: usize, want: [f64; 3]) {
+    let start = state(model, chain(half), 0.0);
+    let tried = [
+        8, 10, 12, 16, 20, 25, 32, 40, 50, 64, 80, 100, 125, 160, 200, 400, 800,
+    ];
+    let found = tried.into_iter().find_map(|steps| {
+        let (miss, _) = drop_chain(model, &start, steps, want);
+        (miss <= 1e-3).then_some((steps, miss))
+    });
+    let Some((steps, miss)) = found else {
+        println!("| {name} | no step reaches 1 mm | | |");
+        return;
+    };
+    let mut times: Vec<f64> = (0..31)
+        .map(|_| drop_chain(model, &start, steps, want).1)
+        .collect();
+    times.sort_by(f64::total_cmp);
+    println!(
+        "| {name} | {steps} | {miss:.1e} m | {} |",
+        microseconds(times[15])
+    );
+}
+
+/// Times a step of coupled four-bars, and says how long a step keeps the first crank within 1e-6 rad for 0.4 s.
+fn four_bars<M: Model<f64>>(name: &str, model: &M, windows: usize) {
+    let crank = std::f64::consts::FRAC_1_SQRT_2;
+    let mut start = state(
+        model,
+        |body| match body.checked_sub(windows + 1) {
+            None => ([body as f64, 0.5, 0.0], [crank, 0.0, 0.0, crank]),
+            Some(coupler) => ([coupler as f64 + 0.5, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0]),
+        },
+        0.0,
+    );
+    let layout = model.layout();
+    for (body, slots) in layout.bodies.iter().enumerate() {
+        let v = layout.nq + slots.v;
+        start[v] = if body <= windows { 0.5 } else { 1.0 };
+        start[v + 5] = if body <= windows { -1.0 } else { 0.0 };
+    }
+    let angle = |step: f64| {
+        let mut run = Simulation::new(model, Options::rk4(step)).expect("fixed steps");
+        run.set_state(0.0, &start).expect("a state of the scene");
+        run.run(0.4).expect("a stable run");
+        let q = layout.bodies[0].q;
+        2.0 * run.state()[q + 6].atan2(run.state()[q + 3])
+    };
+    let exact = angle(1e-4);
+    let found = [5u32, 8, 10, 12, 16, 20, 25, 32, 40, 50, 80, 100, 200, 400]
+        .into_iter()
+        .map(|steps| (steps, (angle(0.4 / f64::from(steps)) - exact).abs()))
+        .find(|(_, error)| *error <= 1e-6);
+    let (steps, error) = found.expect("a step that is short enough");
+    let mut run = begun(model, &start);
+    let from = run.snapshot();
+    let [step] = medians([&mut || {
+        if run.time() > 0.4 {
+            run.restore(&from).expect("the same model");
+        }
+        run.step().expect("a stable step");
+    }]);
+    let second = step * f64::from(steps) / 0.4;
+    println!(
+        "| {name} | {} | {steps} | {error:.1e} rad | {} |",
+        microseconds(step),
+        microseconds(second)
+    );
+}
+
 fn main() {
     println!("Medians in µs; ratios to generated code.\n");
     println!(
         "| mechanism | operations | ẋ generated | ẋ generic | ratio | v̇ dense | ratio | Rk4 step generated | Rk4 step generic | ratio |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
-    // Even rods are declared before odd ones.
-    let rod = |half: usize| move |body: usize| zigzag(2 * (body % half) + body / half, 0.1);
+    let (eight, many) = (
+        Chain8::new(Default::default()),
+        Chain32::new(Default::default()),
+    );
+    let (eight, many) = (eight.expect("defaults"), many.expect("defaults"));
     compare(
         "chain of 4",
         &Chain4::new(Default::default()).expect("defaults"),
-        rod(2),
+        chain(2),
     );
-    compare(
-        "chain of 8",
-        &Chain8::new(Default::default()).expect("defaults"),
-        rod(4),
-    );
+    compare("chain of 8", &eight, chain(4));
     compare(
         "chain of 16",
         &Chain16::new(Default::default()).expect("defaults"),
-        rod(8),
+        chain(8),
     );
-    compare(
-        "chain of 32",
-        &Chain32::new(Default::default()).expect("defaults"),
-        rod(16),
-    );
+    compare("chain of 32", &many, chain(16));
     compare(
         "chain of 64",
         &Chain64::new(Default::default()).expect("defaults"),
-        rod(32),
+        chain(32),
     );
+    // Two rods lean to one side, two to the other.
     let lean = (7.0f64 / 8.0).acos();
+    let sides = |k: usize| match k % 4 {
+        0 if k == 0 => lean,
+        0 => 2.0 * lean,
+        2 => -2.0 * lean,
+        _ => 0.0,
+    };
     compare(
         "ring of 8",
         &Ring8::new(Default::default()).expect("defaults"),
-        |body| zigzag(2 * (body % 4) + body / 4, lean),
+        |body| hanging(2 * (body % 4) + body / 4, 0.3, sides),
     );
+    let upright = [1.0, 0.0, 0.0, 0.0];
     compare(
         "hub, 11 arms",
         &Hub11::new(Default::default()).expect("defaults"),
         |body| {
             let angle = (body.max(1) - 1) as f64 * std::f64::consts::TAU / 11.0;
             match body {
-                0 => ([0.0; 3], 0.0),
-                _ => ([angle.cos(), angle.sin(), -0.5], 0.0),
+                0 => ([0.0; 3], upright),
+                _ => ([angle.cos(), angle.sin(), -0.5], upright),
             }
         },
     );
@@ -295,7 +447,37 @@ fn main() {
         &Tree15::new(Default::default()).expect("defaults"),
         |body| {
             let depth = (body + 1).ilog2();
-            ([0.0, 0.0, -0.5 - f64::from(depth)], 0.0)
+            ([0.0, 0.0, -0.5 - f64::from(depth)], upright)
         },
+    );
+
+    println!(
+        "\nChains of hinges, all at 0.3 rad and at rest, for 1 s by Rk4 with projection; where the end is then: Pinocchio, DOP853 at 1e-12.\n"
+    );
+    println!("| chain | steps | off by | whole run, µs |\n|---|---|---|---|");
+    race(
+        "8 hinges",
+        &eight,
+        4,
+        [0.8291050675206681, -0.7755380524535794, -2.0682419069445612],
+    );
+    race(
+        "32 hinges",
+        &many,
+        16,
+        [-0.16660035994993433, 0.0754801515881036, -5.465572737267973],
+    );
+
+    println!(
+        "\nCoupled planar four-bars (IFToMM A02, three-dimensional bodies), one step of Rk4 with projection.\n"
+    );
+    println!(
+        "| four-bars | step, µs | steps to 0.4 s within 1e-6 rad | first crank off by | at such steps, µs per simulated second |\n|---|---|---|---|---|"
+    );
+    four_bars("1", &FourBar::new(Default::default()).expect("defaults"), 1);
+    four_bars(
+        "10",
+        &FourBars10::new(Default::default()).expect("defaults"),
+        10,
     );
 }

@@ -224,7 +224,7 @@ fn path_class(index: usize) -> String {
 }
 
 fn axis([low, high]: [f64; 2], length: f64) -> Axis {
-    let count = (length / 90.0).round().clamp(2.0, 8.0) as usize;
+    let count = (length / 52.0).round().clamp(5.0, 9.0) as usize;
     Axis::new(Range::Fixed(low, high), Scale::Linear, count)
 }
 

@@ -75,19 +75,19 @@ pub fn drawings(scene: &Scene, plan: &Plan, trajectory: &Trajectory) -> Vec<Draw
         .filter_map(|&row| trajectory.times().get(row))
         .map(|time| ((time * 1000.0).round() / 1000.0).to_string())
         .collect();
-    let caption = format!(
-        "At {} s, from pale to dark{}. Circles: joints and knots; triangles: fixed in the world{}.",
-        times.join(", "),
-        if travels {
-            "; moving with its middle"
-        } else {
-            ""
-        },
-        if paths.is_empty() {
-            ""
-        } else {
+    let seen = match travels {
+        true => "; moving with its middle. Circles: joints and knots",
+        false => ". Circles: joints and knots; triangles: fixed in the world",
+    };
+    let curves = match paths.is_empty() {
+        true => "",
+        false => {
             "; curves: paths of centres of mass and points, from the first to the last of these instants"
         }
+    };
+    let caption = format!(
+        "At {} s, from pale to dark{seen}{curves}.",
+        times.join(", ")
     );
     let mut planes = vec![[across, up]];
     if depth[deep] > DEEP * depth[across].max(depth[up]) {

@@ -1,7 +1,7 @@
 //! The figures of a run: histories of outputs and tensions, forces in the joints, drift, energy.
 
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{Name, Trajectory};
+use mbd_runtime::{Layout, Name, Trajectory};
 
 use super::plan::Plan;
 use super::quality::balance;
@@ -149,18 +149,19 @@ fn reactions<'a>(scene: &Scene, trajectory: &Trajectory) -> Option<Group<'a>> {
         curves.sort_by(|(_, a), (_, b)| most(b).total_cmp(&most(a)));
         curves.truncate(JOINTS);
     }
-    let rest = if all > JOINTS {
-        format!(" The {JOINTS} largest of {all}.")
-    } else {
-        String::new()
-    };
+    let mut caption = "Size of the force of each joint on its child. Components and torques are columns of history.csv.".to_string();
+    if all > JOINTS {
+        caption += &format!(" The {JOINTS} largest of {all}.");
+    }
+    let redundancy = Layout::new(scene).redundancy;
+    if (0..scene.joints.len()).any(|joint| !redundancy.is_unique(joint)) {
+        caption += " Rows repeat each other, so some of these forces are one choice of many; `mbd check` marks them.";
+    }
     Some(Group {
         name: "Joints: force".to_string(),
         axis: "force".to_string(),
         unit: "N".to_string(),
-        caption: format!(
-            "Size of the force of each joint on its child. Components and torques are columns of history.csv.{rest}"
-        ),
+        caption,
         curves: curves
             .into_iter()
             .map(|(name, values)| Curve::Made(name, values))

@@ -37,6 +37,9 @@ struct Summary<'a> {
     energy_imbalance_relative: Option<f64>,
     freedoms: usize,
     rows: usize,
+    rows_kept: usize,
+    rows_rung: u64,
+    rows_chosen: u64,
     wall_s: f64,
     wall_s_per_s: f64,
     params: BTreeMap<&'a str, f64>,
@@ -93,8 +96,11 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
         joint_drift_rate_m_s: quality.drift_rate,
         energy_imbalance_j: quality.imbalance,
         energy_imbalance_relative: quality.relative_imbalance,
-        freedoms: layout.nv.saturating_sub(layout.nc),
+        freedoms: layout.freedoms(),
         rows: layout.nc,
+        rows_kept: layout.rank(),
+        rows_rung: statistics.rows_rung,
+        rows_chosen: statistics.rows_chosen,
         wall_s: outcome.wall_s,
         wall_s_per_s: per_second(outcome.wall_s),
         params: scene
@@ -142,8 +148,20 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
         rows.push(("located switches", Cell::Count(statistics.switches)));
     }
     if layout.nc > 0 {
-        rows.push(("speeds", layout.nv.into()));
+        rows.push(("freedoms", layout.freedoms().into()));
         rows.push(("rows of the joints", layout.nc.into()));
+        rows.push((
+            "rows that repeat others",
+            (layout.nc - layout.rank()).into(),
+        ));
+        rows.push((
+            "how the rows were solved",
+            rung(statistics.rows_rung).into(),
+        ));
+        if statistics.rows_chosen > 0 {
+            let chosen = Cell::Count(statistics.rows_chosen);
+            rows.push(("times rows were chosen anew", chosen));
+        }
         rows.push(("joints open by at most |Φ| [m]", quality.drift.into()));
         rows.push((
             "joints open at a rate of at most |dΦ/dt| [m/s]",
@@ -160,4 +178,13 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
         table.push([what.into(), value]);
     }
     table
+}
+
+/// The worst rung of the ladder in words: `Statistics::rows_rung`.
+fn rung(rung: u64) -> &'static str {
+    match rung {
+        0 | 1 => "in the order fixed beforehand",
+        2 => "at worst, some rows chosen anew for a step",
+        _ => "at worst, by the whole matrix with pivots",
+    }
 }

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Twice a turn all bars lie on one line and the mechanism could leave its motion. A coupler's far end is a point on a line, which forbids just
-//! what a plane loop needs: no row repeats another.
+//! what a plane loop needs: no row repeats another. Near the flat positions the forces in single joints are nearly undetermined and peak.
 
 use std::fmt::Write;
 

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use mbd_scene::Place;
+use mbd_scene::{Joint, Place};
 
 use super::any_bad;
 use crate::messages::check as say;
@@ -43,6 +43,44 @@ pub fn check_attached(resolver: &mut Resolver<'_>) {
         };
         resolver.messages.push(report);
     }
+}
+
+/// A joint marked `loop` closes one: without the marked joints its two ends are joined already.
+pub fn check_marks(resolver: &mut Resolver<'_>) {
+    if any_bad(resolver, "joint") {
+        return;
+    }
+    let scene = &resolver.scene;
+    let bodies = scene.bodies.len();
+    let mut groups = Groups::new(bodies + scene.points.len());
+    let ends = |joint: &Joint| [joint.parent, joint.child];
+    for joint in scene.joints.iter().filter(|joint| !joint.cut) {
+        let [parent, child] = ends(joint).map(|place| node(place, bodies));
+        groups.join(parent, child);
+    }
+    let mut reports = Vec::new();
+    for (index, joint) in scene.joints.iter().enumerate() {
+        let [parent, child] = ends(joint).map(|place| node(place, bodies));
+        if !joint.cut || groups.root(parent) == groups.root(child) {
+            continue;
+        }
+        // What the joint attaches: its child, unless that leads to the world.
+        let held = groups.root(child) == groups.root(0);
+        let attached = match if held { joint.parent } else { joint.child } {
+            Place::Body(body, _) => Named::Body(body),
+            Place::Point(point) => Named::Point(point),
+            Place::World(_) => continue,
+        };
+        let places = (
+            resolver.declared.get(&Named::Joint(index)),
+            resolver.declared.get(&attached),
+        );
+        if let (Some(&at), Some(&owner)) = places {
+            reports.push(say::no_loop(at, &joint.name, owner));
+        }
+    }
+    let messages = &mut resolver.messages;
+    reports.into_iter().for_each(|report| messages.push(report));
 }
 
 fn check_free_once(resolver: &mut Resolver<'_>) {

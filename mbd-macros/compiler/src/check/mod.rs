@@ -19,6 +19,7 @@ pub fn check(resolver: &mut Resolver<'_>, whole: bool) {
     resolver.whole &= whole;
     check_not_empty(resolver);
     attached::check_attached(resolver);
+    attached::check_marks(resolver);
     check_line_ends(resolver);
     check_lonely_points(resolver);
     nodes::choose_models(resolver);

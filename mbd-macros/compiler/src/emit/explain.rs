@@ -9,7 +9,7 @@ use mbd_scene::{
 
 use super::context::{Context, unit_text};
 use super::quantity;
-use crate::describe::{place, text, triple};
+use crate::describe::{along, place, text, triple};
 use crate::equations::Equations;
 
 /// The documentation of the model's struct.
@@ -129,6 +129,7 @@ fn equations(scene: &Scene, equations: &Equations, out: &mut String) {
         };
         let _ = writeln!(out, "Point {}: {law}.", point.name);
     }
+    joints(scene, layout, out);
     for (line, slots) in scene.lines.iter().zip(&layout.lines) {
         let damped = !scene.is_zero(&line.damping);
         let law = match (line.kind, damped) {
@@ -218,14 +219,40 @@ fn gravity(scene: &Scene) -> String {
     }
 }
 
+/// The joints with rows, and what acts along their coordinates.
+fn joints(scene: &Scene, layout: &Layout, out: &mut String) {
+    if layout.nc > 0 {
+        out.push_str("Joints: M v̇ + h = f + Φ_vᵀ λ,  Φ_v v̇ = γ.\n");
+    }
+    for (joint, slots) in scene.joints.iter().zip(&layout.joints) {
+        if slots.len == 0 {
+            continue;
+        }
+        let _ = writeln!(
+            out,
+            "Joint {} ({}) from {} to {}: {} rows.",
+            joint.name,
+            joint.law.keyword(),
+            place(scene, joint.parent),
+            place(scene, joint.child),
+            slots.len
+        );
+        for entry in &joint.along {
+            if let Some(coordinate) = joint.law.coordinate(entry.coordinate) {
+                let acting = along(scene, &coordinate, entry);
+                let _ = writeln!(out, "  along {}.{}: {acting}.", joint.name, coordinate.name);
+            }
+        }
+    }
+}
+
 /// What costs nothing because the scene has no need of it.
 fn left_out(scene: &Scene, layout: &Layout, out: &mut String) {
     let mut absent = Vec::new();
     if layout.nc == 0 {
-        absent.push(
-            "No joint with rows: no constraint, no multiplier, no linear system for accelerations."
-                .to_owned(),
-        );
+        let none =
+            "No joint with rows: no constraint, no multiplier, no linear system for accelerations.";
+        absent.push(none.to_owned());
     } else if layout.redundancy.loops == 0 {
         absent.push("No loop of joints: no row repeats others.".to_owned());
     }

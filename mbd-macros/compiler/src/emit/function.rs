@@ -107,7 +107,7 @@ impl Group {
             Group::Z => layout.nz,
             Group::Nodes => 3 * layout.nodes.len(),
             Group::Effective => 2 * layout.effective_lines,
-            Group::Hold => layout.lines.len(),
+            Group::Hold => layout.one_way(),
             Group::Ends => layout.len(mbd_scene::Quantity::Ends),
             Group::Inputs => layout.ni,
             Group::Rows => layout.nc,

@@ -110,10 +110,11 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
             format!("{n} [N], world axes; zero where the nodes are in equilibrium."),
         ),
         Quantity::Guards => (
-            "Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, then the declared events.",
+            "Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.",
             format!(
-                "{} lines × 2 [m, N], {} events.",
+                "{} lines × 2 [m, N], {} stops × 2 [m, N or rad, N m], {} events.",
                 layout.lines.len(),
+                layout.stops.len(),
                 layout.events
             ),
         ),

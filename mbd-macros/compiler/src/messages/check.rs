@@ -119,3 +119,11 @@ pub fn dropped_damping(at: Region, point: &str, line: &str) -> Report {
 pub fn unused(at: Region, kind: &str, name: &str) -> Report {
     Report::new(at, format!("{kind} `{name}` is declared but never used"))
 }
+
+pub fn no_loop(at: Region, name: &str, owner: Region) -> Report {
+    Report::new(
+        at,
+        format!("joint `{name}` is marked `loop` but closes none: remove `loop`"),
+    )
+    .also(owner, "this is attached by it")
+}

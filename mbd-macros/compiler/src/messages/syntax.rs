@@ -80,6 +80,13 @@ pub fn after_model(at: Region) -> Report {
     )
 }
 
+pub fn marks_joint(at: Region) -> Report {
+    Report::new(
+        at,
+        "`loop` marks a joint that closes a loop: `loop joint NAME: …`",
+    )
+}
+
 pub fn unknown_item(at: Region, word: &str) -> Report {
     let known: Vec<&str> = words::top_level().map(|item| item.word).collect();
     let text = match words::translated(words::FOREIGN_ITEMS, word) {

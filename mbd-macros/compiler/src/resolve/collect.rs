@@ -350,6 +350,8 @@ impl<'a> Resolver<'a> {
                 law: JointLaw::Free(Free {}),
                 parent: nowhere,
                 child: nowhere,
+                along: Vec::new(),
+                cut: false,
             }),
             "line" | "spring" => scene.lines.push(Line {
                 name,

@@ -4,7 +4,7 @@ use mbd_scene::joints::{Axis, Field, Fields as Asks};
 use mbd_scene::{Formula, JointLaw, Place, PointKind};
 
 use super::fields::Fields;
-use super::{Instance, Named, Resolver, Scope, Stage, fold};
+use super::{Instance, Named, Resolver, Scope, Stage, along, fold};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;
 use crate::syntax::{Cursor, Value, Word};
@@ -14,7 +14,8 @@ use crate::units;
 const PERPENDICULAR: f64 = 1e-9;
 
 /// The names of the fields a law asks for.
-struct Names(Vec<&'static str>);
+#[derive(Default)]
+pub(super) struct Names(Vec<&'static str>);
 
 impl Asks for Names {
     fn axis(&mut self, name: &'static str, default: Axis) -> Axis {
@@ -181,6 +182,7 @@ impl Resolver<'_> {
         entry.law = law;
         entry.parent = parent;
         entry.child = child;
+        entry.cut = item.marked.is_some();
         Some(())
     }
 
@@ -210,6 +212,11 @@ impl Resolver<'_> {
         let kind = JointLaw::read(keyword, &mut names)?;
         if kind.coordinates() > kind.freedoms() {
             names.0.push("coordinates");
+        }
+        names.0.extend(along::words(&kind));
+        if let Some(lost) = along::without_coordinate(&kind, &instance.item.block) {
+            let at = lost.word.at.into();
+            return self.fail(say::no_single_coordinate(at, keyword, &lost.word.text));
         }
         let fields = self.fields(&instance.item.block, &names.0);
         if let Some(value) = fields.value("coordinates") {

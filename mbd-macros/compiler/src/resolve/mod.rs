@@ -3,6 +3,7 @@
 //! The driver [`resolve`] reads as the list of what a declaration has. Every list of the scene gets all its entries first, with
 //! placeholders, so that a name can be used before it is declared and a scene with mistakes still has its shape.
 
+mod along;
 mod bodies;
 mod collect;
 mod coordinates;
@@ -117,6 +118,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.points();
     resolver.lines();
     resolver.joints();
+    resolver.along_joints();
     resolver.gravity(model);
     resolver.loads();
     resolver.outputs();

@@ -3,7 +3,7 @@
 use super::model::docs;
 use super::words::{self, ItemWord};
 use super::{Cursor, Given, Item, Name, Value, Word};
-use crate::lexeme::{Bracket, Kind, Region};
+use crate::lexeme::{At, Bracket, Kind, Region};
 use crate::messages::{Messages, Report, syntax as say};
 
 /// Reads all items of a model, or all fields of an item (`inside`).
@@ -29,6 +29,7 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
             cursor.group(Bracket::Square);
             continue;
         }
+        let marked = mark(&mut cursor, inside);
         let Some(word) = cursor.word() else {
             messages.push(cursor.expected(if inside { "a field" } else { "an item" }));
             recover(&mut cursor, inside);
@@ -36,13 +37,17 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
         };
         let spec = words::find(&word.text, inside);
         if spec.is_none() && !inside {
-            messages.push(say::unknown_item(word.at.into(), &word.text));
+            messages.push(match word.text.as_str() {
+                "loop" => say::marks_joint(word.at.into()),
+                text => say::unknown_item(word.at.into(), text),
+            });
             items.push(lost(&cursor, word));
             recover(&mut cursor, inside);
             continue;
         }
         let mut item = Item {
             doc,
+            marked,
             at: word.at.into(),
             word,
             name: None,
@@ -64,11 +69,19 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
     }
 }
 
+/// Takes `loop` before a joint.
+fn mark(cursor: &mut Cursor<'_>, inside: bool) -> Option<At> {
+    let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
+    let joint = matches!(next, Some(Kind::Word(word)) if word == "joint");
+    (joint && !inside).then(|| cursor.keyword("loop")).flatten()
+}
+
 /// An item with an unknown keyword: its name may be used elsewhere.
 fn lost<'a>(cursor: &Cursor<'a>, word: Word) -> Item<'a> {
     let mut ahead = *cursor;
     Item {
         doc: String::new(),
+        marked: None,
         at: word.at.into(),
         word,
         name: ahead.word().map(|word| Name { word, index: None }),

@@ -55,6 +55,8 @@ pub struct Given<'a> {
 pub struct Item<'a> {
     /// Its documentation.
     pub doc: String,
+    /// The word `loop` before it.
+    pub marked: Option<At>,
     /// The keyword, or the name of the field.
     pub word: Word,
     /// The name.

@@ -269,6 +269,15 @@ pub const FOREIGN_FIELDS: Dictionary = &[
     ("distance", "length"),
     ("direction", "axis"),
     ("normal", "axis"),
+    ("limit", "stops"),
+    ("limits", "stops"),
+    ("range", "stops"),
+    ("torque", "force"),
+    ("effort", "force"),
+    ("springref", "rest"),
+    ("offset", "rest"),
+    ("frictionloss", "friction"),
+    ("coulomb", "friction"),
 ];
 
 /// Functions of other tools.

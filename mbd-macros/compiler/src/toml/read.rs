@@ -56,6 +56,8 @@ struct Draft {
     clauses: Vec<(&'static str, Piece)>,
     block: Vec<Draft>,
     spec: Option<&'static ItemWord>,
+    /// `loop = true`
+    marked: Option<At>,
     /// Whether one of its values could not be read.
     broken: bool,
 }
@@ -199,21 +201,42 @@ impl<'t> Reader<'t> {
                 }
                 (None, Some(inner), _) => self.messages.push(say_toml::table(at.into(), inner)),
                 (None, None, _) if word == "doc" => item.doc = self.doc(value),
+                (None, None, DeValue::Boolean(marked))
+                    if spec.word == "joint" && word == "loop" =>
+                {
+                    item.marked = marked.then_some(at);
+                }
+                // The fields of a joint coordinate.
+                (None, None, DeValue::Table(table)) if spec.word == "joint" => {
+                    let mut block = draft(word, at, None);
+                    for (key, value) in entries(table) {
+                        let at = self.mark(key.span().start);
+                        let field = self.field(key.get_ref(), at, value);
+                        block.block.push(field);
+                    }
+                    item.block.push(block);
+                }
                 (None, None, _) if spec.fields.is_none() => {
                     let known: Vec<&str> = spec.clauses.iter().map(|clause| clause.key).collect();
                     let report = say_resolve::unknown_field(at.into(), word, &known);
                     self.messages.push(report);
                 }
                 (None, None, _) => {
-                    let mut field = draft(word, at, None);
-                    match self.value(value) {
-                        Some(value) => field.clauses.push((":", value)),
-                        None => field.broken = true,
-                    }
+                    let field = self.field(word, at, value);
                     item.block.push(field);
                 }
             }
         }
+    }
+
+    /// A field with a value.
+    fn field(&mut self, word: &str, at: At, value: &Spanned<DeValue<'_>>) -> Draft {
+        let mut field = draft(word, at, None);
+        match self.value(value) {
+            Some(value) => field.clauses.push((":", value)),
+            None => field.broken = true,
+        }
+        field
     }
 
     /// A string of documentation.
@@ -292,6 +315,7 @@ fn draft(word: &str, at: At, spec: Option<&'static ItemWord>) -> Draft {
         clauses: Vec::new(),
         block: Vec::new(),
         spec,
+        marked: None,
         broken: false,
     }
 }
@@ -341,6 +365,7 @@ impl Draft {
     fn item<'a>(&self, lexemes: &'a [Lexeme], messages: &mut Messages) -> Item<'a> {
         let mut item = Item {
             doc: self.doc.clone(),
+            marked: self.marked,
             word: self.word.clone(),
             name: None,
             clauses: Vec::new(),

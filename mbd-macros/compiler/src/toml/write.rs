@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
+use mbd_scene::joints::{FORCE, NUMBERS, STOPS};
 use mbd_scene::{
     AngularVelocity, Axis, Body, Clamp, Coordinates, Difference, Dimension, Direction, Formula,
-    Frame, Function, Gravity, Inertia, JointLaw, Line, LineKind, LoadKind, NodeModel, Output,
-    PointKind, Scene, Unit,
+    Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LineKind, LoadKind, NodeModel,
+    Output, PointKind, Scene, Unit,
 };
 
 use toml::Value;
@@ -263,7 +264,11 @@ fn connections(out: &mut String, scene: &Scene) {
         entry(out, "kind", joint.law.keyword());
         entry(out, "from", &place(joint.parent, scene));
         entry(out, "to", &place(joint.child, scene));
+        if joint.cut {
+            out.push_str("loop = true\n");
+        }
         joint_fields(out, &joint.law, scene);
+        along(out, joint, scene);
     }
     for line in &scene.lines {
         write_line(out, line, scene);
@@ -316,6 +321,35 @@ fn joint_fields(out: &mut String, law: &JointLaw, scene: &Scene) {
                 entry(out, name, &format!("[{}]", list.join(", ")));
             }
             _ => {}
+        }
+    }
+}
+
+/// What acts along the coordinates of a joint: directly for one coordinate, else in a table of its own for each.
+fn along(out: &mut String, joint: &Joint, scene: &Scene) {
+    let several = joint.law.measured().count() > 1;
+    for along in &joint.along {
+        let Some(coordinate) = joint.law.coordinate(along.coordinate) else {
+            continue;
+        };
+        if several {
+            let _ = writeln!(out, "\n[joint.{}.{}]", key(&joint.name), coordinate.name);
+        }
+        for (field, formula) in NUMBERS.iter().zip(along.numbers()) {
+            if let Some(formula) = formula {
+                entry(out, field.name, &text(formula, scene));
+            }
+        }
+        if along.stops.iter().any(Option::is_some) {
+            let place = |stop: &Option<Formula>| {
+                let stop = stop.as_ref();
+                stop.map_or_else(|| "none".to_string(), |stop| text(stop, scene))
+            };
+            let [low, high] = along.stops.each_ref().map(place);
+            entry(out, STOPS.name, &format!("[{low}, {high}]"));
+        }
+        if let Some(force) = &along.force {
+            entry(out, FORCE.name, &text(force, scene));
         }
     }
 }

@@ -574,8 +574,8 @@ const _: () = {
         let hanger_t_10 = hanger_force_z - back_stay_t_10;
         *out = [hanger_t_8, hanger_t_9, hanger_t_10];
     }
-    /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, then the declared events.
-    /// 4 lines × 2 [m, N], 0 events.
+    /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
+    /// 4 lines × 2 [m, N], 0 stops × 2 [m, N or rad, N m], 0 events.
     /// 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections).
     #[inline(never)]
     fn guards<T: ::mbd_runtime::Real>(
@@ -1057,9 +1057,9 @@ const _: () = {
             balance(q, nodes, effective, out);
             ::mbd_runtime::nalgebra::SVector::from(values)
         }
-        /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, then the declared events.
+        /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
         ///
-        /// 4 lines × 2 \[m, N\], 0 events.
+        /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 0 events.
         /// 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections).
         #[must_use]
         pub fn guards(

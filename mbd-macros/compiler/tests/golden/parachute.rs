@@ -1484,8 +1484,8 @@ const _: () = {
         let leg_2_t_58 = -leg_2_t_57;
         *out = [leg_2_t_54, leg_2_t_56, leg_2_t_58];
     }
-    /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, then the declared events.
-    /// 4 lines × 2 [m, N], 1 events.
+    /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
+    /// 4 lines × 2 [m, N], 0 stops × 2 [m, N or rad, N m], 1 events.
     /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
     #[inline(never)]
     fn guards<T: ::mbd_runtime::Real>(
@@ -3254,7 +3254,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 3;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 4702450897425775354;
+        pub const DECL_HASH: u64 = 21451921685716840;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &[
             ::mbd_runtime::CoordInfo {
@@ -3697,12 +3697,13 @@ const _: () = {
                     .into(), law :
                     ::mbd_runtime::scene::JointLaw::Free(::mbd_runtime::scene::Free {}),
                     parent : ::mbd_runtime::scene::Place::World(0), child :
-                    ::mbd_runtime::scene::Place::Body(0, 0) },
-                    ::mbd_runtime::scene::Joint { name : "capsule_free".into(), doc : ""
-                    .into(), law :
+                    ::mbd_runtime::scene::Place::Body(0, 0), along : ::std::vec![], cut :
+                    false }, ::mbd_runtime::scene::Joint { name : "capsule_free".into(),
+                    doc : "".into(), law :
                     ::mbd_runtime::scene::JointLaw::Free(::mbd_runtime::scene::Free {}),
                     parent : ::mbd_runtime::scene::Place::World(0), child :
-                    ::mbd_runtime::scene::Place::Body(1, 0) }
+                    ::mbd_runtime::scene::Place::Body(1, 0), along : ::std::vec![], cut :
+                    false }
                 ],
                 lines: ::std::vec![
                     ::mbd_runtime::scene::Line { name : "riser".into(), doc : "".into(),
@@ -3878,9 +3879,9 @@ const _: () = {
             balance(q, v, z, nodes, hold, &self.values, out);
             ::mbd_runtime::nalgebra::SVector::from(values)
         }
-        /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, then the declared events.
+        /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
         ///
-        /// 4 lines × 2 \[m, N\], 1 events.
+        /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 1 events.
         /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
         #[must_use]
         pub fn guards(

@@ -17,10 +17,16 @@ pub struct Field {
 /// What a number must obey.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
+    /// Finite.
+    Finite,
+    /// Zero or above.
+    NotNegative,
     /// Above zero.
     Positive,
     /// Not zero, either sign.
     NotZero,
+    /// Strictly between −π and π.
+    WithinHalfTurns,
     /// Strictly between 0 and π.
     OpenHalfTurn,
 }
@@ -31,8 +37,11 @@ impl Rule {
     pub fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {
+                Rule::Finite => true,
+                Rule::NotNegative => value >= 0.0,
                 Rule::Positive => value > 0.0,
                 Rule::NotZero => value != 0.0,
+                Rule::WithinHalfTurns => value.abs() < std::f64::consts::PI,
                 Rule::OpenHalfTurn => value > 0.0 && value < std::f64::consts::PI,
             }
     }
@@ -41,8 +50,11 @@ impl Rule {
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
+            Rule::Finite => "finite",
+            Rule::NotNegative => "zero or positive",
             Rule::Positive => "positive",
             Rule::NotZero => "finite and not zero",
+            Rule::WithinHalfTurns => "between -180 and 180 degrees, where the angle jumps",
             Rule::OpenHalfTurn => "between 0 and 180 degrees, both excluded",
         }
     }

@@ -6,11 +6,13 @@
 //! Frame 1 is the joint's place on the parent, frame 2 its place on the child. An axis has the same components in both.
 //! Source of the rows: J. W. Kamman, ME 6590, Connecting Joints, Part I; derivatives of every row in [`crate::laws::rows`].
 
+mod along;
 mod axis;
 mod coordinate;
 mod field;
 mod motion;
 
+pub use along::{Along, AlongField, FORCE, Measured, NUMBERS, STOP_ORDER, STOPS, Side, in_order};
 pub use axis::Axis;
 pub use coordinate::{Coordinate, Measure};
 pub use field::{Field, Fields, Rule};

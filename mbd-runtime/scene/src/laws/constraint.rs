@@ -382,8 +382,8 @@ impl<S: Real> Constraints<S> {
                     if !uniform {
                         force += body_gravity(evaluation, body).map(|g| numbers.mass * g);
                     }
-                    let mut torque =
-                        motion.rotation.transpose() * torque - motion.gyroscopic(numbers);
+                    let mut torque = motion.rotation.transpose() * torque + assembly.own[body]
+                        - motion.gyroscopic(numbers);
                     for (k, lever) in evaluation.levers(body).iter().flatten().enumerate() {
                         torque += lever.map(|x| x * force[k]);
                     }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::along::Acting;
 use super::evaluation::Evaluation;
 use super::formula;
 use crate::{InputSource, LoadKind, Place, PointSlots, Real};
@@ -11,6 +12,8 @@ use crate::{InputSource, LoadKind, Place, PointSlots, Real};
 pub struct Assembly<S: Real> {
     /// Per body: force [N] and torque [N m].
     pub bodies: Vec<(Vector3<S>, Vector3<S>)>,
+    /// Per body: torque of what acts along joint coordinates, body axes [N m], besides the torque above.
+    pub own: Vec<Vector3<S>>,
     /// Per point: force [N].
     pub points: Vec<Vector3<S>>,
 }
@@ -20,12 +23,14 @@ impl<S: Real> Assembly<S> {
     pub fn new(bodies: usize, points: usize) -> Self {
         Assembly {
             bodies: vec![(Vector3::zeros(), Vector3::zeros()); bodies],
+            own: vec![Vector3::zeros(); bodies],
             points: vec![Vector3::zeros(); points],
         }
     }
 
     fn clear(&mut self) {
         self.bodies.fill((Vector3::zeros(), Vector3::zeros()));
+        self.own.fill(Vector3::zeros());
         self.points.fill(Vector3::zeros());
     }
 
@@ -55,13 +60,14 @@ impl<S: Real> Assembly<S> {
         }
     }
 
-    /// Collects every line and every load.
+    /// Collects every line, every load, and what acts along joint coordinates.
     pub fn collect(&mut self, evaluation: &Evaluation<'_, S>) {
         self.clear();
         self.collect_lines(evaluation);
         for load in 0..evaluation.scene.loads.len() {
             self.collect_load(evaluation, load);
         }
+        super::along::visit(evaluation, |acting| self.collect_effort(acting));
     }
 
     fn collect_lines(&mut self, evaluation: &Evaluation<'_, S>) {
@@ -73,6 +79,32 @@ impl<S: Real> Assembly<S> {
                 );
                 self.push(evaluation, declared.from, &force);
                 self.push(evaluation, declared.to, &-force);
+            }
+        }
+    }
+
+    /// Φ_vᵀ Q of one joint coordinate.
+    fn collect_effort(&mut self, acting: &Acting<'_, S>) {
+        let Some([parent, child]) = acting.places() else {
+            return;
+        };
+        let (effort, row) = (acting.effort(), acting.row());
+        for (place, columns) in [(parent, &row.parent), (child, &row.child)] {
+            let force = columns.linear.map(|x| x * effort);
+            match place {
+                Place::World(_) => {}
+                Place::Body(body, _) => {
+                    let totals = self.bodies.get_mut(body).zip(self.own.get_mut(body));
+                    if let Some((wrench, own)) = totals {
+                        wrench.0 += force;
+                        *own += columns.angular.map(|x| x * effort);
+                    }
+                }
+                Place::Point(point) => {
+                    if let Some(total) = self.points.get_mut(point) {
+                        *total += force;
+                    }
+                }
             }
         }
     }
@@ -150,8 +182,8 @@ pub fn load_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
     power
 }
 
-/// Power that moving frames of the world put into the lines that end there [W]: the drive holds against the pull, T u·v at the `to` end,
-/// −T u·v at the `from` end.
+/// Power that moving frames of the world put into the lines and the joint coordinates that end there [W]: the drive holds against the pull,
+/// T u·v at the `to` end, −T u·v at the `from` end; against the effort, −Q times the share of the frame in the rate.
 pub fn drive_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
     let mut power = S::zero();
     for (index, line) in evaluation.scene.lines.iter().enumerate() {
@@ -175,5 +207,10 @@ pub fn drive_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
             power -= along(velocity);
         }
     }
+    super::along::visit(evaluation, |acting| {
+        if let Some(driven) = acting.driven() {
+            power -= driven;
+        }
+    });
     power
 }

@@ -1,6 +1,7 @@
 //! The laws of mechanics, each written once over [`Real`]: numbers run them, dual numbers differentiate them, symbols record them.
 
 mod algebra;
+mod along;
 mod block;
 mod body;
 mod constraint;
@@ -26,10 +27,13 @@ use forces::Assembly;
 use nalgebra::Vector3;
 
 pub use algebra::{inverse, rotation, solve_positive, symmetric};
+pub use along::AlongNumbers;
 pub use constraint::branch;
 pub use formula::norm;
 pub use ground::{FrameMotion, ground};
-pub use numbers::{BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers};
+pub use numbers::{
+    BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers, constant,
+};
 pub(crate) use posture::Posture;
 
 use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
@@ -268,11 +272,13 @@ fn derivative<S: Real>(
 
 fn applied_forces<S: Real>(evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>, out: &mut [S]) {
     for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
-        let (force, torque) = assembly.bodies[index];
+        let ((force, torque), own) = (assembly.bodies[index], assembly.own[index]);
         write(out, slots.v, &force);
         let torque = match evaluation.scene.angular_velocity {
-            crate::AngularVelocity::Body => evaluation.motions[index].rotation.transpose() * torque,
-            crate::AngularVelocity::World => torque,
+            crate::AngularVelocity::Body => {
+                evaluation.motions[index].rotation.transpose() * torque + own
+            }
+            crate::AngularVelocity::World => torque + evaluation.motions[index].rotation * own,
         };
         write(out, slots.v + 3, &torque);
     }
@@ -344,8 +350,15 @@ fn guards<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
             out[2 * index + 1] = motion.pull;
         }
     }
+    along::visit(evaluation, |acting| {
+        for stop in acting.stops() {
+            out[2 * (lines + stop.stop)] = stop.depth;
+            out[2 * (lines + stop.stop) + 1] = stop.pull;
+        }
+    });
+    let events = 2 * evaluation.layout.one_way();
     for (index, event) in evaluation.scene.events.iter().enumerate() {
-        out[2 * lines + index] = formula::scalar(&event.guard, evaluation);
+        out[events + index] = formula::scalar(&event.guard, evaluation);
     }
 }
 
@@ -361,7 +374,7 @@ fn outputs<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     }
 }
 
-/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − K s₊) ṡ, power of prescribed motions.
+/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − K s₊) ṡ and friction, power of prescribed motions.
 fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
     let numbers = evaluation.numbers;
     let (mut kinetic, mut potential, mut elastic, mut damping) =
@@ -397,14 +410,14 @@ fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
             damping -= (tension - stiffness * taut) * rate;
         }
     }
-    out.copy_from_slice(&[
-        kinetic,
-        potential,
-        elastic,
-        forces::load_power(evaluation),
-        damping,
-        drives,
-    ]);
+    let mut load = forces::load_power(evaluation);
+    along::visit(evaluation, |acting| {
+        let [stored, given, lost] = acting.energy();
+        elastic += stored;
+        load += given;
+        damping += lost;
+    });
+    out.copy_from_slice(&[kinetic, potential, elastic, load, damping, drives]);
 }
 
 fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::algebra::{inverse, symmetric};
+use super::along::AlongNumbers;
 use super::formula::{Context, scalar, triple};
 use crate::{Formula, Frame, Gravity, PointKind, Real, Scene};
 
@@ -39,7 +40,7 @@ impl<S: Real> FrameNumbers<S> {
     }
 }
 
-/// The constants of a line.
+/// The constants of a line, or of a stop: its stiffness, its damping, and no free length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineNumbers<S> {
     /// Stiffness K [N/m].
@@ -92,7 +93,7 @@ pub struct Numbers<S> {
     pub bodies: Vec<BodyNumbers<S>>,
     /// Mass and its inverse of each point; zero for a node [kg, 1/kg].
     pub points: Vec<(S, S)>,
-    /// Per line.
+    /// Per line, then per stop.
     pub lines: Vec<LineNumbers<S>>,
     /// The world frames that stay where they are; NaN for one that moves.
     pub world_frames: Vec<FrameNumbers<S>>,
@@ -100,6 +101,8 @@ pub struct Numbers<S> {
     pub gravity: GravityNumbers<S>,
     /// The numbers of each joint, in the order of [`Joint::numbers`](crate::joints::Joint::numbers).
     pub joints: Vec<Vec<S>>,
+    /// Per joint, what acts along its coordinates, in the order of [`Joint::along`](crate::Joint::along).
+    pub along: Vec<Vec<AlongNumbers<S>>>,
 }
 
 /// The only things a constant may depend on.
@@ -116,6 +119,11 @@ impl<S: Real> Context<S> for Constants<'_, S> {
     fn param(&self, index: usize) -> Option<S> {
         self.params.get(index).copied()
     }
+}
+
+/// The value of a scalar formula that depends on params alone.
+pub fn constant<S: Real>(scene: &Scene, params: &[S], formula: &Formula) -> S {
+    scalar(formula, &Constants { scene, params })
 }
 
 impl<S: Real> Numbers<S> {
@@ -174,6 +182,18 @@ impl<S: Real> Numbers<S> {
             damping: of(&line.damping),
             free_length: of(&line.free_length),
         });
+        let given = |formula: &Option<Formula>| formula.as_ref().map(of);
+        let lines = lines.chain(scene.stops().map(|(_, along, _)| LineNumbers {
+            stiffness: given(&along.stop_stiffness).unwrap_or_else(|| S::from_f64(f64::NAN)),
+            damping: given(&along.stop_damping).unwrap_or_else(S::zero),
+            free_length: S::zero(),
+        }));
+        let along = scene.joints.iter().map(|joint| {
+            let entries = joint.along.iter();
+            entries
+                .map(|along| AlongNumbers::new(scene, along, of))
+                .collect()
+        });
         let gravity = match &scene.gravity {
             Gravity::None => GravityNumbers::None,
             Gravity::Uniform { acceleration } => {
@@ -215,6 +235,7 @@ impl<S: Real> Numbers<S> {
             world_frames: frames(&scene.world_frames),
             gravity,
             joints: joints.collect(),
+            along: along.collect(),
         }
     }
 }

@@ -119,7 +119,7 @@ pub fn unknown_field(at: Region, word: &str, known: &[&str]) -> Report {
     let ours = words::translated(words::FOREIGN_FIELDS, word).filter(|ours| known.contains(ours));
     let near = nearest(word, known.iter().copied());
     let suggestion = match (near, ours) {
-        (None, Some(ours)) => format!("; here it is called `{ours}`."),
+        (_, Some(ours)) => format!("; here it is called `{ours}`."),
         _ => ended(did_you_mean(word, known.iter().copied())),
     };
     let list = if known.is_empty() {

@@ -1,13 +1,14 @@
 //! Messages about joints: their kind, their ends, and their fields.
 
-use mbd_scene::{JointLaw, joints::Field};
+use mbd_scene::joints::{Coordinate, Field, Measured};
+use mbd_scene::{Dimension, JointLaw};
 
 use crate::lexeme::Region;
 use crate::messages::Report;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
 use crate::syntax::words;
-use crate::units::si_text;
+use crate::units::{described, si_text};
 
 pub fn joint_law(at: Region, word: &str) -> Report {
     let known = JointLaw::KEYWORDS;
@@ -123,6 +124,107 @@ pub fn no_number(at: Region, keyword: &str, name: &str, field: &Field) -> Report
         at,
         format!(
             "{keyword} joint `{name}` has no {field_name}. add `{{ {field_name}: {example} }}`"
+        ),
+    )
+}
+
+pub fn no_single_coordinate(at: Region, keyword: &str, field: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a `{keyword}` joint has no single coordinate for `{field}` to act along; put a `load` or a `spring` between the two bodies"
+        ),
+    )
+}
+
+pub fn which_coordinate(
+    at: Region,
+    keyword: &str,
+    field: &str,
+    coordinates: &[Coordinate],
+) -> Report {
+    let list: Vec<String> = coordinates
+        .iter()
+        .map(|c| format!("{} ({})", c.name, Measured::Value.unit(c)))
+        .collect();
+    let first = coordinates.first().map_or("", |c| c.name);
+    Report::new(
+        at,
+        format!(
+            "a `{keyword}` joint has coordinates of different units: {}. say which one `{field}` belongs to, such as `{first}: {{ {field}: … }}`",
+            list.join(", ")
+        ),
+    )
+}
+
+pub fn coordinate_block(at: Region, coordinate: &Coordinate) -> Report {
+    let name = coordinate.name;
+    let unit = Measured::Damping.unit(coordinate);
+    Report::new(
+        at,
+        format!(
+            "`{name}` is a coordinate: give it fields in braces, such as `{name}: {{ damping: 1.0 {unit} }}`"
+        ),
+    )
+}
+
+pub fn needs_field(at: Region, name: &str, field: &str, example: &str) -> Report {
+    let needed = example.split(':').next().unwrap_or_default();
+    Report::new(
+        at,
+        format!("`{field}` of `{name}` has no meaning without `{needed}`. add `{example}`"),
+    )
+}
+
+pub fn along_unit(
+    at: Region,
+    name: &str,
+    field: &str,
+    unit: &str,
+    found: Result<Dimension, &str>,
+) -> Report {
+    let text = match found {
+        Ok(found) => format!(
+            "`{field}` of `{name}` must be in {unit}, this is {}",
+            described(found)
+        ),
+        Err(bare) => format!(
+            "`{field}` of `{name}` needs a unit: write it as `{bare} {unit}`, or put `units: si;` at the top of the model"
+        ),
+    };
+    Report::new(at, text)
+}
+
+pub fn along_rule(at: Region, name: &str, field: &Field, unit: &str, found: f64) -> Report {
+    let (found, unit) = match unit {
+        "rad" => (found.to_degrees(), "deg"),
+        unit => (found, unit),
+    };
+    Report::new(
+        at,
+        format!(
+            "`{}` of `{name}` must be {}, this is {found} {unit}",
+            field.name,
+            field.rule.words()
+        ),
+    )
+}
+
+pub fn two_stops(at: Region, unit: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "expected a low and a high stop, such as `stops: [-1.0, 1.0] {unit}`; one of them may be left open: `stops: [none, 1.0 {unit}]`"
+        ),
+    )
+}
+
+pub fn stops_in_order(at: Region, name: &str, [low, high]: [Option<f64>; 2]) -> Report {
+    let (low, high) = (low.unwrap_or(f64::NAN), high.unwrap_or(f64::NAN));
+    Report::new(
+        at,
+        format!(
+            "the low stop of `{name}` lies below the high one, these are {low} and {high} (SI)"
         ),
     )
 }

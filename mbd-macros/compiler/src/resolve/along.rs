@@ -1,0 +1,309 @@
+//! The fields of joint coordinates: spring, damper, friction, stops, force; for one coordinate directly in the braces of the joint, for more
+//! in a block named after the coordinate. A field outside the blocks holds for every coordinate if all have the same unit.
+
+use std::collections::BTreeMap;
+
+use mbd_scene::joints::{AlongField, Coordinate, FORCE, NUMBERS, STOPS, in_order};
+use mbd_scene::{Along, Formula, JointLaw};
+
+use super::joints::Names;
+use super::{Instance, Named, Resolver, Scope, Stage, Typed, fold};
+use crate::lexeme::Bracket;
+use crate::messages::{resolve as say, syntax as say_syntax};
+use crate::syntax::{Cursor, Item, Value, unit};
+use crate::units;
+
+/// The keywords of the fields of a coordinate.
+fn field_words() -> impl Iterator<Item = &'static str> {
+    let fields = NUMBERS.iter().chain([&STOPS, &FORCE]);
+    fields.map(|field| field.name)
+}
+
+/// The keywords that the coordinates of a joint bring: their fields and their own names; none without coordinates.
+pub fn words(law: &JointLaw) -> Vec<&'static str> {
+    let names: Vec<&str> = law.measured().map(|coordinate| coordinate.name).collect();
+    if names.is_empty() {
+        return names;
+    }
+    field_words().chain(names).collect()
+}
+
+/// A field of a coordinate on a joint that has none.
+pub fn without_coordinate<'i, 'a>(law: &JointLaw, block: &'i [Item<'a>]) -> Option<&'i Item<'a>> {
+    let none = law.measured().next().is_none();
+    let own = |item: &&Item<'_>| field_words().any(|word| word == item.word.text);
+    block.iter().find(own).filter(|_| none)
+}
+
+/// The fields given for one coordinate.
+type Given<'i, 'a> = BTreeMap<&'static str, &'i Item<'a>>;
+
+/// Whose fields are read.
+struct Owner<'o> {
+    /// The joint, or joint and coordinate where it has several.
+    name: String,
+    coordinate: &'o Coordinate,
+    scope: Scope<'o>,
+}
+
+impl Resolver<'_> {
+    /// Fills what acts along the coordinates of joints, when every joint is known.
+    pub fn along_joints(&mut self) {
+        for instance in self.of("joint") {
+            if self.along_joint(&instance).is_none() {
+                self.bad.insert(Named::Joint(instance.slot));
+            }
+        }
+    }
+
+    fn along_joint(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let item = instance.item;
+        let keyword = Cursor::new(item.clause(":")?).word()?.text;
+        let law = JointLaw::read(&keyword, &mut Names::default())?;
+        let measured: Vec<Coordinate> = law.measured().collect();
+        let blocks = self.blocks(item, &measured)?;
+        let mut given: Vec<Given<'_, '_>> = vec![Given::new(); measured.len()];
+        for (fields, block) in given.iter_mut().zip(&blocks) {
+            for field in block {
+                let word = field_words().find(|word| *word == field.word.text);
+                self.give(fields, word, field)?;
+            }
+        }
+        let alike = measured
+            .windows(2)
+            .all(|pair| pair[0].is_angle() == pair[1].is_angle());
+        for field in &item.block {
+            let Some(word) = field_words().find(|word| *word == field.word.text) else {
+                continue;
+            };
+            if !alike {
+                let at = field.word.at.into();
+                return self.fail(say::which_coordinate(at, &keyword, word, &measured));
+            }
+            for fields in &mut given {
+                self.give(fields, Some(word), field)?;
+            }
+        }
+        let name = self.scene.joints.get(instance.slot)?.name.clone();
+        let mut entries = Some(Vec::new());
+        for (index, (coordinate, fields)) in measured.iter().zip(&given).enumerate() {
+            let owner = Owner {
+                name: match measured.len() {
+                    1 => name.clone(),
+                    _ => format!("{name}.{}", coordinate.name),
+                },
+                coordinate,
+                scope: instance.scope(Stage::Fixed),
+            };
+            let along = self.along(index, fields, &owner);
+            if let (Some(entries), Some(along)) = (entries.as_mut(), along.as_ref()) {
+                entries.extend((!along.is_empty()).then(|| along.clone()));
+            }
+            if along.is_none() {
+                entries = None;
+            }
+        }
+        self.scene.joints.get_mut(instance.slot)?.along = entries?;
+        Some(())
+    }
+
+    /// The fields in the blocks named after coordinates.
+    fn blocks<'i, 'a>(
+        &mut self,
+        item: &'i Item<'a>,
+        measured: &[Coordinate],
+    ) -> Option<Vec<Vec<Item<'a>>>> {
+        let known: Vec<&str> = field_words().collect();
+        let mut blocks = Some(Vec::new());
+        for coordinate in measured {
+            let named = item.block.iter();
+            let named = named.filter(|field| field.word.text == coordinate.name);
+            let block = match named.last() {
+                None => Some(Vec::new()),
+                Some(field) => self.coordinate_block(field, coordinate),
+            };
+            let block = block.filter(|block| !self.fields(block, &known).doubtful);
+            if let (Some(blocks), Some(block)) = (blocks.as_mut(), block.as_ref()) {
+                blocks.push(block.clone());
+            }
+            if block.is_none() {
+                blocks = None;
+            }
+        }
+        blocks
+    }
+
+    fn coordinate_block<'a>(
+        &mut self,
+        field: &Item<'a>,
+        coordinate: &Coordinate,
+    ) -> Option<Vec<Item<'a>>> {
+        let Some(value) = field.clause(":") else {
+            return (!field.broken).then(|| field.block.clone());
+        };
+        let mut cursor = Cursor::new(value);
+        match cursor.group(Bracket::Brace) {
+            Some(group) if cursor.at_end() => Some(self.block(group)),
+            _ => self.fail(say::coordinate_block(value.at, coordinate)),
+        }
+    }
+
+    /// Adds a field to those of a coordinate: each at most once.
+    fn give<'i, 'a>(
+        &mut self,
+        fields: &mut Given<'i, 'a>,
+        word: Option<&'static str>,
+        item: &'i Item<'a>,
+    ) -> Option<()> {
+        let word = word?;
+        match fields.insert(word, item) {
+            Some(first) => {
+                let (at, first) = (item.word.at.into(), first.word.at.into());
+                self.fail(say_syntax::repeated_clause(at, word, first))
+            }
+            None => Some(()),
+        }
+    }
+
+    /// What acts along one coordinate.
+    fn along(&mut self, index: usize, given: &Given<'_, '_>, owner: &Owner<'_>) -> Option<Along> {
+        let mut along = Along {
+            coordinate: index,
+            ..Along::default()
+        };
+        let mut whole = true;
+        for field in NUMBERS.iter().chain([&STOPS]) {
+            let Some(item) = given.get(field.name) else {
+                continue;
+            };
+            if let Some(needed) = field.needs.filter(|needed| !given.contains_key(needed)) {
+                let example = example(needed, owner.coordinate);
+                let at = item.word.at.into();
+                self.messages
+                    .push(say::needs_field(at, &owner.name, field.name, &example));
+                whole = false;
+            }
+        }
+        for (field, slot) in NUMBERS.iter().zip(along.numbers_mut()) {
+            let value = given.get(field.name).and_then(|item| item.clause(":"));
+            if let Some(value) = value {
+                *slot = self.along_number(field, value, owner);
+                whole &= slot.is_some();
+            }
+        }
+        if let Some(value) = given.get(STOPS.name).and_then(|item| item.clause(":")) {
+            let stops = self.stops(value, owner);
+            whole &= stops.is_some();
+            along.stops = stops.unwrap_or_default();
+        }
+        if let Some(value) = given.get(FORCE.name).and_then(|item| item.clause(":")) {
+            let scope = Scope {
+                stage: Stage::Live,
+                ..owner.scope
+            };
+            let typed = self.value(value, scope);
+            along.force = typed.and_then(|typed| self.along_fits(typed, &FORCE, owner));
+            whole &= along.force.is_some();
+        }
+        whole.then_some(along)
+    }
+
+    fn along_number(
+        &mut self,
+        field: &AlongField,
+        value: Value<'_>,
+        owner: &Owner<'_>,
+    ) -> Option<Formula> {
+        let typed = self.value(value, owner.scope)?;
+        self.obeying(typed, field, owner)
+    }
+
+    /// The formula of a value that fits a field and obeys its rule with all params at their defaults.
+    fn obeying(&mut self, typed: Typed, field: &AlongField, owner: &Owner<'_>) -> Option<Formula> {
+        let at = typed.at;
+        let formula = self.along_fits(typed, field, owner)?;
+        let held = field.of(owner.coordinate);
+        match fold::at_defaults(&formula, &self.scene) {
+            Some(found) if !held.rule.holds(found) => {
+                let unit = field.measured.unit(owner.coordinate);
+                self.fail(say::along_rule(at, &owner.name, &held, unit, found))
+            }
+            _ => Some(formula),
+        }
+    }
+
+    fn along_fits(
+        &mut self,
+        typed: Typed,
+        field: &AlongField,
+        owner: &Owner<'_>,
+    ) -> Option<Formula> {
+        let held = field.of(owner.coordinate);
+        let wrong = typed.dimension.filter(|found| *found != held.dimension);
+        match wrong {
+            Some(found) if !typed.vector => {
+                let unit = field.measured.unit(owner.coordinate);
+                let name = &owner.name;
+                let found = match &typed.bare {
+                    Some(text) if found == units::NONE => Err(text.as_str()),
+                    _ => Ok(found),
+                };
+                self.fail(say::along_unit(typed.at, name, field.name, unit, found))
+            }
+            _ => self.fits(typed, field.name, false, held.dimension),
+        }
+    }
+
+    /// `[low, high]`, a unit behind the bracket if it is not inside, `none` for a side left open.
+    fn stops(&mut self, value: Value<'_>, owner: &Owner<'_>) -> Option<[Option<Formula>; 2]> {
+        let unit_word = STOPS.measured.unit(owner.coordinate);
+        let mut cursor = Cursor::new(value);
+        let parts = cursor
+            .group(Bracket::Square)
+            .map(|group| Cursor::new(group).comma_separated());
+        let Some([low, high]) = parts.as_deref() else {
+            return self.fail(say::two_stops(value.at, unit_word));
+        };
+        let unit = match cursor.at_end() {
+            true => None,
+            false => match unit::whole(cursor) {
+                Ok(unit) => Some(unit),
+                Err(report) => return self.fail(report),
+            },
+        };
+        let mut read = |part: &Value<'_>| -> Option<Option<Formula>> {
+            let mut cursor = Cursor::new(*part);
+            if cursor.keyword("none").is_some() && cursor.at_end() {
+                return Some(None);
+            }
+            let typed = self.value(*part, owner.scope)?;
+            let typed = match &unit {
+                Some(unit) => self.with_unit(typed, unit)?,
+                None => typed,
+            };
+            self.obeying(typed, &STOPS, owner).map(Some)
+        };
+        let (low, high) = (read(low), read(high));
+        let stops = [low?, high?];
+        if stops.iter().all(Option::is_none) {
+            return self.fail(say::two_stops(value.at, unit_word));
+        }
+        let places = stops.each_ref().map(|stop| {
+            let place = stop.as_ref();
+            place.and_then(|place| fold::at_defaults(place, &self.scene))
+        });
+        if !in_order(places) {
+            return self.fail(say::stops_in_order(value.at, &owner.name, places));
+        }
+        Some(stops)
+    }
+}
+
+/// How a field that must be added is written.
+fn example(word: &str, coordinate: &Coordinate) -> String {
+    let field = NUMBERS.iter().find(|field| field.name == word);
+    match field {
+        Some(field) => format!("{word}: 1.0 {}", field.measured.unit(coordinate)),
+        None => format!("{word}: [-1.0, 1.0] {}", STOPS.measured.unit(coordinate)),
+    }
+}

@@ -1,0 +1,284 @@
+//! The fields of a joint coordinate: a spring, a damper, friction, stops, a force. The law is in [`crate::laws::along`].
+
+use serde::{Deserialize, Serialize};
+
+use super::{Coordinate, Field, Rule};
+use crate::{Dimension, Formula};
+
+/// What acts along one coordinate of a joint. What is absent, or zero by declaration, costs nothing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Along {
+    /// Which coordinate of the joint.
+    pub coordinate: usize,
+    /// Stiffness of the spring [N/m or N m/rad], ≥ 0.
+    pub stiffness: Option<Formula>,
+    /// Where the spring is at rest [m or rad]; 0 if it is not given.
+    pub rest: Option<Formula>,
+    /// Damping [N s/m or N m s/rad], ≥ 0.
+    pub damping: Option<Formula>,
+    /// Level of Coulomb friction [N or N m], ≥ 0.
+    pub friction: Option<Formula>,
+    /// The rate over which friction turns its sign [m/s or rad/s], > 0.
+    pub friction_rate: Option<Formula>,
+    /// The low and the high stop [m or rad].
+    pub stops: [Option<Formula>; 2],
+    /// Stiffness of the stops [N/m or N m/rad], > 0.
+    pub stop_stiffness: Option<Formula>,
+    /// Damping of the stops [N s/m or N m s/rad], ≥ 0; none if it is not given.
+    pub stop_damping: Option<Formula>,
+    /// A force on the coordinate [N or N m]: any quantity of the scene may stand in it.
+    pub force: Option<Formula>,
+}
+
+/// What a number of [`Along`] measures, by the coordinate it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measured {
+    /// The coordinate itself.
+    Value,
+    /// Its rate.
+    Rate,
+    /// The generalised force on it.
+    Force,
+    /// Force over coordinate.
+    Stiffness,
+    /// Force over rate.
+    Damping,
+}
+
+/// A number among the fields of a coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AlongField {
+    /// The keyword of the field.
+    pub name: &'static str,
+    /// What it measures.
+    pub measured: Measured,
+    /// What it must obey.
+    pub rule: Rule,
+    /// The field without which it has no meaning.
+    pub needs: Option<&'static str>,
+}
+
+const fn field(
+    name: &'static str,
+    measured: Measured,
+    rule: Rule,
+    needs: Option<&'static str>,
+) -> AlongField {
+    AlongField {
+        name,
+        measured,
+        rule,
+        needs,
+    }
+}
+
+/// The keyword of the stops, and what their places obey.
+pub const STOPS: AlongField = field(
+    "stops",
+    Measured::Value,
+    Rule::Finite,
+    Some("stop_stiffness"),
+);
+/// The keyword of the force.
+pub const FORCE: AlongField = field("force", Measured::Force, Rule::Finite, None);
+
+/// The numbers of [`Along`], in the order of [`Along::numbers`].
+pub const NUMBERS: [AlongField; 7] = [
+    field("stiffness", Measured::Stiffness, Rule::NotNegative, None),
+    field("rest", Measured::Value, Rule::Finite, Some("stiffness")),
+    field("damping", Measured::Damping, Rule::NotNegative, None),
+    field(
+        "friction",
+        Measured::Force,
+        Rule::NotNegative,
+        Some("friction_rate"),
+    ),
+    field(
+        "friction_rate",
+        Measured::Rate,
+        Rule::Positive,
+        Some("friction"),
+    ),
+    field(
+        "stop_stiffness",
+        Measured::Stiffness,
+        Rule::Positive,
+        Some("stops"),
+    ),
+    field(
+        "stop_damping",
+        Measured::Damping,
+        Rule::NotNegative,
+        Some("stops"),
+    ),
+];
+
+impl AlongField {
+    /// The field for one coordinate.
+    #[must_use]
+    pub const fn of(&self, coordinate: &Coordinate) -> Field {
+        let rule = match (self.measured, self.rule) {
+            (Measured::Value, Rule::Finite) if coordinate.wraps() => Rule::WithinHalfTurns,
+            (_, rule) => rule,
+        };
+        Field {
+            name: self.name,
+            dimension: self.measured.of(coordinate),
+            rule,
+        }
+    }
+}
+
+impl Measured {
+    /// The dimension for one coordinate: power is force times rate.
+    #[must_use]
+    pub const fn of(self, coordinate: &Coordinate) -> Dimension {
+        let value = coordinate.dimension();
+        let force = Dimension {
+            mass: 2,
+            length: 4 - value.length,
+            time: -4,
+        };
+        match self {
+            Measured::Value => value,
+            Measured::Rate => coordinate.rate_dimension(),
+            Measured::Force => force,
+            Measured::Stiffness => Dimension {
+                length: force.length - value.length,
+                ..force
+            },
+            Measured::Damping => Dimension {
+                length: force.length - value.length,
+                time: -2,
+                ..force
+            },
+        }
+    }
+}
+
+impl Measured {
+    /// The unit for one coordinate, with the radians that a dimension does not show.
+    #[must_use]
+    pub const fn unit(self, coordinate: &Coordinate) -> &'static str {
+        match (self, coordinate.is_angle()) {
+            (Measured::Value, false) => "m",
+            (Measured::Value, true) => "rad",
+            (Measured::Rate, false) => "m/s",
+            (Measured::Rate, true) => "rad/s",
+            (Measured::Force, false) => "N",
+            (Measured::Force, true) => "N*m",
+            (Measured::Stiffness, false) => "N/m",
+            (Measured::Stiffness, true) => "N*m/rad",
+            (Measured::Damping, false) => "N*s/m",
+            (Measured::Damping, true) => "N*m*s/rad",
+        }
+    }
+}
+
+impl Along {
+    /// Its numbers, in the order of [`NUMBERS`].
+    #[must_use]
+    pub fn numbers(&self) -> [&Option<Formula>; 7] {
+        [
+            &self.stiffness,
+            &self.rest,
+            &self.damping,
+            &self.friction,
+            &self.friction_rate,
+            &self.stop_stiffness,
+            &self.stop_damping,
+        ]
+    }
+
+    /// The same, to be changed.
+    pub fn numbers_mut(&mut self) -> [&mut Option<Formula>; 7] {
+        [
+            &mut self.stiffness,
+            &mut self.rest,
+            &mut self.damping,
+            &mut self.friction,
+            &mut self.friction_rate,
+            &mut self.stop_stiffness,
+            &mut self.stop_damping,
+        ]
+    }
+
+    /// Every formula, to be changed.
+    pub fn formulas_mut(&mut self) -> impl Iterator<Item = &mut Formula> {
+        let Along {
+            coordinate: _,
+            stiffness,
+            rest,
+            damping,
+            friction,
+            friction_rate,
+            stops: [low, high],
+            stop_stiffness,
+            stop_damping,
+            force,
+        } = self;
+        [
+            stiffness,
+            rest,
+            damping,
+            friction,
+            friction_rate,
+            low,
+            high,
+            stop_stiffness,
+            stop_damping,
+            force,
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// Whether nothing is declared.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        let mut given = self.numbers().into_iter().chain(&self.stops);
+        given.all(Option::is_none) && self.force.is_none()
+    }
+}
+
+/// What two stops obey, in words to follow "it must be".
+pub const STOP_ORDER: &str = "a low stop below a high stop";
+
+/// Whether two stops are in order: one that is left open always is.
+#[must_use]
+pub fn in_order(stops: [Option<f64>; 2]) -> bool {
+    match stops {
+        [Some(low), Some(high)] => low < high,
+        _ => true,
+    }
+}
+
+/// A side of the range between two stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Side {
+    /// The stop at the low end: it pushes upwards.
+    Low,
+    /// The stop at the high end: it pushes downwards.
+    High,
+}
+
+impl Side {
+    /// The place of its stop in [`Along::stops`].
+    #[must_use]
+    pub const fn index(self) -> usize {
+        match self {
+            Side::Low => 0,
+            Side::High => 1,
+        }
+    }
+
+    /// Its word.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Side::Low => "low",
+            Side::High => "high",
+        }
+    }
+}

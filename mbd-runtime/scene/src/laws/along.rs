@@ -1,0 +1,264 @@
+//! What acts along a joint coordinate x with rate u: a generalised force Q, which the bodies feel as Φ_vᵀ Q (see [`super::coordinate`]).
+//!
+//! ```text
+//! Q = −K (x − x0) − C u − F u/√(u² + w²) + P_low − P_high + f                  [N], for an angle [N m]                  (1)
+//! P = max(0, K_s e + C_s ė) if e > 0, else 0;   low: e = x_low − x, ė = −u;   high: e = x − x_high, ė = u                (2)
+//! elastic energy ½ K (x − x0)² + Σ ½ K_s e₊²;  power of the dampers −C u² − F u²/√(u² + w²) − Σ (P − K_s e₊) ė           (3)
+//! ```
+//!
+//! Springs and dampers restrict a joint by loads and take no freedom away (Kamman, Connecting Joints I); the same holds for stops and for a
+//! prescribed force. A stop is a line of [`super::line`] whose stretch is the depth e: same law (2), same care (it never pulls back, and its
+//! damping begins with the touch), same located switches. Friction is Coulomb's level F, turned through zero over the rate w: it creeps under
+//! load at about w Q/F instead of sticking, and its slope F/w bounds the step. Singular case: none, w > 0.
+//! An angle that turns through ±π jumps there, and with it a spring's torque. Rejected: F sign(u), which is no function at u = 0.
+
+use std::cell::OnceCell;
+
+use super::evaluation::Evaluation;
+use super::formula;
+use super::line;
+use super::rows::{Ends, Row};
+use crate::joints::{Along, Coordinate, Side};
+use crate::{AngularVelocity, Formula, LineKind, Place, Real, Scene};
+
+/// The constants of [`Along`]; `None`: absent, or zero by declaration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AlongNumbers<S> {
+    /// Stiffness K [N/m or N m/rad].
+    pub stiffness: Option<S>,
+    /// Rest x0 [m or rad].
+    pub rest: Option<S>,
+    /// Damping C [N s/m or N m s/rad].
+    pub damping: Option<S>,
+    /// Friction F [N or N m] and the rate w over which it turns [m/s or rad/s].
+    pub friction: Option<[S; 2]>,
+    /// The low and the high stop [m or rad].
+    pub stops: [Option<S>; 2],
+}
+
+impl<S: Real> AlongNumbers<S> {
+    /// The constants of one entry, evaluated by `of`.
+    pub fn new(scene: &Scene, along: &Along, of: impl Fn(&Formula) -> S) -> Self {
+        let given = |formula: &Option<Formula>| {
+            let formula = formula.as_ref().filter(|formula| !scene.is_zero(formula));
+            formula.map(&of)
+        };
+        AlongNumbers {
+            stiffness: given(&along.stiffness),
+            rest: given(&along.rest),
+            damping: given(&along.damping),
+            friction: given(&along.friction)
+                .map(|level| [level, given(&along.friction_rate).unwrap_or_else(S::zero)]),
+            stops: along.stops.each_ref().map(|stop| stop.as_ref().map(&of)),
+        }
+    }
+}
+
+/// A coordinate that something acts along, at a state.
+pub struct Acting<'a, S: Real> {
+    evaluation: &'a Evaluation<'a, S>,
+    /// The joint.
+    pub joint: usize,
+    ends: Ends<'a, S>,
+    coordinate: Coordinate,
+    declared: &'a Along,
+    numbers: &'a AlongNumbers<S>,
+    /// The number of its first stop among all stops.
+    first_stop: usize,
+    value: OnceCell<S>,
+    rate: OnceCell<S>,
+}
+
+/// A stop at a state.
+#[derive(Clone, Copy, Debug)]
+pub struct StopMotion<S> {
+    /// The number of the stop.
+    pub stop: usize,
+    /// Depth e [m or rad].
+    pub depth: S,
+    /// Its rate ė [m/s or rad/s].
+    pub closing: S,
+    /// K_s e + C_s ė [N or N m].
+    pub pull: S,
+    /// P of (2) [N or N m].
+    pub push: S,
+    /// K_s e₊ [N or N m].
+    elastic: S,
+    damped: bool,
+    side: Side,
+}
+
+/// Calls `visit` for every coordinate that something acts along, in order.
+pub fn visit<S: Real>(evaluation: &Evaluation<'_, S>, mut visit: impl FnMut(&Acting<'_, S>)) {
+    let mut first_stop = 0;
+    for (joint, declared) in evaluation.scene.joints.iter().enumerate() {
+        let numbers = evaluation.numbers.along.get(joint);
+        for (along, numbers) in declared.along.iter().zip(numbers.into_iter().flatten()) {
+            let stop = first_stop;
+            first_stop += along.stops.iter().flatten().count();
+            S::section(&declared.name);
+            let ends = evaluation.ends(joint, AngularVelocity::Body);
+            let coordinate = declared.law.coordinate(along.coordinate);
+            let (Some(ends), Some(coordinate)) = (ends, coordinate) else {
+                continue;
+            };
+            visit(&Acting {
+                evaluation,
+                joint,
+                ends,
+                coordinate,
+                declared: along,
+                numbers,
+                first_stop: stop,
+                value: OnceCell::new(),
+                rate: OnceCell::new(),
+            });
+        }
+    }
+}
+
+impl<S: Real> Acting<'_, S> {
+    fn value(&self) -> S {
+        *self.value.get_or_init(|| self.ends.value(&self.coordinate))
+    }
+
+    fn rate(&self) -> S {
+        *self.rate.get_or_init(|| self.ends.rate(&self.coordinate))
+    }
+
+    /// The coordinate as a row: its columns take Q to the bodies.
+    pub fn row(&self) -> Row<S> {
+        self.ends.row(&self.coordinate)
+    }
+
+    /// x − x0.
+    fn deflection(&self) -> S {
+        match self.numbers.rest {
+            Some(rest) => self.value() - rest,
+            None => self.value(),
+        }
+    }
+
+    /// F u/√(u² + w²).
+    fn friction(&self) -> Option<S> {
+        let [level, width] = self.numbers.friction?;
+        let rate = self.rate();
+        let size = (rate * rate + width * width).sqrt();
+        Some((level * rate / size).label("friction"))
+    }
+
+    /// f.
+    fn force(&self) -> Option<S> {
+        let formula = self.declared.force.as_ref()?;
+        Some(formula::scalar(formula, self.evaluation))
+    }
+
+    /// Its stops.
+    pub fn stops(&self) -> impl Iterator<Item = StopMotion<S>> + '_ {
+        let sides = [Side::Low, Side::High].into_iter();
+        sides
+            .filter_map(|side| Some((side, self.numbers.stops[side.index()]?)))
+            .zip(self.first_stop..)
+            .filter_map(|((side, place), stop)| self.stop(side, place, stop))
+    }
+
+    fn stop(&self, side: Side, place: S, stop: usize) -> Option<StopMotion<S>> {
+        let scene = self.evaluation.scene;
+        let index = scene.lines.len() + stop;
+        let numbers = self.evaluation.numbers.lines.get(index)?;
+        let hold = self.evaluation.at.hold.get(index).copied()?;
+        let given = self.declared.stop_damping.as_ref();
+        let damped = given.is_some_and(|damping| !scene.is_zero(damping));
+        let depth = match side {
+            Side::Low => place - self.value(),
+            Side::High => self.value() - place,
+        };
+        let closing = match (damped, side) {
+            (false, _) => S::zero(),
+            (true, Side::Low) => -self.rate(),
+            (true, Side::High) => self.rate(),
+        };
+        Some(StopMotion {
+            stop,
+            depth,
+            closing,
+            pull: line::pull(numbers, depth, closing, damped),
+            push: line::tension(LineKind::Line, numbers, depth, closing, damped, hold),
+            elastic: numbers.stiffness * depth.max(S::zero()),
+            damped,
+            side,
+        })
+    }
+
+    /// Q by (1).
+    pub fn effort(&self) -> S {
+        let mut effort = S::zero();
+        if let Some(stiffness) = self.numbers.stiffness {
+            effort -= stiffness * self.deflection();
+        }
+        if let Some(damping) = self.numbers.damping {
+            effort -= damping * self.rate();
+        }
+        if let Some(friction) = self.friction() {
+            effort -= friction;
+        }
+        for stop in self.stops() {
+            match stop.side {
+                Side::Low => effort += stop.push,
+                Side::High => effort -= stop.push,
+            }
+        }
+        if let Some(force) = self.force() {
+            effort += force;
+        }
+        effort.label("effort")
+    }
+
+    /// Elastic energy [J], power of the force and power of dampers and friction [W], by (3).
+    pub fn energy(&self) -> [S; 3] {
+        let half = S::from_f64(0.5);
+        let (mut elastic, mut load, mut damping) = (S::zero(), S::zero(), S::zero());
+        if let Some(stiffness) = self.numbers.stiffness {
+            let deflection = self.deflection();
+            elastic += half * (stiffness * (deflection * deflection));
+        }
+        if let Some(coefficient) = self.numbers.damping {
+            damping -= coefficient * (self.rate() * self.rate());
+        }
+        if let Some(friction) = self.friction() {
+            damping -= friction * self.rate();
+        }
+        for stop in self.stops() {
+            elastic += half * (stop.elastic * stop.depth.max(S::zero()));
+            if stop.damped {
+                damping -= (stop.push - stop.elastic) * stop.closing;
+            }
+        }
+        if let Some(force) = self.force() {
+            load += force * self.rate();
+        }
+        [elastic, load, damping]
+    }
+
+    /// Q times the share of moving frames of the world in the rate [W]; `None` where no end moves by itself.
+    pub fn driven(&self) -> Option<S> {
+        let (parent, child) = (&self.ends.parent, &self.ends.child);
+        if parent.prescribed.is_none() && child.prescribed.is_none() {
+            return None;
+        }
+        let row = self.row();
+        let mut share = S::zero();
+        for (end, columns) in [(parent, &row.parent), (child, &row.child)] {
+            if end.prescribed.is_some() {
+                share += columns.rate(end);
+            }
+        }
+        Some(self.effort() * share)
+    }
+
+    /// The two ends: what each sits on.
+    pub fn places(&self) -> Option<[Place; 2]> {
+        let joint = self.evaluation.scene.joints.get(self.joint)?;
+        Some([joint.parent, joint.child])
+    }
+}
