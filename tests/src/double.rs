@@ -76,12 +76,15 @@ impl Div for Double {
 pub fn solve(mut matrix: Vec<Vec<Double>>, mut right: Vec<Double>) -> Vec<Double> {
     let n = right.len();
     for k in 0..n {
-        for i in k + 1..n {
-            let factor = matrix[i][k] / matrix[k][k];
-            for j in k..n {
-                matrix[i][j] = matrix[i][j] - factor * matrix[k][j];
+        let (done, open) = matrix.split_at_mut(k + 1);
+        let pivot = &done[k];
+        let known = right[k];
+        for (row, value) in open.iter_mut().zip(&mut right[k + 1..]) {
+            let factor = row[k] / pivot[k];
+            for (x, p) in row.iter_mut().zip(pivot).skip(k) {
+                *x = *x - factor * *p;
             }
-            right[i] = right[i] - factor * right[k];
+            *value = *value - factor * known;
         }
     }
     for i in (0..n).rev() {

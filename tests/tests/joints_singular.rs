@@ -9,12 +9,6 @@ use tests::linkage::{Linkage, weighed};
 use tests::mechanism::{Instance, add_joint, add_point, empty, evaluate, state};
 use tests::reference::{field, load};
 
-const PLANE: [fn() -> Vector3<f64>; 3] = [|| Vector3::x(), || Vector3::y(), || Vector3::z()];
-
-fn plane() -> [Vector3<f64>; 3] {
-    PLANE.map(|axis| axis())
-}
-
 /// Cranks of equal length on the world, turned by `angle` and turning at `rate`, and bars across their tips.
 fn cranks(count: usize, bars: &[&[usize]], angle: f64, rate: f64, gravity: f64) -> Linkage {
     let (s, c) = angle.sin_cos();
@@ -31,7 +25,7 @@ fn cranks(count: usize, bars: &[&[usize]], angle: f64, rate: f64, gravity: f64) 
         &points,
         &all,
         false,
-        plane(),
+        [Vector3::x(), Vector3::y(), Vector3::z()],
         [0.0, -gravity, 0.0],
         components,
         rod,

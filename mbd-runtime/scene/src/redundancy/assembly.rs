@@ -165,7 +165,7 @@ impl Assembly<'_> {
                 }
                 self.shift(link.to, &motion);
             }
-            if !(left <= self.tolerance()) {
+            if left.is_nan() || left > self.tolerance() {
                 return None;
             }
         }

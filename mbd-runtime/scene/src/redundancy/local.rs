@@ -58,7 +58,7 @@ impl Hold {
                 }
             }
             let new = dot(&rest, &rest).sqrt();
-            if !(new > NOTHING * whole) {
+            if new.is_nan() || new <= NOTHING * whole {
                 return None;
             }
             hold.fixed.push(rest.map(|x| x / new));
