@@ -1,7 +1,7 @@
 //! Generated code against the interpreter, to the bit, and against the laws on numbers, to rounding: at instants and along runs.
 
 use mbd_compiler::Interpreted;
-use mbd_runtime::{Generic, Options, Simulation};
+use mbd_runtime::{External, Generic, Options, Simulation};
 use mbd_scene::{Float, Model, Quantity};
 
 use crate::assert_close;
@@ -109,18 +109,29 @@ pub fn agrees_along<T: Float, M: Model<T>>(
     );
 }
 
+/// Inputs that turn with time.
+struct Swell;
+
+impl<T: Float> External<T> for Swell {
+    fn evaluate(&self, time: T, _: &[T], out: &mut [T]) {
+        for (index, number) in out.iter_mut().enumerate() {
+            *number = (time + T::from_f64(index as f64)).sin_cos().0;
+        }
+    }
+}
+
 fn begun<'m, T: Float, M: Model<T>>(
     model: &'m M,
     start: &[f64],
     step: f64,
-) -> Simulation<'m, T, M> {
-    let mut run = Simulation::new(model, Options::rk4(step)).expect("options");
+) -> Simulation<'m, T, M, Swell> {
+    let mut run = Simulation::with_loads(model, Options::rk4(step), Swell).expect("options");
     let state: Vec<T> = start.iter().map(|&x| T::from_f64(x)).collect();
     run.set_state(0.0, &state).expect("a state");
     run.start().expect("a consistent start");
     run
 }
 
-fn advance<T: Float, M: Model<T>>(run: &mut Simulation<'_, T, M>, name: &str) {
+fn advance<T: Float, M: Model<T>>(run: &mut Simulation<'_, T, M, Swell>, name: &str) {
     run.step().unwrap_or_else(|error| panic!("{name}: {error}"));
 }

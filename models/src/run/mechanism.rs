@@ -2,7 +2,7 @@
 
 use mbd_runtime::Trajectory;
 use mbd_runtime::nalgebra::Vector3;
-use mbd_runtime::scene::laws::{Numbers, rotation};
+use mbd_runtime::scene::laws::{Numbers, ground, rotation};
 use mbd_runtime::scene::{Place, PointKind, Scene};
 
 use super::plan::Plan;
@@ -172,10 +172,21 @@ impl Stage<'_> {
         self.read(owner, ["x", "y", "z"], row).map(Vector3::from)
     }
 
+    /// A frame of the world, which may move [m].
+    fn world_frame(&self, frame: usize, row: usize) -> Option<Vector3<f64>> {
+        if !self.scene.world_frames.get(frame)?.moves() {
+            return Some(self.numbers.world_frames.get(frame)?.position);
+        }
+        let time = *self.trajectory.times().get(row)?;
+        let mut moving = Vec::new();
+        ground(self.scene, &self.numbers, time, &mut moving);
+        Some(moving.get(frame)?.as_ref()?.position)
+    }
+
     /// A place in world axes [m].
     fn place(&self, place: Place, row: usize) -> Option<Vector3<f64>> {
         match place {
-            Place::World(frame) => Some(self.numbers.world_frames.get(frame)?.position),
+            Place::World(frame) => self.world_frame(frame, row),
             Place::Point(point) => self.position(&self.scene.points.get(point)?.name, row),
             Place::Body(body, frame) => {
                 let name = &self.scene.bodies.get(body)?.name;

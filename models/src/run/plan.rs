@@ -4,7 +4,7 @@ use std::fmt;
 
 use mbd_compiler::{nearest, read_number};
 use mbd_runtime::scene::Scene;
-use mbd_runtime::scene::{InputSource, Line, NodeModel};
+use mbd_runtime::scene::{Frame, InputSource, Line, NodeModel};
 use mbd_runtime::{Content, Generic, Layout, Name, Options, Sampling, Trajectory, state_names};
 use toml::{Table, Value};
 
@@ -177,7 +177,8 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
     options.locate = settings.locate.unwrap_or(true);
     // The balance of energy needs the work of what gives and takes it.
     let damped = |line: &Line| !scene.is_zero(&line.damping);
-    options.work = !scene.loads.is_empty() || scene.lines.iter().any(damped);
+    let moves = scene.world_frames.iter().any(Frame::moves);
+    options.work = moves || !scene.loads.is_empty() || scene.lines.iter().any(damped);
     Ok(options)
 }
 

@@ -209,7 +209,7 @@ fn energy<'a>(scene: &Scene, trajectory: &'a Trajectory) -> Vec<Group<'a>> {
             axis: "balance".to_string(),
             unit: "J".to_string(),
             caption:
-                "E − E(0) − work of loads and dampers: what the steps of the run lose or gain."
+                "E − E(0) − work of loads, dampers and prescribed motions: what the steps of the run lose or gain."
                     .to_string(),
             curves: vec![Curve::Made("balance".to_string(), left)],
             logarithmic: false,

@@ -10,7 +10,7 @@ pub struct Quality {
     pub drift: Option<f64>,
     /// max |Φ̇| [m/s]; `None` without joints.
     pub drift_rate: Option<f64>,
-    /// max |E − E(0) − work of loads and dampers| [J]; `None` where gravity comes from the caller, who alone knows its energy.
+    /// max |E − E(0) − work of loads, dampers and prescribed motions| [J]; `None` where gravity comes from the caller, who alone knows its energy.
     pub imbalance: Option<f64>,
     /// The same over the energy that moved: the largest kinetic energy or change of a potential one.
     pub relative_imbalance: Option<f64>,
@@ -39,19 +39,21 @@ impl Quality {
     }
 }
 
-/// E − E(0) − work of loads and dampers at every row [J].
+/// E − E(0) − work of loads, dampers and prescribed motions at every row [J].
 pub fn balance(scene: &Scene, trajectory: &Trajectory) -> Option<Vec<f64>> {
     if scene.gravity == Gravity::Field {
         return None;
     }
     let total = trajectory.column("energy.total")?;
-    let works = ["loads", "dampers"].map(|of| trajectory.column(&format!("work.{of}")));
+    let names = trajectory.names().iter().map(|name| name.name.as_str());
+    let works: Vec<&[f64]> = names
+        .filter(|name| name.starts_with("work."))
+        .filter_map(|name| trajectory.column(name))
+        .collect();
     let first = *total.first()?;
     // Work that is not integrated is not there: the column holds no number.
     let work = |row: usize| -> f64 {
-        let done = works
-            .iter()
-            .filter_map(|work| work.and_then(|work| work.get(row)));
+        let done = works.iter().filter_map(|work| work.get(row));
         done.filter(|work| work.is_finite()).sum()
     };
     Some(

@@ -229,5 +229,5 @@ fn params_outside_their_range_are_refused_and_a_failed_run_keeps_its_history() {
 }
 
 fn summary_status(scene: &Scene, plan: &Plan, outcome: &Outcome) -> String {
-    super::publish::summary_json(scene, plan, outcome).unwrap()
+    summary_json(scene, plan, outcome).unwrap()
 }

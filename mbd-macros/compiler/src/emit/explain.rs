@@ -59,9 +59,15 @@ pub fn explanation(context: &Context) -> String {
     let mut out = format!("{}\n\n", scene.name);
     equations(scene, context.equations, &mut out);
     left_out(scene, &context.equations.layout, &mut out);
-    if !context.settings.notes.is_empty() {
+    let mut notes = context.settings.notes.clone();
+    let redundancy = &context.equations.layout.redundancy;
+    notes.extend(redundancy.sentences(scene));
+    if redundancy.loops > 0 && !redundancy.closed {
+        notes.push("loops of joints that no state was found for: every row is kept".to_owned());
+    }
+    if !notes.is_empty() {
         out.push_str("\nNotes\n");
-        for note in &context.settings.notes {
+        for note in &notes {
             let _ = writeln!(out, "  {note}");
         }
     }
@@ -244,9 +250,12 @@ fn joints(scene: &Scene, layout: &Layout, out: &mut String) {
 fn left_out(scene: &Scene, layout: &Layout, out: &mut String) {
     let mut absent = Vec::new();
     if layout.nc == 0 {
-        let none =
-            "No joint with rows: no constraint, no multiplier, no linear system for accelerations.";
-        absent.push(none.to_owned());
+        absent.push(
+            "No joint with rows: no constraint, no multiplier, no linear system for accelerations."
+                .to_owned(),
+        );
+    } else if layout.redundancy.loops == 0 {
+        absent.push("No loop of joints: no row repeats others.".to_owned());
     }
     if scene.bodies.is_empty() {
         absent.push("No body: no rotation, no quaternion.".to_owned());
@@ -312,7 +321,8 @@ fn cost(equations: &Equations, out: &mut String) {
     }
     if let Some(program) = equations.program(Quantity::Derivative) {
         let total = |scene: &Scene| {
-            Equations::trace_only(scene, &[Quantity::Derivative])
+            let layout = Layout::keeping(scene, layout.redundancy.clone());
+            Equations::trace_in(scene, layout, &[Quantity::Derivative])
                 .program(Quantity::Derivative)
                 .map_or(0, |program| program.cost().total())
         };

@@ -16,6 +16,7 @@ pub mod line;
 mod node;
 mod numbers;
 mod pair;
+mod posture;
 pub mod rows;
 
 use algebra::{elements, vector, write};
@@ -29,10 +30,11 @@ pub use algebra::{inverse, rotation, solve_positive, symmetric};
 pub use along::AlongNumbers;
 pub use constraint::branch;
 pub use formula::norm;
-pub use ground::FrameMotion;
+pub use ground::{FrameMotion, ground};
 pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers, constant,
 };
+pub(crate) use posture::Posture;
 
 use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 
@@ -46,14 +48,15 @@ pub struct Scratch<S: Real> {
 }
 
 impl<S: Real> Scratch<S> {
-    /// Room for one scene.
+    /// Room for the scene of a layout.
     #[must_use]
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(layout: &Layout) -> Self {
+        let (bodies, points) = (layout.bodies.len(), layout.points.len());
         Scratch {
-            motions: vec![Motion::unknown(); scene.bodies.len()],
-            ground: Vec::with_capacity(scene.world_frames.len()),
-            assembly: Assembly::new(scene.bodies.len(), scene.points.len()),
-            constraints: Constraints::new(scene),
+            motions: vec![Motion::unknown(); bodies],
+            ground: Vec::new(),
+            assembly: Assembly::new(bodies, points),
+            constraints: Constraints::new(layout),
         }
     }
 }
