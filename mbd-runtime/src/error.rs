@@ -27,6 +27,10 @@ pub struct Statistics {
     pub node_rung: u64,
     /// Slack/taut switches located.
     pub switches: u64,
+    /// The worst rung the rows of joints needed: 1 as emitted, 2 rows chosen anew for a step, 3 the whole matrix; 0 no rows.
+    pub rows_rung: u64,
+    /// Step boundaries at which rows were chosen anew.
+    pub rows_chosen: u64,
 }
 
 impl Statistics {

@@ -164,8 +164,8 @@ impl<T: Float> Model<T> for Generic<T> {
 
     fn work(&self) -> GenericWork<T> {
         GenericWork {
-            scratch: Scratch::new(&self.scene),
-            slopes: Scratch::new(&self.scene),
+            scratch: Scratch::new(&self.layout),
+            slopes: Scratch::new(&self.layout),
             lists: Lists::default(),
             out: Vec::new(),
         }

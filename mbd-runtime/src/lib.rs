@@ -12,12 +12,14 @@
 #[path = "private.rs"]
 pub mod __private;
 mod columns;
+mod dense;
 mod dependence;
 mod error;
 mod event;
 mod generated;
 mod generic;
 mod integrate;
+mod ladder;
 mod linearise;
 mod locate;
 pub mod node;

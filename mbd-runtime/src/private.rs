@@ -1,7 +1,7 @@
 //! What generated code calls and nobody else should.
 
 use mbd_scene::laws::{LineNumbers, Numbers};
-use mbd_scene::{Float, Layout, ParamError, Real, Scene, check_params};
+use mbd_scene::{Float, Layout, ParamError, Real, Redundancy, Scene, check_params};
 
 use crate::{LineState, Reaction};
 
@@ -19,11 +19,11 @@ pub struct Parts<T> {
 }
 
 impl<T: Real> Parts<T> {
-    /// The parts of a scene for given parameters.
+    /// The parts of a scene, the rows of whose joints are known, for given parameters.
     #[must_use]
-    pub fn new(scene: Scene, params: &[T]) -> Self {
+    pub fn new(scene: Scene, redundancy: Redundancy, params: &[T]) -> Self {
         Parts {
-            layout: Layout::new(&scene),
+            layout: Layout::keeping(&scene, redundancy),
             lines: Numbers::new(&scene, params).lines,
             scene,
         }
@@ -33,12 +33,12 @@ impl<T: Real> Parts<T> {
     ///
     /// # Errors
     /// The first parameter that cannot be run.
-    pub fn checked(scene: Scene, params: &[T]) -> Result<Self, ParamError>
+    pub fn checked(scene: Scene, redundancy: Redundancy, params: &[T]) -> Result<Self, ParamError>
     where
         T: Float,
     {
         check_params(&scene, params)?;
-        Ok(Self::new(scene, params))
+        Ok(Self::new(scene, redundancy, params))
     }
 }
 

@@ -26,7 +26,7 @@ const START_ITERATIONS: u32 = 20;
 const LARGEST_TURN: f64 = 0.7;
 /// Rows that a step leaves this far from zero, in scene lengths, have come apart.
 const APART: f64 = 1e-6;
-/// Relative error of a solve with arbitrary right-hand sides from which on the rows count as dependent.
+/// What a solve may leave of the rows, relative: beyond it rows that are not in the system ask for more than those that are.
 const UNSOLVED: f64 = 1e-3;
 /// How many joints an error names.
 const NAMED: usize = 3;
@@ -38,6 +38,7 @@ pub(crate) struct Projection<T> {
     /// Length of the scene [m].
     pub length: f64,
     rows: Vec<T>,
+    /// δ, and behind it the margin of the factor.
     shift: Vec<T>,
     trial: Vec<T>,
 }
@@ -50,9 +51,19 @@ impl<T: Float> Projection<T> {
             stabilise: Stabilise::Projection,
             length: 1.0,
             rows: room(nc),
-            shift: room(nv),
+            shift: room(nv + 1),
             trial: room(nx),
         }
+    }
+
+    /// δ of the last solve.
+    fn moves(&self) -> &[T] {
+        self.shift.split_last().map_or(&[], |(_, moves)| moves)
+    }
+
+    /// The smallest part that other rows left to the pivot of a row in the last solve.
+    fn margin(&self) -> f64 {
+        self.shift.last().map_or(1.0, |margin| margin.to_f64())
     }
 
     /// Whether there are rows.
@@ -85,7 +96,6 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             return Ok(());
         }
         let state = state.get_mut(..self.nx).unwrap_or_default();
-        self.check_independent(time, state)?;
         let norm = self.project_positions(time, state, START_ITERATIONS)?;
         if !self.holds(norm, state) {
             return Err(StepError::InconsistentStart {
@@ -94,8 +104,32 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             });
         }
         self.check_branches(time, state)?;
-        self.check_independent(time, state)?;
-        self.project_velocities(time, state)
+        if self.follows(time, state) == Some(false) {
+            // With these parameters, or assembled this way, the joints hold more than was found in the declaration.
+            self.choose_always();
+        }
+        self.project_velocities(time, state)?;
+        // Rows that repeat others may hold in position and contradict each other in what they prescribe.
+        let mut joints = self.model.layout().joints.iter();
+        if joints.any(|slots| slots.driven) {
+            let norm = self.read_rows(Quantity::ConstraintRate, time, state);
+            if norm > APART * self.projection.length.max(self.size(state)) {
+                return Err(StepError::InconsistentStart {
+                    norm,
+                    rows: self.worst_joints(),
+                });
+            }
+        }
+        self.begin_rows(time, state);
+        Ok(())
+    }
+
+    /// Decides how the rows of the first step are solved.
+    fn begin_rows(&mut self, time: f64, state: &[T]) {
+        self.ladder.margin = f64::NAN;
+        self.measure(time, state);
+        self.pick(time, state);
+        self.ladder.commit();
     }
 
     /// Adds Baumgarte's −2α Φ̇ − α² Φ to the right-hand side of the acceleration rows, where the run asks for it. The move of (1) with these as
@@ -125,7 +159,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         }
         self.correct(time, state)?;
         let nq = self.model.layout().nq;
-        for (rate, more) in rates.iter_mut().skip(nq).zip(&self.projection.shift) {
+        for (rate, more) in rates.iter_mut().skip(nq).zip(self.projection.moves()) {
             *rate += *more;
         }
         Ok(())
@@ -137,7 +171,17 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         if !self.projection.any() || state.iter().any(|x| !x.is_finite()) {
             return None;
         }
-        self.check_independent(time, state).err()
+        // A prescribed motion may have no value at this time: then it is not the rows that fail.
+        if !self
+            .read_rows(Quantity::ConstraintBias, time, state)
+            .is_finite()
+        {
+            return None;
+        }
+        match self.follows(time, state) {
+            Some(_) => None,
+            None => Some(self.singular(time, state)),
+        }
     }
 
     /// Repeats (1); hands back what is left of Φ.
@@ -168,14 +212,14 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         for _ in 0..2 {
             let norm = self.read_rows(Quantity::ConstraintRate, time, state);
             let speeds = state.get_mut(nq..).unwrap_or_default();
-            let speeds = speeds.iter_mut().take(self.projection.shift.len());
+            let speeds = speeds.iter().take(self.projection.moves().len());
             let fastest = speeds.fold(0.0, |most: f64, v| most.max(v.to_f64().abs()));
             if norm <= 4.0 * T::EPSILON.to_f64() * fastest {
                 break;
             }
             self.correct(time, state)?;
             let speeds = state.iter_mut().skip(nq);
-            for (speed, more) in speeds.zip(&self.projection.shift) {
+            for (speed, more) in speeds.zip(self.projection.moves()) {
                 *speed += *more;
             }
         }
@@ -190,13 +234,31 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         largest(&self.projection.rows)
     }
 
-    /// Solves for the move that takes the rows out.
+    /// Solves for the move that takes the rows out; with rows chosen at this state where those kept cannot be solved.
     fn correct(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
         self.solve_rows(time, state);
-        if largest(&self.projection.shift).is_finite() {
+        let solved = largest(self.projection.moves()).is_finite() && self.is_regular();
+        if !solved || self.solves_chosen() {
+            let rows = std::mem::take(&mut self.projection.rows);
+            let mut shift = std::mem::take(&mut self.projection.shift);
+            let moves = shift
+                .split_last_mut()
+                .map_or(&mut [][..], |(_, moves)| moves);
+            self.correct_anew(time, state, &rows, moves);
+            (self.projection.rows, self.projection.shift) = (rows, shift);
+        }
+        if largest(self.projection.moves()).is_finite() {
             return Ok(());
         }
         Err(self.singular(time, state))
+    }
+
+    /// Factorises the rows at a state where no move had to be solved for, to know their margin.
+    pub(crate) fn measure(&mut self, time: f64, state: &[T]) {
+        if self.ladder.margin.is_nan() {
+            self.projection.rows.fill(T::zero());
+            self.solve_rows(time, state);
+        }
     }
 
     fn solve_rows(&mut self, time: f64, state: &[T]) {
@@ -207,13 +269,14 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         };
         self.model
             .evaluate(Quantity::Correction, &at, &mut self.work, shift);
+        self.ladder.margin = self.projection.margin();
     }
 
     /// Moves positions by δ, shortened where it turns a body too far.
     fn displace(&self, state: &mut [T]) {
         let layout = self.model.layout();
         let body_axes = self.model.scene().angular_velocity == AngularVelocity::Body;
-        let shift = &self.projection.shift;
+        let shift = self.projection.moves();
         let turn = |v: usize| shift.get(v + 3..v + 6).unwrap_or(&[]);
         let turns = layout.bodies.iter().map(|slots| length(turn(slots.v)));
         let most = turns.fold(T::zero(), |a, b| a.max(b));
@@ -253,40 +316,27 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         norm <= (1e-12 * self.projection.length).max(self.rounding(state))
     }
 
-    /// Solves with arbitrary right-hand sides and puts the move back into the rows: dependent rows cannot give them back.
-    fn check_independent(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
-        let asked = |row: usize| if row.is_multiple_of(2) { 1.0 } else { -0.5 } + 0.1 * (row as f64 * 1.7).sin();
-        for (row, value) in self.projection.rows.iter_mut().enumerate() {
-            *value = T::from_f64(asked(row));
+    /// Takes arbitrary speeds out of the rows and looks whether those that are not in the system follow. `None` where it cannot be solved.
+    fn follows(&mut self, time: f64, state: &[T]) -> Option<bool> {
+        let nq = self.model.layout().nq;
+        let some = |speed: usize| if speed.is_multiple_of(2) { 1.0 } else { -0.5 } + 0.1 * (speed as f64 * 1.7).sin();
+        let mut trial = std::mem::take(&mut self.projection.trial);
+        for (to, from) in trial.iter_mut().zip(state) {
+            *to = *from;
         }
-        self.solve_rows(time, state);
-        let mut unsolved = !largest(&self.projection.shift).is_finite();
-        if !unsolved {
-            let nq = self.model.layout().nq;
-            let mut trial = std::mem::take(&mut self.projection.trial);
-            let speeds = self.projection.shift.iter();
-            let moved = state.iter().take(nq).chain(speeds);
-            let moved = moved.chain(state.iter().skip(nq + self.projection.shift.len()));
-            for (to, from) in trial.iter_mut().zip(moved) {
-                *to = *from;
-            }
-            self.read_rows(Quantity::ConstraintRate, time, &trial);
-            let moved = self.projection.rows.clone();
-            // Φ_t, where motions are prescribed, is the rate at rest.
-            let speeds = nq..nq + self.projection.shift.len();
-            trial.get_mut(speeds).unwrap_or_default().fill(T::zero());
-            self.read_rows(Quantity::ConstraintRate, time, &trial);
-            self.projection.trial = trial;
-            let rows = moved.iter().zip(&self.projection.rows).enumerate();
-            let error = rows.fold(0.0, |most: f64, (row, (got, rest))| {
-                most.max((got.to_f64() - rest.to_f64() + asked(row)).abs())
-            });
-            unsolved = error > UNSOLVED;
+        let speeds = trial.iter_mut().skip(nq).zip(self.projection.moves());
+        for (index, (speed, _)) in speeds.enumerate() {
+            *speed = T::from_f64(some(index));
         }
-        if unsolved {
-            return Err(self.singular(time, state));
+        let asked = self.read_rows(Quantity::ConstraintRate, time, &trial);
+        self.solve_rows(time, &trial);
+        for (speed, more) in trial.iter_mut().skip(nq).zip(self.projection.moves()) {
+            *speed += *more;
         }
-        Ok(())
+        let solved = largest(self.projection.moves()).is_finite() && self.is_regular();
+        let left = self.read_rows(Quantity::ConstraintRate, time, &trial);
+        self.projection.trial = trial;
+        solved.then_some(left <= UNSOLVED * asked)
     }
 
     /// Says which rows depend on each other, and whether they contradict.

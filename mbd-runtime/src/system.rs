@@ -5,6 +5,7 @@ use mbd_scene::{Float, Model, Quantity};
 use crate::columns::{input_name, line_name, node_name, state_names, stop_name};
 use crate::error::{Source, Statistics, StepError};
 use crate::integrate::Rates;
+use crate::ladder::{Ladder, Rung as RowsRung};
 use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
 use crate::projection::Projection;
 use crate::watch;
@@ -71,6 +72,8 @@ pub(crate) struct System<'m, T: Float, M: Model<T>, E> {
     pub work: M::Work,
     /// What keeps the state on the joints.
     pub projection: Projection<T>,
+    /// How the rows are solved.
+    pub ladder: Ladder<T>,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
 }
@@ -92,6 +95,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
             energy: [T::zero(); 6],
             work: model.work(),
             projection: Projection::new(layout.nc, layout.nv, layout.nx()),
+            ladder: Ladder::default(),
             works,
         }
     }
@@ -214,6 +218,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
     /// The last solve was at the end of a step that is accepted.
     pub(crate) fn commit(&mut self, step: f64) {
         self.nodes.commit(T::from_f64(step), &mut self.memory);
+        self.ladder.commit();
     }
 
     /// Makes every quaternion a unit quaternion; returns the largest | |q| − 1 | there was. A zero quaternion stays.
@@ -300,6 +305,12 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
                 Rung::Homotopy => 2,
                 Rung::Search => 3,
             },
+            rows_rung: match self.ladder.worst {
+                _ if !self.projection.any() => 0,
+                RowsRung::Emitted => 1,
+                RowsRung::Chosen => 2,
+                RowsRung::Whole => 3,
+            },
             ..self.counters
         }
     }
@@ -348,6 +359,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
         let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
         self.model
             .evaluate(Quantity::Derivative, &at, &mut self.work, derivative);
+        self.accelerate(time, state, derivative);
         self.pull_back(time, state, derivative)?;
         let at = self.nodes.at(t, state, &self.inputs);
         if !works.is_empty() {
@@ -365,8 +377,19 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
         }
     }
 
+    fn enter(&mut self) {
+        self.ladder.enter();
+    }
+
     fn settle(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         self.drift = self.normalise(state);
-        self.stay(time, state)
+        self.ladder.margin = f64::NAN;
+        self.stay(time, state)?;
+        if self.projection.any() {
+            let state = state.get(..self.nx).unwrap_or_default();
+            self.measure(time, state);
+            self.pick(time, state);
+        }
+        Ok(())
     }
 }

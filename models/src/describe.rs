@@ -1,6 +1,6 @@
 //! What a scene contains, as tables: for `mbd check` and for the first page of a report.
 
-use mbd_compiler::Equations;
+use mbd_compiler::{Equations, immovable};
 use mbd_runtime::scene::laws::Numbers;
 use mbd_runtime::scene::{
     Clamp, Cost, Difference, Differentiated, Gravity, Layout, LineKind, NodeModel, Place,
@@ -14,7 +14,7 @@ use crate::report::{Cell, Table};
 pub fn counts(scene: &Scene) -> Table {
     let layout = Layout::new(scene);
     let kind = |kind: LineKind| scene.lines.iter().filter(|line| line.kind == kind).count();
-    let rows: [(&str, usize); 16] = [
+    let rows: [(&str, usize); 18] = [
         ("bodies", scene.bodies.len()),
         ("points with mass", scene.points.len() - layout.nodes.len()),
         ("equilibrium points", layout.nodes.len()),
@@ -24,6 +24,8 @@ pub fn counts(scene: &Scene) -> Table {
         ),
         ("joints", scene.joints.len()),
         ("rows of the joints", layout.nc),
+        ("of them independent", layout.rank()),
+        ("loops of joints", layout.redundancy.loops),
         ("lines (tension only)", kind(LineKind::Line)),
         ("springs (both ways)", kind(LineKind::Spring)),
         ("loads", scene.loads.len()),
@@ -42,23 +44,28 @@ pub fn counts(scene: &Scene) -> Table {
         table.push([what.into(), number.into()]);
     }
     let gravity = gravity(&scene.gravity);
-    table.note(format!("{}; gravity: {gravity}", freedoms(scene)))
+    table.note(format!("{}; gravity: {gravity}", freedoms(scene, &layout)))
 }
 
-/// Freedoms by Grübler's count, rows taken as independent: 6 a body, 3 a point with mass, less the rows of the joints.
-fn freedoms(scene: &Scene) -> String {
-    let layout = Layout::new(scene);
-    let (bodies, rows) = (scene.bodies.len(), layout.nc);
+/// Freedoms by Grübler's count, which takes rows as independent (6 a body, 3 a point with mass, less the rows of the joints), and by the
+/// true rank; loops, and which rows repeat others.
+fn freedoms(scene: &Scene, layout: &Layout) -> String {
+    let (bodies, rows, rank) = (scene.bodies.len(), layout.nc, layout.rank());
     let points = scene.points.len() - layout.nodes.len();
-    match layout.nv.checked_sub(rows) {
-        Some(count) => {
-            format!("freedoms (Grübler): 6·{bodies} + 3·{points} − {rows} = {count}")
-        }
-        None => format!(
-            "freedoms (Grübler): 6·{bodies} + 3·{points} − {rows} = −{}: some rows of the joints repeat others",
-            rows - layout.nv
-        ),
+    let count = |rows: usize| layout.nv as i64 - rows as i64;
+    let mut text = format!(
+        "freedoms (Grübler): 6·{bodies} + 3·{points} − {rows} = {}",
+        count(rows)
+    );
+    if rows > 0 {
+        let (left, loops) = (count(rank), layout.redundancy.loops);
+        text += &format!("; by the rank {rank} of the rows: {left}; loops: {loops}");
     }
+    let told = layout.redundancy.sentences(scene);
+    for sentence in told.into_iter().chain(immovable(scene, layout)) {
+        text += &format!("; {sentence}");
+    }
+    text
 }
 
 fn gravity(gravity: &Gravity) -> &'static str {
@@ -150,17 +157,24 @@ fn joints(scene: &Scene) -> Table {
         .column("from", "")
         .column("to", "")
         .column("freedoms", "")
-        .column("rows", "");
-    for joint in &scene.joints {
+        .column("rows", "")
+        .column("kept", "")
+        .column("reaction", "");
+    let layout = Layout::new(scene);
+    for (index, (joint, slots)) in scene.joints.iter().zip(&layout.joints).enumerate() {
         let words = [
             joint.name.clone(),
             joint.law.keyword().to_string(),
             place(scene, joint.parent),
             place(scene, joint.child),
         ];
-        let counts = [joint.law.freedoms(), joint.law.rows()];
-        let counts = counts.map(Cell::from);
-        table.push(words.map(Cell::from).into_iter().chain(counts));
+        let counts = [joint.law.freedoms(), slots.len, slots.kept.len()];
+        let reaction = match layout.redundancy.is_unique(index) {
+            true => "",
+            false => "not unique",
+        };
+        let cells = counts.map(Cell::from).into_iter().chain([reaction.into()]);
+        table.push(words.map(Cell::from).into_iter().chain(cells));
     }
     table
 }
@@ -408,6 +422,36 @@ mod tests {
         let tables: Vec<String> = things(&scene).iter().map(Table::text).collect();
         let text = tables.join("\n");
         assert!(text.contains("knee") && text.contains("universal") && text.contains("a.tip"));
+    }
+
+    #[test]
+    fn a_loop_of_parallel_hinges_counts_by_its_rank_and_names_what_repeats() {
+        let link = |name: &str, x: f64, z: f64| {
+            format!(
+                "body {name} {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame one at [{x}, 0, {z}] m, frame two at [{}, 0, {}] m }}",
+                -x, -z
+            )
+        };
+        let text = format!(
+            "model S {{ gravity: none; world {{ frame far at [2, 0, 0] m }} {} {} {}
+             joint a: hinge from world to left.one {{ axis: y }}
+             joint b: hinge from left.two to bar.one {{ axis: y }}
+             joint c: hinge from bar.two to right.two {{ axis: y }}
+             joint close: hinge from world.far to right.one {{ axis: y }} }}",
+            link("left", 0.0, -0.5),
+            link("bar", -1.0, 0.0),
+            link("right", 0.0, -0.7)
+        );
+        let scene = mbd_compiler::read_text(&text).scene.unwrap_or_default();
+        let text = counts(&scene).text();
+        for part in [
+            "freedoms (Grübler): 6·3 + 3·0 − 20 = -2; by the rank 17 of the rows: 1; loops: 1",
+            "`close` repeats rows of `a`, `b`, `c`: 3 of 5",
+        ] {
+            assert!(text.contains(part), "{text}");
+        }
+        let tables: Vec<String> = things(&scene).iter().map(Table::text).collect();
+        assert_eq!(tables.join("\n").matches("not unique").count(), 4);
     }
 
     #[test]

@@ -24,11 +24,12 @@ impl<'s> Implicit<'s> {
     #[must_use]
     pub fn new(scene: &'s Scene, params: &[f64]) -> Self {
         let params: Vec<Oracle> = params.iter().copied().map(Oracle::constant).collect();
+        let layout = Layout::new(scene);
         Implicit {
             scene,
-            layout: Layout::new(scene),
             numbers: Numbers::new(scene, &params),
-            scratch: Scratch::new(scene),
+            scratch: Scratch::new(&layout),
+            layout,
         }
     }
 

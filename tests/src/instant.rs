@@ -143,7 +143,7 @@ pub fn partial_by_oracle(
             &layout,
             &numbers,
             &instant.at(),
-            &mut Scratch::new(scene),
+            &mut Scratch::new(&layout),
             &mut out,
         );
         for (row, number) in out.iter().enumerate() {

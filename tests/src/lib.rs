@@ -2,11 +2,13 @@
 
 pub mod agreement;
 pub mod declared;
+pub mod double;
 pub mod families;
 pub mod flights;
 pub mod implicit;
 pub mod instant;
 pub mod jet;
+pub mod linkage;
 pub mod mechanism;
 pub mod obeying;
 pub mod oracle;

@@ -8,6 +8,10 @@ use mbd_scene::{
 };
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
 use crate::jet::Jet;
 use crate::random::Random;
 
@@ -198,6 +202,28 @@ pub fn inertia(random: &mut Random) -> Matrix3<f64> {
     r * Matrix3::from_diagonal(&moments) * r.transpose()
 }
 
+/// Scenes that are remembered.
+const REMEMBERED: usize = 4;
+
+thread_local! {
+    /// The scenes that were laid out last: finding repeated rows takes longer than an evaluation.
+    static LAST: RefCell<VecDeque<(Scene, Rc<Layout>)>> = const { RefCell::new(VecDeque::new()) };
+}
+
+/// The layout of a scene.
+#[must_use]
+pub fn layout(scene: &Scene) -> Rc<Layout> {
+    LAST.with_borrow_mut(|last| {
+        if let Some((_, layout)) = last.iter().find(|(known, _)| known == scene) {
+            return layout.clone();
+        }
+        let layout = Rc::new(Layout::new(scene));
+        last.push_front((scene.clone(), layout.clone()));
+        last.truncate(REMEMBERED);
+        layout
+    })
+}
+
 /// The state [q | v] of bodies (points: positions and velocities alone).
 #[must_use]
 pub fn state(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<f64> {
@@ -210,7 +236,7 @@ pub fn state(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<f64
 /// v̇ of the same, in the components of the state.
 #[must_use]
 pub fn accelerations(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<f64> {
-    let nq = Layout::new(scene).nq;
+    let nq = layout(scene).nq;
     let jets = jets(scene, bodies, points);
     jets[nq..].iter().map(|jet| jet.0[1]).collect()
 }
@@ -218,7 +244,7 @@ pub fn accelerations(scene: &Scene, bodies: &[Instance], points: &[Instance]) ->
 /// The state with its first two derivatives: positions to the second, speeds to the first (their second is NaN).
 #[must_use]
 pub fn jets(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<Jet> {
-    let layout = Layout::new(scene);
+    let layout = layout(scene);
     let mut list = vec![Jet::constant(0.0); layout.nx()];
     for (slots, body) in layout.bodies.iter().zip(bodies) {
         let components = scene.angular_velocity;
@@ -277,7 +303,7 @@ pub fn evaluate<S: Real>(
     inputs: &[S],
     rows: &[S],
 ) -> Vec<S> {
-    let layout = Layout::new(scene);
+    let layout = layout(scene);
     let params: Vec<S> = scene
         .params
         .iter()
@@ -293,7 +319,7 @@ pub fn evaluate<S: Real>(
         &layout,
         &numbers,
         &at(state, inputs, rows),
-        &mut Scratch::new(scene),
+        &mut Scratch::new(&layout),
         &mut out,
     );
     out

@@ -567,7 +567,7 @@ fn a_hinge_that_holds_with_its_axis_reversed_is_refused_by_name() {
 }
 
 #[test]
-fn two_welds_that_disagree_are_inconsistent_and_two_that_agree_are_redundant() {
+fn two_welds_that_disagree_are_inconsistent_and_two_that_agree_are_one() {
     for offset in [0.0, 0.1] {
         let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
         let body = add_body(&mut scene, 1.0, &diagonal([0.1, 0.1, 0.1]));
@@ -584,12 +584,7 @@ fn two_welds_that_disagree_are_inconsistent_and_two_that_agree_are_redundant() {
                 assert!(offset > 0.0 && (norm - 0.1).abs() < 1e-12);
                 assert_eq!(rows[0].0, "rigid1");
             }
-            Err(StepError::SingularConstraints {
-                rank, rows, joints, ..
-            }) => {
-                assert_eq!((offset, rank, rows), (0.0, 6, 12));
-                assert_eq!(joints, ["rigid0", "rigid1"]);
-            }
+            Ok(state) => assert_eq!((offset, &state[..3]), (0.0, [0.0; 3].as_slice())),
             other => panic!("{other:?}"),
         }
     }

@@ -75,7 +75,7 @@ fn evaluate<S: Real>(scene: &Scene, what: Quantity, time: S, state: &[S]) -> Vec
         inputs: &inputs,
         rows: &[],
     };
-    let mut scratch = Scratch::new(scene);
+    let mut scratch = Scratch::new(&layout);
     laws::evaluate(what, scene, &layout, &numbers, &at, &mut scratch, &mut out);
     out
 }

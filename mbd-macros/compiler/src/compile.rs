@@ -48,16 +48,20 @@ pub fn expand(reading: &Reading) -> Result<String, String> {
 }
 
 fn model(reading: &Reading, scene: &Scene) -> TokenStream {
-    let wanted = wanted(reading, scene);
+    let layout = Layout::new(scene);
+    if let Some(text) = immovable(scene, &layout) {
+        return without_equations(reading, error(reading.spans.model, &text));
+    }
+    let wanted = wanted(reading, &layout);
     // The laws first: differentiating too large a scene would take long before it is refused.
     let laws: Vec<Quantity> = wanted
         .iter()
         .copied()
         .filter(|what| !matches!(what, Quantity::Partial(..)))
         .collect();
-    let mut equations = Equations::trace_only(scene, &laws);
+    let mut equations = Equations::trace_in(scene, layout.clone(), &laws);
     if size(&equations) <= TOO_MANY && laws.len() < wanted.len() {
-        equations = Equations::trace_only(scene, &wanted);
+        equations = Equations::trace_in(scene, layout, &wanted);
     }
     let large = match judge(size(&equations)) {
         Ok(large) => large.map(|text| deprecated(reading.spans.model, &text)),
@@ -112,9 +116,22 @@ fn settings(reading: &Reading) -> (NameSpans, Settings) {
     )
 }
 
+/// What to say of a scene whose joints leave nothing to move; `None` where something moves, by itself or as prescribed.
+#[must_use]
+pub fn immovable(scene: &Scene, layout: &Layout) -> Option<String> {
+    let driven = layout.joints.iter().any(|slots| slots.driven);
+    let held = layout.nv > 0 && layout.nodes.is_empty() && layout.freedoms() == 0;
+    (held && layout.redundancy.closed && !driven).then(|| {
+        format!(
+            "model `{}` cannot move: the {} rows of its joints hold all {} speeds; take a joint away, or one that forbids less",
+            scene.name, layout.nc, layout.nv
+        )
+    })
+}
+
 /// The quantities to emit: all, or what a simulation needs and those that `emit: […]` names.
-fn wanted(reading: &Reading, scene: &Scene) -> Vec<Quantity> {
-    let all = Layout::new(scene).quantities();
+fn wanted(reading: &Reading, layout: &Layout) -> Vec<Quantity> {
+    let all = layout.quantities();
     let Some(names) = &reading.options.emit else {
         return all;
     };
@@ -195,6 +212,21 @@ fn deprecated(span: Span, text: &str) -> TokenStream {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_scene_that_cannot_move_is_told_so() {
+        let weld = |joints: &str| {
+            let text = format!(
+                "model Truss {{ gravity: none; world {{ frame far at [1, 0, 0] m }}
+                 body a {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame end at [1, 0, 0] m }} {joints} }}"
+            );
+            emit(&crate::reading::read_text(&text)).to_string()
+        };
+        let hinge = "joint hold: hinge from world.far to a.end { axis: y }";
+        assert!(!weld(hinge).contains("cannot move"));
+        let both = format!("joint weld: rigid from world to a.com; {hinge}");
+        assert!(weld(&both).contains("the 11 rows of its joints hold all 6 speeds"));
+    }
 
     #[test]
     fn large_models_are_warned_about_and_too_large_ones_refused_with_advice() {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use mbd_scene::laws::{self, Numbers, Scratch};
-use mbd_scene::{At, Cost, Layout, Quantity, Scene, Variable};
+use mbd_scene::{At, Cost, Layout, Quantity, Redundancy, Scene, Variable};
 use num_traits::Zero;
 
 use crate::differentiate::{By, jacobian};
@@ -38,14 +38,20 @@ impl Equations {
     /// Traces every quantity the scene has a use for.
     #[must_use]
     pub fn trace(scene: &Scene) -> Self {
-        let wanted = Layout::new(scene).quantities();
-        Self::trace_only(scene, &wanted)
+        let layout = Layout::new(scene);
+        let wanted = layout.quantities();
+        Self::trace_in(scene, layout, &wanted)
     }
 
     /// Traces some quantities.
     #[must_use]
     pub fn trace_only(scene: &Scene, wanted: &[Quantity]) -> Self {
-        let layout = Layout::new(scene);
+        Self::trace_in(scene, Layout::new(scene), wanted)
+    }
+
+    /// Traces some quantities of a scene that has been laid out.
+    #[must_use]
+    pub fn trace_in(scene: &Scene, layout: Layout, wanted: &[Quantity]) -> Self {
         let ((constants, traced), graph) = session(|| trace(scene, &layout, wanted));
         let derived = derived(&graph, &traced);
         let outputs: Vec<(usize, Expr)> = derived.iter().copied().enumerate().collect();
@@ -96,7 +102,7 @@ impl Equations {
     pub fn none(scene: &Scene) -> Self {
         let graph = Graph::default();
         let derived = Program::build(&graph, None, &[], 0, &[], &HashMap::new());
-        let layout = Layout::new(scene);
+        let layout = Layout::keeping(scene, Redundancy::default());
         Equations {
             derived,
             kinematics: None,
@@ -164,7 +170,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
         inputs: &inputs,
         rows: &rows,
     };
-    let mut scratch = Scratch::new(scene);
+    let mut scratch = Scratch::new(layout);
     let mut law = |what: Quantity| {
         let mut out = vec![Expr::zero(); layout.len(what)];
         let ((), order) = recorded(|| {

@@ -25,7 +25,7 @@ mod units;
 
 #[cfg(feature = "pretty")]
 pub use compile::expand;
-pub use compile::{compile, emit};
+pub use compile::{compile, emit, immovable};
 pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Mask, Node, Slot, Term, recorded, session};

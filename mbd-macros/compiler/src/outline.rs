@@ -13,7 +13,7 @@ use crate::program::{Operand, Program, Register};
 pub const FLAT: usize = 1000;
 /// No kernel is longer, copies of masks apart.
 const LONGEST: usize = 600;
-/// A run of operations on one thing that occurs twice becomes a kernel of its own from this length on.
+/// A run of operations on one thing that occurs twice becomes a kernel of its own from this length on; shorter ones come in groups.
 const SHARED: usize = 60;
 
 /// A part of a program.
@@ -72,16 +72,17 @@ pub fn outline(program: &Program) -> Option<Outline> {
     }
     let mut cuts: Vec<Vec<usize>> = Vec::new();
     let mut open: Vec<usize> = Vec::new();
+    let mut open_is_alike = false;
     for (run, key) in &measured {
-        let own = run.len() >= SHARED && counts.get(key).is_some_and(|&count| count > 1);
-        if !open.is_empty() && (own || open.len() + run.len() > LONGEST) {
+        let alike = counts.get(key).is_some_and(|&count| count > 1);
+        // Short runs with others alike come in groups that start and end where those of the others do.
+        let full = open_is_alike && open.len() >= SHARED;
+        let other = alike != open_is_alike || alike && run.len() >= SHARED;
+        if !open.is_empty() && (full || other || open.len() + run.len() > LONGEST) {
             cuts.push(std::mem::take(&mut open));
         }
-        if own {
-            cuts.push(run.clone());
-        } else {
-            open.extend(run);
-        }
+        open.extend(run);
+        open_is_alike = alike;
     }
     if !open.is_empty() {
         cuts.push(open);

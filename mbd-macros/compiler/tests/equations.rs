@@ -28,7 +28,7 @@ fn by_law(scene: &Scene, what: Quantity, lists: &Lists<f64>) -> Vec<f64> {
     let layout = Layout::new(scene);
     let mut out = vec![0.0; layout.len(what)];
     let numbers = Numbers::new(scene, &params(scene));
-    let mut scratch = Scratch::new(scene);
+    let mut scratch = Scratch::new(&layout);
     laws::evaluate(
         what,
         scene,
@@ -57,7 +57,7 @@ fn by_duals(scene: &Scene, of: Quantity, by: Variable, lists: &Lists<f64>) -> Ve
         }
         let mut out = vec![One::constant(0.0); rows];
         let numbers = Numbers::new(scene, &values);
-        let mut scratch = Scratch::new(scene);
+        let mut scratch = Scratch::new(&layout);
         let at = seeded.at(One::constant(0.7));
         laws::evaluate(of, scene, &layout, &numbers, &at, &mut scratch, &mut out);
         for (row, value) in out.iter().enumerate() {

@@ -6,14 +6,27 @@
 //! ```
 //!
 //! Its graph has a node of 6 speeds a body (3 a point with mass) and a node of n rows a joint; an edge where a joint sits on a body. The
-//! world has no node. Any order gives a block LDLᵀ without pivoting as long as a joint follows one of its bodies: its own diagonal block is
-//! zero until that body has filled it with −Φ_v M⁻¹ Φ_vᵀ. The orders differ a lot in cost: a hub with 11 arms costs ten times more bodies
-//! first than leaf first, a chain half as much again leaf first as bodies first. So candidates are counted and the cheapest is taken.
+//! world has no node. The diagonal block of a joint is zero until its bodies have filled it with −Φ_v M⁻¹ Φ_vᵀ, so a joint must wait:
+//!
+//! ```text
+//! rows of the joints gone × speeds of the bodies gone: full row rank               (2)
+//! ```
+//!
+//! makes every pivot of a joint negative and every pivot of a body positive, without pivoting. That one of its bodies has gone is not
+//! enough: a body between two hinges has 6 speeds, and both hinges 10 rows. A joint goes once what has gone and is tied to it, by joints
+//! gone and itself, hangs
+//! - on nothing that is still there: then these rows are whole, and independent where Φ_v has full rank;
+//! - or on one body that is still there, like a tree: every joint has a body of its own behind it, on which its rows are independent (on a
+//!   point they need not be);
+//! - or on one body in any way: on the joints, moving that body is moving all the others, so its columns are not missed. This needs joints
+//!   that can hold together; where no state was found at which the loops close, only the first two count.
+//!
+//! The orders differ a lot in cost: a hub with 11 arms costs ten times more bodies first than leaf first, a chain half as much again leaf
+//! first as bodies first. So candidates are counted and the cheapest is taken.
 //!
 //! The last candidate takes a body out **together with the joint that carries it**, leaf to root, where the joint determines part of the
 //! body's speeds exactly ([`Partition`]): substitution in place of pivots, the articulated-body recursion on a tree. The rows of the
-//! other joints stay in the system until at most one thing outside (a body not yet gone, or the world) is coupled to them; then a
-//! rigid motion of everything they hold does not change them, so what has gone determines their full block.
+//! other joints wait as above.
 
 use crate::layout::{JointSlots, PointSlots};
 use crate::partition::Partition;
@@ -88,23 +101,30 @@ struct Graph {
     neighbours: Vec<Vec<usize>>,
     /// Whether fill has reached its diagonal block.
     filled: Vec<bool>,
-    /// Whether it is coupled to the world.
-    grounded: Vec<bool>,
+    /// What each joint sits on: `None` for the world; empty for a body.
+    ends: Vec<Vec<Option<usize>>>,
+    /// The joints on each body; empty for a joint.
+    joints: Vec<Vec<usize>>,
+    /// Whether states are known at which the loops close.
+    closed: bool,
     gone: Vec<bool>,
 }
 
 impl Graph {
-    fn new(bodies: usize, points: &[PointSlots], joints: &[JointSlots]) -> Self {
+    fn new(bodies: usize, points: &[PointSlots], joints: &[JointSlots], closed: bool) -> Self {
         let mut graph = Graph {
             parts: Vec::new(),
             sizes: Vec::new(),
             neighbours: Vec::new(),
             filled: Vec::new(),
-            grounded: Vec::new(),
+            ends: Vec::new(),
+            joints: Vec::new(),
+            closed,
             gone: Vec::new(),
         };
         let held = |part: Part| {
-            let holds = |joint: &JointSlots| joint.len > 0 && joint.ends.contains(&Some(part));
+            let holds =
+                |joint: &JointSlots| !joint.kept.is_empty() && joint.ends.contains(&Some(part));
             joints.iter().any(holds)
         };
         let moving = (0..bodies)
@@ -113,12 +133,15 @@ impl Graph {
         for (part, size) in moving.filter(|&(part, _)| held(part)) {
             graph.push(part, size);
         }
-        for (index, joint) in joints.iter().enumerate().filter(|(_, j)| j.len > 0) {
-            let node = graph.push(Part::Joint(index), joint.len);
-            graph.grounded[node] = joint.ends.contains(&None);
-            for end in joint.ends.into_iter().flatten() {
-                if let Some(other) = graph.node(end) {
+        let kept = joints.iter().enumerate();
+        for (index, joint) in kept.filter(|(_, joint)| !joint.kept.is_empty()) {
+            let node = graph.push(Part::Joint(index), joint.kept.len());
+            for end in joint.ends {
+                let other = end.and_then(|end| graph.node(end));
+                graph.ends[node].push(other);
+                if let Some(other) = other {
                     graph.join(node, other);
+                    graph.joints[other].push(node);
                 }
             }
         }
@@ -130,7 +153,8 @@ impl Graph {
         self.sizes.push(size);
         self.neighbours.push(Vec::new());
         self.filled.push(false);
-        self.grounded.push(false);
+        self.ends.push(Vec::new());
+        self.joints.push(Vec::new());
         self.gone.push(false);
         self.parts.len() - 1
     }
@@ -150,9 +174,42 @@ impl Graph {
         matches!(self.parts[node], Part::Joint(_))
     }
 
-    /// A joint is ready once one of its bodies has gone.
+    /// A body is always ready, a joint once (2) holds with it.
     fn ready(&self, node: usize) -> bool {
-        !self.gone[node] && (!self.is_joint(node) || self.filled[node])
+        !self.gone[node] && (!self.is_joint(node) || self.filled[node] && self.is_held(node))
+    }
+
+    /// Whether what has gone and is tied to a joint, by joints gone and itself, makes its rows independent of theirs.
+    fn is_held(&self, joint: usize) -> bool {
+        let mut beside: Option<usize> = None;
+        let (mut point, mut world, mut parts) = (false, false, 0);
+        let (mut seen, mut open) = (vec![false; self.parts.len()], vec![joint]);
+        seen[joint] = true;
+        let mut next = 0;
+        while let Some(&tied) = open.get(next) {
+            next += 1;
+            for &end in &self.ends[tied] {
+                match end {
+                    None => world = true,
+                    Some(other) if self.gone[other] => {
+                        if std::mem::replace(&mut seen[other], true) {
+                            continue;
+                        }
+                        parts += 1;
+                        point |= matches!(self.parts[other], Part::Point(_));
+                        for &joint in self.joints[other].iter().filter(|&&j| self.gone[j]) {
+                            if !std::mem::replace(&mut seen[joint], true) {
+                                open.push(joint);
+                            }
+                        }
+                    }
+                    Some(other) if *beside.get_or_insert(other) != other => return false,
+                    Some(_) => {}
+                }
+            }
+        }
+        let tree = open.len() <= parts;
+        beside.is_none() || !world && !point && (tree || self.closed)
     }
 
     fn coupled(&self, node: usize) -> usize {
@@ -174,19 +231,12 @@ impl Graph {
         let neighbours = std::mem::take(&mut self.neighbours[node]);
         for (i, &a) in neighbours.iter().enumerate() {
             self.filled[a] = true;
-            self.grounded[a] |= self.grounded[node];
             self.neighbours[a].retain(|&other| other != node);
             for &b in neighbours.iter().take(i) {
                 self.join(a, b);
             }
         }
         neighbours
-    }
-
-    /// Whether a joint's rows are determined by what has gone: at most one thing outside is coupled to them.
-    fn settled(&self, node: usize) -> bool {
-        let outside = self.neighbours[node].iter().filter(|&&n| !self.is_joint(n));
-        self.filled[node] && outside.count() + usize::from(self.grounded[node]) <= 1
     }
 
     /// Estimated operations of eliminating a body together with the joint that carries it. A third of the products meets a zero or a one.
@@ -220,7 +270,7 @@ impl Graph {
             let next = (0..self.parts.len())
                 .filter(|&node| !self.gone[node] && !riding.contains(&node))
                 .filter(|&node| match self.is_joint(node) {
-                    true => self.settled(node),
+                    true => self.ready(node),
                     false => !carries(&self, node),
                 })
                 .min_by_key(|&node| price(&self, node));
@@ -262,7 +312,8 @@ fn carriers(
         let [parent, Some(Part::Body(child))] = joint.ends else {
             continue;
         };
-        let parts = partition.is_some_and(|partition| joint.len == 3 + partition.turns);
+        let parts =
+            joint.all_kept() && partition.is_some_and(|partition| joint.len == 3 + partition.turns);
         let mut inboard = parent;
         while let Some(Part::Body(body)) = inboard
             && body != child
@@ -277,15 +328,17 @@ fn carriers(
 }
 
 impl Elimination {
-    /// Chooses the cheapest of the candidate orders and lays out its blocks. `partitions`: how each joint parts the speeds of its child.
+    /// Chooses the cheapest of the candidate orders and lays out its blocks. `partitions`: how each joint parts the speeds of its child;
+    /// `closed`: whether states are known at which the loops of the joints close.
     #[must_use]
     pub fn new(
         bodies: usize,
         points: &[PointSlots],
         joints: &[JointSlots],
         partitions: &[Option<Partition>],
+        closed: bool,
     ) -> Self {
-        let graph = Graph::new(bodies, points, joints);
+        let graph = Graph::new(bodies, points, joints, closed);
         let bodies_first = |g: &Graph, n: usize| (usize::from(g.is_joint(n)), g.cost(n));
         let least_degree =
             |g: &Graph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));

@@ -6,6 +6,7 @@ use crate::formula::{Formula, Place};
 use crate::joints::Side;
 use crate::partition::Partition;
 use crate::quantity::{Differentiated, Quantity, Variable};
+use crate::redundancy::{Redundancy, RowSet};
 use crate::scene::{Frame, LoadKind, NodeModel, PointKind, Scene};
 
 /// Index ranges of a scene's state, lines, nodes and inputs.
@@ -53,6 +54,8 @@ pub struct Layout {
     pub nc: usize,
     /// Whether outputs, and whether events, ask for the effort of a motor.
     efforts: [bool; 2],
+    /// Which rows repeat others: those are left out of the system.
+    pub redundancy: Redundancy,
     /// The system of bodies and joints, and the order in which it is solved.
     pub elimination: Elimination,
 }
@@ -64,10 +67,20 @@ pub struct JointSlots {
     pub row: usize,
     /// Number of its rows: 6 − freedoms and one a motor; 0 where neither end moves, or an end is a massless point.
     pub len: usize,
+    /// Those of them that are in the system: all, unless some repeat rows of other joints.
+    pub kept: RowSet,
     /// What its parent end and its child end sit on; `None` for the world.
     pub ends: [Option<Part>; 2],
     /// Whether its rows depend on time: motors, or an end on a frame of the world that moves.
     pub driven: bool,
+}
+
+impl JointSlots {
+    /// Whether every row of the joint is in the system.
+    #[must_use]
+    pub fn all_kept(&self) -> bool {
+        self.kept.len() == self.len
+    }
 }
 
 /// A stop of a joint.
@@ -187,9 +200,46 @@ pub enum InputSource {
 }
 
 impl Layout {
-    /// Lays out a scene.
+    /// Lays out a scene, and finds the rows of its joints that repeat others ([`Redundancy`]): a search at random states wherever joints
+    /// close a loop. Where that has been done before, [`Layout::keeping`] takes its result.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
+        let layout = Self::places(scene);
+        let redundancy = Redundancy::find(scene, &layout);
+        layout.kept(scene, redundancy)
+    }
+
+    /// Lays out a scene whose redundancy is known. The default one keeps every row.
+    #[must_use]
+    pub fn keeping(scene: &Scene, redundancy: Redundancy) -> Self {
+        Self::places(scene).kept(scene, redundancy)
+    }
+
+    /// Leaves repeated rows out of the system and orders its elimination.
+    fn kept(mut self, scene: &Scene, redundancy: Redundancy) -> Self {
+        for repeat in &redundancy.repeats {
+            if let Some(slots) = self.joints.get_mut(repeat.joint) {
+                // Motors follow the rows of the law: what they prescribe is never left out.
+                let motors = RowSet::all(slots.len).0 & !RowSet::all(repeat.rows).0;
+                slots.kept = RowSet(repeat.kept.within(repeat.rows).0 | motors);
+            }
+        }
+        let joints = scene.joints.iter();
+        let partitions: Vec<Option<Partition>> =
+            joints.map(|joint| Partition::of(&joint.law)).collect();
+        self.elimination = Elimination::new(
+            self.bodies.len(),
+            &self.points,
+            &self.joints,
+            &partitions,
+            redundancy.closed,
+        );
+        self.redundancy = redundancy;
+        self
+    }
+
+    /// Everything but the system.
+    fn places(scene: &Scene) -> Self {
         let mut layout = Layout {
             np: scene.params.len(),
             events: scene.events.len(),
@@ -214,6 +264,18 @@ impl Layout {
         ];
         layout.columns = scene.outputs.iter().map(|output| output.components).sum();
         layout
+    }
+
+    /// Number of independent rows: those that are kept.
+    #[must_use]
+    pub fn rank(&self) -> usize {
+        self.joints.iter().map(|slots| slots.kept.len()).sum()
+    }
+
+    /// Freedoms: speeds that the joints leave.
+    #[must_use]
+    pub fn freedoms(&self) -> usize {
+        self.nv.saturating_sub(self.rank())
     }
 
     /// Length of the state.
@@ -257,7 +319,7 @@ impl Layout {
             | Quantity::Multipliers => self.nc,
             Quantity::ConstraintJacobian => self.nc * self.nv,
             Quantity::Reactions if self.nc > 0 => 6 * self.joints.len(),
-            Quantity::Correction if self.nc > 0 => self.nv,
+            Quantity::Correction if self.nc > 0 => self.nv + 1,
             Quantity::Reactions | Quantity::Correction => 0,
             Quantity::Partial(of, by) => self.len(of.quantity()) * self.variables(by),
         }
@@ -398,19 +460,13 @@ impl Layout {
             self.joints.push(JointSlots {
                 row: self.nc,
                 len,
+                kept: RowSet::all(len),
                 ends,
                 driven: len > 0
                     && (motors > 0 || [joint.parent, joint.child].into_iter().any(moving)),
             });
             self.nc += len;
         }
-        let partitions: Vec<Option<Partition>> = scene
-            .joints
-            .iter()
-            .map(|joint| Partition::of(&joint.law))
-            .collect();
-        self.elimination =
-            Elimination::new(scene.bodies.len(), &self.points, &self.joints, &partitions);
     }
 
     fn node_at(&self, place: Place) -> Option<usize> {

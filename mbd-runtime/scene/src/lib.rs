@@ -21,6 +21,7 @@ mod params;
 mod partition;
 mod quantity;
 mod real;
+mod redundancy;
 mod scene;
 
 pub use cost::Cost;
@@ -41,6 +42,7 @@ pub use params::{ParamError, check_params};
 pub use partition::Partition;
 pub use quantity::{At, Differentiated, Quantity, Variable};
 pub use real::{Float, Real, TINY};
+pub use redundancy::{Redundancy, Repeat, RowSet};
 pub use scene::{
     AngularVelocity, Body, Clamp, Constant, Coordinates, Difference, Dimension, Direction, Event,
     Frame, Gravity, Inertia, Input, Joint, Line, LineKind, Load, LoadKind, NodeModel, Output,

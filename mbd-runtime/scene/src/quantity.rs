@@ -55,7 +55,9 @@ pub enum Quantity {
     /// (6 numbers); the parent receives the opposite at the same point. Zero for a joint without rows.
     Reactions,
     /// The mass-weighted smallest move δ (n_v) with Φ_v δ = −r for the rows r of [`At::rows`]: M δ = Φ_vᵀ μ. The projection step; of positions,
-    /// with r = Φ, the angular parts of δ are small turns in the components of the state.
+    /// with r = Φ, the angular parts of δ are small turns in the components of the state. One more number: how near
+    /// the rows are to depending on each other, as the smallest part that other rows leave to a row's pivot [1]; 1 for rows at right angles,
+    /// sin² of the angle between two rows, rounding for dependent ones.
     Correction,
     /// The partial derivative of one quantity, dense, row by row; only structural non-zeros are written.
     Partial(Differentiated, Variable),

@@ -80,6 +80,7 @@ impl<T: Float> Explicit<T> {
     ) -> Result<(), StepError> {
         let h = T::from_f64(step);
         let last = self.rows.len() - 1;
+        system.enter();
         for (i, (c, row)) in self.rows.iter().enumerate().skip(1) {
             let (done, rest) = self.stages.split_at_mut(i * self.length);
             combine(state, h, row.iter().copied(), done, &mut self.trial);
@@ -153,6 +154,11 @@ impl<T: Float> Explicit<T> {
         } else {
             0.0
         }
+    }
+
+    /// The rates at the start of the step, to be changed.
+    pub(crate) fn first_mut(&mut self) -> &mut [T] {
+        self.stages.get_mut(..self.length).unwrap_or_default()
     }
 
     /// The rates at the start of the step.

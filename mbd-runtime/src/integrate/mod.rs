@@ -21,6 +21,9 @@ pub(crate) trait Rates<T> {
     /// Writes ẋ. `span` is the time since the last accepted step: models that difference against it need it.
     fn rates(&mut self, time: f64, span: f64, state: &[T], out: &mut [T]) -> Result<(), StepError>;
 
+    /// A trial step begins.
+    fn enter(&mut self) {}
+
     /// Puts a new state back on its manifold: unit quaternions, joints that hold.
     fn settle(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError>;
 }

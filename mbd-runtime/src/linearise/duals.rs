@@ -105,7 +105,7 @@ fn run<T: Float, M: Model<T>>(
         rows: &[],
     };
     let scene = model.scene();
-    let mut scratch = Scratch::new(scene);
+    let mut scratch = Scratch::new(model.layout());
     laws::evaluate(what, scene, model.layout(), numbers, &at, &mut scratch, out);
 }
 

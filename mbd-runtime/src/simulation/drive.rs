@@ -189,9 +189,17 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         if step < smallest {
             return Err(self.collapse(step, Collapse::ErrorTest));
         }
-        let tried = self
+        let mut tried = self
             .method
             .attempt(&mut self.system, self.time, step, &self.state);
+        // A stage came too close to a state where rows repeat each other: the step is made with rows chosen at its start.
+        if let Err(StepError::SingularConstraints { .. }) = tried
+            && self.system.climb(self.time, &self.state)
+        {
+            tried = self
+                .method
+                .attempt(&mut self.system, self.time, step, &self.state);
+        }
         let Pace::Adaptive(control, norm) = &mut self.pace else {
             return tried.map(|()| true);
         };

@@ -108,6 +108,8 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         self.watch_weights = self.system.watch_weights(self.time, &self.state)?;
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
+        self.system
+            .weigh(self.time, &self.state, self.method.first_mut())?;
         if let Pace::Adaptive(control, norm) = &mut self.pace {
             // The first step moves no block by more than a hundredth of its scale.
             let speed =

@@ -1,6 +1,6 @@
 //! Models of massless points: the default where none is declared, and what each model forbids.
 
-use mbd_scene::{Clamp, Difference, Layout, LineEnd, Network, NodeModel, PointKind};
+use mbd_scene::{Clamp, Difference, Layout, LineEnd, Network, NodeModel, PointKind, Redundancy};
 
 use super::any_bad;
 use crate::messages::check as say;
@@ -13,7 +13,7 @@ pub fn choose_models(resolver: &mut Resolver<'_>) {
     if any_bad(resolver, "line") {
         return;
     }
-    let layout = Layout::new(&resolver.scene);
+    let layout = Layout::keeping(&resolver.scene, Redundancy::default());
     for network in &layout.networks {
         let points = points(network, &layout);
         let declared = points
@@ -100,7 +100,7 @@ pub fn check_models(resolver: &mut Resolver<'_>) {
     if any_bad(resolver, "line") || any_bad(resolver, "point") {
         return;
     }
-    let layout = Layout::new(&resolver.scene);
+    let layout = Layout::keeping(&resolver.scene, Redundancy::default());
     for network in &layout.networks {
         check_one_model(resolver, network, &layout);
         for &node in &network.nodes {

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use mbd_scene::{
-    AngularVelocity, Formula, Gravity, LineKind, LoadKind, NodeModel, Place, PointKind, Quantity,
-    Scene, Triple,
+    AngularVelocity, Formula, Gravity, Layout, LineKind, LoadKind, NodeModel, Place, PointKind,
+    Quantity, Scene, Triple,
 };
 
 use super::context::{Context, unit_text};
@@ -58,10 +58,16 @@ pub fn explanation(context: &Context) -> String {
     let scene = context.scene();
     let mut out = format!("{}\n\n", scene.name);
     equations(scene, context.equations, &mut out);
-    left_out(scene, &mut out);
-    if !context.settings.notes.is_empty() {
+    left_out(scene, &context.equations.layout, &mut out);
+    let mut notes = context.settings.notes.clone();
+    let redundancy = &context.equations.layout.redundancy;
+    notes.extend(redundancy.sentences(scene));
+    if redundancy.loops > 0 && !redundancy.closed {
+        notes.push("loops of joints that no state was found for: every row is kept".to_owned());
+    }
+    if !notes.is_empty() {
         out.push_str("\nNotes\n");
-        for note in &context.settings.notes {
+        for note in &notes {
             let _ = writeln!(out, "  {note}");
         }
     }
@@ -213,11 +219,16 @@ fn gravity(scene: &Scene) -> String {
 }
 
 /// What costs nothing because the scene has no need of it.
-fn left_out(scene: &Scene, out: &mut String) {
-    let mut absent = vec![
-        "No joint with rows: no constraint, no multiplier, no linear system for accelerations."
-            .to_owned(),
-    ];
+fn left_out(scene: &Scene, layout: &Layout, out: &mut String) {
+    let mut absent = Vec::new();
+    if layout.nc == 0 {
+        absent.push(
+            "No joint with rows: no constraint, no multiplier, no linear system for accelerations."
+                .to_owned(),
+        );
+    } else if layout.redundancy.loops == 0 {
+        absent.push("No loop of joints: no row repeats others.".to_owned());
+    }
     if scene.bodies.is_empty() {
         absent.push("No body: no rotation, no quaternion.".to_owned());
     }
@@ -282,7 +293,8 @@ fn cost(equations: &Equations, out: &mut String) {
     }
     if let Some(program) = equations.program(Quantity::Derivative) {
         let total = |scene: &Scene| {
-            Equations::trace_only(scene, &[Quantity::Derivative])
+            let layout = Layout::keeping(scene, layout.redundancy.clone());
+            Equations::trace_in(scene, layout, &[Quantity::Derivative])
                 .program(Quantity::Derivative)
                 .map_or(0, |program| program.cost().total())
         };

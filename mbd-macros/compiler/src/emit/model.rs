@@ -238,6 +238,10 @@ fn construction(context: &Context) -> TokenStream {
         let text = error.to_string();
         quote!(::core::compile_error!(#text))
     });
+    let redundancy = constructor(&context.equations.layout.redundancy).unwrap_or_else(|error| {
+        let text = error.to_string();
+        quote!(::core::compile_error!(#text))
+    });
     let explanation = explain::explanation(context);
     let inputs = (context.equations.layout.ni > 0).then(|| {
         let (loads, count, gather) = (context.named("Loads"), whole(context.equations.layout.ni), gather(context));
@@ -249,6 +253,11 @@ fn construction(context: &Context) -> TokenStream {
         }
     });
     quote! {
+        /// Which rows of the joints repeat others, as found when this was generated.
+        fn redundancy() -> ::mbd_runtime::scene::Redundancy {
+            #redundancy
+        }
+
         impl #float #name #used {
             /// A model with these parameters.
             ///
@@ -256,7 +265,7 @@ fn construction(context: &Context) -> TokenStream {
             /// The first parameter that is not finite, outside its range, or gives a body or line numbers that none has.
             pub fn new(params: #params #used) -> ::core::result::Result<Self, ::mbd_runtime::ParamError> {
                 let values = params.to_array();
-                let parts = ::mbd_runtime::__private::Parts::checked(Self::scene(), &values)?;
+                let parts = ::mbd_runtime::__private::Parts::checked(Self::scene(), redundancy(), &values)?;
                 ::core::result::Result::Ok(Self::assembled(params, values, parts))
             }
         }
@@ -275,7 +284,7 @@ fn construction(context: &Context) -> TokenStream {
             #[must_use]
             pub fn unchecked(params: #params #used) -> Self {
                 let values = params.to_array();
-                let parts = ::mbd_runtime::__private::Parts::new(Self::scene(), &values);
+                let parts = ::mbd_runtime::__private::Parts::new(Self::scene(), redundancy(), &values);
                 Self::assembled(params, values, parts)
             }
             /// The parameters; new ones make a new model.

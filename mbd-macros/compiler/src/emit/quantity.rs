@@ -172,7 +172,9 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
         ),
         Quantity::Correction => (
             "Projection step: the smallest `δ`, weighted by mass, with `Φ_v δ = −r`; `M δ = Φ_vᵀ μ`.",
-            format!("{nv}, in the components of the speeds."),
+            format!(
+                "{nv}, in the components of the speeds; then the smallest part that other rows leave to a row's pivot."
+            ),
         ),
         Quantity::NodeByAnchor(k) => (
             "How the nodes follow their anchors: `∂p/∂p_i = H⁻¹ J_i`, the sum over the anchors is 1.",

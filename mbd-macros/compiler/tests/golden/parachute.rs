@@ -3516,6 +3516,14 @@ const _: () = {
             ],
         );
     }
+    /// Which rows of the joints repeat others, as found when this was generated.
+    fn redundancy() -> ::mbd_runtime::scene::Redundancy {
+        ::mbd_runtime::scene::Redundancy {
+            repeats: ::std::vec![],
+            loops: 0,
+            closed: true,
+        }
+    }
     impl<T: ::mbd_runtime::Float> Parachute<T> {
         /// A model with these parameters.
         ///
@@ -3527,6 +3535,7 @@ const _: () = {
             let values = params.to_array();
             let parts = ::mbd_runtime::__private::Parts::checked(
                 Self::scene(),
+                redundancy(),
                 &values,
             )?;
             ::core::result::Result::Ok(Self::assembled(params, values, parts))
@@ -3551,7 +3560,11 @@ const _: () = {
         #[must_use]
         pub fn unchecked(params: ParachuteParams<T>) -> Self {
             let values = params.to_array();
-            let parts = ::mbd_runtime::__private::Parts::new(Self::scene(), &values);
+            let parts = ::mbd_runtime::__private::Parts::new(
+                Self::scene(),
+                redundancy(),
+                &values,
+            );
             Self::assembled(params, values, parts)
         }
         /// The parameters; new ones make a new model.

@@ -7,6 +7,15 @@
 //!
 //! Scalar by scalar inside the blocks, so that every structural zero of the mass matrix and of the rows is skipped: symbols drop it from the
 //! code, numbers step over it. No pivoting: a pivot that vanishes (redundant rows) gives numbers that are not finite, never a panic.
+//!
+//! The pivot of a row is what other rows have left of its own element of −Φ_v M⁻¹ Φ_vᵀ:
+//!
+//! ```text
+//! margin = min over rows of pivot / element before any row is taken out of it       (3)
+//! ```
+//!
+//! a number without unit, whatever the masses: 1 for rows at right angles, sin² for two rows at an angle, eps or less for dependent ones.
+//! Rows that leave by substitution have no pivot and do not count.
 
 use crate::Real;
 use crate::elimination::{Elimination, Part, Step};
@@ -22,6 +31,10 @@ pub struct System<S: Real> {
     pub(super) inverse: Vec<S>,
     /// b, then y, then x.
     pub(super) right: Vec<S>,
+    /// Diagonal elements of joints before rows were taken out of them.
+    whole: Vec<S>,
+    /// Whether a diagonal element has grown since.
+    grown: Vec<bool>,
 }
 
 impl<S: Real> System<S> {
@@ -32,12 +45,16 @@ impl<S: Real> System<S> {
             scaled: vec![S::zero(); plan.store],
             inverse: vec![S::zero(); plan.unknowns],
             right: vec![S::zero(); plan.unknowns],
+            whole: vec![S::zero(); plan.unknowns],
+            grown: vec![false; plan.unknowns],
         }
     }
 
     /// An empty system.
     pub fn clear(&mut self) {
         self.store.fill(S::zero());
+        self.whole.fill(S::zero());
+        self.grown.fill(false);
         self.right.fill(S::zero());
     }
 
@@ -95,9 +112,20 @@ impl<S: Real> System<S> {
             enter(step.part);
             if step.partition.is_some() {
                 self.factor_pair(plan, index);
+                let riding = plan.steps.get(index + 1);
+                let both = step
+                    .below
+                    .iter()
+                    .chain(riding.into_iter().flat_map(|r| &r.below));
+                for target in both.filter_map(|below| plan.steps.get(below.step)) {
+                    self.grown[target.first..target.first + target.size].fill(true);
+                }
                 continue;
             }
             let n = step.size;
+            if matches!(step.part, Part::Joint(_)) {
+                self.note(step);
+            }
             for p in 0..n {
                 let pivot = step.diagonal + p * n;
                 let inverse = S::one() / self.store[pivot + p];
@@ -144,9 +172,58 @@ impl<S: Real> System<S> {
         }
     }
 
+    /// Says how large the element of row `row` of a joint is at least before rows are taken out of it, where substitution hides its size.
+    pub fn set_size(&mut self, plan: &Elimination, step: usize, row: usize, size: S) {
+        if let Some(step) = plan.steps.get(step)
+            && let Some(whole) = self.whole.get_mut(step.first + row)
+        {
+            *whole = -size;
+        }
+    }
+
+    /// Notes the diagonal elements of a joint that have grown since the last note: rows are about to be taken out of them.
+    fn note(&mut self, step: &Step) {
+        for p in 0..step.size {
+            let place = step.first + p;
+            if std::mem::replace(&mut self.grown[place], false) {
+                // Elements of joints are negative.
+                let element = self.store[step.diagonal + p * step.size + p];
+                let known = self.whole[place];
+                self.whole[place] = if known.is_zero() {
+                    element
+                } else {
+                    known.min(element)
+                };
+            }
+        }
+    }
+
+    /// The smallest part of its element that other rows have left to the pivot of a row, after [`System::factor`], by (3).
+    pub fn margin(&self, plan: &Elimination) -> S {
+        let joints = plan.steps.iter();
+        let joints = joints.filter(|step| matches!(step.part, Part::Joint(_)) && !step.rides);
+        let mut least = S::one();
+        for step in joints {
+            for p in 0..step.size {
+                let pivot = self.store[step.diagonal + p * step.size + p];
+                least = least.min(pivot / self.whole[step.first + p]);
+            }
+        }
+        least.label("margin")
+    }
+
     /// Takes the products of a step's couplings out of the blocks they fill.
     fn fill(&mut self, plan: &Elimination, step: &Step) {
         let n = step.size;
+        let joint = matches!(step.part, Part::Joint(_));
+        for below in &step.below {
+            let target = &plan.steps[below.step];
+            if joint && matches!(target.part, Part::Joint(_)) {
+                self.note(target);
+            } else {
+                self.grown[target.first..target.first + target.size].fill(true);
+            }
+        }
         for (i, below) in step.below.iter().enumerate() {
             let rows = plan.steps[below.step].size;
             for (other, &target) in step.below[..=i].iter().zip(&below.targets) {

@@ -10,6 +10,7 @@
 //!
 //! The system is written in body components whatever the state carries: M is constant there and γ and λ are the same numbers. Uniform
 //! gravity is left out of (1) and added to the result: it moves every body alike, so only joints to the world feel it.
+//! Rows that repeat others are not in the system ([`crate::Redundancy`]): their multipliers are zero.
 //! Source: Kamman, Connecting Joints I, rows joined to the equations of motion as second-order equations.
 
 use nalgebra::Vector3;
@@ -18,7 +19,7 @@ use super::algebra::{vector, write};
 use super::block::System;
 use super::evaluation::Evaluation;
 use super::forces::Assembly;
-use super::rows::{Columns, End, Ends, Rows, Turn};
+use super::rows::{Columns, End, Ends, Row, Rows, Turn};
 use super::{GravityNumbers, body_gravity, point_gravity};
 use crate::elimination::Part;
 use crate::joints::Coordinate;
@@ -30,6 +31,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Constraints<S: Real> {
     rows: Vec<Rows<S>>,
+    /// The rows of the system, where they are not all rows of the joint.
+    kept: Vec<Rows<S>>,
     system: System<S>,
 }
 
@@ -180,6 +183,20 @@ pub fn branch<S: Real>(
     }
 }
 
+/// The rows of a joint that are in the system.
+fn in_system<'a, S: Real>(
+    layout: &Layout,
+    joint: usize,
+    all: &'a [Rows<S>],
+    kept: &'a [Rows<S>],
+) -> &'a [Row<S>] {
+    if layout.joints[joint].all_kept() {
+        all[joint].rows()
+    } else {
+        kept[joint].rows()
+    }
+}
+
 /// The acceleration of free fall where it is the same everywhere; zero else.
 fn common_fall<S: Real>(evaluation: &Evaluation<'_, S>) -> Vector3<S> {
     match evaluation.numbers.gravity {
@@ -190,10 +207,11 @@ fn common_fall<S: Real>(evaluation: &Evaluation<'_, S>) -> Vector3<S> {
 
 impl<S: Real> Constraints<S> {
     /// Room for one scene.
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(layout: &Layout) -> Self {
         Constraints {
-            rows: vec![Rows::default(); scene.joints.len()],
-            system: System::new(&Layout::new(scene).elimination),
+            rows: vec![Rows::default(); layout.joints.len()],
+            kept: vec![Rows::default(); layout.joints.len()],
+            system: System::new(&layout.elimination),
         }
     }
 
@@ -220,6 +238,9 @@ impl<S: Real> Constraints<S> {
                     rows.motor(&ends, &coordinate, &course);
                 }
                 rows.prescribe(&ends);
+                if !slots.all_kept() {
+                    rows.keep(slots.kept, &ends, &mut self.kept[index]);
+                }
             }
         }
     }
@@ -266,7 +287,13 @@ impl<S: Real> Constraints<S> {
                 }
                 Part::Joint(joint) => {
                     let [parent, child] = layout.joints[joint].ends.map(|end| plan.step_of(end?));
-                    for (number, row) in self.rows[joint].rows().iter().enumerate() {
+                    let rows = in_system(layout, joint, &self.rows, &self.kept);
+                    let hidden = !step.rides && plan.carriers.iter().any(Option::is_some);
+                    for (number, row) in rows.iter().enumerate() {
+                        if hidden {
+                            let size = self.size(evaluation, joint, row);
+                            self.system.set_size(plan, index, number, size);
+                        }
                         for (end, columns) in [(parent, &row.parent), (child, &row.child)] {
                             let Some(end) = end else { continue };
                             let both = columns.linear.iter().chain(columns.angular.iter());
@@ -282,6 +309,28 @@ impl<S: Real> Constraints<S> {
         }
         self.system
             .factor(plan, |part| enter::<S>(evaluation.scene, part));
+    }
+
+    /// The element of Φ_v M⁻¹ Φ_vᵀ of a row, products of inertia aside.
+    fn size(&self, evaluation: &Evaluation<'_, S>, joint: usize, row: &Row<S>) -> S {
+        let numbers = evaluation.numbers;
+        let ends = evaluation.layout.joints[joint].ends.into_iter();
+        ends.zip([&row.parent, &row.child])
+            .fold(S::zero(), |sum, (end, columns)| {
+                let linear = columns.linear.dot(&columns.linear);
+                match end {
+                    Some(Part::Body(body)) => {
+                        let body = &numbers.bodies[body];
+                        let turned = (0..3).fold(linear * body.inverse_mass, |sum, k| {
+                            let x = columns.angular[k];
+                            sum + x * x * body.inverse_inertia[(k, k)]
+                        });
+                        sum + turned
+                    }
+                    Some(Part::Point(point)) => sum + linear * numbers.points[point].1,
+                    _ => sum,
+                }
+            })
     }
 
     /// Writes the mass block of a body about its reference point r: [m I, m R r̃; ·, I′ + m r̃ᵀ r̃], and the directions of its speeds.
@@ -375,7 +424,8 @@ impl<S: Real> Constraints<S> {
                 }
                 Part::Joint(joint) => {
                     let ends = layout.joints[joint].ends;
-                    for (slot, row) in right.iter_mut().zip(self.rows[joint].rows()) {
+                    let rows = in_system(layout, joint, &self.rows, &self.kept);
+                    for (slot, row) in right.iter_mut().zip(rows) {
                         // Between two bodies the common fall cancels: their linear columns are opposite.
                         *slot = match ends {
                             [Some(_), Some(_)] => row.bias,
@@ -419,7 +469,7 @@ impl<S: Real> Constraints<S> {
     /// Writes the multipliers, or the reactions by (3), after [`Constraints::accelerate`].
     pub fn write_forces(&self, what: Quantity, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let layout = evaluation.layout;
-        for (index, (slots, rows)) in layout.joints.iter().zip(&self.rows).enumerate() {
+        for (index, slots) in layout.joints.iter().enumerate() {
             let Some(step) = layout.elimination.step_of(Part::Joint(index)) else {
                 if what == Quantity::Reactions {
                     out[6 * index..6 * index + 6].fill(S::zero());
@@ -428,13 +478,16 @@ impl<S: Real> Constraints<S> {
             };
             let unknowns = self.system.unknowns(&layout.elimination, step);
             if what == Quantity::Multipliers {
-                for (slot, &unknown) in out[slots.row..].iter_mut().zip(unknowns) {
-                    *slot = -unknown;
-                }
+                let own = &mut out[slots.row..slots.row + slots.len];
+                own.fill(S::zero());
+                self.each_kept(evaluation, index, |number, row, part| {
+                    own[row] -= unknowns[number] * part;
+                });
                 continue;
             }
             let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
-            for (row, &unknown) in rows.rows().iter().zip(unknowns) {
+            let rows = in_system(layout, index, &self.rows, &self.kept);
+            for (row, &unknown) in rows.iter().zip(unknowns) {
                 force -= row.child.linear.map(|x| unknown * x);
                 torque -= row.couple.map(|x| unknown * x);
             }
@@ -450,7 +503,7 @@ impl<S: Real> Constraints<S> {
     pub fn drive_power(&self, evaluation: &Evaluation<'_, S>) -> S {
         let layout = evaluation.layout;
         let mut power = S::zero();
-        for (index, rows) in self.rows.iter().enumerate() {
+        for index in 0..layout.joints.len() {
             let driven = layout.joints.get(index).is_some_and(|slots| slots.driven);
             let step = layout.elimination.step_of(Part::Joint(index));
             let (Some(step), true) = (step, driven) else {
@@ -460,14 +513,37 @@ impl<S: Real> Constraints<S> {
                 continue;
             };
             let unknowns = self.system.unknowns(&layout.elimination, step);
-            for (row, &unknown) in rows.rows().iter().zip(unknowns) {
+            let rows = in_system(layout, index, &self.rows, &self.kept);
+            for (row, &unknown) in rows.iter().zip(unknowns) {
                 power += unknown * row.prescribed_rate(&ends);
             }
         }
         power
     }
 
-    /// Solves (2) for the rows of the arguments and writes δ.
+    /// Hands out what each row of the system is made of: its number, a row of the joint, and how much of it.
+    fn each_kept(
+        &self,
+        evaluation: &Evaluation<'_, S>,
+        joint: usize,
+        mut each: impl FnMut(usize, usize, S),
+    ) {
+        let slots = &evaluation.layout.joints[joint];
+        if slots.all_kept() {
+            return (0..slots.len).for_each(|row| each(row, row, S::one()));
+        }
+        let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) else {
+            return;
+        };
+        for (number, row) in slots.kept.rows().enumerate() {
+            let parts = self.rows[joint].parts(row, &ends);
+            for (row, part) in parts.into_iter().flatten() {
+                each(number, row, part);
+            }
+        }
+    }
+
+    /// Solves (2) for the rows of the arguments and writes δ, and behind it the margin of the factor.
     pub fn correct(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let layout = evaluation.layout;
         let plan = &layout.elimination;
@@ -477,15 +553,19 @@ impl<S: Real> Constraints<S> {
         self.prepare(evaluation);
         for (joint, slots) in layout.joints.iter().enumerate() {
             if let Some(step) = plan.step_of(Part::Joint(joint)) {
-                let right = self.system.unknowns_mut(plan, step);
-                for (slot, &row) in right.iter_mut().zip(&evaluation.at.rows[slots.row..]) {
-                    *slot = -row;
-                }
+                let asked = &evaluation.at.rows[slots.row..slots.row + slots.len];
+                let mut right = [S::zero(); 6];
+                self.each_kept(evaluation, joint, |number, row, part| {
+                    right[number] -= asked[row] * part;
+                });
+                let own = self.system.unknowns_mut(plan, step);
+                own.copy_from_slice(&right[..own.len()]);
             }
         }
         self.system
             .solve(plan, |part| enter::<S>(evaluation.scene, part));
         out.fill(S::zero());
+        out[layout.nv] = self.system.margin(plan);
         for (index, step) in plan.steps.iter().enumerate() {
             let unknowns = self.system.unknowns(plan, index);
             match step.part {

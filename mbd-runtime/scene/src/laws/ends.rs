@@ -230,6 +230,12 @@ impl<'a, S: Real> Ends<'a, S> {
         p.outward.back(&(c.velocity - p.velocity)) + self.relative().apply(&c.swing())
     }
 
+    /// Axis number `k` of frame 1, world axes.
+    pub fn direction(&self, k: usize) -> Vector3<S> {
+        let unit = Vector3::from_fn(|i, _| if i == k { S::one() } else { S::zero() });
+        self.parent.outward.apply(&self.parent.frame.apply(&unit))
+    }
+
     /// Cosine of the angle between axis `a` of frame 1 and axis `b` of frame 2.
     pub fn cosine(&self, a: &Axis, b: &Axis) -> S {
         let b = self.relative().apply(&self.child.axis(b));

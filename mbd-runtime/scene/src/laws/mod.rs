@@ -17,6 +17,7 @@ mod motor;
 mod node;
 mod numbers;
 mod pair;
+mod posture;
 pub mod rows;
 
 use algebra::{elements, vector, write};
@@ -34,6 +35,7 @@ pub use ground::{FrameMotion, ground};
 pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers, constant,
 };
+pub(crate) use posture::Posture;
 
 use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 
@@ -48,15 +50,16 @@ pub struct Scratch<S: Real> {
 }
 
 impl<S: Real> Scratch<S> {
-    /// Room for one scene.
+    /// Room for the scene of a layout.
     #[must_use]
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(layout: &Layout) -> Self {
+        let (bodies, points) = (layout.bodies.len(), layout.points.len());
         Scratch {
-            motions: vec![Motion::unknown(); scene.bodies.len()],
-            ground: Vec::with_capacity(scene.world_frames.len()),
+            motions: vec![Motion::unknown(); bodies],
+            ground: Vec::new(),
             multipliers: Vec::new(),
-            assembly: Assembly::new(scene.bodies.len(), scene.points.len()),
-            constraints: Constraints::new(scene),
+            assembly: Assembly::new(bodies, points),
+            constraints: Constraints::new(layout),
         }
     }
 }

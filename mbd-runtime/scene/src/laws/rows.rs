@@ -35,7 +35,7 @@ use nalgebra::Vector3;
 
 pub use super::ends::{End, Ends, Spin, Turn};
 use crate::joints::{Axis, Coordinate};
-use crate::{Jet, Real};
+use crate::{Jet, Real, RowSet};
 
 /// What one end contributes to a row: the coefficients of its velocity.
 #[derive(Clone, Copy, Debug)]
@@ -153,12 +153,15 @@ impl<S: Real> Row<S> {
 #[derive(Clone, Debug)]
 pub struct Rows<S: Real> {
     rows: Vec<Row<S>>,
+    /// The first of the three rows along world axes, if there are such.
+    coincide: Option<usize>,
 }
 
 impl<S: Real> Default for Rows<S> {
     fn default() -> Self {
         Rows {
             rows: Vec::with_capacity(6),
+            coincide: None,
         }
     }
 }
@@ -167,12 +170,37 @@ impl<S: Real> Rows<S> {
     /// Forgets all rows; keeps the room.
     pub fn clear(&mut self) {
         self.rows.clear();
+        self.coincide = None;
     }
 
     /// The rows.
     #[must_use]
     pub fn rows(&self) -> &[Row<S>] {
         &self.rows
+    }
+
+    /// Writes the rows of a set as the system takes them where some of the joint's rows repeat others: of the three rows along world axes their
+    /// sums along the axes of frame 1, so that what is left out turns with the parent. The plane of a planar loop does.
+    pub fn keep(&self, set: RowSet, ends: &Ends<'_, S>, kept: &mut Self) {
+        kept.clear();
+        for row in set.rows() {
+            let parts = self.parts(row, ends).into_iter().flatten();
+            let whole = parts
+                .filter_map(|(row, part)| Some(self.rows.get(row)?.scaled(part)))
+                .reduce(|sum, row| sum.plus(&row));
+            kept.rows.extend(whole);
+        }
+    }
+
+    /// The rows, and how much of each, that make up row `row` of the system.
+    pub fn parts(&self, row: usize, ends: &Ends<'_, S>) -> [Option<(usize, S)>; 3] {
+        match self.coincide {
+            Some(first) if (first..first + 3).contains(&row) => {
+                let axis = ends.direction(row - first);
+                std::array::from_fn(|k| Some((first + k, axis[k])).filter(|(_, x)| !x.is_zero()))
+            }
+            _ => [Some((row, S::one())), None, None],
+        }
     }
 
     /// Holds a coordinate to a course of time: one row, see [`super::motor`].
@@ -193,6 +221,7 @@ impl<S: Real> Rows<S> {
 
     /// The joint points coincide: three rows [m], (1).
     pub fn coincide(&mut self, ends: &Ends<'_, S>) {
+        self.coincide = Some(self.rows.len());
         let (parent, child) = (&ends.parent, &ends.child);
         let gap = ends.gap();
         let bias = pull(parent) - pull(child);

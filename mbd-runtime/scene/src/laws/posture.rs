@@ -1,0 +1,197 @@
+//! A scene at rest in a configuration that can be moved part by part: for looking at joints before a run, one at a time.
+
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+use super::algebra::{rotation, vector};
+use super::body::Motion;
+use super::evaluation::Evaluation;
+use super::ground::{FrameMotion, ground};
+use super::numbers::Numbers;
+use super::rows::Rows;
+use crate::elimination::Part;
+use crate::{AngularVelocity, At, Layout, Place, PointSlots, RowSet, Scene};
+
+/// A configuration of a scene with its parameters at their defaults, at time zero and at rest.
+pub(crate) struct Posture<'a> {
+    scene: &'a Scene,
+    layout: &'a Layout,
+    pub numbers: Numbers<f64>,
+    state: Vec<f64>,
+    inputs: Vec<f64>,
+    motions: Vec<Motion<f64>>,
+    ground: Vec<Option<FrameMotion<f64>>>,
+}
+
+impl<'a> Posture<'a> {
+    /// Every part at the origin.
+    pub fn new(scene: &'a Scene, layout: &'a Layout) -> Self {
+        let defaults: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+        let numbers = Numbers::new(scene, &defaults);
+        let mut moving = Vec::new();
+        ground(scene, &numbers, 0.0, &mut moving);
+        let mut posture = Posture {
+            scene,
+            layout,
+            numbers,
+            ground: moving,
+            state: vec![0.0; layout.nx()],
+            inputs: vec![0.0; layout.ni],
+            motions: vec![Motion::unknown(); layout.bodies.len()],
+        };
+        for body in 0..layout.bodies.len() {
+            posture.place(Part::Body(body), Vector3::zeros(), &Matrix3::identity());
+        }
+        posture
+    }
+
+    /// Where a part is: position and axes in the world.
+    pub fn pose(&self, part: Part) -> (Vector3<f64>, Matrix3<f64>) {
+        match part {
+            Part::Body(body) => self.motions.get(body).map_or_else(
+                || (Vector3::zeros(), Matrix3::identity()),
+                |motion| (motion.position, motion.rotation),
+            ),
+            Part::Point(point) => match self.layout.points.get(point) {
+                Some(PointSlots::Mass(slots)) => {
+                    (vector(&self.state, slots.q), Matrix3::identity())
+                }
+                _ => (Vector3::zeros(), Matrix3::identity()),
+            },
+            Part::Joint(_) => (Vector3::zeros(), Matrix3::identity()),
+        }
+    }
+
+    /// Where a joint's frame sits on its part: position and axes in the axes of the part.
+    pub fn frame(&self, place: Place) -> (Vector3<f64>, Matrix3<f64>) {
+        if let Place::World(frame) = place
+            && let Some(motion) = self.ground.get(frame).copied().flatten()
+        {
+            let axes = motion.rotation.unwrap_or_else(Matrix3::identity);
+            return (motion.position, axes);
+        }
+        let found = match place {
+            Place::World(frame) => self.numbers.world_frames.get(frame),
+            Place::Body(body, frame) => {
+                let body = self.numbers.bodies.get(body);
+                body.and_then(|body| body.frames.get(frame))
+            }
+            Place::Point(_) => None,
+        };
+        found.map_or_else(
+            || (Vector3::zeros(), Matrix3::identity()),
+            |frame| {
+                let axes = frame.rotation.unwrap_or_else(Matrix3::identity);
+                (frame.position, axes)
+            },
+        )
+    }
+
+    /// Puts a part somewhere.
+    pub fn place(&mut self, part: Part, position: Vector3<f64>, axes: &Matrix3<f64>) {
+        let turn = Rotation3::from_matrix_unchecked(*axes);
+        let quaternion = UnitQuaternion::from_rotation_matrix(&turn).into_inner();
+        self.write(
+            part,
+            position,
+            [quaternion.w, quaternion.i, quaternion.j, quaternion.k],
+        );
+    }
+
+    /// Moves a part by a translation and a small turn in world axes.
+    pub fn shift(&mut self, part: Part, by: Vector3<f64>, turn: Vector3<f64>) {
+        let (position, axes) = self.pose(part);
+        let turn = Rotation3::new(turn);
+        self.place(part, position + by, &(turn.into_inner() * axes));
+    }
+
+    fn write(&mut self, part: Part, position: Vector3<f64>, quaternion: [f64; 4]) {
+        let slots = match part {
+            Part::Body(body) => self.layout.bodies.get(body).copied(),
+            Part::Point(point) => match self.layout.points.get(point) {
+                Some(PointSlots::Mass(slots)) => Some(*slots),
+                _ => None,
+            },
+            Part::Joint(_) => None,
+        };
+        let Some(slots) = slots else { return };
+        for (slot, value) in self.state.iter_mut().skip(slots.q).zip(position.iter()) {
+            *slot = *value;
+        }
+        let Part::Body(body) = part else { return };
+        let quaternion_slots = self.state.iter_mut().skip(slots.q + 3);
+        for (slot, value) in quaternion_slots.zip(quaternion) {
+            *slot = value;
+        }
+        if let Some(motion) = self.motions.get_mut(body) {
+            *motion = Motion {
+                position,
+                rotation: rotation(quaternion),
+                quaternion,
+                velocity: Vector3::zeros(),
+                omega_body: Vector3::zeros(),
+                omega_world: Vector3::zeros(),
+            };
+        }
+    }
+
+    /// Calls `look` with the evaluation of this configuration.
+    fn look<R>(&self, look: impl FnOnce(&Evaluation<'_, f64>) -> R) -> R {
+        let at = At {
+            time: 0.0,
+            state: &self.state,
+            nodes: &[],
+            effective: &[],
+            hold: &[],
+            ends: &[],
+            inputs: &self.inputs,
+            rows: &[],
+        };
+        look(&Evaluation {
+            scene: self.scene,
+            layout: self.layout,
+            numbers: &self.numbers,
+            at: &at,
+            motions: &self.motions,
+            ground: &self.ground,
+            multipliers: &[],
+        })
+    }
+
+    /// Writes the rows of a joint, world components.
+    pub fn rows(&self, joint: usize, rows: &mut Rows<f64>) {
+        rows.clear();
+        self.look(|evaluation| {
+            let ends = evaluation.ends(joint, AngularVelocity::World);
+            if let (Some(ends), Some(joint)) = (ends, self.scene.joints.get(joint)) {
+                joint.law.constrain(&ends, rows);
+            }
+        });
+    }
+
+    /// Writes all rows of a joint in the form the system takes those of a joint that loses some.
+    pub fn system_rows(&self, joint: usize, all: &mut Rows<f64>, rows: &mut Rows<f64>) {
+        self.rows(joint, all);
+        self.look(|evaluation| {
+            if let Some(ends) = evaluation.ends(joint, AngularVelocity::World) {
+                all.keep(RowSet::all(all.rows().len()), &ends, rows);
+            }
+        });
+    }
+
+    /// Whether a joint is on the branch it means.
+    pub fn on_branch(&self, joint: usize) -> bool {
+        self.look(|evaluation| {
+            let ends = evaluation.ends(joint, AngularVelocity::World);
+            match (ends, self.scene.joints.get(joint)) {
+                (Some(ends), Some(joint)) => joint.law.branch(&ends).iter().all(|sign| *sign > 0.0),
+                _ => false,
+            }
+        })
+    }
+
+    /// The largest coordinate of a position.
+    pub fn reach(&self) -> f64 {
+        let bodies = self.motions.iter().map(|motion| motion.position.amax());
+        bodies.fold(0.0, f64::max)
+    }
+}

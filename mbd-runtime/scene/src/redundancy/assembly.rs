@@ -1,0 +1,475 @@
+//! Consistent random states of a group of parts, and what the speeds of its tree do to the rows that close its loops.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+use super::length;
+use super::local::{Hold, Motion, columns, dot};
+use super::tree::{Group, Link};
+use crate::elimination::Part;
+use crate::joints::{JointLaw, Relative, Twist};
+use crate::laws::Posture;
+use crate::laws::rows::{Columns, Row, Rows};
+use crate::{Layout, Scene};
+
+/// States looked for in a group.
+const STATES: usize = 5;
+/// Attempts at them.
+const ATTEMPTS: usize = 24;
+/// Iterations that close the loops of one.
+const ITERATIONS: usize = 60;
+/// Iterations that must at least halve what is left.
+const STALL: usize = 8;
+/// The largest turn of one iteration [rad].
+const TURN: f64 = 0.5;
+/// A loop is closed when its rows are below this part of the length.
+const CLOSED: f64 = 1e-11;
+
+/// A row of a joint at a state: its size, and its columns on the two parts.
+pub struct JointRow {
+    /// √ of the sum of squares of its columns.
+    pub size: f64,
+    /// Parent and child.
+    pub ends: [Option<Part>; 2],
+    /// On each of them.
+    pub columns: [Motion; 2],
+}
+
+/// A consistent state, linearised.
+pub struct State {
+    /// Per closing joint, the rows in the form of the system over the speeds of the tree, each divided by its size.
+    pub closing: Vec<Vec<DVector<f64>>>,
+    /// Per closing joint, the rows on its two parts.
+    pub closing_rows: Vec<Vec<JointRow>>,
+    /// Per link, the rows of its joint and how they hold the part it places.
+    pub links: Vec<(Vec<JointRow>, Hold)>,
+    /// Speeds that the rows of the closing joints leave, less those of a group that moves freely as a whole.
+    pub freedoms: usize,
+    /// Rank of the rows of the closing joints.
+    pub rank: usize,
+}
+
+/// A group in a configuration.
+struct Assembly<'a> {
+    scene: &'a Scene,
+    layout: &'a Layout,
+    group: &'a Group,
+    posture: Posture<'a>,
+    length: f64,
+    rows: Rows<f64>,
+    spare: Rows<f64>,
+    random: Random,
+}
+
+/// Looks for consistent states of a group. Fewer than asked for where its loops do not close.
+pub fn states(scene: &Scene, layout: &Layout, group: &Group) -> Vec<State> {
+    let posture = Posture::new(scene, layout);
+    let joints = group.links.iter().map(|link| link.joint);
+    let arms = joints
+        .chain(group.closing.iter().copied())
+        .flat_map(|joint| {
+            let joint = scene.joints.get(joint);
+            let numbers = joint.map_or([0.0; 2], |joint| {
+                [joint.parent, joint.child].map(|place| match place {
+                    crate::Place::World(_) => 0.0,
+                    _ => posture.frame(place).0.norm(),
+                })
+            });
+            numbers.into_iter()
+        });
+    let mut assembly = Assembly {
+        length: length(arms),
+        scene,
+        layout,
+        group,
+        posture,
+        rows: Rows::default(),
+        spare: Rows::default(),
+        random: Random(0x9e37_79b9_7f4a_7c15),
+    };
+    let mut found = Vec::new();
+    for attempt in 0..ATTEMPTS {
+        if found.len() == STATES {
+            break;
+        }
+        let reach = [1.0, 3.1, 0.3][attempt % 3];
+        let closed = assembly.hang(reach).and_then(|()| assembly.close());
+        found.extend(closed.and_then(|()| assembly.linearise()));
+    }
+    found
+}
+
+impl Assembly<'_> {
+    /// Hangs every part of the tree at random joint coordinates.
+    fn hang(&mut self, reach: f64) -> Option<()> {
+        if let Some(root) = self.group.root {
+            self.posture
+                .place(root, Vector3::zeros(), &Matrix3::identity());
+        }
+        for link in &self.group.links {
+            let joint = self.scene.joints.get(link.joint)?;
+            let numbers = self.posture.numbers.joints.get(link.joint)?;
+            let q = self
+                .random
+                .coordinates(&joint.law, numbers, reach, self.length);
+            let at = Relative {
+                q: &q,
+                u: &[],
+                numbers,
+            };
+            let pose = joint.law.motion(&at);
+            let (near, far) = match link.to_parent {
+                true => (joint.child, joint.parent),
+                false => (joint.parent, joint.child),
+            };
+            let (position, axes) = match link.from {
+                Some(part) => self.posture.pose(part),
+                None => (Vector3::zeros(), Matrix3::identity()),
+            };
+            let (point, frame) = self.posture.frame(near);
+            let (origin, frame) = (position + axes * point, axes * frame);
+            let (origin, frame) = if link.to_parent {
+                let back = frame * pose.rotation.transpose();
+                (origin - back * pose.position, back)
+            } else {
+                (origin + frame * pose.position, frame * pose.rotation)
+            };
+            let (point, own) = self.posture.frame(far);
+            let axes = match link.to {
+                Part::Body(_) => frame * own.transpose(),
+                _ => Matrix3::identity(),
+            };
+            let position = origin - axes * point;
+            if !(position.iter().chain(axes.iter()).all(|x| x.is_finite())) {
+                return None;
+            }
+            self.posture.place(link.to, position, &axes);
+        }
+        self.settle()
+    }
+
+    /// Puts the joints of the tree right, from the root outwards.
+    fn settle(&mut self) -> Option<()> {
+        for link in &self.group.links {
+            let mut left = f64::INFINITY;
+            for _ in 0..12 {
+                self.posture.rows(link.joint, &mut self.rows);
+                let hold = Hold::new(&self.rows, link.to, link.to_parent, self.length)?;
+                let mut rates = [0.0; 6];
+                for (rate, row) in rates.iter_mut().zip(self.rows.rows()) {
+                    *rate = -row.value;
+                }
+                let motion = hold.motion(&rates);
+                left = dot(&motion, &motion).sqrt();
+                if left <= 1e-14 * self.length {
+                    break;
+                }
+                self.shift(link.to, &motion);
+            }
+            if !(left <= self.tolerance()) {
+                return None;
+            }
+        }
+        Some(())
+    }
+
+    fn tolerance(&self) -> f64 {
+        CLOSED * self.length + 64.0 * f64::EPSILON * self.posture.reach()
+    }
+
+    fn shift(&mut self, part: Part, motion: &Motion) {
+        let [x, y, z, a, b, c] = *motion;
+        let turn = Vector3::new(a, b, c) / self.length;
+        let scale = (TURN / turn.norm()).min(1.0);
+        self.posture
+            .shift(part, Vector3::new(x, y, z) * scale, turn * scale);
+    }
+
+    /// Closes the loops by damped least squares in the speeds of the tree.
+    fn close(&mut self) -> Option<()> {
+        let mut damping = 1e-3;
+        let (mut matrix, mut gap) = self.gaps()?;
+        let mut before = f64::INFINITY;
+        for iteration in 0..ITERATIONS {
+            if iteration % STALL == 0
+                && gap.norm() > 0.5 * std::mem::replace(&mut before, gap.norm())
+            {
+                return None;
+            }
+            if gap.amax() <= self.tolerance() {
+                return self.is_meant().then_some(());
+            }
+            if matrix.ncols() == 0 {
+                return None;
+            }
+            let normal = matrix.transpose() * &matrix;
+            let right = matrix.transpose() * &gap;
+            let scale = normal.diagonal().max();
+            let damped = |damping: f64| {
+                let mut normal = normal.clone();
+                for k in 0..normal.nrows() {
+                    normal[(k, k)] += damping * scale;
+                }
+                Some(normal.cholesky()?.solve(&right))
+            };
+            let Some(step) = damped(damping) else {
+                damping *= 100.0;
+                continue;
+            };
+            let placed = self.placed();
+            self.advance(&step)?;
+            let tried = self.gaps();
+            match tried {
+                Some((m, g)) if g.norm() < gap.norm() => {
+                    (matrix, gap) = (m, g);
+                    damping = (damping * 0.1).max(1e-14);
+                }
+                _ => {
+                    self.restore(&placed);
+                    damping *= 10.0;
+                    if damping > 1e8 {
+                        return None;
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    fn placed(&self) -> Vec<(Part, Vector3<f64>, Matrix3<f64>)> {
+        let links = self.group.links.iter().map(|link| link.to);
+        let parts = self.group.root.into_iter().chain(links);
+        parts
+            .map(|part| {
+                let (position, axes) = self.posture.pose(part);
+                (part, position, axes)
+            })
+            .collect()
+    }
+
+    fn restore(&mut self, placed: &[(Part, Vector3<f64>, Matrix3<f64>)]) {
+        for (part, position, axes) in placed {
+            self.posture.place(*part, *position, axes);
+        }
+    }
+
+    /// Moves every part by the speeds of the tree, taken back, and puts the tree right.
+    fn advance(&mut self, step: &DVector<f64>) -> Option<()> {
+        let motions = self.sensitivities()?;
+        for (part, of) in self.parts().into_iter().zip(&motions) {
+            let motion = of * step;
+            let motion: Motion = std::array::from_fn(|k| -motion[k]);
+            self.shift(part, &motion);
+        }
+        self.settle()
+    }
+
+    /// The root, where there is one, and the part of every link.
+    fn parts(&self) -> Vec<Part> {
+        let links = self.group.links.iter().map(|link| link.to);
+        self.group.root.into_iter().chain(links).collect()
+    }
+
+    /// B: the motion of every part by the speeds of the tree.
+    fn sensitivities(&mut self) -> Option<Vec<DMatrix<f64>>> {
+        let group = self.group;
+        let holds = self.holds()?;
+        let own = |hold: &Hold| hold.free.len();
+        let rooted = if group.root.is_some() { 6 } else { 0 };
+        let count = rooted + holds.iter().map(|(_, hold)| own(hold)).sum::<usize>();
+        let mut motions: Vec<DMatrix<f64>> = Vec::new();
+        if group.root.is_some() {
+            motions.push(DMatrix::identity(6, count));
+        }
+        let mut first = rooted;
+        for (link, (rows, hold)) in group.links.iter().zip(&holds) {
+            let mut motion = DMatrix::zeros(6, count);
+            if let Some(from) = self.place_of(link.from) {
+                let near = usize::from(link.to_parent);
+                let carrier = motions.get(from)?;
+                for column in 0..first {
+                    let of: Motion = std::array::from_fn(|k| carrier[(k, column)]);
+                    let mut rates = [0.0; 6];
+                    for (rate, row) in rates.iter_mut().zip(rows) {
+                        *rate = -dot(&row.columns[near], &of);
+                    }
+                    let carried = hold.motion(&rates);
+                    (0..6).for_each(|k| motion[(k, column)] = carried[k]);
+                }
+            }
+            for (free, column) in hold.free.iter().zip(first..) {
+                (0..6).for_each(|k| motion[(k, column)] = free[k]);
+            }
+            first += own(hold);
+            motions.push(motion);
+        }
+        Some(motions)
+    }
+
+    /// The place of a part in [`Assembly::parts`].
+    fn place_of(&self, part: Option<Part>) -> Option<usize> {
+        let part = part?;
+        if self.group.root == Some(part) {
+            return Some(0);
+        }
+        let rooted = usize::from(self.group.root.is_some());
+        let found = self.group.links.iter().position(|link| link.to == part)?;
+        Some(found + rooted)
+    }
+
+    /// Rows and hold of every link.
+    fn holds(&mut self) -> Option<Vec<(Vec<JointRow>, Hold)>> {
+        let group = self.group;
+        let hold = |link: &Link| {
+            self.posture.rows(link.joint, &mut self.rows);
+            let hold = Hold::new(&self.rows, link.to, link.to_parent, self.length)?;
+            Some((
+                joint_rows(&self.rows, self.layout, link.joint, self.length),
+                hold,
+            ))
+        };
+        group.links.iter().map(hold).collect()
+    }
+
+    /// The rows of the closing joints over the speeds of the tree, and their values; each row divided by its size.
+    fn gaps(&mut self) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let motions = self.sensitivities()?;
+        let group = self.group;
+        let (mut lines, mut values) = (Vec::new(), Vec::new());
+        for &joint in &group.closing {
+            self.posture.rows(joint, &mut self.rows);
+            let rows = joint_rows(&self.rows, self.layout, joint, self.length);
+            lines.extend(self.over_tree(&rows, &motions));
+            let sizes = rows.iter().map(|row| row.size);
+            values.extend(
+                self.rows
+                    .rows()
+                    .iter()
+                    .zip(sizes)
+                    .map(|(row, size)| row.value / size),
+            );
+        }
+        let count = lines.first()?.len();
+        let matrix = DMatrix::from_fn(lines.len(), count, |i, k| lines[i][k]);
+        let finite = matrix.iter().chain(&values).all(|x| x.is_finite());
+        finite.then(|| (matrix, DVector::from_vec(values)))
+    }
+
+    fn over_tree(&self, rows: &[JointRow], motions: &[DMatrix<f64>]) -> Vec<DVector<f64>> {
+        let count = motions.first().map_or(0, DMatrix::ncols);
+        let line = |row: &JointRow| {
+            let mut line = DVector::zeros(count);
+            for (end, columns) in row.ends.iter().zip(&row.columns) {
+                if let Some(motion) = self.place_of(*end).and_then(|at| motions.get(at)) {
+                    for k in 0..count {
+                        let own: f64 = (0..6).map(|i| columns[i] * motion[(i, k)]).sum();
+                        line[k] += own / row.size;
+                    }
+                }
+            }
+            line
+        };
+        rows.iter().map(line).collect()
+    }
+
+    /// Whether every joint of the group is on the branch it means.
+    fn is_meant(&self) -> bool {
+        let joints = self.group.links.iter().map(|link| link.joint);
+        let mut joints = joints.chain(self.group.closing.iter().copied());
+        joints.all(|joint| self.posture.on_branch(joint))
+    }
+
+    fn linearise(&mut self) -> Option<State> {
+        let motions = self.sensitivities()?;
+        let links = self.holds()?;
+        let group = self.group;
+        let (mut closing, mut closing_rows) = (Vec::new(), Vec::new());
+        for &joint in &group.closing {
+            self.posture
+                .system_rows(joint, &mut self.spare, &mut self.rows);
+            let rows = joint_rows(&self.rows, self.layout, joint, self.length);
+            closing.push(self.over_tree(&rows, &motions));
+            closing_rows.push(rows);
+        }
+        let count = motions.first().map_or(0, DMatrix::ncols);
+        let as_a_whole = if group.root.is_some() { 6 } else { 0 };
+        let rank = super::choice::rank(closing.iter().flatten());
+        Some(State {
+            closing,
+            closing_rows,
+            links,
+            freedoms: count.saturating_sub(rank + as_a_whole),
+            rank,
+        })
+    }
+}
+
+fn joint_rows(rows: &Rows<f64>, layout: &Layout, joint: usize, length: f64) -> Vec<JointRow> {
+    let ends = layout
+        .joints
+        .get(joint)
+        .map_or([None; 2], |slots| slots.ends);
+    let on = |of: &Columns<f64>, end: Option<Part>| {
+        end.map_or([0.0; 6], |part| columns(of, part, length))
+    };
+    let row = |row: &Row<f64>| {
+        let columns = [on(&row.parent, ends[0]), on(&row.child, ends[1])];
+        let size = columns.iter().map(|c| dot(c, c)).sum::<f64>().sqrt();
+        JointRow {
+            size: if size > 0.0 { size } else { 1.0 },
+            ends,
+            columns,
+        }
+    };
+    rows.rows().iter().map(row).collect()
+}
+
+/// The same numbers in every run: splitmix64.
+struct Random(u64);
+
+impl Random {
+    /// In −1 … 1.
+    fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    /// Joint coordinates: angles within `reach` [rad], translations within a length, attitudes turned by about `reach`.
+    fn coordinates(
+        &mut self,
+        law: &JointLaw,
+        numbers: &[f64],
+        reach: f64,
+        length: f64,
+    ) -> Vec<f64> {
+        let (count, freedoms) = (law.coordinates(), law.freedoms());
+        let mut q: Vec<f64> = (0..count).map(|_| reach * self.number()).collect();
+        let mut scalars = count;
+        if count > freedoms {
+            scalars = count.saturating_sub(4);
+            let attitude = q.get_mut(scalars..).unwrap_or_default();
+            if let Some(w) = attitude.first_mut() {
+                *w = 1.0;
+            }
+            let size = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
+            attitude.iter_mut().for_each(|x| *x /= size);
+        }
+        let mut columns = vec![Twist::zero(); freedoms];
+        law.subspace(
+            &Relative {
+                q: &q,
+                u: &[],
+                numbers,
+            },
+            &mut columns,
+        );
+        for (x, column) in q.iter_mut().take(scalars).zip(&columns) {
+            if column.angular.norm() == 0.0 {
+                *x *= length;
+            }
+        }
+        q
+    }
+}

@@ -1,0 +1,205 @@
+//! Which rows stay, and which joints the others repeat.
+
+use nalgebra::DVector;
+
+use super::assembly::State;
+use super::local::{Motion, dot};
+use super::tree::Group;
+use super::{Repeat, RowSet};
+use crate::elimination::Part;
+
+/// What is left of a row below this part of it is rounding: repeated rows leave 1e-12, others rarely less than 1e-3.
+const NEW: f64 = 1e-8;
+/// Rows whose new parts differ by less than this factor are equally good; the first is taken.
+const AS_GOOD: f64 = 0.8;
+/// Part of a self-stress from which on a joint takes part in it.
+const INVOLVED: f64 = 1e-6;
+
+/// Directions of the rows so far, each with the kept rows it is made of.
+#[derive(Clone, Default)]
+struct Span {
+    units: Vec<(DVector<f64>, Vec<f64>)>,
+}
+
+impl Span {
+    /// What is new in a row of size 1 or less, and what of the kept rows was taken out of it.
+    fn rest(&self, row: &DVector<f64>) -> (DVector<f64>, Vec<f64>) {
+        let (mut rest, mut made) = (row.clone(), vec![0.0; self.units.len()]);
+        // Twice is enough to leave nothing but the new part.
+        for _ in 0..2 {
+            for (unit, of) in &self.units {
+                let along = rest.dot(unit);
+                rest.axpy(-along, unit, 1.0);
+                made.iter_mut().zip(of).for_each(|(m, o)| *m -= along * o);
+            }
+        }
+        (rest, made)
+    }
+
+    fn add(&mut self, row: &DVector<f64>) {
+        let (rest, mut made) = self.rest(row);
+        made.push(1.0);
+        let size = rest.norm();
+        made.iter_mut().for_each(|m| *m /= size);
+        self.units.push((rest / size, made));
+    }
+}
+
+/// Number of independent rows.
+pub fn rank<'a>(rows: impl Iterator<Item = &'a DVector<f64>>) -> usize {
+    let mut span = Span::default();
+    for row in rows {
+        if span.rest(row).0.norm() > NEW {
+            span.add(row);
+        }
+    }
+    span.units.len()
+}
+
+/// The joints of a group that lose rows.
+pub fn repeats(group: &Group, states: &[State]) -> Vec<Repeat> {
+    // Assemblies that move count before those that do not, then those that hold most.
+    let best = states.iter().map(|s| (s.freedoms > 0, s.rank)).max();
+    let states: Vec<&State> = states
+        .iter()
+        .filter(|s| Some((s.freedoms > 0, s.rank)) == best)
+        .collect();
+    let mut spans = vec![Span::default(); states.len()];
+    // The kept rows, in the order of the spans.
+    let mut kept: Vec<(usize, usize)> = Vec::new();
+    let mut repeats = Vec::new();
+    for (place, &joint) in group.closing.iter().enumerate() {
+        let rows = states
+            .first()
+            .map_or(0, |s| s.closing.get(place).map_or(0, Vec::len));
+        let mut set = RowSet::default();
+        let worst = |row: usize, spans: &[Span]| {
+            let news = states.iter().zip(spans).map(|(state, span)| {
+                let row = state.closing.get(place).and_then(|rows| rows.get(row));
+                row.map_or(0.0, |row| span.rest(row).0.norm())
+            });
+            news.fold(f64::INFINITY, f64::min)
+        };
+        loop {
+            let left = (0..rows).filter(|&row| !set.contains(row));
+            let news: Vec<(usize, f64)> = left.map(|row| (row, worst(row, &spans))).collect();
+            let most = news.iter().fold(0.0, |most: f64, (_, new)| most.max(*new));
+            let next = news
+                .iter()
+                .find(|(_, new)| *new >= AS_GOOD * most && *new > NEW);
+            let Some(&(row, _)) = next else { break };
+            set.0 |= 1 << row;
+            kept.push((place, row));
+            for (state, span) in states.iter().zip(&mut spans) {
+                span.add(&state.closing[place][row]);
+            }
+        }
+        if let (Some(state), Some(span)) = (states.first(), spans.first())
+            && set.len() < rows
+        {
+            repeats.push(Repeat {
+                joint,
+                rows,
+                kept: set,
+                of: partners(group, state, span, &kept, place, set),
+            });
+        }
+    }
+    repeats
+}
+
+/// The joints whose rows the lost rows of a closing joint repeat: those that carry the self-stress.
+fn partners(
+    group: &Group,
+    state: &State,
+    span: &Span,
+    kept: &[(usize, usize)],
+    place: usize,
+    set: RowSet,
+) -> Vec<usize> {
+    let mut partners = Vec::new();
+    let Some(rows) = state.closing.get(place) else {
+        return partners;
+    };
+    for lost in (0..rows.len()).filter(|&row| !set.contains(row)) {
+        // Forces of the closing joints: one unit of the lost row, and what of the kept ones balances it.
+        let (_, made) = span.rest(&rows[lost]);
+        let mut forces = Forces::new(group);
+        forces.put(state, (place, lost), 1.0);
+        for (&row, part) in kept.iter().zip(made) {
+            forces.put(state, row, part);
+        }
+        let carried = forces.carry(group, state);
+        let most = carried
+            .iter()
+            .fold(0.0, |most: f64, (_, force)| most.max(*force));
+        let involved = carried
+            .into_iter()
+            .filter(|(_, force)| *force > INVOLVED * most);
+        partners.extend(involved.map(|(joint, _)| joint));
+    }
+    partners.sort_unstable();
+    partners.dedup();
+    partners.retain(|&joint| Some(&joint) != group.closing.get(place));
+    partners
+}
+
+/// Forces on the parts of a group, and on the joints.
+struct Forces {
+    parts: Vec<(Part, Motion)>,
+    closing: Vec<f64>,
+}
+
+impl Forces {
+    fn new(group: &Group) -> Self {
+        let links = group.links.iter().map(|link| link.to);
+        let parts = group.root.into_iter().chain(links);
+        Forces {
+            parts: parts.map(|part| (part, [0.0; 6])).collect(),
+            closing: vec![0.0; group.closing.len()],
+        }
+    }
+
+    fn push(&mut self, part: Option<Part>, times: f64, columns: &Motion) {
+        let own = self.parts.iter_mut().find(|(own, _)| Some(*own) == part);
+        if let Some((_, force)) = own {
+            force
+                .iter_mut()
+                .zip(columns)
+                .for_each(|(f, c)| *f += times * c);
+        }
+    }
+
+    /// Lets a row of a closing joint, divided by its size, push with a multiplier.
+    fn put(&mut self, state: &State, (place, row): (usize, usize), times: f64) {
+        let rows = state.closing_rows.get(place);
+        let Some(row) = rows.and_then(|rows| rows.get(row)) else {
+            return;
+        };
+        let times = times / row.size;
+        for (end, columns) in row.ends.iter().zip(&row.columns) {
+            self.push(*end, times, columns);
+        }
+        if let Some(force) = self.closing.get_mut(place) {
+            *force = force.max(times.abs() * row.size);
+        }
+    }
+
+    /// Lets the joints of the tree carry the forces, from the outermost inwards. Every joint and the size of the force in it.
+    fn carry(mut self, group: &Group, state: &State) -> Vec<(usize, f64)> {
+        let mut carried: Vec<(usize, f64)> = Vec::new();
+        for (link, (rows, hold)) in group.links.iter().zip(&state.links).rev() {
+            let on = self.parts.iter().find(|(part, _)| *part == link.to);
+            let force = on.map_or([0.0; 6], |(_, force)| *force);
+            carried.push((link.joint, dot(&force, &force).sqrt()));
+            let multipliers = hold.multipliers(&force);
+            let near = usize::from(link.to_parent);
+            for (row, times) in rows.iter().zip(multipliers) {
+                self.push(link.from, -times, &row.columns[near]);
+            }
+        }
+        let closing = group.closing.iter().copied().zip(self.closing);
+        carried.extend(closing);
+        carried
+    }
+}

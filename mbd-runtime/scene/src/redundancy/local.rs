@@ -1,0 +1,105 @@
+//! One joint seen from one of its parts: which motions of the part its rows fix, and which they leave.
+//!
+//! Motions are (v, ℓ ω): six numbers in metres a second, world axes, ℓ a length of the scene. A point has the first three.
+
+use crate::elimination::Part;
+use crate::laws::rows::{Columns, Rows};
+
+/// A motion of a part.
+pub type Motion = [f64; 6];
+
+/// Less than this part of a row left by others is nothing.
+const NOTHING: f64 = 1e-9;
+
+/// The columns of a row at one end.
+pub fn columns(columns: &Columns<f64>, part: Part, length: f64) -> Motion {
+    let (v, w) = (columns.linear, columns.angular / length);
+    match part {
+        Part::Body(_) => [v.x, v.y, v.z, w.x, w.y, w.z],
+        Part::Point(_) => [v.x, v.y, v.z, 0.0, 0.0, 0.0],
+        Part::Joint(_) => [0.0; 6],
+    }
+}
+
+pub fn dot(a: &Motion, b: &Motion) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn subtract(from: &mut Motion, times: f64, what: &Motion) {
+    for (a, b) in from.iter_mut().zip(what) {
+        *a -= times * b;
+    }
+}
+
+/// The rows of a joint on the part it places, made orthonormal: e_i = Σ mix_ij φ_j.
+#[derive(Clone, Debug, Default)]
+pub struct Hold {
+    fixed: Vec<Motion>,
+    mix: Vec<[f64; 6]>,
+    /// What the rows leave: orthonormal motions.
+    pub free: Vec<Motion>,
+}
+
+impl Hold {
+    /// Of rows on the parent or the child; `None` where they depend on each other.
+    pub fn new(rows: &Rows<f64>, part: Part, parent: bool, length: f64) -> Option<Self> {
+        let mut hold = Hold::default();
+        for (index, row) in rows.rows().iter().enumerate() {
+            let own = if parent { &row.parent } else { &row.child };
+            let mut rest = columns(own, part, length);
+            let whole = dot(&rest, &rest).sqrt();
+            let mut mix = [0.0; 6];
+            *mix.get_mut(index)? = 1.0;
+            for _ in 0..2 {
+                for (fixed, other) in hold.fixed.iter().zip(&hold.mix) {
+                    let along = dot(&rest, fixed);
+                    subtract(&mut rest, along, fixed);
+                    subtract(&mut mix, along, other);
+                }
+            }
+            let new = dot(&rest, &rest).sqrt();
+            if !(new > NOTHING * whole) {
+                return None;
+            }
+            hold.fixed.push(rest.map(|x| x / new));
+            hold.mix.push(mix.map(|x| x / new));
+        }
+        let speeds = if matches!(part, Part::Point(_)) { 3 } else { 6 };
+        while hold.fixed.len() + hold.free.len() < speeds {
+            let rest = |k: usize| {
+                let mut rest: Motion = std::array::from_fn(|i| f64::from(u8::from(i == k)));
+                for _ in 0..2 {
+                    for known in hold.fixed.iter().chain(&hold.free) {
+                        let along = dot(&rest, known);
+                        subtract(&mut rest, along, known);
+                    }
+                }
+                rest
+            };
+            let longest = (0..speeds)
+                .map(rest)
+                .max_by(|a, b| dot(a, a).total_cmp(&dot(b, b)))?;
+            let size = dot(&longest, &longest).sqrt();
+            hold.free.push(longest.map(|x| x / size));
+        }
+        Some(hold)
+    }
+
+    /// The smallest motion with these rates of the rows.
+    pub fn motion(&self, rates: &[f64; 6]) -> Motion {
+        let mut motion = [0.0; 6];
+        for (fixed, mix) in self.fixed.iter().zip(&self.mix) {
+            subtract(&mut motion, -dot(mix, rates), fixed);
+        }
+        motion
+    }
+
+    /// The multipliers whose rows add up to a force that the joint can carry.
+    pub fn multipliers(&self, force: &Motion) -> [f64; 6] {
+        let mut multipliers = [0.0; 6];
+        for (fixed, mix) in self.fixed.iter().zip(&self.mix) {
+            subtract(&mut multipliers, -dot(fixed, force), mix);
+        }
+        multipliers
+    }
+}

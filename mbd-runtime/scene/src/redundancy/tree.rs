@@ -1,0 +1,194 @@
+//! The graph of parts and joints: its loops, and a spanning tree of what lies on them.
+
+use crate::Layout;
+use crate::elimination::Part;
+
+/// A joint walked from the part that is placed to the one it places.
+#[derive(Clone, Copy, Debug)]
+pub struct Link {
+    /// The joint.
+    pub joint: usize,
+    /// The part that is placed already; `None` for the world.
+    pub from: Option<Part>,
+    /// The part it places.
+    pub to: Part,
+    /// Whether that is the joint's parent.
+    pub to_parent: bool,
+}
+
+/// Parts on loops that are tied together by joints, the world apart.
+#[derive(Clone, Debug, Default)]
+pub struct Group {
+    /// A part that moves freely, where no joint of the tree ties the group to the world.
+    pub root: Option<Part>,
+    /// The joints of the tree, in the order of the walk.
+    pub links: Vec<Link>,
+    /// The joints that close loops, in order of declaration.
+    pub closing: Vec<usize>,
+}
+
+/// The groups of a scene that have loops. The tree takes joints in the order of declaration, so that the last one closes the loop.
+pub fn groups(layout: &Layout) -> Vec<Group> {
+    let graph = Graph::new(layout);
+    let mut groups: Vec<Group> = Vec::new();
+    let mut seen = vec![false; graph.parts.len()];
+    for start in 1..graph.parts.len() {
+        if graph.core[start] && !seen[start] {
+            groups.push(graph.walk(start, &mut seen));
+        }
+    }
+    for edge in graph.edges.iter().filter(|edge| !edge.tree) {
+        let end = edge.ends.into_iter().flatten().next();
+        let own = |group: &&mut Group| end.is_some_and(|end| group.holds(end));
+        if let Some(group) = groups.iter_mut().find(own) {
+            group.closing.push(edge.joint);
+        }
+    }
+    groups.retain(|group| !group.closing.is_empty());
+    groups
+}
+
+impl Group {
+    fn holds(&self, part: Part) -> bool {
+        self.root == Some(part) || self.links.iter().any(|link| link.to == part)
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Edge {
+    joint: usize,
+    ends: [Option<Part>; 2],
+    /// Indices of the ends; 0 is the world.
+    nodes: [usize; 2],
+    tree: bool,
+    core: bool,
+}
+
+impl Edge {
+    fn joins(&self, a: usize, b: usize) -> bool {
+        self.nodes == [a, b] || self.nodes == [b, a]
+    }
+}
+
+struct Graph {
+    /// The world, then every part that joints hold.
+    parts: Vec<Option<Part>>,
+    edges: Vec<Edge>,
+    /// Whether a part lies on a loop, or between two.
+    core: Vec<bool>,
+}
+
+impl Graph {
+    fn new(layout: &Layout) -> Self {
+        let mut parts: Vec<Option<Part>> = vec![None];
+        let mut edges = Vec::new();
+        let mut leader: Vec<usize> = vec![0];
+        for (joint, slots) in layout.joints.iter().enumerate().filter(|(_, s)| s.len > 0) {
+            let nodes = slots.ends.map(|end| {
+                parts
+                    .iter()
+                    .position(|&part| part == end)
+                    .unwrap_or_else(|| {
+                        parts.push(end);
+                        leader.push(leader.len());
+                        leader.len() - 1
+                    })
+            });
+            let [a, b] = nodes.map(|node| leader[node]);
+            for other in &mut leader {
+                if *other == a.max(b) {
+                    *other = a.min(b);
+                }
+            }
+            edges.push(Edge {
+                joint,
+                ends: slots.ends,
+                nodes,
+                tree: a != b,
+                core: true,
+            });
+        }
+        let mut graph = Graph {
+            core: vec![true; parts.len()],
+            parts,
+            edges,
+        };
+        graph.peel();
+        graph
+    }
+
+    /// Takes away what hangs on one joint only, again and again.
+    fn peel(&mut self) {
+        loop {
+            let mut degree = vec![0; self.parts.len()];
+            for edge in self.edges.iter().filter(|edge| edge.core) {
+                edge.nodes.iter().for_each(|&node| degree[node] += 1);
+            }
+            let before = self.core.clone();
+            for (core, degree) in self.core.iter_mut().zip(degree) {
+                *core &= degree > 1;
+            }
+            for edge in &mut self.edges {
+                edge.core &= edge.nodes.iter().all(|&node| self.core[node]);
+            }
+            if self.core == before {
+                return;
+            }
+        }
+    }
+
+    /// Everything the tree reaches from a part without passing through the world; by breadth, from the world where it touches it.
+    fn walk(&self, start: usize, seen: &mut [bool]) -> Group {
+        let mut members = vec![start];
+        seen[start] = true;
+        let mut next = 0;
+        // Tied by any joint, of the tree or closing: their rows depend on each other.
+        while let Some(&node) = members.get(next) {
+            next += 1;
+            for edge in self.edges.iter().filter(|edge| edge.core) {
+                let [a, b] = edge.nodes;
+                for (from, to) in [(a, b), (b, a)] {
+                    if from == node && to != 0 && !std::mem::replace(&mut seen[to], true) {
+                        members.push(to);
+                    }
+                }
+            }
+        }
+        let mut group = Group::default();
+        let mut placed = vec![false; self.parts.len()];
+        let grounded = |edge: &&Edge| {
+            edge.tree && edge.core && members.iter().any(|&member| edge.joins(0, member))
+        };
+        let mut open = if self.edges.iter().any(|edge| grounded(&edge)) {
+            placed[0] = true;
+            vec![0]
+        } else {
+            group.root = self.parts[start];
+            placed[start] = true;
+            vec![start]
+        };
+        let mut next = 0;
+        while let Some(&node) = open.get(next) {
+            next += 1;
+            for edge in self.edges.iter().filter(|edge| edge.tree && edge.core) {
+                let [a, b] = edge.nodes;
+                for (from, to, to_parent) in [(a, b, false), (b, a, true)] {
+                    let own = from == node && to != 0 && members.contains(&to);
+                    if !own || std::mem::replace(&mut placed[to], true) {
+                        continue;
+                    }
+                    if let Some(part) = self.parts[to] {
+                        group.links.push(Link {
+                            joint: edge.joint,
+                            from: self.parts[from],
+                            to: part,
+                            to_parent,
+                        });
+                        open.push(to);
+                    }
+                }
+            }
+        }
+        group
+    }
+}

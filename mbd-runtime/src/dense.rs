@@ -1,0 +1,361 @@
+//! The equations of motion under joints without structure, for states at which the emitted solver loses its rows or its digits. In `f64`
+//! whatever the scalar of the run.
+//!
+//! ```text
+//! M = L Lᵀ,   Y = Φ_v L⁻ᵀ = R Q,  Q Qᵀ = I          rows chosen, R lower triangular                    (1)
+//! w = z + Qᵀ (R⁻¹ γ − Q z),  z = L⁻¹ (f − h),  v̇ = L⁻ᵀ w                                               (2)
+//! δ = −L⁻ᵀ Qᵀ R⁻¹ r                                                                                    (3)
+//! ```
+//!
+//! (1) is Gram–Schmidt, each row twice: it loses the condition of Y, not its square as a factor of Φ_v M⁻¹ Φ_vᵀ would.
+//! Where masses differ by many decades the symmetric form loses digits that the whole matrix keeps,
+//!
+//! ```text
+//! [M  Φ_vᵀ] [ v̇]   [f − h]
+//! [Φ_v   0] [−λ] = [  γ  ]     by elimination with row exchange, not scaled, residuals of the solution in twice the digits        (4)
+//! ```
+
+/// Part of a row that must be new for it to be chosen: a pivot of its square.
+const NEW: f64 = 1e-5;
+/// Corrections of a solution of (4).
+const CORRECTIONS: usize = 3;
+
+/// Room for one scene.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Dense {
+    nv: usize,
+    nc: usize,
+    /// M (n_v × n_v).
+    pub mass: Vec<f64>,
+    /// Φ_v (n_c × n_v).
+    pub jacobian: Vec<f64>,
+    /// γ or r (n_c).
+    pub right: Vec<f64>,
+    /// f − h, then v̇ or δ (n_v).
+    pub force: Vec<f64>,
+    lower: Vec<f64>,
+    /// Q, a row a chosen row.
+    units: Vec<f64>,
+    /// R, row by row (n_c × n_c).
+    mix: Vec<f64>,
+    /// R⁻¹ γ.
+    along: Vec<f64>,
+    rest: Vec<f64>,
+    whole: Vec<f64>,
+    unknowns: Vec<f64>,
+    spare: Vec<f64>,
+    exchange: Vec<usize>,
+}
+
+impl Dense {
+    pub(crate) fn new(nv: usize, nc: usize) -> Self {
+        let size = nv + nc;
+        Dense {
+            nv,
+            nc,
+            mass: vec![0.0; nv * nv],
+            jacobian: vec![0.0; nc * nv],
+            right: vec![0.0; nc],
+            force: vec![0.0; nv],
+            lower: vec![0.0; nv * nv],
+            units: vec![0.0; nc * nv],
+            mix: vec![0.0; nc * nc],
+            along: vec![0.0; nc],
+            rest: vec![0.0; nv],
+            whole: vec![0.0; size * size],
+            unknowns: vec![0.0; size],
+            spare: vec![0.0; size],
+            exchange: vec![0; size],
+        }
+    }
+
+    fn row(&self, row: usize) -> &[f64] {
+        self.jacobian
+            .get(row * self.nv..(row + 1) * self.nv)
+            .unwrap_or(&[])
+    }
+
+    /// L of (1).
+    fn factor_mass(&mut self) {
+        let n = self.nv;
+        self.lower.copy_from_slice(&self.mass);
+        for i in 0..n {
+            for j in 0..=i {
+                let mut total = self.lower[i * n + j];
+                for k in 0..j {
+                    total -= self.lower[i * n + k] * self.lower[j * n + k];
+                }
+                self.lower[i * n + j] = if i == j {
+                    total.sqrt()
+                } else {
+                    total / self.lower[j * n + j]
+                };
+            }
+        }
+    }
+
+    /// x ← L⁻¹ x.
+    fn forward(lower: &[f64], x: &mut [f64]) {
+        let n = x.len();
+        for i in 0..n {
+            let known: f64 = (0..i).map(|k| lower[i * n + k] * x[k]).sum();
+            x[i] = (x[i] - known) / lower[i * n + i];
+        }
+    }
+
+    /// x ← L⁻ᵀ x.
+    fn backward(lower: &[f64], x: &mut [f64]) {
+        let n = x.len();
+        for i in (0..n).rev() {
+            let known: f64 = (i + 1..n).map(|k| lower[k * n + i] * x[k]).sum();
+            x[i] = (x[i] - known) / lower[i * n + i];
+        }
+    }
+
+    /// Writes y of a row less what rows so far have of it into `rest`, its parts into line `at` of R; the sizes before and after.
+    fn reduce(&mut self, row: usize, at: usize) -> [f64; 2] {
+        let (n, nc) = (self.nv, self.nc);
+        let mut rest = std::mem::take(&mut self.rest);
+        rest.copy_from_slice(self.row(row));
+        Self::forward(&self.lower, &mut rest);
+        let before = dot(&rest, &rest).sqrt();
+        let line = &mut self.mix[at * nc..at * nc + at];
+        line.fill(0.0);
+        for _ in 0..2 {
+            for (part, unit) in line.iter_mut().zip(self.units.chunks_exact(n)) {
+                let along = dot(&rest, unit);
+                rest.iter_mut().zip(unit).for_each(|(x, u)| *x -= along * u);
+                *part += along;
+            }
+        }
+        let after = dot(&rest, &rest).sqrt();
+        self.rest = rest;
+        [before, after]
+    }
+
+    /// Takes `rest`, of this size, as the next direction.
+    fn add(&mut self, at: usize, size: f64) {
+        let (n, nc) = (self.nv, self.nc);
+        self.mix[at * nc + at] = size;
+        let unit = &mut self.units[at * n..(at + 1) * n];
+        unit.iter_mut()
+            .zip(&self.rest)
+            .for_each(|(u, x)| *u = x / size);
+    }
+
+    /// Factorises (1), choosing rows: the one with most that is new first, until nothing is. From `mass` and `jacobian`.
+    pub(crate) fn choose(&mut self, chosen: &mut Vec<usize>) {
+        self.factor_mass();
+        chosen.clear();
+        loop {
+            let mut best: Option<(usize, f64)> = None;
+            for row in (0..self.nc).filter(|row| !chosen.contains(row)) {
+                let [before, after] = self.reduce(row, chosen.len());
+                let new = if before > 0.0 { after / before } else { 0.0 };
+                // The first of those that are as good.
+                if new > NEW && best.is_none_or(|(_, most)| new > 1.25 * most) {
+                    best = Some((row, new));
+                }
+            }
+            let Some((row, _)) = best else { return };
+            let [_, after] = self.reduce(row, chosen.len());
+            self.add(chosen.len(), after);
+            chosen.push(row);
+        }
+    }
+
+    /// Factorises (1) for rows that were chosen.
+    pub(crate) fn factor(&mut self, chosen: &[usize]) {
+        self.factor_mass();
+        for (at, &row) in chosen.iter().enumerate() {
+            let [_, after] = self.reduce(row, at);
+            self.add(at, after);
+        }
+    }
+
+    /// R⁻¹ of the chosen right-hand sides.
+    fn find_along(&mut self, chosen: &[usize]) {
+        for (i, &row) in chosen.iter().enumerate() {
+            let line = &self.mix[i * self.nc..];
+            let known = dot(&line[..i], &self.along[..i]);
+            self.along[i] = (self.right[row] - known) / line[i];
+        }
+    }
+
+    /// v̇ by (2) into `force`.
+    pub(crate) fn accelerate(&mut self, chosen: &[usize]) {
+        self.find_along(chosen);
+        Self::forward(&self.lower, &mut self.force);
+        for (unit, along) in self
+            .units
+            .chunks_exact(self.nv)
+            .zip(&self.along)
+            .take(chosen.len())
+        {
+            let change = along - dot(unit, &self.force);
+            self.force
+                .iter_mut()
+                .zip(unit)
+                .for_each(|(z, q)| *z += change * q);
+        }
+        Self::backward(&self.lower, &mut self.force);
+    }
+
+    /// δ by (3) into `force`.
+    pub(crate) fn correct(&mut self, chosen: &[usize]) {
+        self.find_along(chosen);
+        self.force.fill(0.0);
+        for (unit, along) in self
+            .units
+            .chunks_exact(self.nv)
+            .zip(&self.along)
+            .take(chosen.len())
+        {
+            self.force
+                .iter_mut()
+                .zip(unit)
+                .for_each(|(z, q)| *z -= along * q);
+        }
+        Self::backward(&self.lower, &mut self.force);
+    }
+
+    /// v̇ by (4) into `force`.
+    pub(crate) fn accelerate_whole(&mut self, chosen: &[usize]) {
+        let (n, size) = (self.nv, self.nv + chosen.len());
+        let mut whole = std::mem::take(&mut self.whole);
+        whole.fill(0.0);
+        for i in 0..size {
+            for j in 0..size {
+                whole[i * size + j] = self.element(chosen, i, j);
+            }
+        }
+        self.eliminate(&mut whole, size);
+        self.unknowns.fill(0.0);
+        for _ in 0..=CORRECTIONS {
+            for i in 0..size {
+                let right = match i.checked_sub(n) {
+                    None => self.force[i],
+                    Some(row) => self.right[chosen[row]],
+                };
+                let products = (0..size).map(|j| (-self.element(chosen, i, j), self.unknowns[j]));
+                self.spare[i] = precise(right, products);
+            }
+            self.solve(&whole, size);
+            let news = self.unknowns.iter_mut().zip(&self.spare);
+            news.take(size).for_each(|(x, more)| *x += more);
+        }
+        self.whole = whole;
+        self.force.copy_from_slice(&self.unknowns[..n]);
+    }
+
+    /// Element of the matrix of (4).
+    fn element(&self, chosen: &[usize], i: usize, j: usize) -> f64 {
+        let n = self.nv;
+        match (i.checked_sub(n), j.checked_sub(n)) {
+            (None, None) => self.mass[i * n + j],
+            (Some(row), None) => self.jacobian[chosen[row] * n + j],
+            (None, Some(row)) => self.jacobian[chosen[row] * n + i],
+            (Some(_), Some(_)) => 0.0,
+        }
+    }
+
+    /// L U with row exchange, in place.
+    fn eliminate(&mut self, whole: &mut [f64], size: usize) {
+        for k in 0..size {
+            let largest = (k..size).fold(k, |best, i| {
+                let larger = whole[i * size + k].abs() > whole[best * size + k].abs();
+                if larger { i } else { best }
+            });
+            self.exchange[k] = largest;
+            if largest != k {
+                for j in 0..size {
+                    whole.swap(k * size + j, largest * size + j);
+                }
+            }
+            for i in k + 1..size {
+                let factor = whole[i * size + k] / whole[k * size + k];
+                whole[i * size + k] = factor;
+                if factor != 0.0 {
+                    for j in k + 1..size {
+                        whole[i * size + j] -= factor * whole[k * size + j];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Solves L U x = `spare` in place.
+    fn solve(&mut self, whole: &[f64], size: usize) {
+        let x = &mut self.spare;
+        for k in 0..size {
+            x.swap(k, self.exchange[k]);
+        }
+        for i in 0..size {
+            x[i] -= dot(&whole[i * size..i * size + i], &x[..i]);
+        }
+        for i in (0..size).rev() {
+            let known = dot(&whole[i * size + i + 1..(i + 1) * size], &x[i + 1..size]);
+            x[i] = (x[i] - known) / whole[i * size + i];
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// first + Σ a b with twice the digits: errors of sums and of products are summed beside (Ogita, Rump, Oishi 2005, Dot2).
+fn precise(first: f64, products: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (mut sum, mut low) = (first, 0.0);
+    for (a, b) in products {
+        let product = a * b;
+        let error = a.mul_add(b, -product);
+        let total = sum + product;
+        let back = total - sum;
+        low += (sum - (total - back)) + (product - back) + error;
+        sum = total;
+    }
+    sum + low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_that_cancel_keep_their_digits() {
+        let products = [(1e16, 1.0), (1.0, 1.0), (-1e16, 1.0)];
+        assert_eq!(precise(0.0, products.into_iter()), 1.0);
+    }
+
+    /// A body of mass 2 and one of mass 3 that two rows tie to each other, one of them twice.
+    fn pair() -> Dense {
+        let mut dense = Dense::new(2, 2);
+        dense.mass = vec![2.0, 0.0, 0.0, 3.0];
+        dense.jacobian = vec![1.0, -1.0, 2.0, -2.0];
+        dense.right = vec![0.5, 1.0];
+        dense.force = vec![10.0, 0.0];
+        dense
+    }
+
+    #[test]
+    fn a_row_that_repeats_another_is_not_chosen_and_both_forms_agree() {
+        let mut dense = pair();
+        let mut chosen = Vec::new();
+        dense.choose(&mut chosen);
+        assert_eq!(chosen, [0]);
+        dense.factor(&chosen);
+        dense.accelerate(&chosen);
+        let (a, b) = (dense.force[0], dense.force[1]);
+        assert!((a - b - 0.5).abs() < 1e-14 && (2.0 * a + 3.0 * b - 10.0).abs() < 1e-13);
+        let mut whole = pair();
+        whole.accelerate_whole(&chosen);
+        assert!((whole.force[0] - a).abs() < 1e-14 && (whole.force[1] - b).abs() < 1e-14);
+        let mut moved = pair();
+        moved.factor(&chosen);
+        moved.correct(&chosen);
+        // Momentum is kept, the row gives −0.5.
+        let (a, b) = (moved.force[0], moved.force[1]);
+        assert!((a - b + 0.5).abs() < 1e-14 && (2.0 * a + 3.0 * b).abs() < 1e-14);
+    }
+}
