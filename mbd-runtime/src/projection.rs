@@ -114,6 +114,17 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             self.choose_always();
         }
         self.project_velocities(time, state)?;
+        // Rows that repeat others may hold in position and contradict each other in what they prescribe.
+        let mut joints = self.model.layout().joints.iter();
+        if joints.any(|slots| slots.driven) {
+            let norm = self.read_rows(Quantity::ConstraintRate, time, state);
+            if norm > APART * self.projection.length.max(self.size(state)) {
+                return Err(StepError::InconsistentStart {
+                    norm,
+                    rows: self.worst_joints(),
+                });
+            }
+        }
         self.begin_rows(time, state);
         Ok(())
     }
@@ -163,6 +174,13 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     #[cold]
     pub(crate) fn unsolvable(&mut self, time: f64, state: &[T]) -> Option<StepError> {
         if !self.projection.any() || state.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        // A prescribed motion may have no value at this time: then it is not the rows that fail.
+        if !self
+            .read_rows(Quantity::ConstraintBias, time, state)
+            .is_finite()
+        {
             return None;
         }
         match self.follows(time, state) {

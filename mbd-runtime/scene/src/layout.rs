@@ -219,10 +219,9 @@ impl Layout {
     fn kept(mut self, scene: &Scene, redundancy: Redundancy) -> Self {
         for repeat in &redundancy.repeats {
             if let Some(slots) = self.joints.get_mut(repeat.joint) {
-                slots.kept = repeat
-                    .kept
-                    .within(repeat.rows)
-                    .or_beyond(repeat.rows, slots.len);
+                // Motors follow the rows of the law: what they prescribe is never left out.
+                let motors = RowSet::all(slots.len).0 & !RowSet::all(repeat.rows).0;
+                slots.kept = RowSet(repeat.kept.within(repeat.rows).0 | motors);
             }
         }
         let joints = scene.joints.iter();

@@ -46,12 +46,6 @@ impl RowSet {
         RowSet(self.0 & Self::all(count).0)
     }
 
-    /// With rows `from` to `count`: those of motors follow those of the joint's law, and repeat none.
-    #[must_use]
-    pub(crate) fn or_beyond(self, from: usize, count: usize) -> Self {
-        RowSet(self.0 | Self::all(count).0 & !Self::all(from).0)
-    }
-
     /// How many.
     #[must_use]
     pub fn len(self) -> usize {
