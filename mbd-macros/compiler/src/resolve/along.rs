@@ -108,17 +108,17 @@ impl Resolver<'_> {
     }
 
     /// The fields in the blocks named after coordinates.
-    fn blocks<'i, 'a>(
+    fn blocks<'a>(
         &mut self,
-        item: &'i Item<'a>,
+        item: &Item<'a>,
         measured: &[Coordinate],
     ) -> Option<Vec<Vec<Item<'a>>>> {
         let known: Vec<&str> = field_words().collect();
         let mut blocks = Some(Vec::new());
         for coordinate in measured {
-            let named = item.block.iter();
-            let named = named.filter(|field| field.word.text == coordinate.name);
-            let block = match named.last() {
+            let mut fields = item.block.iter();
+            let last = fields.rfind(|field| field.word.text == coordinate.name);
+            let block = match last {
                 None => Some(Vec::new()),
                 Some(field) => self.coordinate_block(field, coordinate),
             };
