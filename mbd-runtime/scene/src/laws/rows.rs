@@ -203,7 +203,7 @@ impl<S: Real> Rows<S> {
         }
     }
 
-    /// Holds a coordinate to a course of time: one row, see [`super::motor`].
+    /// Holds a coordinate to a course of time: one row, derived in `laws/motor.rs`.
     pub fn motor(&mut self, ends: &Ends<'_, S>, coordinate: &Coordinate, course: &Jet<S>) {
         self.rows.push(ends.prescribed(coordinate, course));
     }
