@@ -354,16 +354,8 @@ fn agree(states: usize) -> usize {
 }
 
 #[test]
-fn world_body_generic_and_interpreted_accelerations_agree() {
-    assert!(agree(20) >= 300);
-}
-
-#[test]
-#[ignore = "a minute: ten thousand states"]
 fn world_body_generic_and_interpreted_accelerations_agree_at_ten_thousand_states() {
-    let seen = agree(600);
-    println!("{seen} states");
-    assert!(seen >= 10_000);
+    assert!(agree(600) >= 10_000);
 }
 
 #[test]
