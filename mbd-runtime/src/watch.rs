@@ -4,8 +4,8 @@
 //! stable up to about 2.8. The norm is that of the energy, |k|² = v̇ᵀ diag(M) v̇ + ω² q̇ᵀ diag(M) q̇, ω² = the largest ΣK/m of a body or point over its
 //! lines and joint coordinates (K/I for angles): in it the exchange of kinetic and elastic energy is a rotation, and the ratio is bounded by the
 //! rates of the scene. Rejected: the plain sum of squares (a step whose stages differ mostly in velocity shows h K/m instead of h √(K/m)), and ω²
-//! without M (a turning body with a long lever shows the lever). Stages that agree to 1e-3 of k₁ say nothing: on a smooth motion k₂ − k₁ can vanish in the slow directions and leave any ratio, while an
-//! unstable run soon has differences as large as the rates themselves.
+//! without M (a turning body with a long lever shows the lever). Stages that agree to 1e-3 of k₁ say nothing: on a smooth motion k₂ − k₁ can vanish
+//! in the slow directions and leave any ratio, while an unstable run soon has differences as large as the rates themselves.
 
 use mbd_scene::laws::Numbers;
 use mbd_scene::{Float, Layout, Model, Place, PointSlots, Slots, StopSlots};

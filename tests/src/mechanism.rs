@@ -294,6 +294,26 @@ pub fn at<'a, S: Real>(state: &'a [S], inputs: &'a [S], rows: &'a [S]) -> At<'a,
     }
 }
 
+/// A frame somewhere on a body, or in the world.
+pub fn random_seat(scene: &mut Scene, body: Option<usize>, random: &mut Random) -> Place {
+    let seat = Seat::random(random);
+    add_frame(scene, body, seat.declared("seat"))
+}
+
+/// Adds a body that hangs on an earlier one or on the world by one of the laws: that law, its place there, its place on the body. The joint
+/// is left to the caller.
+pub fn hang(scene: &mut Scene, laws: &[JointLaw], random: &mut Random) -> (JointLaw, [Place; 2]) {
+    let mass = random.uniform(0.5, 2.0);
+    let inertia = inertia(random);
+    let body = add_body(scene, mass, &inertia);
+    let carrier = random.below(body + 1).checked_sub(1);
+    let places = [
+        random_seat(scene, carrier, random),
+        random_seat(scene, Some(body), random),
+    ];
+    (laws[random.below(laws.len())].clone(), places)
+}
+
 /// A quantity by the laws, at a state; inputs zero if none are given.
 #[must_use]
 pub fn evaluate<S: Real>(
@@ -303,6 +323,20 @@ pub fn evaluate<S: Real>(
     inputs: &[S],
     rows: &[S],
 ) -> Vec<S> {
+    evaluate_at(scene, what, &at(state, inputs, rows))
+}
+
+/// A quantity by the laws, at a time and a state; inputs zero.
+#[must_use]
+pub fn evaluate_in_time<S: Real>(scene: &Scene, what: Quantity, time: S, state: &[S]) -> Vec<S> {
+    let at = At {
+        time,
+        ..at(state, &[], &[])
+    };
+    evaluate_at(scene, what, &at)
+}
+
+fn evaluate_at<S: Real>(scene: &Scene, what: Quantity, at: &At<'_, S>) -> Vec<S> {
     let layout = layout(scene);
     let params: Vec<S> = scene
         .params
@@ -311,14 +345,18 @@ pub fn evaluate<S: Real>(
         .collect();
     let numbers = Numbers::new(scene, &params);
     let none = vec![S::zero(); layout.ni];
-    let inputs = if inputs.is_empty() { &none } else { inputs };
+    let inputs = if at.inputs.is_empty() {
+        &none[..]
+    } else {
+        at.inputs
+    };
     let mut out = vec![S::zero(); layout.len(what)];
     laws::evaluate(
         what,
         scene,
         &layout,
         &numbers,
-        &at(state, inputs, rows),
+        &At { inputs, ..*at },
         &mut Scratch::new(&layout),
         &mut out,
     );

@@ -7,8 +7,8 @@ use mbd_scene::{AngularVelocity, Layout, Model, Place, Quantity, Redundancy, Sce
 use nalgebra::{DMatrix, DVector};
 use tests::assert_close;
 use tests::mechanism::{
-    Instance, Seat, add_body, add_external_loads, add_frame, add_joint, add_point, all_joints, at,
-    empty, evaluate, inertia, layout, state, with_components,
+    Instance, add_external_loads, add_joint, add_point, all_joints, at, empty, evaluate, hang,
+    layout, random_seat, state, with_components,
 };
 use tests::random::Random;
 
@@ -18,20 +18,8 @@ fn mechanism(seed: u64) -> Scene {
     let laws: Vec<JointLaw> = all_joints().into_iter().map(|(law, _)| law).collect();
     let mut scene = empty([0.4, -0.3, -9.81], AngularVelocity::Body);
     let count = 2 + random.below(5);
-    let seat = |scene: &mut Scene, body: Option<usize>, random: &mut Random| {
-        let seat = Seat::random(random);
-        add_frame(scene, body, seat.declared("seat"))
-    };
-    for body in 0..count {
-        let mass = random.uniform(0.5, 2.0);
-        let inertia = inertia(&mut random);
-        add_body(&mut scene, mass, &inertia);
-        let carrier = random.below(body + 1).checked_sub(1);
-        let (a, b) = (
-            seat(&mut scene, carrier, &mut random),
-            seat(&mut scene, Some(body), &mut random),
-        );
-        let law = laws[random.below(laws.len())].clone();
+    for _ in 0..count {
+        let (law, [a, b]) = hang(&mut scene, &laws, &mut random);
         if random.below(4) == 0 {
             add_joint(&mut scene, law, b, a);
         } else {
@@ -39,7 +27,7 @@ fn mechanism(seed: u64) -> Scene {
         }
     }
     let point = add_point(&mut scene, 0.7);
-    let hook = seat(&mut scene, Some(count - 1), &mut random);
+    let hook = random_seat(&mut scene, Some(count - 1), &mut random);
     let rod = JointLaw::Distance(Distance { length: 0.9.into() });
     add_joint(&mut scene, rod.clone(), hook, point);
     for _ in 0..2 {
@@ -49,8 +37,8 @@ fn mechanism(seed: u64) -> Scene {
         let law = &laws[random.below(laws.len())];
         if one != two && law.rows() < 3.min(freedoms) {
             let (a, b) = (
-                seat(&mut scene, Some(one), &mut random),
-                seat(&mut scene, Some(two), &mut random),
+                random_seat(&mut scene, Some(one), &mut random),
+                random_seat(&mut scene, Some(two), &mut random),
             );
             add_joint(&mut scene, law.clone(), a, b);
         }

@@ -4,8 +4,8 @@ use mbd_scene::joints::{Distance, JointLaw};
 use mbd_scene::{AngularVelocity, Layout, Quantity, Redundancy, Scene};
 use nalgebra::DMatrix;
 use tests::mechanism::{
-    Instance, Seat, add_body, add_external_loads, add_frame, add_joint, add_point, all_joints,
-    empty, evaluate, inertia, layout, state,
+    Instance, add_external_loads, add_joint, add_point, all_joints, empty, evaluate, hang, layout,
+    random_seat, state,
 };
 use tests::random::Random;
 
@@ -15,22 +15,13 @@ fn net(seed: u64) -> Scene {
     let laws: Vec<JointLaw> = all_joints().into_iter().map(|(law, _)| law).collect();
     let mut scene = empty([0.4, -0.3, -9.81], AngularVelocity::Body);
     let count = 3 + random.below(4);
-    let seat = |scene: &mut Scene, body: Option<usize>, random: &mut Random| {
-        let seat = Seat::random(random);
-        add_frame(scene, body, seat.declared("seat"))
-    };
-    for body in 0..count {
-        let mass = random.uniform(0.5, 2.0);
-        let inertia = inertia(&mut random);
-        add_body(&mut scene, mass, &inertia);
-        let carrier = random.below(body + 1).checked_sub(1);
-        let a = seat(&mut scene, carrier, &mut random);
-        let b = seat(&mut scene, Some(body), &mut random);
-        add_joint(&mut scene, laws[random.below(laws.len())].clone(), a, b);
+    for _ in 0..count {
+        let (law, [a, b]) = hang(&mut scene, &laws, &mut random);
+        add_joint(&mut scene, law, a, b);
     }
     let point = add_point(&mut scene, 0.7);
     for body in 0..2 {
-        let hook = seat(&mut scene, Some(body), &mut random);
+        let hook = random_seat(&mut scene, Some(body), &mut random);
         let rod = JointLaw::Distance(Distance { length: 0.9.into() });
         add_joint(&mut scene, rod, hook, point);
     }
@@ -40,8 +31,8 @@ fn net(seed: u64) -> Scene {
         let law = &laws[random.below(laws.len())];
         let left = layout.nv.saturating_sub(layout.nc);
         if one != two && law.rows() <= left && law.rows() < 5 {
-            let a = seat(&mut scene, Some(one), &mut random);
-            let b = seat(&mut scene, (two < count).then_some(two), &mut random);
+            let a = random_seat(&mut scene, Some(one), &mut random);
+            let b = random_seat(&mut scene, (two < count).then_some(two), &mut random);
             add_joint(&mut scene, law.clone(), a, b);
         }
     }

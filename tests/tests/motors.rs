@@ -2,17 +2,15 @@
 
 use mbd_runtime::{Generic, Options, Simulation, StepError, model};
 use mbd_scene::joints::{Along, JointLaw};
-use mbd_scene::laws::{self, Numbers, Scratch};
-use mbd_scene::{
-    AngularVelocity, At, Formula, Function, Layout, Model, Place, Quantity, Real, Scene,
-};
+use mbd_scene::laws::Numbers;
+use mbd_scene::{AngularVelocity, Formula, Function, Layout, Model, Place, Quantity, Scene};
 use nalgebra::{DMatrix, DVector};
 use tests::agreement::agrees;
 use tests::assert_close;
 use tests::jet::Jet;
 use tests::mechanism::{
-    Instance, Seat, accelerations, add_body, add_frame, add_joint, all_joints, empty, inertia,
-    jets, state,
+    Instance, Seat, accelerations, add_body, add_frame, add_joint, all_joints, empty,
+    evaluate_in_time, inertia, jets, state,
 };
 use tests::random::Random;
 
@@ -39,25 +37,6 @@ fn motor(coordinate: usize, motor: Formula) -> Along {
         motor: Some(motor),
         ..Along::default()
     }
-}
-
-fn evaluate<S: Real>(scene: &Scene, what: Quantity, time: S, state: &[S]) -> Vec<S> {
-    let layout = Layout::new(scene);
-    let numbers = Numbers::new(scene, &[]);
-    let mut out = vec![S::zero(); layout.len(what)];
-    let at = At {
-        time,
-        state,
-        nodes: &[],
-        effective: &[],
-        hold: &[],
-        ends: &[],
-        inputs: &[],
-        rows: &[],
-    };
-    let mut scratch = Scratch::new(&layout);
-    laws::evaluate(what, scene, &layout, &numbers, &at, &mut scratch, &mut out);
-    out
 }
 
 /// Every coordinate of every joint driven, between two bodies and to the world, in both components.
@@ -98,14 +77,14 @@ fn a_motor_adds_one_row_whose_rates_are_the_jets_of_its_position() {
                 .collect();
             let x = state(scene, &bodies, &[]);
             let jets = jets(scene, &bodies, &[]);
-            let rows = evaluate(scene, Quantity::Constraint, Jet([time, 1.0, 0.0]), &jets);
+            let rows = evaluate_in_time(scene, Quantity::Constraint, Jet([time, 1.0, 0.0]), &jets);
             let part = |k: usize| rows.iter().map(|row| row.0[k]).collect::<Vec<f64>>();
-            let rate = evaluate(scene, Quantity::ConstraintRate, time, &x);
+            let rate = evaluate_in_time(scene, Quantity::ConstraintRate, time, &x);
             assert_close(&rate, &part(1), 1e-13, 1e-13, &format!("{name}: Φ̇"));
-            let dense = evaluate(scene, Quantity::ConstraintJacobian, time, &x);
+            let dense = evaluate_in_time(scene, Quantity::ConstraintJacobian, time, &x);
             let columns = DMatrix::from_row_slice(layout.nc, layout.nv, &dense);
             let moved = columns * DVector::from_vec(accelerations(scene, &bodies, &[]));
-            let bias = evaluate(scene, Quantity::ConstraintBias, time, &x);
+            let bias = evaluate_in_time(scene, Quantity::ConstraintBias, time, &x);
             let curve: Vec<f64> = moved.iter().zip(&bias).map(|(a, b)| a - b).collect();
             assert_close(&curve, &part(2), 1e-12, 1e-12, &format!("{name}: Φ̈"));
         }

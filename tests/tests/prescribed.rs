@@ -2,17 +2,14 @@
 
 use mbd_runtime::{Content, Generic, Options, Sampling, Simulation, StepError, Trajectory, model};
 use mbd_scene::joints::JointLaw;
-use mbd_scene::laws::{self, Numbers, Scratch};
-use mbd_scene::{
-    AngularVelocity, At, Formula, Frame, Function, Layout, Model, Place, Quantity, Real, Scene,
-};
+use mbd_scene::{AngularVelocity, Formula, Frame, Function, Layout, Model, Place, Quantity, Scene};
 use nalgebra::{DMatrix, DVector};
 use tests::agreement::agrees;
 use tests::assert_close;
 use tests::jet::Jet;
 use tests::mechanism::{
     Instance, Seat, accelerations, add_body, add_external_loads, add_frame, add_joint, all_joints,
-    empty, inertia, jets, state,
+    empty, evaluate_in_time, inertia, jets, state,
 };
 use tests::random::Random;
 
@@ -58,28 +55,6 @@ fn carousel() -> Frame {
     }
 }
 
-fn evaluate<S: Real>(scene: &Scene, what: Quantity, time: S, state: &[S]) -> Vec<S> {
-    let layout = Layout::new(scene);
-    let numbers = Numbers::new(scene, &[]);
-    let (inputs, mut out) = (
-        vec![S::zero(); layout.ni],
-        vec![S::zero(); layout.len(what)],
-    );
-    let at = At {
-        time,
-        state,
-        nodes: &[],
-        effective: &[],
-        hold: &[],
-        ends: &[],
-        inputs: &inputs,
-        rows: &[],
-    };
-    let mut scratch = Scratch::new(&layout);
-    laws::evaluate(what, scene, &layout, &numbers, &at, &mut scratch, &mut out);
-    out
-}
-
 /// Every joint between the carousel and a body, in either order, in both components.
 fn everywhere(mut check: impl FnMut(&str, &Scene, &mut Random)) {
     let mut random = Random::new(71);
@@ -110,15 +85,15 @@ fn rows_on_a_moving_frame_are_the_jets_of_their_positions() {
             let body = Instance::random(random);
             let x = state(scene, &[body], &[]);
             let jets = jets(scene, &[body], &[]);
-            let rows = evaluate(scene, Quantity::Constraint, Jet([time, 1.0, 0.0]), &jets);
+            let rows = evaluate_in_time(scene, Quantity::Constraint, Jet([time, 1.0, 0.0]), &jets);
             let part = |k: usize| rows.iter().map(|row| row.0[k]).collect::<Vec<f64>>();
-            let rate = evaluate(scene, Quantity::ConstraintRate, time, &x);
+            let rate = evaluate_in_time(scene, Quantity::ConstraintRate, time, &x);
             assert_close(&rate, &part(1), 1e-13, 1e-13, &format!("{name}: Φ̇"));
             let layout = Layout::new(scene);
-            let dense = evaluate(scene, Quantity::ConstraintJacobian, time, &x);
+            let dense = evaluate_in_time(scene, Quantity::ConstraintJacobian, time, &x);
             let columns = DMatrix::from_row_slice(layout.nc, layout.nv, &dense);
             let moved = columns * DVector::from_vec(accelerations(scene, &[body], &[]));
-            let bias = evaluate(scene, Quantity::ConstraintBias, time, &x);
+            let bias = evaluate_in_time(scene, Quantity::ConstraintBias, time, &x);
             let curve: Vec<f64> = moved.iter().zip(&bias).map(|(a, b)| a - b).collect();
             assert_close(&curve, &part(2), 1e-12, 1e-12, &format!("{name}: Φ̈"));
         }
@@ -132,17 +107,17 @@ fn the_power_of_the_drive_closes_the_balance_at_every_instant() {
         add_external_loads(&mut scene);
         let body = Instance::random(random);
         let x = state(&scene, &[body], &[]);
-        let energy = evaluate(&scene, Quantity::Energy, 0.4, &x);
-        let lambda = evaluate(&scene, Quantity::Multipliers, 0.4, &x);
-        let slip = evaluate(&scene, Quantity::ConstraintRate, 0.4, &x);
+        let energy = evaluate_in_time(&scene, Quantity::Energy, 0.4, &x);
+        let lambda = evaluate_in_time(&scene, Quantity::Multipliers, 0.4, &x);
+        let slip = evaluate_in_time(&scene, Quantity::ConstraintRate, 0.4, &x);
         // dE/dt = (∂E/∂x) ẋ, with E as a function of the state alone.
-        let rates = evaluate(&scene, Quantity::Derivative, 0.4, &x);
+        let rates = evaluate_in_time(&scene, Quantity::Derivative, 0.4, &x);
         let along: Vec<Jet> = x
             .iter()
             .zip(&rates)
             .map(|(x, rate)| Jet([*x, *rate, 0.0]))
             .collect();
-        let moved = evaluate(&scene, Quantity::Energy, Jet([0.4, 1.0, 0.0]), &along);
+        let moved = evaluate_in_time(&scene, Quantity::Energy, Jet([0.4, 1.0, 0.0]), &along);
         let change: f64 = moved[..3].iter().map(|part| part.0[1]).sum();
         let slipping: f64 = lambda.iter().zip(&slip).map(|(a, b)| a * b).sum();
         let power = energy[3] + energy[4] + energy[5] + slipping;

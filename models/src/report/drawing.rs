@@ -2,9 +2,10 @@
 
 use super::axis::{Axis, Range, Scale};
 use super::frame::{
-    LINE, RIGHT, SMALL, TEXT, TITLE, WIDTH, draw_axes, label, left_margin, legend_rows,
+    LINE, RIGHT, SMALL, TEXT, TITLE, WIDTH, draw_axes, label, left_margin, legend_rows, open,
+    title_rows, write_under,
 };
-use super::look::{Look, style_sheet};
+use super::look::Look;
 use super::svg::{Anchor, Svg, wrap};
 use super::trace::Panel;
 
@@ -128,7 +129,7 @@ impl Drawing {
         let left = left_margin(&axis(bounds[1], 300.0));
         let (ranges, size) = fitted(bounds, WIDTH - RIGHT - left);
         let (x, y) = (axis(ranges[0], size[0]), axis(ranges[1], size[1]));
-        let title = wrap(&self.title, TITLE, WIDTH - 2.0 * RIGHT);
+        let title = title_rows(&self.title);
         let legend = legend_rows(self.paths.iter().map(|(name, _)| name.as_str()), left);
         let head = 8.0 + 1.3 * TITLE * title.len() as f64;
         let top = head + LINE * legend.len() as f64 + 12.0;
@@ -143,25 +144,13 @@ impl Drawing {
             false => Vec::new(),
         };
         let bottom = top + size[1] + 48.0;
-        let style = alone.then(style_sheet);
-        let mut svg = Svg::open(
-            [WIDTH, bottom + LINE * under.len() as f64],
-            &self.title,
-            &self.caption,
-            style.as_deref(),
-        );
-        for (row, words) in title.iter().enumerate() {
-            let down = 8.0 + 1.3 * TITLE * (row as f64 + 0.8);
-            svg.text("", [left, down], TITLE, Anchor::Start, false, words);
-        }
+        let height = bottom + LINE * under.len() as f64;
+        let mut svg = open(height, left, &self.title, &self.caption, alone);
         self.draw_legend(&mut svg, &legend, head);
         draw_axes(&mut svg, &panel, &self.labels);
         self.draw_inside(&mut svg, &panel);
         svg.rect("mbd-frame", panel.at, panel.size);
-        for (row, words) in under.iter().enumerate() {
-            let down = bottom + LINE * (row as f64 + 0.4);
-            svg.text("", [left, down], SMALL, Anchor::Start, false, words);
-        }
+        write_under(&mut svg, &under, left, bottom);
         svg.close()
     }
 

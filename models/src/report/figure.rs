@@ -2,9 +2,10 @@
 
 use super::axis::{Axis, HUGE, Range, Scale};
 use super::frame::{
-    LINE, RIGHT, SMALL, TEXT, TITLE, WIDTH, draw_axes, label, left_margin, legend_rows,
+    LINE, RIGHT, SMALL, TEXT, TITLE, WIDTH, draw_axes, label, left_margin, legend_rows, open,
+    title_rows, write_under,
 };
-use super::look::{Look, style_sheet};
+use super::look::Look;
 use super::svg::{Anchor, Svg, wrap};
 use super::trace::{Panel, Trace};
 
@@ -163,7 +164,7 @@ impl<'a> Figure<'a> {
     fn draw(&self, alone: bool) -> String {
         let x = Axis::new(self.range(0), self.scales[0], 8);
         let y = Axis::new(self.range(1), self.scales[1], 6);
-        let title = wrap(&self.title, TITLE, WIDTH - 2.0 * RIGHT);
+        let title = title_rows(&self.title);
         let names = self.series.iter().map(|series| series.name.as_str());
         let legend = legend_rows(names, left_margin(&y));
         let top = 8.0 + 1.3 * TITLE * title.len() as f64 + LINE * legend.len() as f64 + 12.0;
@@ -181,17 +182,8 @@ impl<'a> Figure<'a> {
             .collect();
         let under = self.words_under(&traces, alone);
         let bottom = top + HEIGHT + 48.0;
-        let style = alone.then(style_sheet);
-        let mut svg = Svg::open(
-            [WIDTH, bottom + LINE * under.len() as f64],
-            &self.title,
-            &self.caption,
-            style.as_deref(),
-        );
-        for (row, words) in title.iter().enumerate() {
-            let down = 8.0 + 1.3 * TITLE * (row as f64 + 0.8);
-            svg.text("", [left, down], TITLE, Anchor::Start, false, words);
-        }
+        let height = bottom + LINE * under.len() as f64;
+        let mut svg = open(height, left, &self.title, &self.caption, alone);
         self.draw_legend(
             &mut svg,
             &legend,
@@ -200,10 +192,7 @@ impl<'a> Figure<'a> {
         );
         draw_axes(&mut svg, &panel, &self.labels);
         self.draw_curves(&mut svg, &panel, &traces);
-        for (row, words) in under.iter().enumerate() {
-            let down = bottom + LINE * (row as f64 + 0.4);
-            svg.text("", [left, down], SMALL, Anchor::Start, false, words);
-        }
+        write_under(&mut svg, &under, left, bottom);
         svg.close()
     }
 

@@ -1,7 +1,8 @@
 //! What stands around a plot: axes with their ticks and labels, the legend's rows, the left margin.
 
 use super::axis::{Axis, superscript};
-use super::svg::{Anchor, Svg, text_width};
+use super::look::style_sheet;
+use super::svg::{Anchor, Svg, text_width, wrap};
 use super::trace::Panel;
 
 /// Width of every picture [px].
@@ -55,6 +56,30 @@ pub(super) fn legend_rows<'n>(
         free += width;
     }
     rows
+}
+
+/// A picture with its title; its style sheet, too, where it stands alone.
+pub(super) fn open(height: f64, left: f64, title: &str, caption: &str, alone: bool) -> Svg {
+    let style = alone.then(style_sheet);
+    let mut svg = Svg::open([WIDTH, height], title, caption, style.as_deref());
+    for (row, words) in title_rows(title).iter().enumerate() {
+        let down = 8.0 + 1.3 * TITLE * (row as f64 + 0.8);
+        svg.text("", [left, down], TITLE, Anchor::Start, false, words);
+    }
+    svg
+}
+
+/// The rows of a title.
+pub(super) fn title_rows(title: &str) -> Vec<String> {
+    wrap(title, TITLE, WIDTH - 2.0 * RIGHT)
+}
+
+/// Rows of words below `bottom`.
+pub(super) fn write_under(svg: &mut Svg, under: &[String], left: f64, bottom: f64) {
+    for (row, words) in under.iter().enumerate() {
+        let down = bottom + LINE * (row as f64 + 0.4);
+        svg.text("", [left, down], SMALL, Anchor::Start, false, words);
+    }
 }
 
 /// Grid, tick labels and axis labels of a panel.

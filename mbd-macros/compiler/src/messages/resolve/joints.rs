@@ -254,16 +254,8 @@ pub fn stops_in_order(at: Region, name: &str, [low, high]: [Option<f64>; 2]) -> 
 }
 
 pub fn number_rule(at: Region, name: &str, field: &Field, found: f64) -> Report {
-    let (found, unit) = match si_text(field.dimension) {
-        unit if unit.is_empty() => (found.to_degrees(), "deg".to_string()),
-        unit => (found, unit),
-    };
-    Report::new(
-        at,
-        format!(
-            "`{}` of `{name}` must be {}, this is {found} {unit}",
-            field.name,
-            field.rule.words()
-        ),
-    )
+    let unit = si_text(field.dimension);
+    // A number without dimension in a joint is an angle.
+    let unit = if unit.is_empty() { "rad" } else { &unit };
+    along_rule(at, name, field, unit, found)
 }
