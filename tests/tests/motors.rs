@@ -332,6 +332,18 @@ fn efforts_of_motors_are_the_forces_and_torques_along_their_coordinates() {
     );
 }
 
+#[test]
+fn what_drives_a_coordinate_is_explained() {
+    let told = Machine::explain();
+    for course in [
+        "sleeve.slide: motor = 0.3 * sin(2 * time) m",
+        "sleeve.angle: motor = 4 * time rad",
+        "thread.angle: motor = 20 * time rad",
+    ] {
+        assert!(told.contains(course), "{course} in\n{told}");
+    }
+}
+
 fn law(keyword: &str) -> JointLaw {
     match keyword {
         "hinge" => JointLaw::Hinge(Default::default()),
