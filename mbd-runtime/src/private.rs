@@ -3,7 +3,7 @@
 use mbd_scene::laws::{LineNumbers, Numbers};
 use mbd_scene::{Float, Layout, ParamError, Real, Redundancy, Scene};
 
-use crate::{LineState, Reaction};
+use crate::{CoordInfo, LineState, Reaction};
 
 pub use crate::verify::verify;
 
@@ -44,6 +44,19 @@ impl<T: Real> Parts<T> {
             scene,
         })
     }
+}
+
+/// Names and units of coordinates.
+#[must_use]
+pub const fn named<const N: usize>(pairs: [(&'static str, &'static str); N]) -> [CoordInfo; N] {
+    let mut named = [CoordInfo { name: "", unit: "" }; N];
+    let mut index = 0;
+    while index < N {
+        let (name, unit) = pairs[index];
+        named[index] = CoordInfo { name, unit };
+        index += 1;
+    }
+    named
 }
 
 /// The scene of a text that the compiler wrote.

@@ -169,17 +169,7 @@ fn judge(size: usize) -> Result<Option<String>, String> {
 
 /// Operations as emitted: kernels that pieces share count once.
 fn size(equations: &Equations, kernels: &Kernels) -> usize {
-    let whole: usize = equations
-        .every_program()
-        .zip(&kernels.drivers)
-        .filter(|(_, driver)| driver.is_none())
-        .map(|(program, _)| program.instructions.len())
-        .sum();
-    let pieces = kernels.kernels.iter().filter_map(|kernel| {
-        let driver = kernels.drivers.get(kernel.first.0)?.as_ref()?;
-        Some(driver.pieces.get(kernel.first.1)?.instructions.len())
-    });
-    whole + pieces.sum::<usize>()
+    kernels.lengths(equations).iter().sum()
 }
 
 fn error(span: Span, text: &str) -> TokenStream {

@@ -87,6 +87,21 @@ impl Kernels {
         }
     }
 
+    /// Operations of every function of the model: programs that stay whole, then kernels.
+    #[must_use]
+    pub fn lengths(&self, equations: &Equations) -> Vec<usize> {
+        let programs = equations.every_program().zip(&self.drivers);
+        let whole = programs
+            .filter(|(_, driver)| driver.is_none())
+            .map(|(program, _)| program.instructions.len());
+        let pieces = self.kernels.iter().filter_map(|kernel| {
+            let (program, piece) = kernel.first;
+            let driver = self.drivers.get(program)?.as_ref()?;
+            Some(driver.pieces.get(piece)?.instructions.len())
+        });
+        whole.chain(pieces).collect()
+    }
+
     /// The length of the longest working list.
     #[must_use]
     pub fn work(&self) -> usize {

@@ -4,16 +4,18 @@
 //! and end. The order of operations does not change, so neither does a bit of the result. A mask is no number and cannot be handed on: a piece
 //! that needs one from an earlier piece compares again.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
+use std::ops::Range;
 
 use mbd_scene::Quantity;
 
+use crate::hash::Map;
 use crate::operation::Op;
 use crate::program::{Operand, Program, Register};
 
 /// A program of at most this many operations stays one function, the fastest there is while it fits.
 pub const FLAT: usize = 1000;
-/// One that no step of a run waits for is cut from this length on if most of it repeats.
+/// One that a run spends little time in is cut from this length on if most of it repeats.
 const SMALL: usize = 200;
 /// No piece is longer, copies of masks apart.
 const LONGEST: usize = 600;
@@ -50,7 +52,7 @@ pub enum Local {
 #[must_use]
 pub fn outline(program: &Program) -> Option<Vec<Piece>> {
     let count = program.instructions.len();
-    if count <= FLAT && (is_awaited(program) || count + program.outputs.len() < SMALL) {
+    if count <= FLAT && (is_hot(program) || count + program.outputs.len() < SMALL) {
         return None;
     }
     let pieces = cut(program);
@@ -63,8 +65,8 @@ pub fn outline(program: &Program) -> Option<Vec<Piece>> {
     (count > FLAT || 2 * distinct <= count).then_some(pieces)
 }
 
-/// Whether steps of a run wait for the result.
-fn is_awaited(program: &Program) -> bool {
+/// Whether a run spends its time there; rows and their rates are short beside derivative and correction.
+fn is_hot(program: &Program) -> bool {
     program.what.is_some_and(|what| {
         !matches!(
             what,
@@ -87,35 +89,52 @@ fn is_awaited(program: &Program) -> bool {
 
 fn cut(program: &Program) -> Vec<Piece> {
     let cutter = Cutter::new(program);
-    let runs: Vec<(Vec<usize>, Key)> = runs(program)
-        .into_iter()
-        .map(|run| {
-            let piece = cutter.measure(run.clone());
-            (run, (piece.pattern, piece.results))
-        })
+    let runs = runs(program);
+    let mut alone: Vec<Option<Piece>> = runs
+        .iter()
+        .map(|run| Some(cutter.measure(run.clone())))
         .collect();
-    let mut counts: HashMap<&Key, usize> = HashMap::new();
-    for (_, key) in &runs {
+    let mut counts: Map<Key, usize> = Map::default();
+    let key = |piece: &Option<Piece>| {
+        piece
+            .as_ref()
+            .map(|p| (p.pattern.clone(), p.results.clone()))
+    };
+    for key in alone.iter().filter_map(key) {
         *counts.entry(key).or_default() += 1;
     }
-    let mut cuts: Vec<Vec<usize>> = Vec::new();
-    let mut open: Vec<usize> = Vec::new();
-    let mut open_is_alike = false;
-    for (run, key) in &runs {
-        let alike = counts.get(key).is_some_and(|&count| count > 1);
-        // Short runs with others alike come in groups that start and end where those of the others do.
-        let full = open_is_alike && open.len() >= SHARED;
-        let other = alike != open_is_alike || alike && run.len() >= SHARED;
-        if !open.is_empty() && (full || other || open.len() + run.len() > LONGEST) {
-            cuts.push(std::mem::take(&mut open));
+    let alike: Vec<bool> = alone
+        .iter()
+        .map(|piece| {
+            key(piece)
+                .and_then(|key| counts.get(&key))
+                .is_some_and(|&count| count > 1)
+        })
+        .collect();
+    // Runs from one number to another that make one piece.
+    let mut groups: Vec<Range<usize>> = Vec::new();
+    let (mut open, mut length) = (0, 0);
+    for (index, run) in runs.iter().enumerate() {
+        if index > open {
+            // Short runs with others alike come in groups that start and end where those of the others do.
+            let full = alike[open] && length >= SHARED;
+            let other = alike[index] != alike[open] || alike[index] && run.len() >= SHARED;
+            if full || other || length + run.len() > LONGEST {
+                groups.push(open..index);
+                (open, length) = (index, 0);
+            }
         }
-        open.extend(run);
-        open_is_alike = alike;
+        length += run.len();
     }
-    if !open.is_empty() {
-        cuts.push(open);
+    if open < runs.len() {
+        groups.push(open..runs.len());
     }
-    cuts.into_iter().map(|cut| cutter.measure(cut)).collect()
+    let piece = |group: Range<usize>| match alone.get_mut(group.start).filter(|_| group.len() == 1)
+    {
+        Some(piece) => piece.take(),
+        None => Some(cutter.measure(runs[group].concat())),
+    };
+    groups.into_iter().filter_map(piece).collect()
 }
 
 type Key = (Vec<Op<Local>>, Vec<usize>);
@@ -150,13 +169,13 @@ struct Cutter<'a> {
     /// Per instruction, the last instruction that uses it; the number of instructions if a result does.
     uses: Vec<usize>,
     /// Per instruction, its first place in the result.
-    places: HashMap<usize, usize>,
+    places: Map<usize, usize>,
 }
 
 impl<'a> Cutter<'a> {
     fn new(program: &'a Program) -> Self {
         let first = program.constants.len() + program.slots.len();
-        let mut places = HashMap::new();
+        let mut places = Map::default();
         for &(place, register) in &program.outputs {
             if let Some(value) = register.index().checked_sub(first) {
                 places.entry(value).or_insert(place);
@@ -184,9 +203,9 @@ impl<'a> Cutter<'a> {
             self.copy_masks(index, start, &mut copied, &mut instructions);
             instructions.push(index);
         }
-        let local: HashMap<usize, usize> = instructions.iter().copied().zip(0..).collect();
+        let local: Map<usize, usize> = instructions.iter().copied().zip(0..).collect();
         let (mut given, mut constants): (Vec<Register>, Vec<Register>) = (Vec::new(), Vec::new());
-        let (mut given_at, mut constant_at) = (HashMap::new(), HashMap::new());
+        let (mut given_at, mut constant_at) = (Map::default(), Map::default());
         let mut enter = |register: Register| {
             let value = register.index().checked_sub(self.first);
             if let Some(&value) = value.and_then(|value| local.get(&value)) {

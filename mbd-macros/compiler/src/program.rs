@@ -1,6 +1,6 @@
 //! A program: the terms of one quantity in the order they are computed, one operation each, nothing that is not needed.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use mbd_scene::{Cost, Quantity};
 
@@ -8,7 +8,7 @@ use crate::expression::{Expr, Graph, Node, Slot, Term};
 use crate::operation::{Binary, Comparison, Op, Unary};
 
 /// A place in the register file of a program: constants first, then slots, then one register an instruction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Register(pub u32);
 
 impl Register {
@@ -159,13 +159,16 @@ impl Program {
         let scheduled = schedule(graph, outputs, order, derived);
         let mut constants: Vec<Expr> = Vec::new();
         let mut slots: Vec<(Slot, Expr)> = Vec::new();
-        let mut entered = HashSet::new();
-        let mut enter = |expr: Expr| match leaf(graph, expr, derived) {
-            Some(leaf) if entered.insert(expr) => match leaf {
-                Leaf::Constant => constants.push(expr),
-                Leaf::Slot(slot) => slots.push((slot, expr)),
-            },
-            _ => {}
+        let mut entered = vec![false; graph.len()];
+        let mut enter = |expr: Expr| {
+            if std::mem::replace(&mut entered[expr.index()], true) {
+                return;
+            }
+            match leaf(graph, expr, derived) {
+                Some(Leaf::Constant) => constants.push(expr),
+                Some(Leaf::Slot(slot)) => slots.push((slot, expr)),
+                None => {}
+            }
         };
         for term in &scheduled {
             if let Node::Apply(op) = graph.node(term.expr) {
@@ -175,20 +178,20 @@ impl Program {
         outputs.iter().for_each(|&(_, expr)| enter(expr));
         slots.sort_unstable_by_key(|(slot, _)| *slot);
 
-        let mut registers: HashMap<Expr, Register> = HashMap::new();
+        let mut registers = vec![Register::default(); graph.len()];
         let file = constants
             .iter()
             .copied()
             .chain(slots.iter().map(|(_, expr)| *expr))
             .chain(scheduled.iter().map(|term| term.expr));
         for (index, expr) in file.enumerate() {
-            registers.insert(expr, Register(index as u32));
+            registers[expr.index()] = Register(index as u32);
         }
         let instructions: Vec<Instruction> = scheduled
             .iter()
             .filter_map(|term| match graph.node(term.expr) {
                 Node::Apply(op) => Some(Instruction {
-                    op: op.map(|a| registers[&a]),
+                    op: op.map(|a| registers[a.index()]),
                     name: graph.name(term.expr),
                     section: term.section,
                 }),
@@ -197,7 +200,7 @@ impl Program {
             .collect();
         let mut outputs: Vec<(usize, Register)> = outputs
             .iter()
-            .map(|&(place, expr)| (place, registers[&expr]))
+            .map(|&(place, expr)| (place, registers[expr.index()]))
             .collect();
         outputs.sort_unstable();
         Program {
@@ -282,7 +285,10 @@ fn schedule(
     derived: &HashMap<Expr, usize>,
 ) -> Vec<Term> {
     let needed = needed(graph, outputs, derived);
-    let sections: HashMap<Expr, usize> = order.iter().map(|t| (t.expr, t.section)).collect();
+    let mut sections = vec![0; graph.len()];
+    for term in order {
+        sections[term.expr.index()] = term.section;
+    }
     let mut placed = vec![false; graph.len()];
     let mut scheduled = Vec::new();
     let asked = order.iter().map(|term| term.expr);
@@ -303,7 +309,7 @@ fn schedule(
             }
             if open.len() == before {
                 placed[expr.index()] = true;
-                let section = sections.get(&expr).copied().unwrap_or_default();
+                let section = sections[expr.index()];
                 scheduled.push(Term { expr, section });
                 open.pop();
             }

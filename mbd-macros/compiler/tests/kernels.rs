@@ -4,7 +4,7 @@ mod scenes;
 
 use std::collections::HashSet;
 
-use mbd_compiler::{Equations, Kernels, Op, Operand, Program, outline};
+use mbd_compiler::{Equations, Kernels, Op, Operand, Program, outline, read_text};
 use mbd_scene::{AngularVelocity, Gravity, Layout, Place, Quantity, Scene};
 use scenes::{body, frame, line, numbers};
 
@@ -191,4 +191,37 @@ fn the_cost_of_a_string_grows_with_its_length() {
         2 * (sixteen - eight),
         "linear to the operation"
     );
+}
+
+/// Identical rods on spherical joints, as a declaration.
+fn spherical(count: usize) -> Equations {
+    let text = format!(
+        "model Chain {{
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            body rod[i in 0..{count}] {{ mass: 1 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2,
+                frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }}
+            joint hold: spherical from world to rod[0].top;
+            joint pin[i in 1..{count}]: spherical from rod[i - 1].end to rod[i].top;
+        }}"
+    );
+    let reading = read_text(&text);
+    Equations::trace(&reading.scene.expect("a scene"))
+}
+
+#[test]
+fn sixty_four_jointed_bodies_are_no_more_code_than_eight_twice_and_no_function_is_long() {
+    let measured = |count: usize| {
+        let equations = spherical(count);
+        let kernels = Kernels::of(&equations);
+        let lengths = kernels.lengths(&equations);
+        let calls = kernels.drivers.iter().flatten();
+        let calls: usize = calls.map(|driver| driver.items().count()).sum();
+        let longest = lengths.iter().max().copied().unwrap_or_default();
+        (lengths.iter().sum::<usize>(), calls, longest)
+    };
+    let [eight, many, more] = [8, 64, 128].map(measured);
+    assert!(many.0 <= 2 * eight.0, "{many:?} against {eight:?}");
+    assert!(20 * more.0 <= 21 * many.0, "{more:?} against {many:?}");
+    assert!(20 * more.1 <= 21 * many.1, "{more:?} against {many:?}");
+    assert!(more.2 <= 1000 && many.2 <= 1000 && eight.2 <= 1000);
 }

@@ -113,7 +113,7 @@ fn constants(context: &Context) -> TokenStream {
     let hash = Literal::u64_unsuffixed(hash(&format!("{scene:?}")));
     let coordinate = |index: usize| {
         let (name, unit) = crate::names::coordinate(scene, layout, index);
-        quote!(::mbd_runtime::CoordInfo { name: #name, unit: #unit })
+        quote!((#name, #unit))
     };
     let coords = (0..layout.nq).map(coordinate);
     let speeds = (layout.nq..layout.nq + layout.nv).map(coordinate);
@@ -161,9 +161,9 @@ fn constants(context: &Context) -> TokenStream {
             /// Changes when the declaration changes.
             pub const DECL_HASH: u64 = #hash;
             /// Name and unit of every coordinate.
-            pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &[#(#coords),*];
+            pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([#(#coords),*]);
             /// Name and unit of every speed.
-            pub const SPEEDS: &'static [::mbd_runtime::CoordInfo] = &[#(#speeds),*];
+            pub const SPEEDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([#(#speeds),*]);
             #(#sparsity)*
             /// Name, unit, default, range and documentation of every live parameter.
             pub const PARAMS: &'static [::mbd_runtime::ParamInfo] = &[#(#params),*];

@@ -711,35 +711,17 @@ const _: () = {
         /// Changes when the declaration changes.
         pub const DECL_HASH: u64 = 7835777355893444548;
         /// Name and unit of every coordinate.
-        pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &[
-            ::mbd_runtime::CoordInfo {
-                name: "bob.x",
-                unit: "m",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "bob.y",
-                unit: "m",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "bob.z",
-                unit: "m",
-            },
-        ];
+        pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
+            ("bob.x", "m"),
+            ("bob.y", "m"),
+            ("bob.z", "m"),
+        ]);
         /// Name and unit of every speed.
-        pub const SPEEDS: &'static [::mbd_runtime::CoordInfo] = &[
-            ::mbd_runtime::CoordInfo {
-                name: "bob.vx",
-                unit: "m/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "bob.vy",
-                unit: "m/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "bob.vz",
-                unit: "m/s",
-            },
-        ];
+        pub const SPEEDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
+            ("bob.vx", "m/s"),
+            ("bob.vy", "m/s"),
+            ("bob.vz", "m/s"),
+        ]);
         /// Row and column of every structural non-zero of `mass_matrix`, row by row; all else is zero in every state.
         pub const MASS_MATRIX_SPARSITY: &'static [(usize, usize)] = &[
             (0, 0),

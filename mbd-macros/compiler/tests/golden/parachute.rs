@@ -3111,49 +3111,49 @@ const _: () = {
         let thruster_t_4 = thruster_couple_x + leg_2_t_65;
         let thruster_t_5 = thruster_couple_y + leg_2_t_66;
         let thruster_t_6 = thruster_couple_z + leg_2_t_67;
-        let thruster_t_7 = canopy_r11 * drag_t_37;
-        let thruster_t_8 = canopy_r12 * drag_t_37;
-        let thruster_t_9 = canopy_r13 * drag_t_37;
-        let thruster_t_10 = canopy_r21 * drag_t_38;
-        let thruster_t_11 = thruster_t_7 + thruster_t_10;
-        let thruster_t_12 = canopy_r22 * drag_t_38;
-        let thruster_t_13 = thruster_t_8 + thruster_t_12;
-        let thruster_t_14 = canopy_r23 * drag_t_38;
-        let thruster_t_15 = thruster_t_9 + thruster_t_14;
-        let thruster_t_16 = canopy_r31 * drag_t_39;
-        let thruster_torque_x = thruster_t_11 + thruster_t_16;
-        let thruster_t_17 = canopy_r32 * drag_t_39;
-        let thruster_torque_y = thruster_t_13 + thruster_t_17;
-        let thruster_t_18 = canopy_r33 * drag_t_39;
-        let thruster_torque_z = thruster_t_15 + thruster_t_18;
-        let thruster_t_19 = capsule_r11 * thruster_t_4;
-        let thruster_t_20 = capsule_r12 * thruster_t_4;
-        let thruster_t_21 = capsule_r13 * thruster_t_4;
-        let thruster_t_22 = capsule_r21 * thruster_t_5;
-        let thruster_t_23 = thruster_t_19 + thruster_t_22;
-        let thruster_t_24 = capsule_r22 * thruster_t_5;
-        let thruster_t_25 = thruster_t_20 + thruster_t_24;
-        let thruster_t_26 = capsule_r23 * thruster_t_5;
-        let thruster_t_27 = thruster_t_21 + thruster_t_26;
-        let thruster_t_28 = capsule_r31 * thruster_t_6;
-        let thruster_torque_x_2 = thruster_t_23 + thruster_t_28;
-        let thruster_t_29 = capsule_r32 * thruster_t_6;
-        let thruster_torque_y_2 = thruster_t_25 + thruster_t_29;
-        let thruster_t_30 = capsule_r33 * thruster_t_6;
-        let thruster_torque_z_2 = thruster_t_27 + thruster_t_30;
+        let canopy_t_18 = canopy_r11 * drag_t_37;
+        let canopy_t_19 = canopy_r12 * drag_t_37;
+        let canopy_t_20 = canopy_r13 * drag_t_37;
+        let canopy_t_21 = canopy_r21 * drag_t_38;
+        let canopy_t_22 = canopy_t_18 + canopy_t_21;
+        let canopy_t_23 = canopy_r22 * drag_t_38;
+        let canopy_t_24 = canopy_t_19 + canopy_t_23;
+        let canopy_t_25 = canopy_r23 * drag_t_38;
+        let canopy_t_26 = canopy_t_20 + canopy_t_25;
+        let canopy_t_27 = canopy_r31 * drag_t_39;
+        let canopy_torque_x = canopy_t_22 + canopy_t_27;
+        let canopy_t_28 = canopy_r32 * drag_t_39;
+        let canopy_torque_y = canopy_t_24 + canopy_t_28;
+        let canopy_t_29 = canopy_r33 * drag_t_39;
+        let canopy_torque_z = canopy_t_26 + canopy_t_29;
+        let capsule_t_18 = capsule_r11 * thruster_t_4;
+        let capsule_t_19 = capsule_r12 * thruster_t_4;
+        let capsule_t_20 = capsule_r13 * thruster_t_4;
+        let capsule_t_21 = capsule_r21 * thruster_t_5;
+        let capsule_t_22 = capsule_t_18 + capsule_t_21;
+        let capsule_t_23 = capsule_r22 * thruster_t_5;
+        let capsule_t_24 = capsule_t_19 + capsule_t_23;
+        let capsule_t_25 = capsule_r23 * thruster_t_5;
+        let capsule_t_26 = capsule_t_20 + capsule_t_25;
+        let capsule_t_27 = capsule_r31 * thruster_t_6;
+        let capsule_torque_x = capsule_t_22 + capsule_t_27;
+        let capsule_t_28 = capsule_r32 * thruster_t_6;
+        let capsule_torque_y = capsule_t_24 + capsule_t_28;
+        let capsule_t_29 = capsule_r33 * thruster_t_6;
+        let capsule_torque_z = capsule_t_26 + capsule_t_29;
         *out = [
             drag_t_25,
             drag_t_26,
             drag_t_27,
-            thruster_torque_x,
-            thruster_torque_y,
-            thruster_torque_z,
+            canopy_torque_x,
+            canopy_torque_y,
+            canopy_torque_z,
             thruster_t,
             thruster_t_2,
             thruster_t_3,
-            thruster_torque_x_2,
-            thruster_torque_y_2,
-            thruster_torque_z_2,
+            capsule_torque_x,
+            capsule_torque_y,
+            capsule_torque_z,
         ];
     }
     /// Terms of the parameters alone, computed once.
@@ -3256,115 +3256,37 @@ const _: () = {
         /// Changes when the declaration changes.
         pub const DECL_HASH: u64 = 21451921685716840;
         /// Name and unit of every coordinate.
-        pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &[
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.x",
-                unit: "m",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.y",
-                unit: "m",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.z",
-                unit: "m",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.qw",
-                unit: "",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.qx",
-                unit: "",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.qy",
-                unit: "",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.qz",
-                unit: "",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.x",
-                unit: "m",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.y",
-                unit: "m",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.z",
-                unit: "m",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.qw",
-                unit: "",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.qx",
-                unit: "",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.qy",
-                unit: "",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.qz",
-                unit: "",
-            },
-        ];
+        pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
+            ("canopy.x", "m"),
+            ("canopy.y", "m"),
+            ("canopy.z", "m"),
+            ("canopy.qw", ""),
+            ("canopy.qx", ""),
+            ("canopy.qy", ""),
+            ("canopy.qz", ""),
+            ("capsule.x", "m"),
+            ("capsule.y", "m"),
+            ("capsule.z", "m"),
+            ("capsule.qw", ""),
+            ("capsule.qx", ""),
+            ("capsule.qy", ""),
+            ("capsule.qz", ""),
+        ]);
         /// Name and unit of every speed.
-        pub const SPEEDS: &'static [::mbd_runtime::CoordInfo] = &[
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.vx",
-                unit: "m/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.vy",
-                unit: "m/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.vz",
-                unit: "m/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.wx",
-                unit: "rad/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.wy",
-                unit: "rad/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "canopy.wz",
-                unit: "rad/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.vx",
-                unit: "m/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.vy",
-                unit: "m/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.vz",
-                unit: "m/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.wx",
-                unit: "rad/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.wy",
-                unit: "rad/s",
-            },
-            ::mbd_runtime::CoordInfo {
-                name: "capsule.wz",
-                unit: "rad/s",
-            },
-        ];
+        pub const SPEEDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
+            ("canopy.vx", "m/s"),
+            ("canopy.vy", "m/s"),
+            ("canopy.vz", "m/s"),
+            ("canopy.wx", "rad/s"),
+            ("canopy.wy", "rad/s"),
+            ("canopy.wz", "rad/s"),
+            ("capsule.vx", "m/s"),
+            ("capsule.vy", "m/s"),
+            ("capsule.vz", "m/s"),
+            ("capsule.wx", "rad/s"),
+            ("capsule.wy", "rad/s"),
+            ("capsule.wz", "rad/s"),
+        ]);
         /// Row and column of every structural non-zero of `mass_matrix`, row by row; all else is zero in every state.
         pub const MASS_MATRIX_SPARSITY: &'static [(usize, usize)] = &[
             (0, 0),
