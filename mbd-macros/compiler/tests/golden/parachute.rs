@@ -43,7 +43,7 @@ impl<T: ::mbd_runtime::Real> ParachuteParams<T> {
 }
 /// The state of `Parachute`: items in declaration order, bodies before points.
 ///
-/// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz.
+/// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz. Bodies and points have functions of their names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParachuteState<T = f64> {
     /// Coordinates \[m, 1\].
@@ -86,6 +86,34 @@ impl<T: ::mbd_runtime::Real> ParachuteState<T> {
         out.extend_from_slice(self.v.as_slice());
         out.extend_from_slice(self.z.as_slice());
         out
+    }
+    /// Where `canopy` is and how it moves.
+    #[must_use]
+    pub fn canopy(&self) -> ::mbd_runtime::BodyState<T> {
+        ::mbd_runtime::__private::read(self.q.as_slice(), self.v.as_slice(), [0, 0])
+    }
+    /// Puts `canopy` somewhere.
+    pub fn set_canopy(&mut self, to: ::mbd_runtime::BodyState<T>) {
+        ::mbd_runtime::__private::write(
+            to,
+            self.q.as_mut_slice(),
+            self.v.as_mut_slice(),
+            [0, 0],
+        );
+    }
+    /// Where `capsule` is and how it moves.
+    #[must_use]
+    pub fn capsule(&self) -> ::mbd_runtime::BodyState<T> {
+        ::mbd_runtime::__private::read(self.q.as_slice(), self.v.as_slice(), [7, 6])
+    }
+    /// Puts `capsule` somewhere.
+    pub fn set_capsule(&mut self, to: ::mbd_runtime::BodyState<T>) {
+        ::mbd_runtime::__private::write(
+            to,
+            self.q.as_mut_slice(),
+            self.v.as_mut_slice(),
+            [7, 6],
+        );
     }
 }
 /// The outputs of `Parachute`.
@@ -3111,49 +3139,49 @@ const _: () = {
         let thruster_t_4 = thruster_couple_x + leg_2_t_65;
         let thruster_t_5 = thruster_couple_y + leg_2_t_66;
         let thruster_t_6 = thruster_couple_z + leg_2_t_67;
-        let thruster_t_7 = canopy_r11 * drag_t_37;
-        let thruster_t_8 = canopy_r12 * drag_t_37;
-        let thruster_t_9 = canopy_r13 * drag_t_37;
-        let thruster_t_10 = canopy_r21 * drag_t_38;
-        let thruster_t_11 = thruster_t_7 + thruster_t_10;
-        let thruster_t_12 = canopy_r22 * drag_t_38;
-        let thruster_t_13 = thruster_t_8 + thruster_t_12;
-        let thruster_t_14 = canopy_r23 * drag_t_38;
-        let thruster_t_15 = thruster_t_9 + thruster_t_14;
-        let thruster_t_16 = canopy_r31 * drag_t_39;
-        let thruster_torque_x = thruster_t_11 + thruster_t_16;
-        let thruster_t_17 = canopy_r32 * drag_t_39;
-        let thruster_torque_y = thruster_t_13 + thruster_t_17;
-        let thruster_t_18 = canopy_r33 * drag_t_39;
-        let thruster_torque_z = thruster_t_15 + thruster_t_18;
-        let thruster_t_19 = capsule_r11 * thruster_t_4;
-        let thruster_t_20 = capsule_r12 * thruster_t_4;
-        let thruster_t_21 = capsule_r13 * thruster_t_4;
-        let thruster_t_22 = capsule_r21 * thruster_t_5;
-        let thruster_t_23 = thruster_t_19 + thruster_t_22;
-        let thruster_t_24 = capsule_r22 * thruster_t_5;
-        let thruster_t_25 = thruster_t_20 + thruster_t_24;
-        let thruster_t_26 = capsule_r23 * thruster_t_5;
-        let thruster_t_27 = thruster_t_21 + thruster_t_26;
-        let thruster_t_28 = capsule_r31 * thruster_t_6;
-        let thruster_torque_x_2 = thruster_t_23 + thruster_t_28;
-        let thruster_t_29 = capsule_r32 * thruster_t_6;
-        let thruster_torque_y_2 = thruster_t_25 + thruster_t_29;
-        let thruster_t_30 = capsule_r33 * thruster_t_6;
-        let thruster_torque_z_2 = thruster_t_27 + thruster_t_30;
+        let canopy_t_18 = canopy_r11 * drag_t_37;
+        let canopy_t_19 = canopy_r12 * drag_t_37;
+        let canopy_t_20 = canopy_r13 * drag_t_37;
+        let canopy_t_21 = canopy_r21 * drag_t_38;
+        let canopy_t_22 = canopy_t_18 + canopy_t_21;
+        let canopy_t_23 = canopy_r22 * drag_t_38;
+        let canopy_t_24 = canopy_t_19 + canopy_t_23;
+        let canopy_t_25 = canopy_r23 * drag_t_38;
+        let canopy_t_26 = canopy_t_20 + canopy_t_25;
+        let canopy_t_27 = canopy_r31 * drag_t_39;
+        let canopy_torque_x = canopy_t_22 + canopy_t_27;
+        let canopy_t_28 = canopy_r32 * drag_t_39;
+        let canopy_torque_y = canopy_t_24 + canopy_t_28;
+        let canopy_t_29 = canopy_r33 * drag_t_39;
+        let canopy_torque_z = canopy_t_26 + canopy_t_29;
+        let capsule_t_18 = capsule_r11 * thruster_t_4;
+        let capsule_t_19 = capsule_r12 * thruster_t_4;
+        let capsule_t_20 = capsule_r13 * thruster_t_4;
+        let capsule_t_21 = capsule_r21 * thruster_t_5;
+        let capsule_t_22 = capsule_t_18 + capsule_t_21;
+        let capsule_t_23 = capsule_r22 * thruster_t_5;
+        let capsule_t_24 = capsule_t_19 + capsule_t_23;
+        let capsule_t_25 = capsule_r23 * thruster_t_5;
+        let capsule_t_26 = capsule_t_20 + capsule_t_25;
+        let capsule_t_27 = capsule_r31 * thruster_t_6;
+        let capsule_torque_x = capsule_t_22 + capsule_t_27;
+        let capsule_t_28 = capsule_r32 * thruster_t_6;
+        let capsule_torque_y = capsule_t_24 + capsule_t_28;
+        let capsule_t_29 = capsule_r33 * thruster_t_6;
+        let capsule_torque_z = capsule_t_26 + capsule_t_29;
         *out = [
             drag_t_25,
             drag_t_26,
             drag_t_27,
-            thruster_torque_x,
-            thruster_torque_y,
-            thruster_torque_z,
+            canopy_torque_x,
+            canopy_torque_y,
+            canopy_torque_z,
             thruster_t,
             thruster_t_2,
             thruster_t_3,
-            thruster_torque_x_2,
-            thruster_torque_y_2,
-            thruster_torque_z_2,
+            capsule_torque_x,
+            capsule_torque_y,
+            capsule_torque_z,
         ];
     }
     /// Terms of the parameters alone, computed once.
