@@ -15,6 +15,7 @@ pub mod oracle;
 pub mod random;
 pub mod random_scene;
 pub mod reference;
+pub mod system;
 
 /// Asserts that every number of `got` equals that of `want` to `relative` of the largest number of `want`, plus `absolute`.
 ///

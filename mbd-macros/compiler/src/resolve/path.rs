@@ -148,9 +148,10 @@ impl Resolver<'_> {
         let word = &step.word.text;
         let at = step.word.at.into();
         if alone {
-            let known = self
+            let mut known = self
                 .names
                 .words_of(|n| matches!(n, Named::Const(_) | Named::Param(_) | Named::Input(_)));
+            known.push("time");
             say::unknown_parameter(at, word, &known)
         } else {
             let known = self.names.words_of(|n| {
@@ -435,9 +436,10 @@ impl Resolver<'_> {
     pub fn place_owner(&mut self, step: &Step, scope: Scope<'_>) -> Option<Named> {
         let word = &step.word.text;
         let Some(entry) = self.names.get(word).cloned() else {
-            let known = self
+            let mut known = self
                 .names
                 .words_of(|n| matches!(n, Named::Body(_) | Named::Point(_)));
+            known.push("world");
             let report = say::unknown_place(step.word.at.into(), word, &known);
             return self.fail_unless_broken(word, report);
         };
