@@ -5,6 +5,7 @@ use mbd_scene::{Float, Layout, ParamError, Real, Redundancy, Scene};
 
 use crate::{CoordInfo, LineState, Reaction};
 
+pub use crate::parts::{member, read, write};
 pub use crate::verify::verify;
 
 /// What every generated model carries besides its equations.

@@ -6,6 +6,7 @@ use quote::{format_ident, quote};
 
 use super::context::{Context, docs, unit_text};
 use super::literal::{number, whole};
+use super::parts::parts;
 
 /// Every companion type of a model.
 pub fn companions(context: &Context) -> TokenStream {
@@ -123,9 +124,9 @@ fn state(context: &Context) -> TokenStream {
         .map(|_| quote!(z: ::mbd_runtime::nalgebra::SVector::zeros()));
     let model = &context.scene().name;
     let doc = docs(&format!(
-        "The state of `{model}`: items in declaration order, bodies before points.\n\n`q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz."
+        "The state of `{model}`: items in declaration order, bodies before points.\n\n`q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz. Bodies and points have functions of their names."
     ));
-    let at_rest = rest(context);
+    let (at_rest, parts) = (rest(context), parts(context));
     quote! {
         #doc
         #[derive(Clone, Debug, PartialEq)]
@@ -165,6 +166,7 @@ fn state(context: &Context) -> TokenStream {
                 #write_z
                 out
             }
+            #parts
         }
     }
 }

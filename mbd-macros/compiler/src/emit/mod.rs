@@ -13,6 +13,7 @@ mod literal;
 mod methods;
 mod model;
 mod naming;
+mod parts;
 pub mod quantity;
 
 use proc_macro2::{Span, TokenStream};

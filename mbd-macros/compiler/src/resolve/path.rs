@@ -185,6 +185,9 @@ impl Resolver<'_> {
         match (&entry.members, &step.index) {
             (Members::One(named), None) => Some(*named),
             (Members::One(_), Some(_)) => self.fail(say::no_index(at, &step.word.text)),
+            (Members::Many(members), _) if members.is_empty() => {
+                self.fail(say::no_member(at, &step.word.text, entry.at))
+            }
             (Members::Many(members), None) => {
                 let first = members.keys().next().copied().unwrap_or(0);
                 self.fail(say::index_wanted(at, &step.word.text, first))

@@ -36,7 +36,7 @@ impl<T: ::mbd_runtime::Real> KnotParams<T> {
 }
 /// The state of `Knot`: items in declaration order, bodies before points.
 ///
-/// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz.
+/// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz. Bodies and points have functions of their names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotState<T = f64> {
     /// Coordinates \[m, 1\].
@@ -72,6 +72,20 @@ impl<T: ::mbd_runtime::Real> KnotState<T> {
         out.extend_from_slice(self.q.as_slice());
         out.extend_from_slice(self.v.as_slice());
         out
+    }
+    /// Where `bob` is and how it moves.
+    #[must_use]
+    pub fn bob(&self) -> ::mbd_runtime::PointState<T> {
+        ::mbd_runtime::__private::read(self.q.as_slice(), self.v.as_slice(), [0, 0])
+    }
+    /// Puts `bob` somewhere.
+    pub fn set_bob(&mut self, to: ::mbd_runtime::PointState<T>) {
+        ::mbd_runtime::__private::write(
+            to,
+            self.q.as_mut_slice(),
+            self.v.as_mut_slice(),
+            [0, 0],
+        );
     }
 }
 /// The outputs of `Knot`.

@@ -43,7 +43,7 @@ impl<T: ::mbd_runtime::Real> ParachuteParams<T> {
 }
 /// The state of `Parachute`: items in declaration order, bodies before points.
 ///
-/// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz.
+/// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz. Bodies and points have functions of their names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParachuteState<T = f64> {
     /// Coordinates \[m, 1\].
@@ -86,6 +86,34 @@ impl<T: ::mbd_runtime::Real> ParachuteState<T> {
         out.extend_from_slice(self.v.as_slice());
         out.extend_from_slice(self.z.as_slice());
         out
+    }
+    /// Where `canopy` is and how it moves.
+    #[must_use]
+    pub fn canopy(&self) -> ::mbd_runtime::BodyState<T> {
+        ::mbd_runtime::__private::read(self.q.as_slice(), self.v.as_slice(), [0, 0])
+    }
+    /// Puts `canopy` somewhere.
+    pub fn set_canopy(&mut self, to: ::mbd_runtime::BodyState<T>) {
+        ::mbd_runtime::__private::write(
+            to,
+            self.q.as_mut_slice(),
+            self.v.as_mut_slice(),
+            [0, 0],
+        );
+    }
+    /// Where `capsule` is and how it moves.
+    #[must_use]
+    pub fn capsule(&self) -> ::mbd_runtime::BodyState<T> {
+        ::mbd_runtime::__private::read(self.q.as_slice(), self.v.as_slice(), [7, 6])
+    }
+    /// Puts `capsule` somewhere.
+    pub fn set_capsule(&mut self, to: ::mbd_runtime::BodyState<T>) {
+        ::mbd_runtime::__private::write(
+            to,
+            self.q.as_mut_slice(),
+            self.v.as_mut_slice(),
+            [7, 6],
+        );
     }
 }
 /// The outputs of `Parachute`.
