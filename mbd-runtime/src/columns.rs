@@ -9,6 +9,8 @@ pub struct Name {
     pub name: String,
     /// SI unit; empty for a pure number.
     pub unit: String,
+    /// What to know of its numbers, `not unique`; mostly empty.
+    pub remark: String,
 }
 
 impl Name {
@@ -21,6 +23,7 @@ impl Name {
         Name {
             name,
             unit: unit.to_owned(),
+            remark: String::new(),
         }
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! M = L Lᵀ,   Y = Φ_v L⁻ᵀ = R Q,  Q Qᵀ = I          rows chosen, R lower triangular                    (1)
-//! w = z + Qᵀ (R⁻¹ γ − Q z),  z = L⁻¹ (f − h),  v̇ = L⁻ᵀ w                                               (2)
+//! w = z + Qᵀ c,  c = R⁻¹ γ − Q z,  z = L⁻¹ (f − h),  v̇ = L⁻ᵀ w,  λ = R⁻ᵀ c                              (2)
 //! δ = −L⁻ᵀ Qᵀ R⁻¹ r                                                                                    (3)
 //! ```
 //!
@@ -15,8 +15,10 @@
 //! [Φ_v   0] [−λ] = [  γ  ]     by elimination with row exchange, not scaled, residuals of the solution in twice the digits        (4)
 //! ```
 
+mod regularised;
+
 /// Part of a row that must be new for it to be chosen: a pivot of its square.
-const NEW: f64 = 1e-5;
+pub(crate) const NEW: f64 = 1e-5;
 /// Corrections of a solution of (4).
 const CORRECTIONS: usize = 3;
 
@@ -27,18 +29,24 @@ pub(crate) struct Dense {
     nc: usize,
     /// M (n_v × n_v).
     pub mass: Vec<f64>,
+    /// For every speed the mass of the part it moves.
+    pub weights: Vec<f64>,
     /// Φ_v (n_c × n_v).
     pub jacobian: Vec<f64>,
     /// γ or r (n_c).
     pub right: Vec<f64>,
     /// f − h, then v̇ or δ (n_v).
     pub force: Vec<f64>,
+    /// The largest acceleration without rows.
+    free: f64,
+    /// λ of the last accelerations (n_c); zero for rows that were not chosen.
+    pub multipliers: Vec<f64>,
     lower: Vec<f64>,
     /// Q, a row a chosen row.
     units: Vec<f64>,
     /// R, row by row (n_c × n_c).
     mix: Vec<f64>,
-    /// R⁻¹ γ.
+    /// R⁻¹ γ; what is left of rows.
     along: Vec<f64>,
     rest: Vec<f64>,
     whole: Vec<f64>,
@@ -54,9 +62,12 @@ impl Dense {
             nv,
             nc,
             mass: vec![0.0; nv * nv],
+            weights: vec![1.0; nv],
             jacobian: vec![0.0; nc * nv],
             right: vec![0.0; nc],
             force: vec![0.0; nv],
+            free: 0.0,
+            multipliers: vec![0.0; nc],
             lower: vec![0.0; nv * nv],
             units: vec![0.0; nc * nv],
             mix: vec![0.0; nc * nc],
@@ -75,20 +86,42 @@ impl Dense {
             .unwrap_or(&[])
     }
 
+    /// Says that these speeds move one part; the first is a velocity of its centre of mass.
+    pub(crate) fn weigh(&mut self, first: usize, count: usize) {
+        let mass = self.mass.get(first * self.nv + first).copied();
+        let weights = self.weights.iter_mut().skip(first).take(count);
+        weights.for_each(|weight| *weight = mass.unwrap_or(1.0));
+    }
+
     /// L of (1).
     fn factor_mass(&mut self) {
-        let n = self.nv;
         self.lower.copy_from_slice(&self.mass);
+        Self::factor_square(&mut self.lower, self.nv);
+    }
+
+    /// L of (1) as if every part had the mass 1: whether rows are independent is a matter of lengths alone.
+    fn factor_lengths(&mut self) {
+        let n = self.nv;
+        for (i, weight) in self.weights.iter().enumerate() {
+            for j in 0..n {
+                self.lower[i * n + j] = self.mass[i * n + j] / weight;
+            }
+        }
+        Self::factor_square(&mut self.lower, n);
+    }
+
+    /// Cholesky of a symmetric matrix in place, from its lower half.
+    fn factor_square(lower: &mut [f64], n: usize) {
         for i in 0..n {
             for j in 0..=i {
-                let mut total = self.lower[i * n + j];
+                let mut total = lower[i * n + j];
                 for k in 0..j {
-                    total -= self.lower[i * n + k] * self.lower[j * n + k];
+                    total -= lower[i * n + k] * lower[j * n + k];
                 }
-                self.lower[i * n + j] = if i == j {
+                lower[i * n + j] = if i == j {
                     total.sqrt()
                 } else {
-                    total / self.lower[j * n + j]
+                    total / lower[j * n + j]
                 };
             }
         }
@@ -143,9 +176,9 @@ impl Dense {
             .for_each(|(u, x)| *u = x / size);
     }
 
-    /// Factorises (1), choosing rows: the one with most that is new first, until nothing is. From `mass` and `jacobian`.
+    /// Chooses rows: the one with most that is new first, until nothing is. From `mass`, `weights` and `jacobian`; (1) is to be factorised.
     pub(crate) fn choose(&mut self, chosen: &mut Vec<usize>) {
-        self.factor_mass();
+        self.factor_lengths();
         chosen.clear();
         loop {
             let mut best: Option<(usize, f64)> = None;
@@ -164,13 +197,27 @@ impl Dense {
         }
     }
 
+    /// Whether rows that were chosen are still independent.
+    pub(crate) fn are_independent(&mut self, chosen: &[usize]) -> bool {
+        self.factor_lengths();
+        self.span(chosen) > NEW
+    }
+
     /// Factorises (1) for rows that were chosen.
     pub(crate) fn factor(&mut self, chosen: &[usize]) {
         self.factor_mass();
+        self.span(chosen);
+    }
+
+    /// Q and R of rows; the smallest part of one that is new.
+    fn span(&mut self, chosen: &[usize]) -> f64 {
+        let mut least = 1.0;
         for (at, &row) in chosen.iter().enumerate() {
-            let [_, after] = self.reduce(row, at);
+            let [before, after] = self.reduce(row, at);
             self.add(at, after);
+            least = f64::min(least, if before > 0.0 { after / before } else { 0.0 });
         }
+        least
     }
 
     /// R⁻¹ of the chosen right-hand sides.
@@ -186,19 +233,50 @@ impl Dense {
     pub(crate) fn accelerate(&mut self, chosen: &[usize]) {
         self.find_along(chosen);
         Self::forward(&self.lower, &mut self.force);
-        for (unit, along) in self
-            .units
-            .chunks_exact(self.nv)
-            .zip(&self.along)
-            .take(chosen.len())
-        {
-            let change = along - dot(unit, &self.force);
-            self.force
-                .iter_mut()
-                .zip(unit)
-                .for_each(|(z, q)| *z += change * q);
+        self.rest.copy_from_slice(&self.force);
+        Self::backward(&self.lower, &mut self.rest);
+        self.free = largest(&self.rest);
+        let units = self.units.chunks_exact(self.nv);
+        for (unit, along) in units.zip(&mut self.along).take(chosen.len()) {
+            *along -= dot(unit, &self.force);
+            let change = *along;
+            let moved = self.force.iter_mut().zip(unit);
+            moved.for_each(|(z, q)| *z += change * q);
         }
         Self::backward(&self.lower, &mut self.force);
+        self.multipliers.fill(0.0);
+        for (i, &row) in chosen.iter().enumerate().rev() {
+            let later = chosen.iter().enumerate().skip(i + 1);
+            let known =
+                later.map(|(k, &other)| self.mix[k * self.nc + i] * self.multipliers[other]);
+            self.multipliers[row] =
+                (self.along[i] - known.sum::<f64>()) / self.mix[i * self.nc + i];
+        }
+    }
+
+    /// v̇ = M⁻¹ (f − h + Φ_vᵀ λ) into `force` for given multipliers.
+    pub(crate) fn push(&mut self, multipliers: &[f64]) {
+        self.factor_mass();
+        for (row, multiplier) in self.jacobian.chunks_exact(self.nv).zip(multipliers) {
+            let pushed = self.force.iter_mut().zip(row);
+            pushed.for_each(|(force, column)| *force += multiplier * column);
+        }
+        Self::forward(&self.lower, &mut self.force);
+        Self::backward(&self.lower, &mut self.force);
+        self.multipliers.copy_from_slice(multipliers);
+    }
+
+    /// The largest |Φ_v v̇ − γ| of all rows over the largest terms, with and without rows, after [`Dense::accelerate`]; NaN where a number is.
+    pub(crate) fn left(&self) -> f64 {
+        let (mut left, mut scale) = (0.0, largest(&self.right));
+        for (row, right) in self.jacobian.chunks_exact(self.nv).zip(&self.right) {
+            let terms = row.iter().zip(&self.force);
+            let terms = terms.map(|(a, b)| a.abs() * b.abs().max(self.free));
+            scale = f64::max(scale, terms.sum());
+            let miss = (dot(row, &self.force) - right).abs();
+            left = if miss <= left { left } else { miss };
+        }
+        if left == 0.0 { 0.0 } else { left / scale }
     }
 
     /// δ by (3) into `force`.
@@ -219,8 +297,8 @@ impl Dense {
         Self::backward(&self.lower, &mut self.force);
     }
 
-    /// v̇ by (4) into `force`.
-    pub(crate) fn accelerate_whole(&mut self, chosen: &[usize]) {
+    /// v̇ by (4) into `force`; the size of the last correction over that of the solution.
+    pub(crate) fn accelerate_whole(&mut self, chosen: &[usize]) -> f64 {
         let (n, size) = (self.nv, self.nv + chosen.len());
         let mut whole = std::mem::take(&mut self.whole);
         // Most runs never come here: its room is made at the first use.
@@ -247,6 +325,15 @@ impl Dense {
         }
         self.whole = whole;
         self.force.copy_from_slice(&self.unknowns[..n]);
+        self.multipliers.fill(0.0);
+        for (&row, unknown) in chosen.iter().zip(&self.unknowns[n..]) {
+            self.multipliers[row] = -unknown;
+        }
+        match largest(&self.spare[..n]) / largest(&self.force) {
+            settled if settled.is_finite() => settled,
+            _ if self.force.iter().all(|x| *x == 0.0) => 0.0,
+            _ => f64::INFINITY,
+        }
     }
 
     /// Element of the matrix of (4).
@@ -301,6 +388,12 @@ impl Dense {
     }
 }
 
+/// The largest size; NaN where a number is.
+fn largest(list: &[f64]) -> f64 {
+    list.iter()
+        .fold(0.0, |most, x| if x.abs() <= most { most } else { x.abs() })
+}
+
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -330,9 +423,10 @@ mod tests {
     }
 
     /// A body of mass 2 and one of mass 3 that two rows tie to each other, one of them twice.
-    fn pair() -> Dense {
+    pub(super) fn pair() -> Dense {
         let mut dense = Dense::new(2, 2);
         dense.mass = vec![2.0, 0.0, 0.0, 3.0];
+        dense.weights = vec![2.0, 3.0];
         dense.jacobian = vec![1.0, -1.0, 2.0, -2.0];
         dense.right = vec![0.5, 1.0];
         dense.force = vec![10.0, 0.0];
@@ -349,9 +443,16 @@ mod tests {
         dense.accelerate(&chosen);
         let (a, b) = (dense.force[0], dense.force[1]);
         assert!((a - b - 0.5).abs() < 1e-14 && (2.0 * a + 3.0 * b - 10.0).abs() < 1e-13);
+        // The row pushes the second body: 3 b = −λ.
+        let push = dense.multipliers.clone();
+        assert!(
+            (3.0 * b + push[0]).abs() < 1e-13 && push[1] == 0.0,
+            "{push:?}"
+        );
         let mut whole = pair();
         whole.accelerate_whole(&chosen);
         assert!((whole.force[0] - a).abs() < 1e-14 && (whole.force[1] - b).abs() < 1e-14);
+        assert!((whole.multipliers[0] - push[0]).abs() < 1e-13);
         let mut moved = pair();
         moved.factor(&chosen);
         moved.correct(&chosen);

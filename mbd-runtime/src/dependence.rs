@@ -2,8 +2,8 @@
 
 use mbd_scene::Float;
 
-/// Part of a row that must be new for it to count as independent.
-const NEW: f64 = 1e-9;
+/// Part of a row that must be new for it to count as independent: what rounding leaves of a row that repeats others is less.
+pub(crate) const NEW: f64 = 1e-9;
 /// Part of a combination from which on a row takes part in it.
 const INVOLVED: f64 = 1e-6;
 
@@ -24,13 +24,19 @@ struct Direction {
     made: Vec<f64>,
 }
 
-/// The dependences of the rows of a dense Jacobian with `columns` columns, whose values are `values`.
-pub(crate) fn dependent<T: Float>(jacobian: &[T], columns: usize, values: &[T]) -> Dependence {
+/// The dependences of the rows of a dense Jacobian with `columns` columns, whose values are `values`; rows are independent from a part of
+/// `new_from` on.
+pub(crate) fn dependent<T: Float>(
+    jacobian: &[f64],
+    columns: usize,
+    values: &[T],
+    new_from: f64,
+) -> Dependence {
     let mut directions: Vec<Direction> = Vec::new();
     let mut found = Dependence::default();
     let mut involved = vec![false; values.len()];
     for (index, row) in jacobian.chunks_exact(columns.max(1)).enumerate() {
-        let mut rest: Vec<f64> = row.iter().map(|x| x.to_f64()).collect();
+        let mut rest = row.to_vec();
         let mut made = vec![0.0; values.len()];
         if let Some(own) = made.get_mut(index) {
             *own = 1.0;
@@ -45,7 +51,7 @@ pub(crate) fn dependent<T: Float>(jacobian: &[T], columns: usize, values: &[T]) 
             }
         }
         let new = norm(&rest);
-        if new > NEW * whole {
+        if new > new_from * whole {
             let scale = |list: Vec<f64>| list.into_iter().map(|x| x / new).collect();
             directions.push(Direction {
                 unit: scale(rest),
@@ -86,7 +92,7 @@ fn subtract(from: &mut [f64], times: f64, what: &[f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::dependent;
+    use super::{NEW, dependent};
 
     #[test]
     fn a_sum_of_two_rows_is_found_with_its_parts_and_its_contradiction() {
@@ -96,10 +102,10 @@ mod tests {
             0.0, 3.0, 1.0, 0.0, //
             1.0, 3.0, 3.0, 0.0,
         ];
-        let found = dependent(&jacobian, 4, &[0.1, 0.0, 0.2, 0.3]);
+        let found = dependent(&jacobian, 4, &[0.1, 0.0, 0.2, 0.3], NEW);
         assert_eq!((found.rank, found.rows), (3, vec![0, 2, 3]));
         assert!(found.contradiction < 1e-15);
-        let found = dependent(&jacobian, 4, &[0.1, 0.0, 0.2, 0.7]);
+        let found = dependent(&jacobian, 4, &[0.1, 0.0, 0.2, 0.7], NEW);
         assert!((found.contradiction - 0.4).abs() < 1e-12);
     }
 }

@@ -27,10 +27,17 @@ pub struct Statistics {
     pub node_rung: u64,
     /// Slack/taut switches located.
     pub switches: u64,
-    /// The worst rung the rows of joints needed: 1 as emitted, 2 rows chosen anew for a step, 3 the whole matrix; 0 no rows.
+    /// The worst rung the rows of joints needed: 1 as emitted, 2 rows chosen anew for a step, 3 the whole matrix, 4 a stage with all rows
+    /// regularised; 0 no rows.
     pub rows_rung: u64,
     /// Step boundaries at which rows were chosen anew.
     pub rows_chosen: u64,
+    /// Stages solved with all rows regularised, because those held for their step lost rank inside it: such a step is of order two.
+    pub rows_regularised: u64,
+    /// Decimal digits of the accelerations that uneven masses cost at the start, on the rung of the run; 0 for masses within three decades.
+    pub lost_digits: u64,
+    /// Accepted steps in which an angle with a spring or a stop passed half a turn, where it jumps by a full turn, and the torque with it.
+    pub angle_jumps: u64,
 }
 
 impl Statistics {
@@ -155,6 +162,17 @@ pub enum StepError {
         /// The joints that take part; empty when the rows are independent but their system is too badly conditioned.
         joints: Vec<String>,
     },
+    /// Masses so uneven that no way of solving the rows keeps three digits of the accelerations.
+    IllConditioned {
+        /// When [s].
+        time: f64,
+        /// Decimal digits lost.
+        loss_digits: u64,
+        /// The rung they were lost on, as in [`Statistics::rows_rung`].
+        rung: u64,
+        /// The largest mass over the smallest.
+        ratio: f64,
+    },
     /// A step moved the joints so far apart that the projection did not bring them together.
     JointsApart {
         /// When [s].
@@ -189,6 +207,7 @@ impl StepError {
             StepError::InconsistentStart { .. } => "inconsistent_start",
             StepError::WrongBranch { .. } => "wrong_branch",
             StepError::SingularConstraints { .. } => "singular_constraints",
+            StepError::IllConditioned { .. } => "ill_conditioned",
             StepError::JointsApart { .. } => "joints_apart",
             StepError::Unsupported { .. } => "unsupported",
         }
@@ -233,6 +252,9 @@ impl StepError {
             }
             StepError::SingularConstraints { .. } => {
                 "replace one of these joints by one that forbids less (a hinge by a spherical joint, a weld by nothing), or start away from this configuration".into()
+            }
+            StepError::IllConditioned { .. } => {
+                "bring the masses closer together, leave out bodies that weigh nothing beside the others, or run in f64 where this is f32".into()
             }
             StepError::JointsApart { .. } => "take a smaller step".into(),
             StepError::Unsupported { instead, .. } => instead.clone(),
@@ -320,6 +342,15 @@ impl fmt::Display for StepError {
                 f,
                 "at {time:.9} s {} repeat each other: {rank} of {rows} rows are independent",
                 listed(joints)
+            ),
+            StepError::IllConditioned {
+                time,
+                loss_digits,
+                ratio,
+                ..
+            } => write!(
+                f,
+                "at {time:.9} s the accelerations lose {loss_digits} digits: masses differ by a factor of {ratio:.1e}"
             ),
             StepError::JointsApart { time, norm, rows } => {
                 write!(f, "at {time:.9} s the joints came apart ({norm:.3e} left: ")?;

@@ -2,26 +2,38 @@
 //!
 //! 1. The rows kept in the declaration, in the emitted elimination.
 //! 2. Where other rows leave less than 1e-10 to the pivot of one of them: rows chosen anew at the start of the step, by what is new in
-//!    each, solved without structure. Stages of the step that are regular again keep the emitted rows, unless one of them fails.
+//!    each, solved without structure; in passing such a state, with the multipliers they tend to there (`beside`). Stages of the step
+//!    that are regular again keep the emitted rows, unless one of them fails.
 //! 3. Where masses differ so much that the emitted elimination loses digits: the whole matrix with row exchange.
+//! 4. Where the rows held for a step fail at a stage inside it: that stage alone with all rows, regularised and refined until nothing is
+//!    gained, and only if the equations then hold. The last rung before [`StepError::SingularConstraints`]: near a state where rows lose
+//!    rank such a step is of order two.
 //!
 //! Rows are never chosen again inside a step: order four would drop to two.
+//! A step that passes close to a singular state can have a stage there although both its ends are regular. Between rows at an angle α the
+//! margin is sin² α, so its root runs straight towards such a state: stages are measured one by one in the steps that could reach it.
 
-use mbd_scene::laws::Numbers;
-use mbd_scene::{Float, Model, Quantity};
+use mbd_scene::{Float, Model, PointSlots, Quantity};
+use serde::{Deserialize, Serialize};
 
 use crate::dense::Dense;
+use crate::error::StepError;
 use crate::system::{External, System};
+
+mod beside;
+mod weigh;
 
 /// Part left to a pivot below which its row counts as dependent on others; more where the scalar has fewer digits.
 const MARGIN: f64 = 1e-10;
-/// A ratio of masses from which on the emitted elimination is compared with the whole matrix.
-const RATIO: f64 = 1e3;
-/// Relative loss from which on the whole matrix takes over.
-const LOSS: f64 = 1e-11;
+/// What a solution without all rows may leave of a row, relative.
+const LEFT: f64 = 1e-3;
+/// What a regularised stage may leave of a row, relative: inside a step rows disagree by the step times the rate of the motion.
+const LEFT_INSIDE: f64 = 3e-2;
+/// A step is watched at its stages while the root of the margin is less than this many times its change over the step before.
+const NEAR: f64 = 2.0;
 
 /// A way to solve the rows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) enum Rung {
     /// As emitted.
     #[default]
@@ -30,20 +42,34 @@ pub(crate) enum Rung {
     Chosen,
     /// The whole matrix.
     Whole,
+    /// All rows, regularised: a stage, never a step.
+    Proximal,
 }
 
 /// What is held for a step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Held {
     rung: Rung,
     rows: Vec<usize>,
     /// Whether every stage of the step takes these rows: one of them could not be solved otherwise.
     whole_step: bool,
+    /// √ of the margin at the start of the step.
+    size: f64,
+    /// Whether the step may pass a singular state.
+    near: bool,
+}
+
+/// What a run needs to go on solving its rows as it did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Footing {
+    held: Held,
+    base: Rung,
+    lasting: bool,
 }
 
 /// The ladder of one run.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Ladder<T> {
+pub(crate) struct Ladder {
     /// Of the step that is tried.
     now: Held,
     /// Of the step after it.
@@ -55,16 +81,22 @@ pub(crate) struct Ladder<T> {
     /// What the last factor left to its smallest pivot; NaN when there was none since the last step.
     pub margin: f64,
     dense: Dense,
-    /// Room for a quantity, and for h.
-    list: Vec<T>,
+    /// Whether the stage that was evaluated last was solved by `dense`, and whether regularised.
+    anew: bool,
+    regularised: bool,
+    /// Whether rows have lost rank for longer than an instant.
+    lasting: bool,
+    /// Room for h.
     bias: Vec<f64>,
     /// Room for rows chosen in a projection.
     spare: Vec<usize>,
     /// The worst rung used.
     pub worst: Rung,
+    /// Decimal digits that uneven masses cost on the rung of the run.
+    pub lost_digits: u64,
 }
 
-impl<T> Ladder<T> {
+impl Ladder {
     fn held(&self) -> &Held {
         if self.at_end { &self.next } else { &self.now }
     }
@@ -78,6 +110,23 @@ impl<T> Ladder<T> {
     pub(crate) fn commit(&mut self) {
         self.now.clone_from(&self.next);
         self.at_end = false;
+    }
+
+    /// What the step to come is solved with.
+    pub(crate) fn footing(&self) -> Footing {
+        Footing {
+            held: self.now.clone(),
+            base: self.base,
+            lasting: self.lasting,
+        }
+    }
+
+    /// Takes up what another run held, for the stage at its last step; [`Ladder::commit`] follows.
+    pub(crate) fn resume(&mut self, footing: &Footing) {
+        self.next.clone_from(&footing.held);
+        self.base = footing.base;
+        self.lasting = footing.lasting;
+        self.at_end = true;
     }
 }
 
@@ -100,11 +149,22 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// Decides how the rows of the step that starts at a projected state are solved.
     pub(crate) fn pick(&mut self, time: f64, state: &[T]) {
+        let size = self.ladder.margin.max(0.0).sqrt();
+        let change = (size - self.ladder.now.size).abs();
         self.ladder.at_end = true;
         self.ladder.next.rung = self.ladder.base;
         self.ladder.next.whole_step = false;
-        if self.ladder.base == Rung::Emitted && self.is_regular() {
-            return;
+        self.ladder.next.size = size;
+        // Also where there was no step before.
+        self.ladder.next.near = !matches!(
+            size.partial_cmp(&(NEAR * change)),
+            Some(std::cmp::Ordering::Greater)
+        );
+        if self.is_regular() {
+            self.ladder.lasting = false;
+            if self.ladder.base == Rung::Emitted {
+                return;
+            }
         }
         self.pick_anew(time, state);
     }
@@ -120,6 +180,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             rung,
             rows,
             whole_step,
+            ..self.ladder.next
         };
         self.ladder.worst = self.ladder.worst.max(rung);
         self.counters.rows_chosen = self.counters.rows_chosen.saturating_add(1);
@@ -138,66 +199,52 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         true
     }
 
-    /// At a start: whether masses cost digits, by comparison with the whole matrix. Rates are those of the start.
-    #[cold]
-    pub(crate) fn weigh(&mut self, time: f64, state: &[T], rates: &mut [T]) {
-        let state = state.get(..self.nx).unwrap_or_default();
-        let (nq, nv) = (self.model.layout().nq, self.model.layout().nv);
-        if self.model.layout().nc == 0 || self.ladder.now.rung != Rung::Emitted || !self.is_uneven()
-        {
-            return;
-        }
-        self.read_dense(time, state);
-        let mut rows = std::mem::take(&mut self.ladder.next.rows);
-        self.ladder.dense.choose(&mut rows);
-        self.read_right(time, state);
-        self.ladder.dense.accelerate_whole(&rows);
-        let emitted = rates.get(nq..nq + nv).unwrap_or_default();
-        let precise = &self.ladder.dense.force;
-        let scale = precise.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let pairs = emitted.iter().zip(precise);
-        let off = pairs.fold(0.0, |most: f64, (a, b)| most.max((a.to_f64() - b).abs()));
-        let loss = if scale > 0.0 { off / scale } else { off };
-        if loss > LOSS.max(64.0 * T::EPSILON.to_f64()) || !loss.is_finite() {
-            self.ladder.base = Rung::Whole;
-            self.ladder.worst = Rung::Whole;
-            self.ladder.next = Held {
-                rung: Rung::Whole,
-                rows,
-                whole_step: true,
-            };
-            self.ladder.commit();
-            self.accelerate(time, state, rates);
-        }
-    }
-
-    /// Whether masses differ by more than [`RATIO`].
-    fn is_uneven(&self) -> bool {
-        let numbers = Numbers::new(self.model.scene(), self.model.params());
-        let bodies = numbers.bodies.iter().map(|body| body.mass.to_f64());
-        let points = numbers.points.iter().map(|(mass, _)| mass.to_f64());
-        let masses = bodies.chain(points.filter(|mass| *mass > 0.0));
-        let (least, most) = masses.fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), mass| {
-            (least.min(mass), most.max(mass))
-        });
-        most > RATIO * least
-    }
-
     /// Overwrites the accelerations of a stage where the rung of its step is not the emitted one.
-    pub(crate) fn accelerate(&mut self, time: f64, state: &[T], rates: &mut [T]) {
-        if self.ladder.held().rung != Rung::Emitted {
-            self.accelerate_anew(time, state, rates);
+    ///
+    /// # Errors
+    /// [`StepError::SingularConstraints`] where this rung cannot solve the stage.
+    pub(crate) fn accelerate(
+        &mut self,
+        time: f64,
+        state: &[T],
+        rates: &mut [T],
+    ) -> Result<(), StepError> {
+        (self.ladder.anew, self.ladder.regularised) = (false, false);
+        let held = self.ladder.held();
+        match held.rung {
+            Rung::Emitted if self.ladder.at_end || !held.near => Ok(()),
+            Rung::Emitted => self.check_stage(time, state),
+            _ => self.accelerate_anew(time, state, rates),
         }
     }
 
+    /// Refuses a stage of an emitted step at which rows lose rank.
     #[cold]
-    fn accelerate_anew(&mut self, time: f64, state: &[T], rates: &mut [T]) {
+    fn check_stage(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        if !self.projection.any() {
+            return Ok(());
+        }
+        self.ladder.margin = f64::NAN;
+        self.measure(time, state);
+        if self.is_regular() || self.ladder.margin.is_nan() {
+            return Ok(());
+        }
+        Err(self.singular(time, state))
+    }
+
+    #[cold]
+    fn accelerate_anew(
+        &mut self,
+        time: f64,
+        state: &[T],
+        rates: &mut [T],
+    ) -> Result<(), StepError> {
         if !self.ladder.at_end && !self.ladder.now.whole_step {
             // Only the start of this step is singular; a stage that is not keeps its rows.
             self.ladder.margin = f64::NAN;
             self.measure(time, state);
             if self.is_regular() {
-                return;
+                return Ok(());
             }
         }
         self.read_dense(time, state);
@@ -210,16 +257,32 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             ..
         } = &mut self.ladder;
         let held = if *at_end { next } else { now };
-        if held.rung == Rung::Whole {
+        if !dense.are_independent(&held.rows) {
+            let left = dense.accelerate_regularised(T::EPSILON.to_f64());
+            // A state that is not finite is found by those who read the rates.
+            if left > LEFT_INSIDE {
+                return Err(self.singular(time, state));
+            }
+            self.ladder.worst = Rung::Proximal;
+            self.ladder.regularised = true;
+            self.counters.rows_regularised = self.counters.rows_regularised.saturating_add(1);
+        } else if held.rung == Rung::Whole {
             dense.accelerate_whole(&held.rows);
         } else {
             dense.factor(&held.rows);
             dense.accelerate(&held.rows);
+            // Speeds that the rows allow at an instant need not belong to any motion.
+            if dense.left() > LEFT {
+                return Err(self.singular(time, state));
+            }
+            self.tend(time, state);
         }
         let rates = rates.iter_mut().skip(self.model.layout().nq);
         for (rate, found) in rates.zip(&self.ladder.dense.force) {
             *rate = T::from_f64(*found);
         }
+        self.ladder.anew = true;
+        Ok(())
     }
 
     /// Solves for the move that takes `rows` out, with rows chosen at this state.
@@ -231,6 +294,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         for (to, from) in dense.right.iter_mut().zip(rows) {
             *to = from.to_f64();
         }
+        dense.factor(spare);
         dense.correct(spare);
         for (to, from) in moves.iter_mut().zip(&dense.force) {
             *to = T::from_f64(*from);
@@ -242,42 +306,34 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         let layout = self.model.layout();
         if self.ladder.dense.mass.is_empty() {
             self.ladder.dense = Dense::new(layout.nv, layout.nc);
-            let most = layout.nv * layout.nv.max(layout.nc);
-            self.ladder.list = vec![T::zero(); most];
             self.ladder.bias = vec![0.0; layout.nv];
         }
         let mut dense = std::mem::take(&mut self.ladder.dense);
-        self.read_list(Quantity::MassMatrix, time, state, &mut dense.mass);
-        self.read_list(
-            Quantity::ConstraintJacobian,
-            time,
-            state,
-            &mut dense.jacobian,
-        );
+        self.by_laws(Quantity::MassMatrix, time, state, &mut dense.mass);
+        let jacobian = &mut dense.jacobian;
+        self.by_laws(Quantity::ConstraintJacobian, time, state, jacobian);
+        for slots in &layout.bodies {
+            dense.weigh(slots.v, 6);
+        }
+        for slots in &layout.points {
+            if let PointSlots::Mass(slots) = slots {
+                dense.weigh(slots.v, 3);
+            }
+        }
         self.ladder.dense = dense;
     }
 
     /// Reads γ and f − h.
     fn read_right(&mut self, time: f64, state: &[T]) {
         let mut dense = std::mem::take(&mut self.ladder.dense);
-        self.read_list(Quantity::ConstraintBias, time, state, &mut dense.right);
-        self.read_list(Quantity::Forces, time, state, &mut dense.force);
+        self.by_laws(Quantity::ConstraintBias, time, state, &mut dense.right);
+        self.by_laws(Quantity::Forces, time, state, &mut dense.force);
         let mut bias = std::mem::take(&mut self.ladder.bias);
-        self.read_list(Quantity::BiasForce, time, state, &mut bias);
+        self.by_laws(Quantity::BiasForce, time, state, &mut bias);
         for (force, bias) in dense.force.iter_mut().zip(&bias) {
             *force -= bias;
         }
         self.ladder.bias = bias;
         self.ladder.dense = dense;
-    }
-
-    fn read_list(&mut self, what: Quantity, time: f64, state: &[T], out: &mut [f64]) {
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        let list = self.ladder.list.get_mut(..out.len()).unwrap_or_default();
-        list.fill(T::zero());
-        self.model.evaluate(what, &at, &mut self.work, list);
-        for (to, from) in out.iter_mut().zip(list) {
-            *to = from.to_f64();
-        }
     }
 }

@@ -20,6 +20,7 @@ mod generated;
 mod generic;
 mod integrate;
 mod ladder;
+mod laws;
 mod linearise;
 mod locate;
 pub mod node;

@@ -189,8 +189,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
 
     /// Redoes the step with another size and returns the smallest chosen margin at its end.
     fn redo(&mut self, size: f64) -> Result<f64, StepError> {
-        self.method
-            .attempt(&mut self.system, self.time, size, &self.state)?;
+        self.make_step(size)?;
         let counters = &mut self.system.counters;
         counters.redone = counters.redone.saturating_add(1);
         self.look_at_end(size)?;

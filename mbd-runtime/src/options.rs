@@ -51,7 +51,7 @@ pub struct Options {
     /// The most accepted and rejected steps of one call.
     pub max_steps: u64,
     /// Whether the work of loads, dampers and prescribed motions is integrated along with the run. Where joints are driven this solves the system of
-    /// the joints once more a stage.
+    /// the joints once more a stage. In a step from a state at which rows lose rank the work of motors is as good as their power times the step.
     pub work: bool,
     /// Whether a run stops on a declared event.
     pub stop_at_events: bool,

@@ -13,7 +13,7 @@ use mbd_scene::laws::{self, Numbers};
 use mbd_scene::{AngularVelocity, At, Float, Model, PointSlots, Quantity};
 
 use crate::columns::joint_name;
-use crate::dependence::{Dependence, dependent};
+use crate::dependence::{Dependence, NEW, dependent};
 use crate::error::StepError;
 use crate::options::Stabilise;
 use crate::system::{External, System};
@@ -89,6 +89,12 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
                 rows: self.worst_joints(),
             });
         }
+        self.project_velocities(time, state)
+    }
+
+    /// The same for a state beside a step, whatever keeps the run on its joints; also where they are far apart.
+    pub(crate) fn put_on_joints(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
+        self.project_positions(time, state, START_ITERATIONS)?;
         self.project_velocities(time, state)
     }
 
@@ -353,22 +359,16 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// Says which rows depend on each other, and whether they contradict.
     #[cold]
-    fn singular(&mut self, time: f64, state: &[T]) -> StepError {
+    pub(crate) fn singular(&mut self, time: f64, state: &[T]) -> StepError {
         let layout = self.model.layout();
-        let mut jacobian = vec![T::zero(); layout.len(Quantity::ConstraintJacobian)];
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        self.model.evaluate(
-            Quantity::ConstraintJacobian,
-            &at,
-            &mut self.work,
-            &mut jacobian,
-        );
+        let mut jacobian = vec![0.0; layout.len(Quantity::ConstraintJacobian)];
+        self.by_laws(Quantity::ConstraintJacobian, time, state, &mut jacobian);
         let norm = self.read_rows(Quantity::Constraint, time, state);
         let Dependence {
             rank,
             rows,
             contradiction,
-        } = dependent(&jacobian, layout.nv, &self.projection.rows);
+        } = dependent(&jacobian, layout.nv, &self.projection.rows, NEW);
         if contradiction > 0.1 * norm && !self.holds(norm, state) {
             return StepError::InconsistentStart {
                 norm,

@@ -1,11 +1,12 @@
 //! One stage: inputs, then equilibrium points, then the state derivative.
 
-use mbd_scene::{Float, Model, Quantity};
+use mbd_scene::{Float, Model, Quantity, Scene};
 
 use crate::columns::{input_name, line_name, node_name, state_names, stop_name};
 use crate::error::{Source, Statistics, StepError};
 use crate::integrate::Rates;
 use crate::ladder::{Ladder, Rung as RowsRung};
+use crate::laws::Laws;
 use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
 use crate::projection::Projection;
 use crate::watch;
@@ -67,15 +68,36 @@ pub(crate) struct System<'m, T: Float, M: Model<T>, E> {
     /// The numbers the caller supplied last.
     pub inputs: Vec<T>,
     quaternions: Vec<usize>,
-    energy: [T; 6],
+    /// Room for energy and power.
+    pub energy: [T; 6],
     /// Scratch of the model.
     pub work: M::Work,
     /// What keeps the state on the joints.
     pub projection: Projection<T>,
     /// How the rows are solved.
-    pub ladder: Ladder<T>,
+    pub ladder: Ladder,
+    /// The laws themselves, once something asked for them.
+    laws: Option<Laws>,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
+    /// The angles with a spring or a stop at the last accepted step, and room for those of the next; `None` where there is no such angle.
+    angles: Option<[Vec<f64>; 2]>,
+    /// Room for a quantity by the laws themselves.
+    wide: Vec<f64>,
+}
+
+/// Whether a spring or a stop acts along an angle that jumps at half a turn.
+fn has_jumping_angles(scene: &Scene) -> bool {
+    scene.joints.iter().any(|joint| {
+        let mut sprung = joint
+            .along
+            .iter()
+            .filter(|along| along.stiffness.is_some() || along.stops.iter().any(Option::is_some));
+        sprung.any(|along| {
+            let coordinate = joint.law.coordinate(along.coordinate);
+            coordinate.is_some_and(|coordinate| coordinate.wraps())
+        })
+    })
 }
 
 impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
@@ -96,7 +118,10 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
             work: model.work(),
             projection: Projection::new(layout.nc, layout.nv, layout.nx()),
             ladder: Ladder::default(),
+            laws: None,
             works,
+            angles: has_jumping_angles(model.scene()).then(Default::default),
+            wide: Vec::new(),
         }
     }
 
@@ -167,11 +192,55 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         Ok(())
     }
 
+    /// A quantity at the stage that was evaluated last by the laws themselves, not by the model, which may not have been asked for it.
+    #[cold]
+    pub(crate) fn by_laws(&mut self, what: Quantity, time: f64, state: &[T], out: &mut [f64]) {
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(self.model));
+        laws.evaluate(self.model, what, &at, out);
+    }
+
+    /// The same for the multipliers that the ladder found last, where those of the model mean nothing: reactions, energy or outputs.
+    #[cold]
+    pub(crate) fn by_multipliers(
+        &mut self,
+        what: Quantity,
+        (time, state): (f64, &[T]),
+        multipliers: &[f64],
+        out: &mut [T],
+    ) {
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(self.model));
+        self.wide.clear();
+        self.wide.resize(out.len(), 0.0);
+        laws.evaluate_given(self.model, what, &at, multipliers, &mut self.wide);
+        for (to, from) in out.iter_mut().zip(&self.wide) {
+            *to = T::from_f64(*from);
+        }
+    }
+
+    /// Looks at the angles with a spring or a stop after an accepted step, or at a start (`first`).
+    pub(crate) fn follow_angles(&mut self, time: f64, state: &[T], first: bool) {
+        let Some([last, now]) = &mut self.angles else {
+            return;
+        };
+        let state = state.get(..self.nx).unwrap_or_default();
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(self.model));
+        laws.jumping_angles(self.model, &at, now);
+        let jumped = |(now, last): (&f64, &f64)| (now - last).abs() > std::f64::consts::PI;
+        if !first && now.iter().zip(last.iter()).any(jumped) {
+            self.counters.angle_jumps = self.counters.angle_jumps.saturating_add(1);
+        }
+        std::mem::swap(last, now);
+    }
+
     /// The weights of the stability watch's norm.
     pub(crate) fn watch_weights(&mut self, time: f64, state: &[T]) -> Result<Vec<T>, StepError> {
-        let mut mass = vec![T::zero(); self.model.layout().len(Quantity::MassMatrix)];
-        self.look(time, 0.0, state)?;
-        self.seen(Quantity::MassMatrix, time, state, &mut mass);
+        let mut mass = vec![0.0; self.model.layout().len(Quantity::MassMatrix)];
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        self.by_laws(Quantity::MassMatrix, time, state, &mut mass);
         Ok(watch::weights(self.model, &mass))
     }
 
@@ -240,7 +309,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         drift
     }
 
-    fn supply(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+    pub(crate) fn supply(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
         if self.inputs.is_empty() {
             return Ok(());
         }
@@ -310,7 +379,9 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
                 RowsRung::Emitted => 1,
                 RowsRung::Chosen => 2,
                 RowsRung::Whole => 3,
+                RowsRung::Proximal => 4,
             },
+            lost_digits: self.ladder.lost_digits,
             ..self.counters
         }
     }
@@ -359,12 +430,13 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
         let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
         self.model
             .evaluate(Quantity::Derivative, &at, &mut self.work, derivative);
-        self.accelerate(time, state, derivative);
+        self.accelerate(time, state, derivative)?;
         self.pull_back(time, state, derivative)?;
         let at = self.nodes.at(t, state, &self.inputs);
         if !works.is_empty() {
             self.model
                 .evaluate(Quantity::Energy, &at, &mut self.work, &mut self.energy);
+            self.power_anew(time, state);
             for (work, power) in works.iter_mut().zip(self.energy.iter().skip(3)) {
                 *work = *power;
             }

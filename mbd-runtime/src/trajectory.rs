@@ -29,7 +29,8 @@ pub struct Content {
     pub nodes: bool,
     /// Tension [N] and stretch [m] of every line.
     pub lines: bool,
-    /// Force [N] and torque [N m] of every joint on its child at the origin of its frame there, world axes.
+    /// Force [N] and torque [N m] of every joint on its child at the origin of its frame there, world axes. Where rows repeat others they are
+    /// not unique, and the column says so: the rows that were left out carry nothing.
     pub reactions: bool,
     /// The declared outputs.
     pub outputs: bool,
@@ -70,6 +71,9 @@ pub struct Trajectory {
     first: f64,
     /// Rows written, and the index of the next grid time.
     next: usize,
+    /// Rows at which some reactions or efforts of motors have no value, because rows of joints lose rank, and not in passing: they are not
+    /// numbers there, and their cells in CSV are empty. In passing they have the value they tend to.
+    pub undetermined: u64,
     /// Located events: time [s] and name (`chute_open`, `riser: taut`).
     pub events: Vec<(f64, String)>,
     /// Counters of the run at its last row.
@@ -90,6 +94,7 @@ impl Trajectory {
             sampling,
             first: f64::NAN,
             next: 0,
+            undetermined: 0,
             events: Vec::new(),
             statistics: Statistics::default(),
         }
@@ -126,16 +131,19 @@ impl Trajectory {
         self.columns.first().map_or(&[], Vec::as_slice)
     }
 
-    /// Writes comma-separated values; the header holds names with units, `riser.tension [N]`.
+    /// Writes comma-separated values; the header holds names with units and remarks, `riser.tension [N]`, `close.force.x [N, not unique]`. A
+    /// number that there is not is an empty cell.
     ///
     /// # Errors
     /// Those of the writer.
     pub fn to_csv(&self, mut to: impl Write) -> io::Result<()> {
         for (index, column) in self.names.iter().enumerate() {
             let comma = if index == 0 { "" } else { "," };
-            match column.unit.as_str() {
-                "" => write!(to, "{comma}{}", column.name)?,
-                unit => write!(to, "{comma}{} [{unit}]", column.name)?,
+            write!(to, "{comma}{}", column.name)?;
+            match (column.unit.as_str(), column.remark.as_str()) {
+                ("", "") => {}
+                (unit, "") => write!(to, " [{unit}]")?,
+                (unit, remark) => write!(to, " [{unit}, {remark}]")?,
             }
         }
         writeln!(to)?;
@@ -146,6 +154,9 @@ impl Trajectory {
                 }
                 let value = column.get(row).copied().unwrap_or(f64::NAN);
                 let size = value.abs();
+                if value.is_nan() {
+                    continue;
+                }
                 if value == 0.0 {
                     write!(to, "0")?;
                 } else if (1e-4..1e15).contains(&size) {
@@ -209,6 +220,12 @@ impl Trajectory {
     ) -> Result<(), StepError> {
         system.look(time, span, state)?;
         let layout = system.model.layout();
+        let state_alone = state.get(..layout.nx()).unwrap_or_default();
+        let forces = self.content.reactions || self.content.outputs || self.content.energy;
+        // Where rows lose rank for longer than an instant some multipliers have no value, and what hangs on them none either.
+        let anew = (forces && system.needs_anew(time, state_alone))
+            .then(|| system.read_anew(time, state_alone));
+        let determined = anew.as_ref().map(|[_, determined]| determined.as_slice());
         self.row.clear();
         self.row.push(time);
         if self.content.state {
@@ -233,15 +250,26 @@ impl Trajectory {
             }
         }
         if self.content.reactions {
-            let reactions = read(system, Quantity::Reactions, time, state, scratch);
+            let what = (Quantity::Reactions, determined);
+            let reactions = read_under(system, what, time, state, scratch);
             self.row.extend(reactions.iter().map(|x| x.to_f64()));
         }
         if self.content.outputs {
-            let outputs = read(system, Quantity::Outputs, time, state, scratch);
+            // Most outputs have nothing to do with multipliers: the model's own are taken to the bit.
+            let asks = layout.asks_efforts(Quantity::Outputs);
+            let what = (Quantity::Outputs, determined.filter(|_| asks));
+            let outputs = read_under(system, what, time, state, scratch);
             self.row.extend(outputs.iter().map(|x| x.to_f64()));
         }
+        if anew.is_some() && self.row.iter().any(|x| x.is_nan()) {
+            self.undetermined += 1;
+        }
         if self.content.energy {
-            let energy = read(system, Quantity::Energy, time, state, scratch);
+            let driven = layout.joints.iter().any(|slots| slots.driven);
+            // The power of prescribed motions is the same for every solution.
+            let all = anew.as_ref().map(|[all, _]| all.as_slice());
+            let what = (Quantity::Energy, all.filter(|_| driven));
+            let energy = read_under(system, what, time, state, scratch);
             self.row.extend(energy.iter().take(3).map(|x| x.to_f64()));
             self.row
                 .push(energy.iter().take(3).map(|x| x.to_f64()).sum());
@@ -270,6 +298,24 @@ fn read<'s, T: Float, M: Model<T>, E: External<T>>(
         .get_mut(..system.model.layout().len(what))
         .unwrap_or_default();
     system.seen(what, time, state, list);
+    list
+}
+
+/// The same with multipliers that were found apart from the model.
+fn read_under<'s, T: Float, M: Model<T>, E: External<T>>(
+    system: &mut System<'_, T, M, E>,
+    (what, multipliers): (Quantity, Option<&[f64]>),
+    time: f64,
+    state: &[T],
+    scratch: &'s mut [T],
+) -> &'s [T] {
+    let Some(multipliers) = multipliers else {
+        return read(system, what, time, state, scratch);
+    };
+    let layout = system.model.layout();
+    let state = state.get(..layout.nx()).unwrap_or_default();
+    let list = scratch.get_mut(..layout.len(what)).unwrap_or_default();
+    system.by_multipliers(what, (time, state), multipliers, list);
     list
 }
 
@@ -308,7 +354,14 @@ fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
         for joint in 0..scene.joints.len() {
             for (kind, unit) in [("force", "N"), ("torque", "N m")] {
                 let owner = format!("{}.{kind}", joint_name(scene, joint));
-                names.extend(["x", "y", "z"].map(|c| Name::new(&owner, c, unit)));
+                let remark = match layout.redundancy.is_unique(joint) {
+                    true => "",
+                    false => "not unique",
+                };
+                names.extend(["x", "y", "z"].map(|c| Name {
+                    remark: remark.to_owned(),
+                    ..Name::new(&owner, c, unit)
+                }));
             }
         }
     }

@@ -40,13 +40,9 @@ pub(crate) fn suggestion(step: f64, stiffness: f64) -> f64 {
 }
 
 /// The weights of the norm above, one a coordinate of the state, from the mass matrix (dense, row by row).
-pub(crate) fn weights<T: Float, M: Model<T>>(model: &M, mass_matrix: &[T]) -> Vec<T> {
+pub(crate) fn weights<T: Float, M: Model<T>>(model: &M, mass_matrix: &[f64]) -> Vec<T> {
     let (scene, layout) = (model.scene(), model.layout());
-    let mass = |v: usize| {
-        mass_matrix
-            .get(v * (layout.nv + 1))
-            .map_or(0.0, |m| m.to_f64())
-    };
+    let mass = |v: usize| mass_matrix.get(v * (layout.nv + 1)).copied().unwrap_or(0.0);
     let coordinates = coordinates(model);
     let mut frequency: f64 = 1.0;
     let mut lightest = f64::INFINITY;

@@ -158,6 +158,7 @@ fn joints(scene: &Scene) -> Table {
         .column("to", "")
         .column("freedoms", "")
         .column("rows", "")
+        .column("of motors", "")
         .column("kept", "")
         .column("reaction", "");
     let layout = Layout::new(scene);
@@ -168,7 +169,13 @@ fn joints(scene: &Scene) -> Table {
             place(scene, joint.parent),
             place(scene, joint.child),
         ];
-        let counts = [joint.law.freedoms(), slots.len, slots.kept.len()];
+        let motors = if slots.len > 0 {
+            joint.motors().count()
+        } else {
+            0
+        };
+        let kept = slots.kept.len();
+        let counts = [joint.law.freedoms(), slots.len, motors, kept];
         let reaction = match layout.redundancy.is_unique(index) {
             true => "",
             false => "not unique",
@@ -493,6 +500,23 @@ mod tests {
         }
         let tables: Vec<String> = things(&scene).iter().map(Table::text).collect();
         assert_eq!(tables.join("\n").matches("not unique").count(), 4);
+    }
+
+    #[test]
+    fn rows_of_motors_are_counted_beside_those_of_their_joints() {
+        let text = "model S { gravity: none; body a { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+             joint hip: hinge from world to a.com { axis: y, motor: 1 rad/s * time } }";
+        let scene = mbd_compiler::read_text(text).scene.unwrap_or_default();
+        let tables: Vec<String> = things(&scene).iter().map(Table::text).collect();
+        let text = tables.join("\n");
+        let row = text.lines().find(|line| line.starts_with("hip"));
+        let cells: Vec<&str> = row.unwrap_or_default().split_whitespace().collect();
+        // Freedoms, rows, of motors, kept.
+        assert_eq!(
+            cells.get(4..),
+            Some(["1", "6", "1", "6"].as_slice()),
+            "{text}"
+        );
     }
 
     #[test]

@@ -132,6 +132,44 @@ pub fn weighed(
     linkage
 }
 
+/// Cranks of equal length on the world in the plane of x and y, turned by `angle` and turning at `rate`, and bars across their tips.
+#[must_use]
+pub fn cranks(count: usize, bars: &[&[usize]], angle: f64, rate: f64, gravity: f64) -> Linkage {
+    let (s, c) = angle.sin_cos();
+    let mut points: Vec<[f64; 2]> = (0..count).map(|k| [k as f64, 0.0]).collect();
+    points.extend((0..count).map(|k| [k as f64 + c, s]));
+    let ground: Vec<usize> = (0..count).collect();
+    let arms: Vec<[usize; 2]> = (0..count).map(|k| [k, count + k]).collect();
+    let mut all: Vec<&[usize]> = vec![&ground];
+    all.extend(arms.iter().map(|arm| arm.as_slice()));
+    all.extend(bars);
+    let rod = |_| (1.0, [1.0 / 12.0; 3]);
+    let components = AngularVelocity::Body;
+    let mut linkage = weighed(
+        &points,
+        &all,
+        false,
+        [Vector3::x(), Vector3::y(), Vector3::z()],
+        [0.0, -gravity, 0.0],
+        components,
+        rod,
+    );
+    let omega = Vector3::new(0.0, 0.0, rate);
+    let tip = omega.cross(&Vector3::new(c, s, 0.0));
+    for (index, body) in linkage.bodies.iter_mut().enumerate() {
+        *body = Instance {
+            velocity: if index < count { tip * 0.5 } else { tip },
+            omega: if index < count {
+                omega
+            } else {
+                Vector3::zeros()
+            },
+            ..*body
+        };
+    }
+    linkage
+}
+
 /// A closed chain of six hinges that stands symmetric about a line: it moves although 6·5 − 6·5 = 0 (Bricard's line-symmetric linkage).
 #[must_use]
 pub fn bricard(gravity: [f64; 3], components: AngularVelocity) -> Linkage {

@@ -51,7 +51,7 @@ fn model(reading: &Reading, scene: &Scene) -> TokenStream {
     if let Some(text) = immovable(scene, &layout) {
         return without_equations(reading, error(reading.spans.model, &text));
     }
-    let wanted = wanted(reading, &layout);
+    let wanted = wanted(reading, scene, &layout);
     // The laws first: differentiating too large a scene would take long before it is refused.
     let laws: Vec<Quantity> = wanted
         .iter()
@@ -117,9 +117,15 @@ fn settings(reading: &Reading) -> (NameSpans, Settings) {
     )
 }
 
-/// What to say of a scene whose joints leave nothing to move; `None` where something moves, by itself or as prescribed.
+/// What to say of a scene whose joints leave nothing to move, or a motor nothing to drive; `None` where something moves, by itself or as
+/// prescribed.
 #[must_use]
 pub fn immovable(scene: &Scene, layout: &Layout) -> Option<String> {
+    if let Some(idle) = layout.redundancy.idle_motors(scene).first() {
+        return Some(format!(
+            "{idle}; leave this motor out, or take away what holds it"
+        ));
+    }
     let driven = layout.joints.iter().any(|slots| slots.driven);
     let held = layout.nv > 0 && layout.nodes.is_empty() && layout.freedoms() == 0;
     (held && layout.redundancy.closed && !driven).then(|| {
@@ -130,8 +136,8 @@ pub fn immovable(scene: &Scene, layout: &Layout) -> Option<String> {
     })
 }
 
-/// The quantities to emit: all, or what a simulation needs and those that `emit: […]` names.
-fn wanted(reading: &Reading, layout: &Layout) -> Vec<Quantity> {
+/// The quantities to emit: all, or what a simulation needs and those that `emit: […]` names, by kind or by function.
+fn wanted(reading: &Reading, scene: &Scene, layout: &Layout) -> Vec<Quantity> {
     let all = layout.quantities();
     let Some(names) = &reading.options.emit else {
         return all;
@@ -149,7 +155,10 @@ fn wanted(reading: &Reading, layout: &Layout) -> Vec<Quantity> {
                 | Quantity::Correction
         )
     };
-    let asked = |what: Quantity| names.iter().any(|name| name == quantity::kind(what));
+    let asked = |what: Quantity| {
+        let known = [quantity::kind(what), &quantity::name(scene, layout, what)];
+        names.iter().any(|name| known.contains(&name.as_str()))
+    };
     all.into_iter()
         .filter(|&what| needed(what) || asked(what))
         .collect()
@@ -214,6 +223,52 @@ mod tests {
         assert!(!weld(hinge).contains("cannot move"));
         let both = format!("joint weld: rigid from world to a.com; {hinge}");
         assert!(weld(&both).contains("the 11 rows of its joints hold all 6 speeds"));
+    }
+
+    #[test]
+    fn a_motor_that_has_nothing_to_drive_is_told_with_the_joints_that_hold_its_coordinate() {
+        let told = |joints: &str| {
+            let bar = |name: &str| {
+                format!(
+                    "body {name} {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2,
+                     frame one at [-0.5, 0, 0] m, frame two at [0.5, 0, 0] m }}"
+                )
+            };
+            let text = format!(
+                "model Driven {{ gravity: none; world {{ frame far at [1.3, 0, 0] m }} {} {} {} {joints} }}",
+                bar("a"),
+                bar("b"),
+                bar("c")
+            );
+            let reading = crate::reading::read_text(&text);
+            assert!(reading.errors.is_empty(), "{:?}", reading.errors);
+            let scene = reading.scene.unwrap_or_default();
+            immovable(&scene, &Layout::new(&scene)).unwrap_or_default()
+        };
+        let free =
+            "joint b_free: free from world to b.com; joint c_free: free from world to c.com;";
+        let slide = "joint slide: prismatic from world to a.com { axis: z, motor: 1 m/s * time }";
+        assert_eq!(told(&format!("{slide} {free}")), "");
+        let plane = "joint floor: point_on_plane from world to a.com;";
+        assert_eq!(
+            told(&format!("{slide} {plane} {free}")),
+            "`slide` cannot drive its `slide`: `floor` holds it; leave this motor out, or take away what holds it"
+        );
+        let pins = |first: &str, second: &str| {
+            format!(
+                "joint p1: hinge from world to a.one {{ axis: y {first} }}
+                 joint p2: hinge from a.two to b.one {{ axis: y }}
+                 joint p3: hinge from b.two to c.two {{ axis: y }}
+                 joint p4: hinge from world.far to c.one {{ axis: y {second} }}"
+            )
+        };
+        let motor = ", motor: 1 rad/s * time";
+        assert_eq!(told(&pins(motor, "")), "");
+        assert_eq!(told(&pins("", motor)), "");
+        assert_eq!(
+            told(&pins(motor, motor)),
+            "`p4` cannot drive its `angle`: `p1`, `p2`, `p3` hold it; leave this motor out, or take away what holds it"
+        );
     }
 
     #[test]

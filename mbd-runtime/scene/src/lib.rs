@@ -43,7 +43,7 @@ pub use params::{ParamError, check_params};
 pub use partition::Partition;
 pub use quantity::{At, Differentiated, Quantity, Variable};
 pub use real::{Float, Real, TINY};
-pub use redundancy::{Redundancy, Repeat, RowSet};
+pub use redundancy::{HeldMotor, Redundancy, Repeat, RowSet};
 pub use scene::{
     AngularVelocity, Body, Clamp, Constant, Coordinates, Difference, Dimension, Direction, Event,
     Frame, Gravity, Inertia, Input, Joint, Line, LineKind, Load, LoadKind, NodeModel, Output,

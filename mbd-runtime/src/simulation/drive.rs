@@ -189,17 +189,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         if step < smallest {
             return Err(self.collapse(step, Collapse::ErrorTest));
         }
-        let mut tried = self
-            .method
-            .attempt(&mut self.system, self.time, step, &self.state);
-        // A stage came too close to a state where rows repeat each other: the step is made with rows chosen at its start.
-        if let Err(StepError::SingularConstraints { .. }) = tried
-            && self.system.climb(self.time, &self.state)
-        {
-            tried = self
-                .method
-                .attempt(&mut self.system, self.time, step, &self.state);
-        }
+        let tried = self.make_step(step);
         let Pace::Adaptive(control, norm) = &mut self.pace else {
             return tried.map(|()| true);
         };
@@ -220,6 +210,19 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             (Verdict::Rejected, _) => Ok(false),
             (_, Some(cause)) => Err(cause),
             (_, None) => Err(self.collapse(step, Collapse::ErrorTest)),
+        }
+    }
+
+    /// Makes a trial step, of any size, from the last accepted one.
+    pub(crate) fn make_step(&mut self, step: f64) -> Result<(), StepError> {
+        let (time, state) = (self.time, &self.state);
+        let tried = self.method.attempt(&mut self.system, time, step, state);
+        // A stage came too close to a state where rows repeat each other: the step is made with rows chosen at its start.
+        match tried {
+            Err(StepError::SingularConstraints { .. }) if self.system.climb(time, state) => {
+                self.method.attempt(&mut self.system, time, step, state)
+            }
+            tried => tried,
         }
     }
 
@@ -264,6 +267,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             false => Ok(()),
         };
         self.system.commit(step);
+        self.system.follow_angles(end, &self.state, false);
         begun?;
         if projected {
             self.begin_noting()?;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{Pace, Simulation};
 use crate::error::{RunError, StepError};
 use crate::integrate::Control;
+use crate::ladder::Footing;
 use crate::node::NodeMemory;
 use crate::system::External;
 use crate::watch::Watch;
@@ -23,6 +24,7 @@ pub struct Snapshot<T> {
     watch_weights: Vec<T>,
     sides: Vec<bool>,
     drift: f64,
+    rows: Footing,
 }
 
 impl<T> Snapshot<T> {
@@ -51,6 +53,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             watch_weights: self.watch_weights.clone(),
             sides: self.margins.sides.clone(),
             drift: self.system.drift,
+            rows: self.system.ladder.footing(),
         }
     }
 
@@ -81,9 +84,12 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         }
         self.started = true;
         self.watch_weights.clone_from(&snapshot.watch_weights);
+        self.system.ladder.resume(&snapshot.rows);
         let begun = self
             .method
             .begin(&mut self.system, self.time, 0.0, &self.state);
+        self.system.ladder.commit();
+        self.system.follow_angles(self.time, &self.state, true);
         let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));
         begun.map_err(|cause| self.failed(cause))
     }

@@ -109,7 +109,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
         self.system
-            .weigh(self.time, &self.state, self.method.first_mut());
+            .weigh(self.time, &self.state, self.method.first_mut())?;
         if let Pace::Adaptive(control, norm) = &mut self.pace {
             // The first step moves no block by more than a hundredth of its scale.
             let speed =
@@ -121,6 +121,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
                 self.method.exponent,
             );
         }
+        self.system.follow_angles(self.time, &self.state, true);
         self.begin_margins(&mut |_| ())
     }
 }

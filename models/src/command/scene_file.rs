@@ -52,6 +52,8 @@ impl SceneFile {
         file.remarks.clear();
         // Ready scenes are declared over the scalar; data does not tell.
         file.reading.options.generic = true;
+        let emitted = (ready.emitted)().into_iter();
+        file.reading.options.emit = Some(emitted.map(str::to_string).collect());
         Ok(file)
     }
 

@@ -55,6 +55,23 @@ fn an_unknown_scene_is_a_usage_error_with_a_suggestion() {
 }
 
 #[test]
+fn a_ready_scene_expands_to_the_functions_it_was_compiled_with() {
+    // `emit: [outputs, energy, lines, reactions, mass_matrix];`
+    let text = run(&["expand", "four_bar"]).unwrap();
+    for emitted in [
+        "fn derivative",
+        "fn reactions",
+        "fn mass_matrix",
+        "fn correction",
+    ] {
+        assert!(text.contains(emitted), "{emitted}");
+    }
+    for absent in ["fn multipliers", "fn momentum", "fn constraint_bias"] {
+        assert!(!text.contains(absent), "{absent}");
+    }
+}
+
+#[test]
 fn a_ready_scene_is_checked_expanded_and_converted_by_its_name() {
     for (name, word) in [("heavy_top", "HeavyTop"), ("drop", "Drop")] {
         let told = run(&["check", name]).unwrap();

@@ -4,8 +4,8 @@ use std::fs;
 use std::io::{self, BufWriter};
 use std::path::Path;
 
-use mbd_runtime::Trajectory;
 use mbd_runtime::scene::Scene;
+use mbd_runtime::{Layout, Trajectory};
 
 use super::mechanism::drawings;
 use super::outcome::Outcome;
@@ -34,6 +34,9 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
     if let Some(error) = &outcome.error {
         report = report.paragraph(&format!("The run stopped early: {error}"));
     }
+    if let Some(text) = not_unique(scene) {
+        report = report.paragraph(&text);
+    }
     if !outcome.trajectory.events.is_empty() {
         report = report.table(&events(&outcome.trajectory));
     }
@@ -58,6 +61,22 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
     }
     report.write(folder.join("report.html"))?;
     Ok(table)
+}
+
+/// Which reactions of `history.csv` are one choice of many.
+fn not_unique(scene: &Scene) -> Option<String> {
+    let redundancy = Layout::new(scene).redundancy;
+    let joints = scene.joints.iter().enumerate();
+    let names: Vec<String> = joints
+        .filter(|(joint, _)| !redundancy.is_unique(*joint))
+        .map(|(_, joint)| format!("`{}`", joint.name))
+        .collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "The reactions of {} are not unique, because rows of these joints repeat each other: those in the history belong to rows left out carrying nothing. The motion does not depend on it.",
+            names.join(", ")
+        )
+    })
 }
 
 /// The first events of a run.

@@ -40,6 +40,10 @@ struct Summary<'a> {
     rows_kept: usize,
     rows_rung: u64,
     rows_chosen: u64,
+    rows_regularised: u64,
+    lost_digits: u64,
+    angle_jumps: u64,
+    undetermined_rows: u64,
     wall_s: f64,
     wall_s_per_s: f64,
     params: BTreeMap<&'a str, f64>,
@@ -101,6 +105,10 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
         rows_kept: layout.rank(),
         rows_rung: statistics.rows_rung,
         rows_chosen: statistics.rows_chosen,
+        rows_regularised: statistics.rows_regularised,
+        lost_digits: statistics.lost_digits,
+        angle_jumps: statistics.angle_jumps,
+        undetermined_rows: trajectory.undetermined,
         wall_s: outcome.wall_s,
         wall_s_per_s: per_second(outcome.wall_s),
         params: scene
@@ -162,6 +170,25 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
             let chosen = Cell::Count(statistics.rows_chosen);
             rows.push(("times rows were chosen anew", chosen));
         }
+        if statistics.rows_regularised > 0 {
+            let stages = Cell::Count(statistics.rows_regularised);
+            rows.push(("stages regularised, in steps of order two", stages));
+        }
+        if statistics.lost_digits > 0 {
+            let digits = Cell::Count(statistics.lost_digits);
+            rows.push(("digits that uneven masses cost at the start", digits));
+        }
+        if statistics.angle_jumps > 0 {
+            let jumps = Cell::Count(statistics.angle_jumps);
+            rows.push((
+                "times an angle with a spring or a stop jumped at ±180°",
+                jumps,
+            ));
+        }
+        if outcome.trajectory.undetermined > 0 {
+            let undetermined = Cell::Count(outcome.trajectory.undetermined);
+            rows.push(("rows with reactions that have no value", undetermined));
+        }
         rows.push(("joints open by at most |Φ| [m]", quality.drift.into()));
         rows.push((
             "joints open at a rate of at most |dΦ/dt| [m/s]",
@@ -185,6 +212,7 @@ fn rung(rung: u64) -> &'static str {
     match rung {
         0 | 1 => "in the order fixed beforehand",
         2 => "at worst, some rows chosen anew for a step",
-        _ => "at worst, by the whole matrix with pivots",
+        3 => "at worst, by the whole matrix with pivots",
+        _ => "at worst, a stage with all rows regularised",
     }
 }

@@ -17,6 +17,8 @@ pub struct Ready {
     pub scene: fn() -> Scene,
     /// How it is run: the table `[run]`.
     pub run: fn() -> String,
+    /// The functions it was compiled with.
+    pub emitted: fn() -> Vec<&'static str>,
     /// Runs its compiled model as planned.
     pub fly: Fly,
 }
@@ -37,6 +39,10 @@ macro_rules! scenes {
             name: stringify!($file),
             scene: $file::$model::<f64>::scene,
             run: $file::run,
+            emitted: || {
+                let functions = $file::$model::<f64>::COST.0.iter();
+                functions.map(|(name, _)| *name).collect()
+            },
             fly: |plan, progress| {
                 let values = plan.params.as_slice().try_into().map_err(|_| ParamError::Count {
                     expected: $file::$model::<f64>::NP,

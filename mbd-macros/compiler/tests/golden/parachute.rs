@@ -3468,7 +3468,7 @@ const _: () = {
     }
     /// Which rows of the joints repeat others, as found when this was generated.
     fn redundancy() -> ::mbd_runtime::scene::Redundancy {
-        ::mbd_runtime::__private::redundancy("0 0 1 ")
+        ::mbd_runtime::__private::redundancy("0 0 0 1 ")
     }
     impl<T: ::mbd_runtime::Float> Parachute<T> {
         /// A model with these parameters.

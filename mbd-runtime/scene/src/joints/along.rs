@@ -7,12 +7,15 @@ use super::{Coordinate, Field, Rule};
 use crate::{Dimension, Formula};
 
 /// What acts along one coordinate of a joint. What is absent, or zero by declaration, costs nothing.
+///
+/// An angle of a joint lies in (−π, π] and does not count turns (that of a screw does): a spring pulls to the nearer side of its rest until
+/// the angle passes half a turn, and there its torque jumps by 2π K. A run counts the steps in which that happened.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Along {
     /// Which coordinate of the joint.
     pub coordinate: usize,
-    /// Stiffness of the spring [N/m or N m/rad], ≥ 0.
+    /// Stiffness of the spring [N/m or N m/rad], ≥ 0. Of an angle within half a turn of zero, see above.
     pub stiffness: Option<Formula>,
     /// Where the spring is at rest [m or rad]; 0 if it is not given.
     pub rest: Option<Formula>,

@@ -10,7 +10,7 @@
 //! prescribed force. A stop is a line of [`super::line`] whose stretch is the depth e: same law (2), same care (it never pulls back, and its
 //! damping begins with the touch), same located switches. Friction is Coulomb's level F, turned through zero over the rate w: it creeps under
 //! load at about w Q/F instead of sticking, and its slope F/w bounds the step. Singular case: none, w > 0.
-//! An angle that turns through ±π jumps there, and with it a spring's torque. Rejected: F sign(u), which is no function at u = 0.
+//! An angle that turns through ±π jumps there, and with it a spring's torque: a run counts such steps ([`jumping_angles`]). Rejected: F sign(u), which is no function at u = 0.
 
 use std::cell::OnceCell;
 
@@ -18,8 +18,9 @@ use super::evaluation::Evaluation;
 use super::formula;
 use super::line;
 use super::rows::{Ends, Row};
+use super::{Numbers, Scratch};
 use crate::joints::{Along, Coordinate, Side};
-use crate::{AngularVelocity, Formula, LineKind, Place, Real, Scene};
+use crate::{AngularVelocity, At, Formula, Layout, LineKind, Place, Real, Scene};
 
 /// The constants of [`Along`]; `None`: absent, or zero by declaration.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,6 +116,34 @@ pub fn visit<S: Real>(evaluation: &Evaluation<'_, S>, mut visit: impl FnMut(&Act
             });
         }
     }
+}
+
+/// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.
+pub fn jumping_angles<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut Vec<S>,
+) {
+    scratch.read(scene, layout, numbers, at);
+    let evaluation = Evaluation {
+        scene,
+        layout,
+        numbers,
+        at,
+        motions: &scratch.motions,
+        ground: &scratch.ground,
+        multipliers: &[],
+    };
+    visit(&evaluation, |acting| {
+        let numbers = acting.numbers;
+        let sprung = numbers.stiffness.is_some() || numbers.stops.iter().any(Option::is_some);
+        if sprung && acting.coordinate.wraps() {
+            out.push(acting.value());
+        }
+    });
 }
 
 impl<S: Real> Acting<'_, S> {

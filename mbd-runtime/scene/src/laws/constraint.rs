@@ -50,7 +50,10 @@ impl<S: Real> Evaluation<'_, S> {
     }
 
     /// The coordinates of a joint that motors drive, and their courses.
-    fn motors<'e>(&'e self, joint: &'e Joint) -> impl Iterator<Item = (Coordinate, Jet<S>)> + 'e {
+    pub(super) fn motors<'e>(
+        &'e self,
+        joint: &'e Joint,
+    ) -> impl Iterator<Item = (Coordinate, Jet<S>)> + 'e {
         joint.motors().filter_map(|(index, course)| {
             let coordinate = joint.law.coordinate(index)?;
             let course = super::ground::course(course, self.scene, self.numbers, self.at.time);

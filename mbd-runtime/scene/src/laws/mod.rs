@@ -10,6 +10,7 @@ mod ends;
 mod evaluation;
 mod forces;
 mod formula;
+mod given;
 mod gravity;
 mod ground;
 pub mod line;
@@ -28,9 +29,10 @@ use forces::Assembly;
 use nalgebra::Vector3;
 
 pub use algebra::{inverse, rotation, solve_positive, symmetric};
-pub use along::AlongNumbers;
+pub use along::{AlongNumbers, jumping_angles};
 pub use constraint::branch;
 pub use formula::norm;
+pub use given::evaluate_given;
 pub use ground::{FrameMotion, ground};
 pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers, constant,
@@ -62,6 +64,16 @@ impl<S: Real> Scratch<S> {
             constraints: Constraints::new(layout),
         }
     }
+
+    /// Reads the motions of bodies and of frames of the world.
+    fn read(&mut self, scene: &Scene, layout: &Layout, numbers: &Numbers<S>, at: &At<'_, S>) {
+        let bodies = scene.bodies.iter().zip(&layout.bodies);
+        for (motion, (body, slots)) in self.motions.iter_mut().zip(bodies) {
+            S::section(&body.name);
+            *motion = Motion::read(at.state, *slots, layout.nq, scene.angular_velocity);
+        }
+        ground::ground(scene, numbers, at.time, &mut self.ground);
+    }
 }
 
 /// Evaluates a quantity by running the laws on the scalar `S`.
@@ -91,15 +103,7 @@ pub fn evaluate<S: Real>(
         Quantity::Partial(..) => return,
         _ => {}
     }
-    for (motion, (body, slots)) in scratch
-        .motions
-        .iter_mut()
-        .zip(scene.bodies.iter().zip(&layout.bodies))
-    {
-        S::section(&body.name);
-        *motion = Motion::read(at.state, *slots, layout.nq, scene.angular_velocity);
-    }
-    ground::ground(scene, numbers, at.time, &mut scratch.ground);
+    scratch.read(scene, layout, numbers, at);
     let evaluation = Evaluation {
         scene,
         layout,

@@ -9,7 +9,7 @@ use super::ground::{FrameMotion, ground};
 use super::numbers::Numbers;
 use super::rows::Rows;
 use crate::elimination::Part;
-use crate::{AngularVelocity, At, Layout, Place, PointSlots, RowSet, Scene};
+use crate::{AngularVelocity, At, Jet, Layout, Place, PointSlots, RowSet, Scene};
 
 /// A configuration of a scene with its parameters at their defaults, at time zero and at rest.
 pub(crate) struct Posture<'a> {
@@ -166,6 +166,26 @@ impl<'a> Posture<'a> {
                 joint.law.constrain(&ends, rows);
             }
         });
+    }
+
+    /// Writes the rows of the motors of a joint, world components; the coordinates they drive.
+    pub fn motor_rows(&self, joint: usize, rows: &mut Rows<f64>) -> Vec<usize> {
+        rows.clear();
+        self.look(|evaluation| {
+            let ends = evaluation.ends(joint, AngularVelocity::World);
+            let (Some(ends), Some(joint)) = (ends, self.scene.joints.get(joint)) else {
+                return Vec::new();
+            };
+            let mut driven = Vec::new();
+            for (index, _) in joint.motors() {
+                if let Some(coordinate) = joint.law.coordinate(index) {
+                    // What forbids a rate is the same for every course.
+                    rows.motor(&ends, &coordinate, &Jet::constant(0.0));
+                    driven.push(index);
+                }
+            }
+            driven
+        })
     }
 
     /// Writes all rows of a joint in the form the system takes those of a joint that loses some.

@@ -34,12 +34,26 @@ pub struct JointRow {
     pub columns: [Motion; 2],
 }
 
+/// The row of a motor at a state.
+pub struct MotorRow {
+    /// Its joint.
+    pub joint: usize,
+    /// The coordinate it drives.
+    pub coordinate: usize,
+    /// The row over the speeds of the tree, divided by its size.
+    pub line: DVector<f64>,
+    /// The row on its two parts.
+    pub row: JointRow,
+}
+
 /// A consistent state, linearised.
 pub struct State {
     /// Per closing joint, the rows in the form of the system over the speeds of the tree, each divided by its size.
     pub closing: Vec<Vec<DVector<f64>>>,
     /// Per closing joint, the rows on its two parts.
     pub closing_rows: Vec<Vec<JointRow>>,
+    /// The rows of all motors of the group, by joint.
+    pub motors: Vec<MotorRow>,
     /// Per link, the rows of its joint and how they hold the part it places.
     pub links: Vec<(Vec<JointRow>, Hold)>,
     /// Speeds that the rows of the closing joints leave, less those of a group that moves freely as a whole.
@@ -390,12 +404,30 @@ impl Assembly<'_> {
             closing.push(self.over_tree(&rows, &motions));
             closing_rows.push(rows);
         }
+        let mut joints: Vec<usize> = group.links.iter().map(|link| link.joint).collect();
+        joints.extend(&group.closing);
+        joints.sort_unstable();
+        let mut motors = Vec::new();
+        for joint in joints {
+            let driven = self.posture.motor_rows(joint, &mut self.rows);
+            let rows = joint_rows(&self.rows, self.layout, joint, self.length);
+            let lines = self.over_tree(&rows, &motions);
+            for ((coordinate, row), line) in driven.into_iter().zip(rows).zip(lines) {
+                motors.push(MotorRow {
+                    joint,
+                    coordinate,
+                    line,
+                    row,
+                });
+            }
+        }
         let count = motions.first().map_or(0, DMatrix::ncols);
         let as_a_whole = if group.root.is_some() { 6 } else { 0 };
         let rank = super::choice::rank(closing.iter().flatten());
         Some(State {
             closing,
             closing_rows,
+            motors,
             links,
             freedoms: count.saturating_sub(rank + as_a_whole),
             rank,

@@ -1,11 +1,11 @@
-//! Which rows stay, and which joints the others repeat.
+//! Which rows stay, which joints the others repeat, and which motors drive a coordinate that is held already.
 
 use nalgebra::DVector;
 
-use super::assembly::State;
+use super::assembly::{JointRow, MotorRow, State};
 use super::local::{Motion, dot};
 use super::tree::Group;
-use super::{Repeat, RowSet};
+use super::{HeldMotor, Repeat, RowSet};
 use crate::elimination::Part;
 
 /// What is left of a row below this part of it is rounding: repeated rows leave 1e-12, others rarely less than 1e-3.
@@ -56,8 +56,17 @@ pub fn rank<'a>(rows: impl Iterator<Item = &'a DVector<f64>>) -> usize {
     span.units.len()
 }
 
-/// The joints of a group that lose rows.
-pub fn repeats(group: &Group, states: &[State]) -> Vec<Repeat> {
+/// What a row of a span is.
+#[derive(Clone, Copy)]
+enum Source {
+    /// A row of a closing joint, by place and number.
+    Closing(usize, usize),
+    /// The row of a motor.
+    Motor(usize),
+}
+
+/// The joints of a group that lose rows, and its motors that have nothing to drive.
+pub fn repeats(group: &Group, states: &[State]) -> (Vec<Repeat>, Vec<HeldMotor>) {
     // Assemblies that move count before those that do not, then those that hold most.
     let best = states.iter().map(|s| (s.freedoms > 0, s.rank)).max();
     let states: Vec<&State> = states
@@ -66,7 +75,7 @@ pub fn repeats(group: &Group, states: &[State]) -> Vec<Repeat> {
         .collect();
     let mut spans = vec![Span::default(); states.len()];
     // The kept rows, in the order of the spans.
-    let mut kept: Vec<(usize, usize)> = Vec::new();
+    let mut kept: Vec<Source> = Vec::new();
     let mut repeats = Vec::new();
     for (place, &joint) in group.closing.iter().enumerate() {
         let rows = states
@@ -89,7 +98,7 @@ pub fn repeats(group: &Group, states: &[State]) -> Vec<Repeat> {
                 .find(|(_, new)| *new >= AS_GOOD * most && *new > NEW);
             let Some(&(row, _)) = next else { break };
             set.0 |= 1 << row;
-            kept.push((place, row));
+            kept.push(Source::Closing(place, row));
             for (state, span) in states.iter().zip(&mut spans) {
                 span.add(&state.closing[place][row]);
             }
@@ -105,7 +114,48 @@ pub fn repeats(group: &Group, states: &[State]) -> Vec<Repeat> {
             });
         }
     }
-    repeats
+    let mut held = Vec::new();
+    for (index, motor) in states
+        .first()
+        .iter()
+        .flat_map(|s| s.motors.iter().enumerate())
+    {
+        let row = |state: &State| state.motors.get(index).map(|motor| motor.line.clone());
+        let rows: Vec<DVector<f64>> = states.iter().filter_map(|state| row(state)).collect();
+        let news = rows.iter().zip(&spans);
+        let news: Vec<f64> = news.map(|(row, span)| span.rest(row).0.norm()).collect();
+        // At some states a coordinate can stand still for an instant: it is held where it is at all of them.
+        if news.iter().all(|new| *new <= NEW) {
+            held.extend(held_motor(group, &states, &spans, &kept, motor));
+        } else if news.iter().all(|new| *new > NEW) {
+            kept.push(Source::Motor(index));
+            for (row, span) in rows.iter().zip(&mut spans) {
+                span.add(row);
+            }
+        }
+    }
+    (repeats, held)
+}
+
+/// A motor whose row is made of others, and the joints that hold its coordinate.
+fn held_motor(
+    group: &Group,
+    states: &[&State],
+    spans: &[Span],
+    kept: &[Source],
+    motor: &MotorRow,
+) -> Option<HeldMotor> {
+    let (state, span) = (states.first()?, spans.first()?);
+    let (_, made) = span.rest(&motor.line);
+    let mut forces = Forces::new(group);
+    forces.put(&motor.row, 1.0, None);
+    let mut of = forces.balance(group, state, kept, &made);
+    of.retain(|&joint| joint != motor.joint);
+    Some(HeldMotor {
+        joint: motor.joint,
+        coordinate: motor.coordinate,
+        of,
+    })
 }
 
 /// The joints whose rows the lost rows of a closing joint repeat: those that carry the self-stress.
@@ -113,7 +163,7 @@ fn partners(
     group: &Group,
     state: &State,
     span: &Span,
-    kept: &[(usize, usize)],
+    kept: &[Source],
     place: usize,
     set: RowSet,
 ) -> Vec<usize> {
@@ -125,18 +175,11 @@ fn partners(
         // Forces of the closing joints: one unit of the lost row, and what of the kept ones balances it.
         let (_, made) = span.rest(&rows[lost]);
         let mut forces = Forces::new(group);
-        forces.put(state, (place, lost), 1.0);
-        for (&row, part) in kept.iter().zip(made) {
-            forces.put(state, row, part);
+        let rows = state.closing_rows.get(place);
+        if let Some(row) = rows.and_then(|rows| rows.get(lost)) {
+            forces.put(row, 1.0, Some(place));
         }
-        let carried = forces.carry(group, state);
-        let most = carried
-            .iter()
-            .fold(0.0, |most: f64, (_, force)| most.max(*force));
-        let involved = carried
-            .into_iter()
-            .filter(|(_, force)| *force > INVOLVED * most);
-        partners.extend(involved.map(|(joint, _)| joint));
+        partners.extend(forces.balance(group, state, kept, &made));
     }
     partners.sort_unstable();
     partners.dedup();
@@ -170,19 +213,50 @@ impl Forces {
         }
     }
 
-    /// Lets a row of a closing joint, divided by its size, push with a multiplier.
-    fn put(&mut self, state: &State, (place, row): (usize, usize), times: f64) {
-        let rows = state.closing_rows.get(place);
-        let Some(row) = rows.and_then(|rows| rows.get(row)) else {
-            return;
-        };
-        let times = times / row.size;
+    /// Lets a row, divided by its size, push with a multiplier; of the closing joint at `place`, if of any.
+    fn put(&mut self, row: &JointRow, times: f64, place: Option<usize>) {
+        let each = times / row.size;
         for (end, columns) in row.ends.iter().zip(&row.columns) {
-            self.push(*end, times, columns);
+            self.push(*end, each, columns);
         }
-        if let Some(force) = self.closing.get_mut(place) {
-            *force = force.max(times.abs() * row.size);
+        if let Some(force) = place.and_then(|place| self.closing.get_mut(place)) {
+            *force = force.max(times.abs());
         }
+    }
+
+    /// Adds the rows of a span in these parts; the joints that carry what is in balance then, those of motors among them, in order.
+    fn balance(
+        mut self,
+        group: &Group,
+        state: &State,
+        kept: &[Source],
+        made: &[f64],
+    ) -> Vec<usize> {
+        let mut carried = Vec::new();
+        for (&source, &part) in kept.iter().zip(made) {
+            match source {
+                Source::Closing(place, row) => {
+                    let rows = state.closing_rows.get(place);
+                    if let Some(row) = rows.and_then(|rows| rows.get(row)) {
+                        self.put(row, part, Some(place));
+                    }
+                }
+                Source::Motor(index) => {
+                    if let Some(motor) = state.motors.get(index) {
+                        self.put(&motor.row, part, None);
+                        carried.push((motor.joint, part.abs()));
+                    }
+                }
+            }
+        }
+        carried.extend(self.carry(group, state));
+        let sizes = carried.iter().map(|(_, force)| *force);
+        let most = sizes.fold(0.0, f64::max);
+        carried.retain(|(_, force)| *force > INVOLVED * most);
+        let mut joints: Vec<usize> = carried.into_iter().map(|(joint, _)| joint).collect();
+        joints.sort_unstable();
+        joints.dedup();
+        joints
     }
 
     /// Lets the joints of the tree carry the forces, from the outermost inwards. Every joint and the size of the force in it.

@@ -1,0 +1,91 @@
+//! What follows from multipliers that were found elsewhere: where rows lose rank the system of the joints has no solution, but some of
+//! its multipliers are still determined.
+//!
+//! ```text
+//! F = Σ λ (linear columns of the child),  T = Σ λ (couples on the child),  P = −Σ λ Φ_t          (1)
+//! ```
+
+use nalgebra::Vector3;
+
+use super::algebra::write;
+use super::evaluation::Evaluation;
+use super::rows::Rows;
+use super::{Numbers, Scratch, energy, forces, outputs};
+use crate::elimination::Part;
+use crate::{AngularVelocity, At, Layout, Quantity, Real, Scene};
+
+/// Writes [`Quantity::Reactions`], [`Quantity::Energy`] or [`Quantity::Outputs`] for given multipliers, n_c numbers in the order of the rows.
+/// A multiplier that is not a number makes what depends on it so. Other quantities, and slices of a wrong length, leave `out` untouched.
+pub fn evaluate_given<S: Real>(
+    what: Quantity,
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    (at, multipliers): (&At<'_, S>, &[S]),
+    scratch: &mut Scratch<S>,
+    out: &mut [S],
+) {
+    if out.len() != layout.len(what) || multipliers.len() != layout.nc {
+        return;
+    }
+    scratch.read(scene, layout, numbers, at);
+    let evaluation = Evaluation {
+        scene,
+        layout,
+        numbers,
+        at,
+        motions: &scratch.motions,
+        ground: &scratch.ground,
+        multipliers,
+    };
+    match what {
+        Quantity::Reactions => {
+            out.fill(S::zero());
+            each(&evaluation, |joint, rows, own, _| {
+                let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+                for (row, &multiplier) in rows.rows().iter().zip(own) {
+                    force += row.child.linear.map(|x| multiplier * x);
+                    torque += row.couple.map(|x| multiplier * x);
+                }
+                if let Some(Part::Body(body)) = layout.joints[joint].ends[1] {
+                    torque = evaluation.motions[body].rotation * torque;
+                }
+                write(out, 6 * joint, &force);
+                write(out, 6 * joint + 3, &torque);
+            });
+        }
+        Quantity::Energy => {
+            let mut power = forces::drive_power(&evaluation);
+            each(&evaluation, |_, rows, own, ends| {
+                for (row, &multiplier) in rows.rows().iter().zip(own) {
+                    power -= multiplier * row.prescribed_rate(ends);
+                }
+            });
+            energy(&evaluation, power, out);
+        }
+        Quantity::Outputs => outputs(&evaluation, out),
+        _ => {}
+    }
+}
+
+/// Hands out every joint with its rows, their multipliers and its ends, body components.
+fn each<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    mut look: impl FnMut(usize, &Rows<S>, &[S], &super::rows::Ends<'_, S>),
+) {
+    let mut rows = Rows::default();
+    let joints = evaluation.scene.joints.iter();
+    for (index, (joint, slots)) in joints.zip(&evaluation.layout.joints).enumerate() {
+        let own = evaluation.multipliers.get(slots.row..slots.row + slots.len);
+        let ends = evaluation.ends(index, AngularVelocity::Body);
+        let (Some(own), Some(ends), true) = (own, ends, slots.len > 0) else {
+            continue;
+        };
+        rows.clear();
+        joint.law.constrain(&ends, &mut rows);
+        for (coordinate, course) in evaluation.motors(joint) {
+            rows.motor(&ends, &coordinate, &course);
+        }
+        look(index, &rows, own, &ends);
+    }
+}

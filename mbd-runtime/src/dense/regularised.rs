@@ -1,0 +1,102 @@
+//! The last resort where rows lose rank: all of them, each allowed to give way a little, and what gave way asked for again.
+//!
+//! ```text
+//! y_i = L⁻¹ φ_iᵀ / |L⁻¹ φ_iᵀ|,  g_i = γ_i / |L⁻¹ φ_iᵀ|,  w₀ = L⁻¹ (f − h)                                 (1)
+//! (Y Yᵀ + ε) Δ = g − Y w,   w ← w + Yᵀ Δ                     until the residual no longer halves           (2)
+//! v̇ = L⁻ᵀ w,  λ_i = Σ Δ_i / |L⁻¹ φ_iᵀ|
+//! ```
+//!
+//! Directions with σ² well above ε are solved in a few rounds; those well below, where a slightly inconsistent row would ask for 1/σ times
+//! as much, are left as they are. Where rows contradict each other the residual stalls at the contradiction: the caller must look at it.
+//! Source: the proximal method of multipliers (Rockafellar 1976), as Pinocchio uses it for constrained dynamics. Inside a step it costs
+//! order (four becomes two), and its multipliers say nothing about reactions: they serve for the power of prescribed motions only, which is
+//! the same for every solution.
+
+use super::{Dense, dot, largest};
+
+/// ε: σ² of a row of size 1 below which a direction is left alone. Smaller ones follow the inconsistency of a stage, larger ones converge slowly.
+const GIVE: f64 = 1e-6;
+/// Rounds of (2) at most.
+const ROUNDS: usize = 50;
+/// Rounds after which it may stop: by then rows far from those that stall are solved to the last digit.
+const LEAST: usize = 3;
+
+impl Dense {
+    /// v̇ by (2) into `force`, from `mass`, `jacobian`, `right` and `force`, whose numbers are good to `epsilon`; the largest row that is left,
+    /// over the size of g and w. NaN where a number is.
+    pub(crate) fn accelerate_regularised(&mut self, epsilon: f64) -> f64 {
+        let (n, nc) = (self.nv, self.nc);
+        let give = GIVE.max(100.0 * epsilon);
+        self.factor_mass();
+        Self::forward(&self.lower, &mut self.force);
+        for row in 0..nc {
+            let unit = &mut self.units[row * n..(row + 1) * n];
+            unit.copy_from_slice(&self.jacobian[row * n..(row + 1) * n]);
+            Self::forward(&self.lower, unit);
+            let size = dot(unit, unit).sqrt();
+            self.spare[row] = if size > 0.0 { size } else { 1.0 };
+            if size > 0.0 {
+                unit.iter_mut().for_each(|x| *x /= size);
+                self.right[row] /= size;
+            }
+        }
+        for i in 0..nc {
+            for j in 0..=i {
+                let shared = dot(
+                    &self.units[i * n..(i + 1) * n],
+                    &self.units[j * n..(j + 1) * n],
+                );
+                self.mix[i * nc + j] = if i == j { shared + give } else { shared };
+            }
+        }
+        Self::factor_square(&mut self.mix, nc);
+        let scale = largest(&self.right) + dot(&self.force, &self.force).sqrt();
+        self.multipliers.fill(0.0);
+        let mut before = f64::INFINITY;
+        for round in 0..ROUNDS {
+            for (row, left) in self.along.iter_mut().enumerate() {
+                let unit = &self.units[row * n..(row + 1) * n];
+                *left = self.right[row] - dot(unit, &self.force);
+            }
+            let left = largest(&self.along);
+            let stalls = round >= LEAST && left > 0.5 * before;
+            before = left;
+            if stalls || left <= epsilon * scale || left.is_nan() {
+                break;
+            }
+            Self::forward(&self.mix, &mut self.along);
+            Self::backward(&self.mix, &mut self.along);
+            let news = self.multipliers.iter_mut().zip(&self.along);
+            for ((multiplier, more), size) in news.zip(&self.spare) {
+                *multiplier += more / size;
+            }
+            for (unit, more) in self.units.chunks_exact(n).zip(&self.along) {
+                let moved = self.force.iter_mut().zip(unit);
+                moved.for_each(|(w, y)| *w += more * y);
+            }
+        }
+        Self::backward(&self.lower, &mut self.force);
+        if before == 0.0 { 0.0 } else { before / scale }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::dense::tests::pair;
+
+    #[test]
+    fn rows_that_repeat_are_solved_together_and_a_contradiction_is_left_over() {
+        let mut dense = pair();
+        let left = dense.accelerate_regularised(f64::EPSILON);
+        let (a, b) = (dense.force[0], dense.force[1]);
+        assert!(left < 1e-14, "{left:e}");
+        assert!((a - b - 0.5).abs() < 1e-13 && (2.0 * a + 3.0 * b - 10.0).abs() < 1e-13);
+        let push = dense.multipliers[0] + 2.0 * dense.multipliers[1];
+        assert!((3.0 * b + push).abs() < 1e-12, "{push}");
+        let mut dense = pair();
+        dense.right[1] = 3.0;
+        let left = dense.accelerate_regularised(f64::EPSILON);
+        // a − b cannot be 0.5 and 1.5: both rows miss by half a metre per second squared.
+        assert!(left > 0.05, "{left:e}");
+    }
+}

@@ -1,0 +1,128 @@
+//! The laws of a scene on numbers, whatever model runs: for the few states at which a run needs what a compiled model may not have been
+//! asked to emit. In `f64` whatever the scalar of the run.
+
+use mbd_scene::laws::{self, Numbers, Scratch};
+use mbd_scene::{At, Float, Model, Quantity};
+
+/// Numbers and scratch of one scene.
+#[derive(Clone, Debug)]
+pub(crate) struct Laws {
+    numbers: Numbers<f64>,
+    scratch: Scratch<f64>,
+    arguments: Arguments,
+}
+
+impl Laws {
+    /// Those of the scene of a model, with its parameters.
+    pub(crate) fn new<T: Float, M: Model<T>>(model: &M) -> Self {
+        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
+        Laws {
+            numbers: Numbers::new(model.scene(), &params),
+            scratch: Scratch::new(model.layout()),
+            arguments: Arguments::default(),
+        }
+    }
+
+    /// Writes a quantity of the scene that `model` runs; entries of matrices that are always zero, too.
+    pub(crate) fn evaluate<T: Float, M: Model<T>>(
+        &mut self,
+        model: &M,
+        what: Quantity,
+        at: &At<'_, T>,
+        out: &mut [f64],
+    ) {
+        self.read(at);
+        out.fill(0.0);
+        laws::evaluate(
+            what,
+            model.scene(),
+            model.layout(),
+            &self.numbers,
+            &self.arguments.at(),
+            &mut self.scratch,
+            out,
+        );
+    }
+
+    /// The same for multipliers that were found elsewhere: reactions, energy or outputs.
+    pub(crate) fn evaluate_given<T: Float, M: Model<T>>(
+        &mut self,
+        model: &M,
+        what: Quantity,
+        at: &At<'_, T>,
+        multipliers: &[f64],
+        out: &mut [f64],
+    ) {
+        self.read(at);
+        laws::evaluate_given(
+            what,
+            model.scene(),
+            model.layout(),
+            &self.numbers,
+            (&self.arguments.at(), multipliers),
+            &mut self.scratch,
+            out,
+        );
+    }
+
+    /// Writes the angles in (−π, π] that something acts along which jumps with them.
+    pub(crate) fn jumping_angles<T: Float, M: Model<T>>(
+        &mut self,
+        model: &M,
+        at: &At<'_, T>,
+        out: &mut Vec<f64>,
+    ) {
+        self.read(at);
+        out.clear();
+        laws::jumping_angles(
+            model.scene(),
+            model.layout(),
+            &self.numbers,
+            &self.arguments.at(),
+            &mut self.scratch,
+            out,
+        );
+    }
+
+    fn read<T: Float>(&mut self, at: &At<'_, T>) {
+        let copy = |from: &[T], to: &mut Vec<f64>| {
+            to.clear();
+            to.extend(from.iter().map(|x| x.to_f64()));
+        };
+        let arguments = &mut self.arguments;
+        arguments.time = at.time.to_f64();
+        copy(at.state, &mut arguments.state);
+        copy(at.nodes, &mut arguments.nodes);
+        copy(at.effective, &mut arguments.effective);
+        copy(at.hold, &mut arguments.hold);
+        copy(at.ends, &mut arguments.ends);
+        copy(at.inputs, &mut arguments.inputs);
+    }
+}
+
+/// The arguments of an evaluation in `f64`.
+#[derive(Clone, Debug, Default)]
+struct Arguments {
+    time: f64,
+    state: Vec<f64>,
+    nodes: Vec<f64>,
+    effective: Vec<f64>,
+    hold: Vec<f64>,
+    ends: Vec<f64>,
+    inputs: Vec<f64>,
+}
+
+impl Arguments {
+    fn at(&self) -> At<'_, f64> {
+        At {
+            time: self.time,
+            state: &self.state,
+            nodes: &self.nodes,
+            effective: &self.effective,
+            hold: &self.hold,
+            ends: &self.ends,
+            inputs: &self.inputs,
+            rows: &[],
+        }
+    }
+}
