@@ -709,7 +709,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 0;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 7835777355893444548;
+        pub const DECL_HASH: u64 = 12628231548786389112;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &[
             ::mbd_runtime::CoordInfo {
@@ -895,6 +895,7 @@ const _: () = {
                 doc: "A knot of four lines: three stays and a hanger with a bob.".into(),
                 coordinates: ::mbd_runtime::scene::Coordinates::Absolute,
                 angular_velocity: ::mbd_runtime::scene::AngularVelocity::Body,
+                planar: ::core::option::Option::None,
                 gravity: ::mbd_runtime::scene::Gravity::Uniform {
                     acceleration: [
                         ::mbd_runtime::scene::Formula::Number(0.0),

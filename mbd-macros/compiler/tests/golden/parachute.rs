@@ -3254,7 +3254,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 3;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 21451921685716840;
+        pub const DECL_HASH: u64 = 3029362769033999780;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &[
             ::mbd_runtime::CoordInfo {
@@ -3581,6 +3581,7 @@ const _: () = {
                     .into(),
                 coordinates: ::mbd_runtime::scene::Coordinates::Absolute,
                 angular_velocity: ::mbd_runtime::scene::AngularVelocity::Body,
+                planar: ::core::option::Option::None,
                 gravity: ::mbd_runtime::scene::Gravity::PointMass {
                     mu: ::mbd_runtime::scene::Formula::Number(4.2828e13),
                     center: [
