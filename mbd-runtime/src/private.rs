@@ -1,10 +1,11 @@
 //! What generated code calls and nobody else should.
 
 use mbd_scene::laws::{LineNumbers, Numbers};
-use mbd_scene::{Float, Layout, ParamError, Real, Redundancy, Scene, check_params};
+use mbd_scene::{Float, Layout, ParamError, Real, Redundancy, Scene};
 
 use crate::{LineState, Reaction};
 
+pub use crate::parts::{member, read, write};
 pub use crate::verify::verify;
 
 /// What every generated model carries besides its equations.
@@ -37,9 +38,25 @@ impl<T: Real> Parts<T> {
     where
         T: Float,
     {
-        check_params(&scene, params)?;
-        Ok(Self::new(scene, redundancy, params))
+        let lines = T::numbers(&scene, params)?.lines;
+        Ok(Parts {
+            layout: Layout::keeping(&scene, redundancy),
+            lines,
+            scene,
+        })
     }
+}
+
+/// The scene of a text that the compiler wrote.
+#[must_use]
+pub fn scene(text: &str) -> Scene {
+    Scene::unpacked(text).unwrap_or_default()
+}
+
+/// The repeated rows of a text that the compiler wrote.
+#[must_use]
+pub fn redundancy(text: &str) -> Redundancy {
+    Redundancy::unpacked(text).unwrap_or_default()
 }
 
 /// The slice as an array, if it has the right length.
@@ -97,4 +114,60 @@ pub fn reactions<T: Real, const N: usize>(numbers: &[T]) -> [Reaction<T>; N] {
             torque: [tx, ty, tz],
         }
     })
+}
+
+/// A list as its first Q, next V and next Z numbers; zero where it ends early.
+#[must_use]
+pub fn parts<T: Real, const Q: usize, const V: usize, const Z: usize>(
+    numbers: &[T],
+) -> ([T; Q], [T; V], [T; Z]) {
+    let mut rest = numbers.iter().copied();
+    let mut next = || rest.next().unwrap_or_else(T::zero);
+    let q = std::array::from_fn(|_| next());
+    let v = std::array::from_fn(|_| next());
+    (q, v, std::array::from_fn(|_| next()))
+}
+
+/// Writes a list to the beginning of a working list and hands back what follows.
+#[inline]
+pub fn enter<'w, T: Copy, const N: usize>(work: &'w mut [T], list: &[T; N]) -> Option<&'w mut [T]> {
+    let (own, rest) = work.split_first_chunk_mut()?;
+    *own = *list;
+    Some(rest)
+}
+
+/// The numbers of a working list from a place on.
+#[inline(always)]
+#[must_use]
+pub fn window<T, const N: usize>(work: &[T], begin: usize) -> Option<&[T; N]> {
+    work.get(begin..)?.first_chunk()
+}
+
+/// Places of the next round of a loop.
+#[inline(always)]
+#[must_use]
+pub fn advanced<const N: usize>(places: [usize; N], steps: [isize; N]) -> [usize; N] {
+    let mut steps = steps.into_iter();
+    places.map(|place| place.wrapping_add_signed(steps.next().unwrap_or_default()))
+}
+
+/// Rounds of stretches to copy: how often; how many numbers, first place and step in the result, first place and step in the working list.
+pub type Copies = (usize, &'static [(usize, (usize, isize), (usize, isize))]);
+
+/// Copies results out of a working list; `None` where one of the lists is too short.
+#[inline]
+pub fn copy<T: Copy>(work: &[T], out: &mut [T], copies: &[Copies]) -> Option<()> {
+    for &(rounds, stretches) in copies {
+        for round in 0..rounds as isize {
+            for &(count, (to, to_step), (from, from_step)) in stretches {
+                let to = to.wrapping_add_signed(to_step.wrapping_mul(round));
+                let from = from.wrapping_add_signed(from_step.wrapping_mul(round));
+                let (out, work) = (out.get_mut(to..)?, work.get(from..)?);
+                for (out, &value) in out.get_mut(..count)?.iter_mut().zip(work.get(..count)?) {
+                    *out = value;
+                }
+            }
+        }
+    }
+    Some(())
 }

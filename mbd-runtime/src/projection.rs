@@ -26,6 +26,8 @@ const START_ITERATIONS: u32 = 20;
 const LARGEST_TURN: f64 = 0.7;
 /// Rows that a step leaves this far from zero, in scene lengths, have come apart.
 const APART: f64 = 1e-6;
+/// What rounding may leave of rows, in units of the scalar's last place at the largest number they are made of.
+const ROUNDED: f64 = 64.0;
 /// What a solve may leave of the rows, relative: beyond it rows that are not in the system ask for more than those that are.
 const UNSOLVED: f64 = 1e-3;
 /// How many joints an error names.
@@ -119,7 +121,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         let mut joints = self.model.layout().joints.iter();
         if joints.any(|slots| slots.driven) {
             let norm = self.read_rows(Quantity::ConstraintRate, time, state);
-            if norm > APART * self.projection.length.max(self.size(state)) {
+            let rounding = ROUNDED * T::EPSILON.to_f64() * self.fastest(state);
+            if norm > (APART * self.size(state)).max(rounding) {
                 return Err(StepError::InconsistentStart {
                     norm,
                     rows: self.worst_joints(),
@@ -217,10 +220,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         let nq = self.model.layout().nq;
         for _ in 0..2 {
             let norm = self.read_rows(Quantity::ConstraintRate, time, state);
-            let speeds = state.get_mut(nq..).unwrap_or_default();
-            let speeds = speeds.iter().take(self.projection.moves().len());
-            let fastest = speeds.fold(0.0, |most: f64, v| most.max(v.to_f64().abs()));
-            if norm <= 4.0 * T::EPSILON.to_f64() * fastest {
+            if norm <= 4.0 * T::EPSILON.to_f64() * self.fastest(state) {
                 break;
             }
             self.correct(time, state)?;
@@ -316,9 +316,16 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         coordinates.fold(self.projection.length, |most, x| most.max(x.to_f64().abs()))
     }
 
+    /// The largest speed.
+    fn fastest(&self, state: &[T]) -> f64 {
+        let layout = self.model.layout();
+        let speeds = state.iter().skip(layout.nq).take(layout.nv);
+        speeds.fold(0.0, |most, v| most.max(v.to_f64().abs()))
+    }
+
     /// What rounding may leave of Φ.
     fn rounding(&self, state: &[T]) -> f64 {
-        64.0 * T::EPSILON.to_f64() * self.size(state)
+        ROUNDED * T::EPSILON.to_f64() * self.size(state)
     }
 
     /// Whether rows of this size hold.

@@ -17,11 +17,6 @@ const ROD: &str = "mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, \
 
 /// `n` rods on hinges, n even.
 fn hinges(n: usize) -> String {
-    // A repetition has at least one member: two rods have no second hinge about y.
-    let further = match n {
-        2 => "",
-        _ => "joint pin_even[i in 1..HALF]: hinge from odd[i - 1].end to even[i].top { axis: y }",
-    };
     format!(
         "pub model Chain {{
             gravity: [0.0, 0.0, -9.81] m/s^2;
@@ -30,7 +25,7 @@ fn hinges(n: usize) -> String {
             body odd[i in 0..HALF] {{ {ROD} }}
             joint hold: hinge from world to even[0].top {{ axis: y }}
             joint pin_odd[i in 0..HALF]: hinge from even[i].end to odd[i].top {{ axis: x }}
-            {further}
+            joint pin_even[i in 1..HALF]: hinge from odd[i - 1].end to even[i].top {{ axis: y }}
         }}",
         n / 2
     )

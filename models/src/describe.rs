@@ -43,12 +43,15 @@ pub fn counts(scene: &Scene) -> Table {
     for (what, number) in rows {
         table.push([what.into(), number.into()]);
     }
-    let gravity = gravity(&scene.gravity);
-    table.note(format!("{}; gravity: {gravity}", freedoms(scene, &layout)))
+    let told = layout.redundancy.sentences(scene);
+    let notes = [freedoms(scene, &layout)].into_iter().chain(told);
+    let notes = notes.chain(immovable(scene, &layout));
+    let gravity = format!("gravity: {}", gravity(&scene.gravity));
+    notes.chain([gravity]).fold(table, Table::note)
 }
 
-/// Freedoms by Grübler's count, which takes rows as independent (6 a body, 3 a point with mass, in a plane 3 and 2, less the rows of the joints), and by the
-/// true rank; loops, and which rows repeat others.
+/// Freedoms by Grübler's count, which takes rows as independent (6 a body, 3 a point with mass, in a plane 3 and 2, less the rows of the
+/// joints), and by the true rank; loops.
 fn freedoms(scene: &Scene, layout: &Layout) -> String {
     let (bodies, rows, rank) = (scene.bodies.len(), layout.nc, layout.rank());
     let points = scene.points.len() - layout.nodes.len();
@@ -61,10 +64,6 @@ fn freedoms(scene: &Scene, layout: &Layout) -> String {
     if rows > 0 {
         let (left, loops) = (count(rank), layout.redundancy.loops);
         text += &format!("; by the rank {rank} of the rows: {left}; loops: {loops}");
-    }
-    let told = layout.redundancy.sentences(scene);
-    for sentence in told.into_iter().chain(immovable(scene, layout)) {
-        text += &format!("; {sentence}");
     }
     text
 }

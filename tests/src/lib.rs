@@ -16,6 +16,7 @@ pub mod planar;
 pub mod random;
 pub mod random_scene;
 pub mod reference;
+pub mod system;
 
 /// Asserts that every number of `got` equals that of `want` to `relative` of the largest number of `want`, plus `absolute`.
 ///

@@ -126,7 +126,7 @@ fn typed_methods_give_the_numbers_of_the_trait() {
     };
     let value = |what: Quantity| {
         let mut out = vec![0.0; kite.layout().len(what)];
-        kite.evaluate(what, &at, &mut (), &mut out);
+        kite.evaluate(what, &at, &mut kite.work(), &mut out);
         out
     };
     let rates = kite.derivative(0.5, &state, &HOLD, &Breeze);
@@ -330,7 +330,7 @@ fn a_quantity_that_is_not_emitted_says_so_loudly() {
         rows: &[],
     };
     let mut energy = [0.0; 6];
-    weight.evaluate(Quantity::Energy, &at, &mut (), &mut energy);
+    weight.evaluate(Quantity::Energy, &at, &mut weight.work(), &mut energy);
     assert!(energy.iter().all(|x| x.is_nan()));
 }
 
@@ -350,9 +350,9 @@ fn slices_of_a_wrong_length_leave_the_result_untouched() {
         rows: &[],
     };
     let mut out = vec![7.0; 19];
-    kite.evaluate(Quantity::Derivative, &at, &mut (), &mut out);
+    kite.evaluate(Quantity::Derivative, &at, &mut kite.work(), &mut out);
     assert_eq!(out, vec![7.0; 19]);
     let at = mbd_runtime::At { state: &x, ..at };
-    kite.evaluate(Quantity::Derivative, &at, &mut (), &mut out[1..]);
+    kite.evaluate(Quantity::Derivative, &at, &mut kite.work(), &mut out[1..]);
     assert_eq!(out, vec![7.0; 19]);
 }

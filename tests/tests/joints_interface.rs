@@ -79,7 +79,12 @@ fn the_sparsity_of_the_jacobian_is_where_it_is_written() {
     };
     let written = f64::MAX;
     let mut flat = vec![written; Pendulum::NC * Pendulum::NV];
-    pendulum.evaluate(Quantity::ConstraintJacobian, &at, &mut (), &mut flat);
+    pendulum.evaluate(
+        Quantity::ConstraintJacobian,
+        &at,
+        &mut pendulum.work(),
+        &mut flat,
+    );
     for row in 0..Pendulum::NC {
         for column in 0..Pendulum::NV {
             let value = flat[row * Pendulum::NV + column];

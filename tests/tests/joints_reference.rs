@@ -1,14 +1,12 @@
 //! Joints and loops against numbers of independent tools: rows, Jacobians, γ, accelerations, multipliers, reactions.
 
-use mbd_scene::joints::JointLaw;
-use mbd_scene::{AngularVelocity, Layout, Place, Quantity, Scene};
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use mbd_scene::{AngularVelocity, Layout, Quantity, Scene};
+use nalgebra::Vector3;
 use serde_json::Value;
-use tests::assert_close;
-use tests::mechanism::{
-    Instance, add_body, add_external_loads, add_frame, add_joint, empty, evaluate, frame, state,
-};
+use tests::mechanism::{Instance, add_external_loads, evaluate, state};
 use tests::reference::{field, load, numbers};
+use tests::system::{bodies, instances, three};
+use tests::{assert_close, system};
 
 const COMPONENTS: [AngularVelocity; 2] = [AngularVelocity::Body, AngularVelocity::World];
 const JOINTS: [&str; 7] = [
@@ -21,67 +19,11 @@ const JOINTS: [&str; 7] = [
     "free",
 ];
 
-fn law(keyword: &str) -> JointLaw {
-    match keyword {
-        "rigid" => JointLaw::Rigid(Default::default()),
-        "hinge" => JointLaw::Hinge(Default::default()),
-        "spherical" => JointLaw::Spherical(Default::default()),
-        "universal" => JointLaw::Universal(Default::default()),
-        "prismatic" => JointLaw::Prismatic(Default::default()),
-        "cylindrical" => JointLaw::Cylindrical(Default::default()),
-        "free" => JointLaw::Free(Default::default()),
-        other => panic!("no joint {other}"),
-    }
-}
-
-fn three(value: &Value) -> [f64; 3] {
-    numbers(value).try_into().expect("three numbers")
-}
-
-fn scene(system: &Value, components: AngularVelocity) -> Scene {
-    let mut scene = empty(three(&system["gravity"]), components);
-    for body in system["bodies"].as_array().expect("bodies") {
-        let mass = body["mass"].as_f64().expect("a mass");
-        let inertia = Matrix3::from_row_slice(&field(body, "inertia"));
-        add_body(&mut scene, mass, &inertia);
-    }
-    for joint in system["joints"].as_array().expect("joints") {
-        let mut place = |body: &str, p: &str, r: &str| -> Place {
-            let body = usize::try_from(joint[body].as_i64().expect("an index")).ok();
-            let axes = Matrix3::from_row_slice(&field(joint, r));
-            add_frame(&mut scene, body, frame(p, three(&joint[p]), Some(axes)))
-        };
-        let (parent, child) = (place("parent", "p1", "R1"), place("child", "p2", "R2"));
-        let law = law(joint["type"].as_str().expect("a type"));
-        add_joint(&mut scene, law, parent, child);
-    }
+/// A scene with a force and a couple on every body.
+fn scene(file: &Value, components: AngularVelocity) -> Scene {
+    let mut scene = system::scene(&file["system"], components);
     add_external_loads(&mut scene);
     scene
-}
-
-/// Bodies of a list of positions, attitudes and velocities, one item a body.
-fn bodies(r: &Value, quat: &Value, rdot: &Value, omega: &Value) -> Vec<Instance> {
-    (0..r.as_array().expect("bodies").len())
-        .map(|i| {
-            let q = numbers(&quat[i]);
-            Instance {
-                position: Vector3::from(three(&r[i])),
-                attitude: UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3])),
-                velocity: Vector3::from(three(&rdot[i])),
-                omega: Vector3::from(three(&omega[i])),
-                ..Instance::rest()
-            }
-        })
-        .collect()
-}
-
-fn instances(state: &Value) -> Vec<Instance> {
-    bodies(
-        &state["r"],
-        &state["quat"],
-        &state["rdot"],
-        &state["omega_world"],
-    )
 }
 
 /// v̇ of a derivative, in the layout of [rddot, alpha] a body.
@@ -96,7 +38,7 @@ fn rows_jacobians_and_bias_are_the_canonical_ones_on_and_off_the_manifold() {
     for joint in JOINTS {
         let file = load(&format!("joints/joint_{joint}_a.json"));
         for components in COMPONENTS {
-            let scene = scene(&file["system"], components);
+            let scene = scene(&file, components);
             for list in ["states", "off_manifold_states"] {
                 for (index, stored) in file[list].as_array().expect("states").iter().enumerate() {
                     let x = state(&scene, &instances(stored), &[]);
@@ -129,7 +71,7 @@ fn accelerations_multipliers_and_reactions_are_those_of_minimal_coordinates() {
     for joint in JOINTS {
         let file = load(&format!("joints/joint_{joint}_a.json"));
         for components in COMPONENTS {
-            let scene = scene(&file["system"], components);
+            let scene = scene(&file, components);
             for (index, stored) in file["states"]
                 .as_array()
                 .expect("states")
@@ -186,7 +128,7 @@ fn a_closed_spatial_loop_accelerates_as_the_reference_does() {
     let history = &file["time_history"];
     let instants = history["t"].as_array().expect("times").len();
     for components in COMPONENTS {
-        let scene = scene(&file["system"], components);
+        let scene = scene(&file, components);
         assert_eq!(Layout::new(&scene).nc, 17);
         for k in 0..instants {
             let of = |name: &str| &history[name][k];

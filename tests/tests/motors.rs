@@ -265,6 +265,20 @@ fn a_driven_slider_crank_runs_in_single_precision() {
     assert!((f64::from(run.state()[7]) - want).abs() < 1e-5);
 }
 
+#[test]
+fn a_driven_slider_crank_takes_up_its_speed_in_single_precision() {
+    for rate in 9..=20 {
+        let rate = rate as f32;
+        let single = SliderCrank::<f32>::new(SliderCrankParams { rate }).expect("in range");
+        let mut run = Simulation::new(&single, Options::rk4(2e-3)).expect("options");
+        let mut x: Vec<f32> = crank_state(0.0).iter().map(|x| *x as f32).collect();
+        x[14..].fill(0.0);
+        run.set_state(0.0, &x).expect("a state");
+        run.start().expect("a start");
+        assert!((run.state()[14 + 5] - rate).abs() <= 4.0 * f32::EPSILON * rate);
+    }
+}
+
 model! {
     /// An arm held and swung by a motor, a carriage driven along and about its rail, a nut driven on its thread.
     pub model Machine {
@@ -330,6 +344,18 @@ fn efforts_of_motors_are_the_forces_and_torques_along_their_coordinates() {
         (nut - 40.0 * 0.01 / std::f64::consts::TAU).abs() < 1e-12,
         "{nut}"
     );
+}
+
+#[test]
+fn what_drives_a_coordinate_is_explained() {
+    let told = Machine::explain();
+    for course in [
+        "sleeve.slide: motor = 0.3 * sin(2 * time) m",
+        "sleeve.angle: motor = 4 * time rad",
+        "thread.angle: motor = 20 * time rad",
+    ] {
+        assert!(told.contains(course), "{course} in\n{told}");
+    }
 }
 
 fn law(keyword: &str) -> JointLaw {

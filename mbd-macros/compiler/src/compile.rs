@@ -4,11 +4,10 @@ use mbd_scene::{Layout, Quantity, Scene};
 use proc_macro2::{Span, TokenStream};
 use quote::{quote, quote_spanned};
 
-use crate::emit::{NameSpans, Settings, emit_model, quantity, references};
+use crate::emit::{NameSpans, Settings, emit_model, emit_with, quantity, references};
 use crate::equations::Equations;
+use crate::kernels::Kernels;
 use crate::messages::{Location, Message};
-use crate::outline::outline;
-use crate::program::Program;
 use crate::reading::{Reading, read_tokens};
 
 /// More emitted operations than this are a warning.
@@ -60,15 +59,17 @@ fn model(reading: &Reading, scene: &Scene) -> TokenStream {
         .filter(|what| !matches!(what, Quantity::Partial(..)))
         .collect();
     let mut equations = Equations::trace_in(scene, layout.clone(), &laws);
-    if size(&equations) <= TOO_MANY && laws.len() < wanted.len() {
+    let mut kernels = Kernels::of(&equations);
+    if size(&equations, &kernels) <= TOO_MANY && laws.len() < wanted.len() {
         equations = Equations::trace_in(scene, layout, &wanted);
+        kernels = Kernels::of(&equations);
     }
-    let large = match judge(size(&equations)) {
+    let large = match judge(size(&equations, &kernels)) {
         Ok(large) => large.map(|text| deprecated(reading.spans.model, &text)),
         Err(text) => return without_equations(reading, error(reading.spans.model, &text)),
     };
     let (spans, settings) = settings(reading);
-    let model = emit_model(&equations, &spans, &settings);
+    let model = emit_with(&equations, &kernels, &spans, &settings);
     let references = references(&equations, &spans, &settings, &reading.spans.references);
     quote!(#large #model #references)
 }
@@ -167,21 +168,18 @@ fn judge(size: usize) -> Result<Option<String>, String> {
 }
 
 /// Operations as emitted: kernels that pieces share count once.
-fn size(equations: &Equations) -> usize {
-    let length = |program: &Program| match outline(program) {
-        None => program.instructions.len(),
-        Some(outline) => outline
-            .shapes
-            .iter()
-            .filter_map(|&(first, _)| outline.pieces.get(first))
-            .map(|piece| piece.instructions.len())
-            .sum(),
-    };
-    equations
-        .programs
-        .iter()
-        .map(|(_, program)| length(program))
-        .sum()
+fn size(equations: &Equations, kernels: &Kernels) -> usize {
+    let whole: usize = equations
+        .every_program()
+        .zip(&kernels.drivers)
+        .filter(|(_, driver)| driver.is_none())
+        .map(|(program, _)| program.instructions.len())
+        .sum();
+    let pieces = kernels.kernels.iter().filter_map(|kernel| {
+        let driver = kernels.drivers.get(kernel.first.0)?.as_ref()?;
+        Some(driver.pieces.get(kernel.first.1)?.instructions.len())
+    });
+    whole + pieces.sum::<usize>()
 }
 
 fn error(span: Span, text: &str) -> TokenStream {

@@ -1,6 +1,6 @@
 //! Formulas as the user would write them, and formulas changed all over a scene.
 
-use mbd_scene::joints::{Along, Coordinate, FORCE, NUMBERS, STOPS};
+use mbd_scene::joints::{Along, Coordinate, FORCE, MOTOR, NUMBERS, STOPS};
 use mbd_scene::{Formula, Function, Gravity, LoadKind, Place, PointKind, Scene, Triple};
 
 /// A place by its name, `capsule.bridle[0]`.
@@ -178,9 +178,11 @@ pub fn along(scene: &Scene, coordinate: &Coordinate, along: &Along) -> String {
         let unit = STOPS.measured.unit(coordinate);
         parts.push(format!("stops = [{low}, {high}] {unit}"));
     }
-    if let Some(force) = &along.force {
-        let unit = FORCE.measured.unit(coordinate);
-        parts.push(format!("force = {} {unit}", text(scene, force)));
+    for (field, formula) in [(&FORCE, &along.force), (&MOTOR, &along.motor)] {
+        if let Some(formula) = formula {
+            let unit = field.measured.unit(coordinate);
+            parts.push(format!("{} = {} {unit}", field.name, text(scene, formula)));
+        }
     }
     parts.join(", ")
 }

@@ -10,7 +10,7 @@ use crate::differentiate::{By, jacobian};
 use crate::expression::{Expr, Graph, Node, Slot, Term, recorded, session};
 use crate::names;
 use crate::operation::Op;
-use crate::program::Program;
+use crate::program::{Operand, Program};
 
 /// The equations of one scene.
 #[derive(Clone, Debug)]
@@ -119,6 +119,30 @@ impl Equations {
             .iter()
             .find(|(known, _)| *known == what)
             .map(|(_, program)| program)
+    }
+
+    /// Every program: those of the quantities, that of the parameters' terms, that of q̇.
+    pub fn every_program(&self) -> impl Iterator<Item = &Program> {
+        let programs = self.programs.iter().map(|(_, program)| program);
+        programs.chain([&self.derived]).chain(&self.kinematics)
+    }
+
+    /// The section that a term of the parameters belongs to: index into the sections of its program.
+    #[must_use]
+    pub fn derived_section(&self, index: usize) -> usize {
+        let register = self
+            .derived
+            .outputs
+            .get(index)
+            .map(|&(_, register)| register);
+        match register.map(|register| self.derived.operand(register)) {
+            Some(Operand::Value(value)) => self
+                .derived
+                .instructions
+                .get(value)
+                .map_or(0, |instruction| instruction.section),
+            _ => 0,
+        }
     }
 
     /// Operations of all quantities together.

@@ -11,6 +11,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 use mbd_scene::Real;
 use num_traits::{One, Zero};
 
+use crate::hash::Map;
 use crate::operation::{Binary, Comparison, Op, Unary};
 
 /// A number that enters an evaluation from outside.
@@ -63,8 +64,8 @@ pub enum Node {
 #[derive(Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    found: HashMap<Node, Expr>,
-    names: HashMap<Expr, &'static str>,
+    found: Map<Node, Expr>,
+    names: Map<Expr, &'static str>,
     /// Whether a term depends on anything but constants and parameters.
     live: Vec<bool>,
     /// The last epoch in which a term was asked for.

@@ -2,13 +2,17 @@
 
 mod check;
 mod compile;
+mod cycles;
 mod describe;
 mod differentiate;
 mod emit;
 mod equations;
 mod expression;
+mod hash;
 mod interpret;
+mod kernels;
 mod lexeme;
+mod lists;
 mod messages;
 mod names;
 mod number;
@@ -26,15 +30,18 @@ mod units;
 #[cfg(feature = "pretty")]
 pub use compile::expand;
 pub use compile::{compile, emit, immovable};
+pub use cycles::{Cycle, Item};
 pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Mask, Node, Slot, Term, recorded, session};
 pub use interpret::{Interpreted, Registers};
+pub use kernels::{Driver, Kernel, Kernels, Window};
+pub use lists::{Arguments, Group};
 pub use messages::similar::nearest;
 pub use messages::{Location, Message, Place};
 pub use number::read_number;
 pub use operation::{Binary, Comparison, Op, Unary};
-pub use outline::{Outline, Piece, outline};
+pub use outline::{Local, Piece, outline};
 pub use program::{Instruction, Operand, Program, Register};
 pub use reading::{Options, Reading, Spans, read_text, read_tokens};
 pub use resolve::Named;

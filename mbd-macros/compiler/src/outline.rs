@@ -1,79 +1,107 @@
-//! Cutting a long program into kernels: pieces of a few hundred operations that end where a body, line or variable ends.
+//! Cutting a long program into pieces of a few hundred operations that end where a body, line or variable ends.
 //!
-//! Pieces of the same shape (same operations on the same pattern of arguments, numbers known at build time apart) share one kernel. The
-//! order of operations does not change, so neither does a bit of the result. A mask is no number and cannot be handed on: a piece that
-//! needs one from an earlier piece compares again.
+//! Pieces that do the same are meant to be recognised ([`crate::kernels`]), so cuts are made where runs of operations that occur twice begin
+//! and end. The order of operations does not change, so neither does a bit of the result. A mask is no number and cannot be handed on: a piece
+//! that needs one from an earlier piece compares again.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
+
+use mbd_scene::Quantity;
 
 use crate::operation::Op;
 use crate::program::{Operand, Program, Register};
 
-/// A program of at most this many operations stays one function.
+/// A program of at most this many operations stays one function, the fastest there is while it fits.
 pub const FLAT: usize = 1000;
-/// No kernel is longer, copies of masks apart.
+/// One that no step of a run waits for is cut from this length on if most of it repeats.
+const SMALL: usize = 200;
+/// No piece is longer, copies of masks apart.
 const LONGEST: usize = 600;
-/// A run of operations on one thing that occurs twice becomes a kernel of its own from this length on; shorter ones come in groups.
-const SHARED: usize = 60;
+/// A run of operations on one thing that occurs twice becomes a piece of its own from this length on; shorter ones come in groups.
+const SHARED: usize = 20;
 
 /// A part of a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
     /// Its instructions, by index, in order.
     pub instructions: Vec<usize>,
+    /// What each does: arguments counted inside the piece.
+    pub pattern: Vec<Op<Local>>,
     /// The numbers it takes that are not known at build time, in the order of their first use.
     pub given: Vec<Register>,
     /// The numbers it takes that are known at build time, in the order of their first use.
     pub constants: Vec<Register>,
-    /// Its instructions whose values are used later.
+    /// Its instructions whose values are used later, as places in `instructions`: first those that go to the result, by their place there.
     pub results: Vec<usize>,
-    /// Its shape.
-    pub shape: usize,
 }
 
-/// A program in pieces.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outline {
-    /// The pieces, in order.
-    pub pieces: Vec<Piece>,
-    /// Per shape: the first piece that has it, and whether its pieces differ in their known numbers.
-    pub shapes: Vec<(usize, bool)>,
-}
-
-/// What one operation of a shape does: arguments counted inside the piece.
+/// An argument of an operation of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Local {
+pub enum Local {
+    /// The value of an operation of the piece.
     Value(usize),
+    /// A number of [`Piece::given`].
     Given(usize),
+    /// A number of [`Piece::constants`].
     Constant(usize),
 }
 
-type Key = (Vec<Op<Local>>, Vec<usize>);
-
 /// Cuts a program; `None` if it is short enough to stay one function.
 #[must_use]
-pub fn outline(program: &Program) -> Option<Outline> {
-    if program.instructions.len() <= FLAT {
+pub fn outline(program: &Program) -> Option<Vec<Piece>> {
+    let count = program.instructions.len();
+    if count <= FLAT && (is_awaited(program) || count + program.outputs.len() < SMALL) {
         return None;
     }
-    let first = program.constants.len() + program.slots.len();
-    let uses = last_uses(program, first);
-    let runs = runs(program);
-    let measured: Vec<(Vec<usize>, Key)> = runs
+    let pieces = cut(program);
+    let mut known = HashSet::new();
+    let distinct: usize = pieces
+        .iter()
+        .filter(|piece| known.insert((&piece.pattern, &piece.results)))
+        .map(|piece| piece.instructions.len())
+        .sum();
+    (count > FLAT || 2 * distinct <= count).then_some(pieces)
+}
+
+/// Whether steps of a run wait for the result.
+fn is_awaited(program: &Program) -> bool {
+    program.what.is_some_and(|what| {
+        !matches!(
+            what,
+            Quantity::Energy
+                | Quantity::Momentum
+                | Quantity::MassMatrix
+                | Quantity::BiasForce
+                | Quantity::Forces
+                | Quantity::Lines
+                | Quantity::Outputs
+                | Quantity::Constraint
+                | Quantity::ConstraintJacobian
+                | Quantity::ConstraintRate
+                | Quantity::ConstraintBias
+                | Quantity::Multipliers
+                | Quantity::Reactions
+        )
+    })
+}
+
+fn cut(program: &Program) -> Vec<Piece> {
+    let cutter = Cutter::new(program);
+    let runs: Vec<(Vec<usize>, Key)> = runs(program)
         .into_iter()
         .map(|run| {
-            let key = measure(program, first, &uses, run.clone()).1;
-            (run, key)
+            let piece = cutter.measure(run.clone());
+            (run, (piece.pattern, piece.results))
         })
         .collect();
     let mut counts: HashMap<&Key, usize> = HashMap::new();
-    for (_, key) in &measured {
+    for (_, key) in &runs {
         *counts.entry(key).or_default() += 1;
     }
     let mut cuts: Vec<Vec<usize>> = Vec::new();
     let mut open: Vec<usize> = Vec::new();
     let mut open_is_alike = false;
-    for (run, key) in &measured {
+    for (run, key) in &runs {
         let alike = counts.get(key).is_some_and(|&count| count > 1);
         // Short runs with others alike come in groups that start and end where those of the others do.
         let full = open_is_alike && open.len() >= SHARED;
@@ -87,41 +115,132 @@ pub fn outline(program: &Program) -> Option<Outline> {
     if !open.is_empty() {
         cuts.push(open);
     }
-    Some(share(program, first, &uses, cuts))
+    cuts.into_iter().map(|cut| cutter.measure(cut)).collect()
 }
 
-/// Gives each piece its shape.
-fn share(program: &Program, first: usize, uses: &[usize], cuts: Vec<Vec<usize>>) -> Outline {
-    let mut found: HashMap<Key, usize> = HashMap::new();
-    let mut outline = Outline {
-        pieces: Vec::new(),
-        shapes: Vec::new(),
-    };
-    for cut in cuts {
-        let (mut piece, key) = measure(program, first, uses, cut);
-        let numbers = |piece: &Piece| -> Vec<Operand> {
-            piece
-                .constants
-                .iter()
-                .map(|&c| program.operand(c))
-                .collect()
-        };
-        piece.shape = match found.get(&key) {
-            Some(&shape) => {
-                if let Some((earlier, differ)) = outline.shapes.get_mut(shape) {
-                    *differ |= numbers(&outline.pieces[*earlier]) != numbers(&piece);
-                }
-                shape
-            }
-            None => {
-                outline.shapes.push((outline.pieces.len(), false));
-                found.insert(key, outline.shapes.len() - 1);
-                outline.shapes.len() - 1
-            }
-        };
-        outline.pieces.push(piece);
+type Key = (Vec<Op<Local>>, Vec<usize>);
+
+/// Runs of instructions that belong to one thing, none longer than [`LONGEST`].
+fn runs(program: &Program) -> Vec<Vec<usize>> {
+    let mut runs: Vec<Vec<usize>> = Vec::new();
+    let mut section = None;
+    for (index, instruction) in program.instructions.iter().enumerate() {
+        match runs.last_mut() {
+            Some(run) if section == Some(instruction.section) => run.push(index),
+            _ => runs.push(vec![index]),
+        }
+        section = Some(instruction.section);
     }
-    outline
+    runs.into_iter()
+        .flat_map(|run| {
+            let parts = run.len().div_ceil(LONGEST).max(1);
+            let length = run.len().div_ceil(parts).max(1);
+            run.chunks(length)
+                .map(<[usize]>::to_vec)
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// What cutting a program needs to know about it.
+struct Cutter<'a> {
+    program: &'a Program,
+    /// Registers before the first value.
+    first: usize,
+    /// Per instruction, the last instruction that uses it; the number of instructions if a result does.
+    uses: Vec<usize>,
+    /// Per instruction, its first place in the result.
+    places: HashMap<usize, usize>,
+}
+
+impl<'a> Cutter<'a> {
+    fn new(program: &'a Program) -> Self {
+        let first = program.constants.len() + program.slots.len();
+        let mut places = HashMap::new();
+        for &(place, register) in &program.outputs {
+            if let Some(value) = register.index().checked_sub(first) {
+                places.entry(value).or_insert(place);
+            }
+        }
+        Cutter {
+            program,
+            first,
+            uses: last_uses(program, first),
+            places,
+        }
+    }
+
+    fn is_mask(&self, index: usize) -> bool {
+        matches!(self.program.instructions[index].op, Op::Compare(..))
+    }
+
+    /// What a piece takes and gives, and its pattern. Masks from outside are added to its instructions.
+    fn measure(&self, cut: Vec<usize>) -> Piece {
+        let end = cut.last().copied().unwrap_or_default();
+        let start = cut.first().copied().unwrap_or_default();
+        let mut instructions = Vec::with_capacity(cut.len());
+        let mut copied = HashSet::new();
+        for &index in &cut {
+            self.copy_masks(index, start, &mut copied, &mut instructions);
+            instructions.push(index);
+        }
+        let local: HashMap<usize, usize> = instructions.iter().copied().zip(0..).collect();
+        let (mut given, mut constants): (Vec<Register>, Vec<Register>) = (Vec::new(), Vec::new());
+        let (mut given_at, mut constant_at) = (HashMap::new(), HashMap::new());
+        let mut enter = |register: Register| {
+            let value = register.index().checked_sub(self.first);
+            if let Some(&value) = value.and_then(|value| local.get(&value)) {
+                return Local::Value(value);
+            }
+            if matches!(self.program.operand(register), Operand::Constant(_)) {
+                return Local::Constant(*constant_at.entry(register).or_insert_with(|| {
+                    constants.push(register);
+                    constants.len() - 1
+                }));
+            }
+            Local::Given(*given_at.entry(register).or_insert_with(|| {
+                given.push(register);
+                given.len() - 1
+            }))
+        };
+        let pattern = instructions
+            .iter()
+            .map(|&index| self.program.instructions[index].op.map(&mut enter))
+            .collect();
+        let mut results: Vec<usize> = cut
+            .iter()
+            .copied()
+            .filter(|&index| self.uses[index] > end && !self.is_mask(index))
+            .collect();
+        results.sort_by_key(|index| self.places.get(index).copied().unwrap_or(usize::MAX));
+        let results = results.iter().map(|index| local[index]).collect();
+        Piece {
+            instructions,
+            pattern,
+            given,
+            constants,
+            results,
+        }
+    }
+
+    /// Adds the masks from before `start` that instruction `index` needs, arguments first.
+    fn copy_masks(
+        &self,
+        index: usize,
+        start: usize,
+        copied: &mut HashSet<usize>,
+        into: &mut Vec<usize>,
+    ) {
+        for argument in self.program.instructions[index].op.arguments() {
+            let Some(value) = argument.index().checked_sub(self.first) else {
+                continue;
+            };
+            if self.is_mask(value) && value < start && copied.insert(value) {
+                self.copy_masks(value, start, copied, into);
+                into.push(value);
+            }
+        }
+    }
 }
 
 /// Per instruction, the last instruction that uses it; the number of instructions if a result does.
@@ -152,107 +271,4 @@ fn last_uses(program: &Program, first: usize) -> Vec<usize> {
         }
     }
     uses
-}
-
-/// Runs of instructions that belong to one thing, none longer than [`LONGEST`].
-fn runs(program: &Program) -> Vec<Vec<usize>> {
-    let mut runs: Vec<Vec<usize>> = Vec::new();
-    let mut section = None;
-    for (index, instruction) in program.instructions.iter().enumerate() {
-        match runs.last_mut() {
-            Some(run) if section == Some(instruction.section) => run.push(index),
-            _ => runs.push(vec![index]),
-        }
-        section = Some(instruction.section);
-    }
-    runs.into_iter()
-        .flat_map(|run| {
-            let parts = run.len().div_ceil(LONGEST).max(1);
-            let length = run.len().div_ceil(parts).max(1);
-            run.chunks(length)
-                .map(<[usize]>::to_vec)
-                .collect::<Vec<_>>()
-        })
-        .collect()
-}
-
-/// What a piece takes and gives, and its shape. Masks from outside are added to its instructions.
-fn measure(program: &Program, first: usize, uses: &[usize], cut: Vec<usize>) -> (Piece, Key) {
-    let inside: HashSet<usize> = cut.iter().copied().collect();
-    let end = cut.last().copied().unwrap_or_default();
-    let mut instructions = Vec::new();
-    let mut copied = HashSet::new();
-    for &index in &cut {
-        copy_masks(
-            program,
-            first,
-            index,
-            &inside,
-            &mut copied,
-            &mut instructions,
-        );
-        instructions.push(index);
-    }
-    let local: BTreeMap<usize, usize> = instructions.iter().copied().zip(0..).collect();
-    let (mut given, mut constants): (Vec<Register>, Vec<Register>) = (Vec::new(), Vec::new());
-    let (mut given_at, mut constant_at) = (HashMap::new(), HashMap::new());
-    let mut enter = |register: Register| {
-        if let Some(&value) = register
-            .index()
-            .checked_sub(first)
-            .and_then(|v| local.get(&v))
-        {
-            return Local::Value(value);
-        }
-        if matches!(program.operand(register), Operand::Constant(_)) {
-            return Local::Constant(*constant_at.entry(register).or_insert_with(|| {
-                constants.push(register);
-                constants.len() - 1
-            }));
-        }
-        Local::Given(*given_at.entry(register).or_insert_with(|| {
-            given.push(register);
-            given.len() - 1
-        }))
-    };
-    let pattern: Vec<Op<Local>> = instructions
-        .iter()
-        .map(|&index| program.instructions[index].op.map(&mut enter))
-        .collect();
-    let is_mask = |index: usize| matches!(program.instructions[index].op, Op::Compare(..));
-    let results: Vec<usize> = cut
-        .iter()
-        .copied()
-        .filter(|&index| uses[index] > end && !is_mask(index))
-        .collect();
-    let places = results.iter().map(|index| local[index]).collect();
-    let piece = Piece {
-        instructions,
-        given,
-        constants,
-        results,
-        shape: 0,
-    };
-    (piece, (pattern, places))
-}
-
-/// Adds the masks from outside that instruction `index` needs, arguments first.
-fn copy_masks(
-    program: &Program,
-    first: usize,
-    index: usize,
-    inside: &HashSet<usize>,
-    copied: &mut HashSet<usize>,
-    into: &mut Vec<usize>,
-) {
-    for argument in program.instructions[index].op.arguments() {
-        let Some(value) = argument.index().checked_sub(first) else {
-            continue;
-        };
-        let is_mask = matches!(program.instructions[value].op, Op::Compare(..));
-        if is_mask && !inside.contains(&value) && copied.insert(value) {
-            copy_masks(program, first, value, inside, copied, into);
-            into.push(value);
-        }
-    }
 }

@@ -3,6 +3,7 @@
 mod scenes;
 
 use mbd_compiler::{Equations, NameSpans, Settings, compile, emit, emit_model, read_text};
+use mbd_scene::{Layout, Redundancy, Scene};
 use proc_macro2::TokenStream;
 
 fn formatted(tokens: TokenStream) -> String {
@@ -62,6 +63,27 @@ fn the_same_scene_gives_the_same_tokens() {
         };
         assert_eq!(text(), text());
     }
+}
+
+#[test]
+fn a_packed_scene_is_the_scene() {
+    let mut all = scenes::all();
+    for entry in
+        std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/pass")).expect("there")
+    {
+        let text = std::fs::read_to_string(entry.expect("readable").path()).expect("readable");
+        all.extend(read_text(&text).scene);
+    }
+    assert!(all.len() > 12);
+    for scene in all {
+        let text = scene.packed();
+        assert_eq!(Scene::unpacked(&text).as_ref(), Some(&scene), "{text}");
+        assert_eq!(Scene::unpacked(&text[..text.len() - 1]), None);
+        assert_eq!(Scene::unpacked(&format!("{text}0 ")), None);
+        let redundancy = Layout::new(&scene).redundancy;
+        assert_eq!(Redundancy::unpacked(&redundancy.packed()), Some(redundancy));
+    }
+    assert_eq!(Scene::unpacked("9999999999999999999 "), None);
 }
 
 #[test]

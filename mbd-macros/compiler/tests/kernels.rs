@@ -4,8 +4,8 @@ mod scenes;
 
 use std::collections::HashSet;
 
-use mbd_compiler::{Equations, Op, Operand, Program, outline};
-use mbd_scene::{AngularVelocity, Gravity, Place, Quantity, Scene};
+use mbd_compiler::{Equations, Kernels, Op, Operand, Program, outline};
+use mbd_scene::{AngularVelocity, Gravity, Layout, Place, Quantity, Scene};
 use scenes::{body, frame, line, numbers};
 
 /// Equal bodies that hang from each other by lines.
@@ -59,18 +59,18 @@ fn programs() -> Vec<Program> {
 }
 
 #[test]
-fn kernels_do_the_same_operations_in_the_same_order() {
-    let mut cut = 0;
+fn pieces_do_the_same_operations_in_the_same_order() {
+    let mut cuts = 0;
     for program in programs() {
-        let Some(outline) = outline(&program) else {
+        let Some(pieces) = outline(&program) else {
             assert!(program.instructions.len() <= 1000);
             continue;
         };
-        cut += 1;
+        cuts += 1;
         let is_mask = |index: usize| matches!(program.instructions[index].op, Op::Compare(..));
         let mut next = 0;
         let mut known: HashSet<usize> = HashSet::new();
-        for piece in &outline.pieces {
+        for piece in &pieces {
             let mut inside = HashSet::new();
             for &index in &piece.instructions {
                 for argument in program.instructions[index].op.arguments() {
@@ -93,7 +93,7 @@ fn kernels_do_the_same_operations_in_the_same_order() {
                 }
             }
             assert!(piece.instructions.len() <= 1000);
-            known.extend(&piece.results);
+            known.extend(piece.results.iter().map(|&at| piece.instructions[at]));
         }
         assert_eq!(next, program.instructions.len());
         for &(_, register) in &program.outputs {
@@ -106,27 +106,72 @@ fn kernels_do_the_same_operations_in_the_same_order() {
             }
         }
     }
-    assert!(cut > 5, "the scenes are large enough to be cut");
+    assert!(cuts > 5, "the scenes are large enough to be cut");
 }
 
 #[test]
-fn equal_bodies_share_their_kernels() {
-    let scene = string_of_bodies(40);
-    let equations = Equations::trace_only(&scene, &[Quantity::Derivative]);
-    let program = equations.program(Quantity::Derivative).expect("traced");
-    let outline = outline(program).expect("long enough");
-    let code: usize = outline
-        .shapes
-        .iter()
-        .map(|&(first, _)| outline.pieces[first].instructions.len())
-        .sum();
-    let total = program.instructions.len();
-    assert!(
-        3 * code < total,
-        "{code} operations of code for {total}, {} shapes of {} pieces",
-        outline.shapes.len(),
-        outline.pieces.len()
+fn equal_bodies_share_their_kernels_and_their_calls_are_loops() {
+    let code = |count: usize| {
+        let scene = string_of_bodies(count);
+        let mut laws = Layout::new(&scene).quantities();
+        laws.retain(|what| !matches!(what, Quantity::Partial(..)));
+        let equations = Equations::trace_only(&scene, &laws);
+        let kernels = Kernels::of(&equations);
+        let operations: usize = kernels
+            .kernels
+            .iter()
+            .map(|kernel| {
+                let (program, piece) = kernel.first;
+                let driver = kernels.drivers[program].as_ref().expect("cut");
+                driver.pieces[piece].instructions.len()
+            })
+            .sum();
+        let drivers = kernels.drivers.iter().flatten();
+        let items = drivers.map(|driver| driver.items().count()).sum::<usize>();
+        (operations, items)
+    };
+    let (forty, eighty) = (code(40), code(80));
+    assert_eq!(
+        forty, eighty,
+        "twice as many bodies, not one operation more"
     );
+}
+
+#[test]
+fn no_place_of_a_call_is_outside_the_working_list() {
+    for scene in scenes::all().into_iter().chain([string_of_bodies(30)]) {
+        let equations = Equations::trace(&scene);
+        let kernels = Kernels::of(&equations);
+        for driver in kernels.drivers.iter().flatten() {
+            let mut begin =
+                driver.work - driver.pieces.iter().map(|p| p.results.len()).sum::<usize>();
+            for cycle in &driver.calls {
+                for round in 0..cycle.rounds {
+                    for (index, item) in cycle.items.iter().enumerate() {
+                        let place = |at: usize| {
+                            let rounds = isize::try_from(round).expect("few");
+                            item.at[at]
+                                .checked_add_signed(item.step[at] * rounds)
+                                .expect("a place")
+                        };
+                        assert_eq!(place(0), begin, "blocks follow one another");
+                        for (at, window) in kernels.kernels[item.key].windows.iter().enumerate() {
+                            assert!(
+                                place(at + 1) + window.len <= begin,
+                                "read before it is written"
+                            );
+                        }
+                        begin += driver
+                            .piece(cycle, round, index)
+                            .expect("a piece")
+                            .results
+                            .len();
+                    }
+                }
+            }
+            assert_eq!(begin, driver.work);
+        }
+    }
 }
 
 #[test]

@@ -260,3 +260,29 @@ fn a_repetition_of_any_size_is_read_or_refused_at_once() {
     }
     assert!(begin.elapsed().as_secs_f64() < 5.0);
 }
+
+#[test]
+fn a_chain_of_one_rod_is_declared_like_a_chain_of_many() {
+    let path = format!("{}/tests/pass/one_of_each.mbd", env!("CARGO_MANIFEST_DIR"));
+    let one = std::fs::read_to_string(path).unwrap();
+    let counts = |text: &str| {
+        let reading = read_text(text);
+        let scene = reading.scene.unwrap_or_default();
+        assert!(reading.errors.is_empty(), "{:?}", reading.errors);
+        let frames: usize = scene.bodies.iter().map(|body| body.frames.len()).sum();
+        [
+            scene.bodies.len(),
+            frames,
+            scene.world_frames.len(),
+            scene.points.len(),
+            scene.joints.len(),
+            scene.lines.len(),
+            scene.loads.len(),
+            scene.events.len(),
+            scene.outputs.len(),
+        ]
+    };
+    assert_eq!(counts(&one), [1, 3, 1, 0, 1, 0, 0, 0, 1]);
+    let three = one.replace("const COUNT = 1", "const COUNT = 3");
+    assert_eq!(counts(&three), [3, 15, 3, 2, 3, 2, 2, 2, 5]);
+}

@@ -17,6 +17,7 @@ pub mod joints;
 pub mod laws;
 mod layout;
 mod model;
+mod packed;
 mod params;
 mod partition;
 mod plane;

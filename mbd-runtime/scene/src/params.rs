@@ -76,6 +76,14 @@ impl std::error::Error for ParamError {}
 /// # Errors
 /// The first value that cannot be run, by name.
 pub fn check_params<T: Float>(scene: &Scene, params: &[T]) -> Result<(), ParamError> {
+    T::numbers(scene, params).map(drop)
+}
+
+/// The constants of a scene after these checks.
+pub(crate) fn checked_numbers<T: Float>(
+    scene: &Scene,
+    params: &[T],
+) -> Result<Numbers<T>, ParamError> {
     if params.len() != scene.params.len() {
         return Err(ParamError::Count {
             expected: scene.params.len(),
@@ -100,7 +108,9 @@ pub fn check_params<T: Float>(scene: &Scene, params: &[T]) -> Result<(), ParamEr
             });
         }
     }
-    check_numbers(scene, &Numbers::new(scene, params))
+    let numbers = Numbers::new(scene, params);
+    check_numbers(scene, &numbers)?;
+    Ok(numbers)
 }
 
 fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), ParamError> {

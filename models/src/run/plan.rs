@@ -3,8 +3,7 @@
 use std::fmt;
 
 use mbd_compiler::{nearest, read_number};
-use mbd_runtime::scene::Scene;
-use mbd_runtime::scene::{Frame, InputSource, Line, NodeModel};
+use mbd_runtime::scene::{Along, Frame, InputSource, Line, NodeModel, Scene};
 use mbd_runtime::{Content, Generic, Layout, Name, Options, Sampling, Trajectory, state_names};
 use toml::{Table, Value};
 
@@ -178,7 +177,18 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
     // The balance of energy needs the work of what gives and takes it.
     let damped = |line: &Line| !scene.is_zero(&line.damping);
     let moves = scene.world_frames.iter().any(Frame::moves);
-    options.work = moves || !scene.loads.is_empty() || scene.lines.iter().any(damped);
+    let acts = |along: &Along| {
+        let springs_apart = [
+            &along.damping,
+            &along.friction,
+            &along.stop_damping,
+            &along.force,
+            &along.motor,
+        ];
+        springs_apart.iter().any(|field| field.is_some())
+    };
+    let driven = scene.joints.iter().flat_map(|joint| &joint.along).any(acts);
+    options.work = moves || driven || !scene.loads.is_empty() || scene.lines.iter().any(damped);
     Ok(options)
 }
 

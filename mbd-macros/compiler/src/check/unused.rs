@@ -2,11 +2,13 @@
 
 use std::collections::BTreeSet;
 
+use crate::lexeme::Kind;
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
+use crate::syntax::Item;
 
-/// Warns about consts, params, inputs, tables and frames that nothing uses; of a repetition one use is enough. After an error the use may be
-/// what was not understood.
+/// Warns about consts, params, inputs, tables and frames that nothing uses; of a repetition one use is enough, and what an empty one would
+/// use with more members counts. After an error the use may be what was not understood.
 pub fn check_used(resolver: &mut Resolver<'_>) {
     if !resolver.whole || !resolver.messages.is_empty() {
         return;
@@ -17,11 +19,14 @@ pub fn check_used(resolver: &mut Resolver<'_>) {
         .filter_map(|&named| name(resolver, named))
         .map(|name| without_indices(&name))
         .collect();
+    let mut idle = BTreeSet::new();
+    resolver.idle.iter().for_each(|item| words(item, &mut idle));
     for (&named, &at) in &resolver.declared {
         let Some(name) = name(resolver, named) else {
             continue;
         };
-        if used.contains(&without_indices(&name)) {
+        let plain = without_indices(&name);
+        if used.contains(&plain) || idle.contains(plain.rsplit('.').next().unwrap_or_default()) {
             continue;
         }
         let kind = match named {
@@ -30,6 +35,18 @@ pub fn check_used(resolver: &mut Resolver<'_>) {
         };
         resolver.warnings.push(say::unused(at, kind, &name));
     }
+}
+
+/// The words in the values of an item.
+fn words<'a>(item: &Item<'a>, found: &mut BTreeSet<&'a str>) {
+    let values = item.clauses.iter().map(|given| given.value);
+    let index = item.name.as_ref().and_then(|name| name.index);
+    for lexeme in values.chain(index).flat_map(|value| value.lexemes) {
+        if let Kind::Word(word) = &lexeme.kind {
+            found.insert(word);
+        }
+    }
+    item.block.iter().for_each(|field| words(field, found));
 }
 
 /// `bar[2].hole[0]` → `bar.hole`.

@@ -4,8 +4,9 @@ use mbd_scene::{InputSlots, InputSource, Scene};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::literal::ident;
+use super::literal::{ident, whole};
 use crate::equations::Equations;
+use crate::kernels::Kernels;
 
 /// Where the names of a declaration stand; a missing one stands at the call of the macro.
 #[derive(Clone, Debug)]
@@ -66,6 +67,8 @@ pub struct Context<'a> {
     pub spans: &'a NameSpans,
     /// How it wants to be emitted.
     pub settings: &'a Settings,
+    /// Its kernels and who calls them.
+    pub kernels: &'a Kernels,
 }
 
 /// Something the caller supplies: where its numbers go and which item it is.
@@ -97,6 +100,34 @@ impl Context<'_> {
         } else {
             quote!(f64)
         }
+    }
+
+    /// The number zero.
+    pub fn zero(&self) -> TokenStream {
+        if self.settings.generic {
+            quote!(T::zero())
+        } else {
+            quote!(0.0)
+        }
+    }
+
+    /// The call of the function of program `index` of [`Equations::every_program`]. One in pieces works on `work`, or on a list of its own.
+    pub fn call(
+        &self,
+        index: usize,
+        function: &Ident,
+        lists: &[TokenStream],
+        work: Option<TokenStream>,
+        out: &TokenStream,
+    ) -> TokenStream {
+        let Some(Some(driver)) = self.kernels.drivers.get(index) else {
+            return quote!(#function(#(#lists,)* #out););
+        };
+        let work = work.unwrap_or_else(|| {
+            let (zero, len) = (self.zero(), whole(driver.work));
+            quote!(&mut [#zero; #len])
+        });
+        quote!(let _ = #function(#(#lists,)* #work, #out);)
     }
 
     /// `<T = f64>` of a type, or nothing.

@@ -6,6 +6,7 @@ use quote::{format_ident, quote};
 
 use super::context::{Context, docs, unit_text};
 use super::literal::{number, whole};
+use super::parts::parts;
 
 /// Every companion type of a model.
 pub fn companions(context: &Context) -> TokenStream {
@@ -136,9 +137,9 @@ fn state(context: &Context) -> TokenStream {
         }
     };
     let doc = docs(&format!(
-        "The state of `{model}`: items in declaration order, bodies before points.\n\n{meaning}"
+        "The state of `{model}`: items in declaration order, bodies before points.\n\n{meaning} Bodies and points have functions of their names."
     ));
-    let at_rest = rest(context);
+    let (at_rest, parts) = (rest(context), parts(context));
     let coordinates = docs(match layout.directions.plane {
         None => "Coordinates \\[m, 1\\].",
         Some(_) => "Coordinates \\[m, rad\\].",
@@ -182,6 +183,7 @@ fn state(context: &Context) -> TokenStream {
                 #write_z
                 out
             }
+            #parts
         }
     }
 }

@@ -38,6 +38,12 @@ pub fn whole(value: usize) -> Literal {
     Literal::usize_unsuffixed(value)
 }
 
+/// A whole number without suffix, of either sign.
+#[must_use]
+pub fn signed(value: isize) -> Literal {
+    Literal::isize_unsuffixed(value)
+}
+
 /// A name of the declaration as an identifier at its place; a name that is none in Rust is changed until it is.
 #[must_use]
 pub fn ident(name: &str, span: Span) -> Ident {

@@ -5,9 +5,9 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::context::{Context, docs, escaped};
-use super::function::{Arguments, Group};
 use super::literal::whole;
 use super::quantity;
+use crate::lists::{Arguments, Group};
 use crate::program::Program;
 
 /// One method a quantity.
@@ -15,13 +15,19 @@ pub fn methods(context: &Context) -> TokenStream {
     let (name, used, real) = (context.named(""), context.used(), context.real());
     let layout = &context.equations.layout;
     let quantities = layout.quantities();
+    let index = |what: Quantity| {
+        let mut programs = context.equations.programs.iter();
+        programs
+            .position(|(known, _)| *known == what)
+            .unwrap_or_default()
+    };
     let methods = quantities
         .iter()
         .filter(|what| !matches!(what, Quantity::Partial(..)))
         .map(|&what| (what, context.equations.program(what)))
         // A quantity that is not emitted has no method; after an error every one has.
         .filter(|(_, program)| program.is_some() || context.equations.programs.is_empty())
-        .map(|(what, program)| method(context, what, program));
+        .map(|(what, program)| method(context, (index(what), what), program));
     let kinematics = kinematics(context);
     quote! {
         impl #real #name #used {
@@ -108,14 +114,14 @@ fn signature(context: &Context, program: Option<&Program>) -> Signature {
     }
 }
 
-fn method(context: &Context, what: Quantity, program: Option<&Program>) -> TokenStream {
+fn method(
+    context: &Context,
+    (index, what): (usize, Quantity),
+    program: Option<&Program>,
+) -> TokenStream {
     let equations = context.equations;
     let t = context.scalar();
-    let zero = if context.settings.generic {
-        quote!(T::zero())
-    } else {
-        quote!(0.0)
-    };
+    let zero = context.zero();
     let layout = &equations.layout;
     let function = format_ident!("{}", quantity::name(&equations.scene, layout, what));
     let [text, shape] = quantity::documentation(layout, what);
@@ -131,7 +137,7 @@ fn method(context: &Context, what: Quantity, program: Option<&Program>) -> Token
     let len = whole(layout.len(what));
     let compute = match program {
         Some(program) if program.outputs.is_empty() => TokenStream::new(),
-        Some(_) => quote!(#function(#(#passed,)* out);),
+        Some(_) => context.call(index, &function, &passed, None, &quote!(out)),
         None => quote!(let _ = out;),
     };
     if matches!(what, Quantity::MassMatrix | Quantity::CondensedStiffness(_)) {
@@ -140,6 +146,7 @@ fn method(context: &Context, what: Quantity, program: Option<&Program>) -> Token
             #doc
             ///
             /// Only structural non-zeros are written: `out` starts at zero.
+            #[inline]
             pub fn #function(&self, #(#taken,)* out: &mut ::mbd_runtime::nalgebra::SMatrix<#t, #side, #side>) {
                 #prepared
                 // Symmetric: by rows and by columns are the same.
@@ -156,6 +163,7 @@ fn method(context: &Context, what: Quantity, program: Option<&Program>) -> Token
             #doc
             ///
             /// Only structural non-zeros are written: `out` starts at zero.
+            #[inline]
             pub fn #function(&self, #(#taken,)* out: &mut [#t; #len]) {
                 #prepared
                 #compute
@@ -166,6 +174,7 @@ fn method(context: &Context, what: Quantity, program: Option<&Program>) -> Token
     quote! {
         #doc
         #[must_use]
+        #[inline]
         pub fn #function(&self, #(#taken),*) -> #result {
             #prepared
             let mut values = [#zero; #len];
@@ -239,18 +248,12 @@ fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
 fn split_state(context: &Context) -> TokenStream {
     let state = context.named("State");
     let layout = &context.equations.layout;
-    let list = |count: usize, letter: &str| -> Vec<_> {
-        (0..count).map(|i| format_ident!("{letter}{i}")).collect()
-    };
-    let (q, v, z) = (
-        list(layout.nq, "q"),
-        list(layout.nv, "v"),
-        list(layout.nz, "z"),
-    );
-    let all_z = (layout.nz > 0).then(|| quote!(z: [#(#z),*].into()));
+    let all_z = (layout.nz > 0).then(|| quote!(z: z.into()));
+    let t = context.scalar();
+    let [nq, nv, nz] = [layout.nq, layout.nv, layout.nz].map(whole);
     quote! {
-        let [#(#q,)* #(#v,)* #(#z),*] = values;
-        #state { q: [#(#q),*].into(), v: [#(#v),*].into(), #all_z }
+        let (q, v, z): ([#t; #nq], [#t; #nv], [#t; #nz]) = ::mbd_runtime::__private::parts(&values);
+        #state { q: q.into(), v: v.into(), #all_z }
     }
 }
 
@@ -261,21 +264,22 @@ fn kinematics(context: &Context) -> TokenStream {
         return TokenStream::new();
     }
     let (t, len) = (context.scalar(), whole(layout.nq));
-    let zero = if context.settings.generic {
-        quote!(T::zero())
-    } else {
-        quote!(0.0)
-    };
+    let zero = context.zero();
     let program = context.equations.kinematics.as_ref();
     let Signature {
         taken,
         prepared,
         passed,
     } = signature(context, program);
-    let compute = program.map(|_| quote!(kinematics(#(#passed,)* &mut values);));
+    let compute = program.map(|_| {
+        let index = context.equations.programs.len() + 1;
+        let function = format_ident!("kinematics");
+        context.call(index, &function, &passed, None, &quote!(&mut values))
+    });
     quote! {
         /// Rates of the coordinates: `q̇ = N(q) v`. q̇ is not v: a quaternion has four rates, an angular velocity three.
         #[must_use]
+        #[inline]
         pub fn kinematics(&self, #(#taken),*) -> ::mbd_runtime::nalgebra::SVector<#t, #len> {
             #prepared
             let mut values = [#zero; #len];

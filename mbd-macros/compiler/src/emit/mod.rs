@@ -1,18 +1,19 @@
 //! Emission: equations become Rust that reads like a document.
 //!
-//! - `function` writes one program as one function, `outline` cuts a long one into kernels.
+//! - `function` writes one program as one function, `kernel` a long one as calls of kernels that many share.
 //! - `interface` writes parameters, state, outputs and loads, `methods` the typed methods, `model` the struct and the trait.
-//! - `constructor` writes the scene as data, `explain` says in words what was made.
+//! - `explain` says in words what was made.
 
-mod constructor;
 mod context;
 mod explain;
 mod function;
 mod interface;
+mod kernel;
 mod literal;
 mod methods;
 mod model;
 mod naming;
+mod parts;
 pub mod quantity;
 
 use proc_macro2::{Span, TokenStream};
@@ -21,16 +22,28 @@ use quote::quote;
 pub use context::{NameSpans, Settings};
 
 use crate::equations::Equations;
+use crate::kernels::Kernels;
 use crate::resolve::Named;
 use context::Context;
 
 /// The Rust of a model: its companions, itself, its equations, and its tests if it wants them.
 #[must_use]
 pub fn emit_model(equations: &Equations, spans: &NameSpans, settings: &Settings) -> TokenStream {
+    emit_with(equations, &Kernels::of(equations), spans, settings)
+}
+
+/// The same with kernels already found.
+pub fn emit_with(
+    equations: &Equations,
+    kernels: &Kernels,
+    spans: &NameSpans,
+    settings: &Settings,
+) -> TokenStream {
     let context = Context {
         equations,
         spans,
         settings,
+        kernels,
     };
     let (companions, model, tests) = (
         interface::companions(&context),
@@ -51,6 +64,7 @@ pub fn references(
         equations,
         spans,
         settings,
+        kernels: &Kernels::default(),
     };
     let (fields, params) = (context.params(), context.named("Params"));
     let used = settings.generic.then(|| quote!(<f64>));

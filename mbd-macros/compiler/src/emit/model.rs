@@ -4,15 +4,16 @@ use mbd_scene::{Cost, Quantity};
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::constructor::constructor;
 use super::context::{Context, docs};
 use super::explain;
-use super::function::{Arguments, Group, function};
+use super::function::function;
 use super::interface::gather;
+use super::kernel;
 use super::literal::{number, whole};
 use super::methods::methods;
 use super::quantity;
 use crate::equations::is_matrix;
+use crate::lists::{Arguments, Group};
 use crate::program::Program;
 
 /// The struct, its implementations and, hidden, its equations.
@@ -54,20 +55,24 @@ fn declaration(context: &Context) -> TokenStream {
 
 fn hidden(context: &Context) -> TokenStream {
     let equations = context.equations;
+    let kernels = &context.kernels;
+    let parts = kernel::kernels(equations, kernels);
     let functions = equations
         .programs
         .iter()
-        .filter(|(_, p)| !p.outputs.is_empty())
-        .map(|(what, program)| {
+        .enumerate()
+        .filter(|(_, (_, p))| !p.outputs.is_empty())
+        .map(|(index, (what, program))| {
             let name = quantity::name(&equations.scene, &equations.layout, *what);
             let mut text = quantity::documentation(&equations.layout, *what).to_vec();
             text.push(format!("{}.", program.cost()));
             let text: Vec<String> = text.into_iter().map(|line| format!(" {line}")).collect();
-            function(equations, program, &name, &text)
+            function(equations, kernels, (index, program), &name, &text)
         });
     let derived = function(
         equations,
-        &equations.derived,
+        kernels,
+        (equations.programs.len(), &equations.derived),
         "derived",
         &[" Terms of the parameters alone, computed once.".to_owned()],
     );
@@ -75,7 +80,8 @@ fn hidden(context: &Context) -> TokenStream {
         let text = " Rates of the coordinates: `q̇ = N(q) v`.".to_owned();
         function(
             equations,
-            program,
+            kernels,
+            (equations.programs.len() + 1, program),
             "kinematics",
             &[text, format!(" {}.", program.cost())],
         )
@@ -87,6 +93,7 @@ fn hidden(context: &Context) -> TokenStream {
         implementation(context),
     );
     quote! {
+        #parts
         #(#functions)*
         #derived
         #kinematics
@@ -227,21 +234,18 @@ fn construction(context: &Context) -> TokenStream {
         whole(context.equations.derived.len),
         whole(context.equations.layout.np),
     );
-    let zero = if context.settings.generic {
-        quote!(T::zero())
-    } else {
-        quote!(0.0)
-    };
+    let zero = context.zero();
     let reads = Arguments::of(&context.equations.derived, &context.equations.layout);
-    let values = reads.reads(Group::Params).then(|| quote!(&values,));
-    let scene = constructor(context.scene()).unwrap_or_else(|error| {
-        let text = error.to_string();
-        quote!(::core::compile_error!(#text))
-    });
-    let redundancy = constructor(&context.equations.layout.redundancy).unwrap_or_else(|error| {
-        let text = error.to_string();
-        quote!(::core::compile_error!(#text))
-    });
+    let values = reads.reads(Group::Params).then(|| quote!(&values));
+    let compute = context.call(
+        context.equations.programs.len(),
+        &format_ident!("derived"),
+        values.as_slice(),
+        None,
+        &quote!(&mut terms),
+    );
+    let scene = context.scene().packed();
+    let redundancy = context.equations.layout.redundancy.packed();
     let explanation = explain::explanation(context);
     let inputs = (context.equations.layout.ni > 0).then(|| {
         let (loads, count, gather) = (context.named("Loads"), whole(context.equations.layout.ni), gather(context));
@@ -255,7 +259,7 @@ fn construction(context: &Context) -> TokenStream {
     quote! {
         /// Which rows of the joints repeat others, as found when this was generated.
         fn redundancy() -> ::mbd_runtime::scene::Redundancy {
-            #redundancy
+            ::mbd_runtime::__private::redundancy(#redundancy)
         }
 
         impl #float #name #used {
@@ -277,11 +281,12 @@ fn construction(context: &Context) -> TokenStream {
                 parts: ::mbd_runtime::__private::Parts<#t>,
             ) -> Self {
                 let mut terms = [#zero; #derived];
-                derived(#values &mut terms);
+                #compute
                 #name { params, values, derived: terms, parts }
             }
             /// A model with parameters that nobody has checked: for dual numbers and lanes.
             #[must_use]
+            #[inline]
             pub fn unchecked(params: #params #used) -> Self {
                 let values = params.to_array();
                 let parts = ::mbd_runtime::__private::Parts::new(Self::scene(), redundancy(), &values);
@@ -295,7 +300,7 @@ fn construction(context: &Context) -> TokenStream {
             /// The declaration as data.
             #[must_use]
             pub fn scene() -> ::mbd_runtime::scene::Scene {
-                #scene
+                ::mbd_runtime::__private::scene(#scene)
             }
             /// The equations in the user's names, what was left out, and what everything costs.
             #[must_use]
@@ -316,11 +321,14 @@ fn implementation(context: &Context) -> TokenStream {
         context.scalar(),
     );
     let equations = context.equations;
-    let arms = equations.programs.iter().filter(|(_, p)| !p.outputs.is_empty()).map(|(what, program)| {
+    let (zero, work) = (context.zero(), whole(context.kernels.work()));
+    let programs = equations.programs.iter().enumerate();
+    let arms = programs.filter(|(_, (_, p))| !p.outputs.is_empty()).map(|(index, (what, program))| {
         let reads = Arguments::of(program, &equations.layout);
         let pattern = quantity_path(*what);
         let function = format_ident!("{}", quantity::name(&equations.scene, &equations.layout, *what));
-        let passed = reads.0.iter().map(|&group| passed(group));
+        let passed: Vec<TokenStream> = reads.0.iter().map(|&group| passed(group)).collect();
+        let call = context.call(index, &function, &passed, Some(quote!(work)), &quote!(out));
         let state = [Group::Q, Group::V, Group::Z].iter().any(|&g| reads.reads(g));
         let mut names = Vec::new();
         let mut values = Vec::new();
@@ -351,7 +359,7 @@ fn implementation(context: &Context) -> TokenStream {
                     (#(#values,)* ::mbd_runtime::__private::fixed_mut(out))
                 {
                     #sizes
-                    #function(#(#passed,)* out);
+                    #call
                 }
             }
         }
@@ -374,9 +382,12 @@ fn implementation(context: &Context) -> TokenStream {
     });
     quote! {
         impl #float ::mbd_runtime::Model<#t> for #name #used {
-            type Work = ();
+            /// What the kernels hand on; carries nothing from call to call.
+            type Work = ::std::vec::Vec<#t>;
 
-            fn work(&self) {}
+            fn work(&self) -> Self::Work {
+                ::std::vec![#zero; #work]
+            }
             fn scene(&self) -> &::mbd_runtime::scene::Scene {
                 &self.parts.scene
             }
@@ -393,7 +404,7 @@ fn implementation(context: &Context) -> TokenStream {
                 &self,
                 what: ::mbd_runtime::Quantity,
                 at: &::mbd_runtime::At<'_, #t>,
-                _work: &mut (),
+                work: &mut Self::Work,
                 out: &mut [#t],
             ) {
                 match what {

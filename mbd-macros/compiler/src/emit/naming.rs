@@ -4,11 +4,11 @@ use std::collections::{HashMap, HashSet};
 
 use proc_macro2::{Ident, Span};
 
-use super::function::Group;
 use crate::equations::Equations;
 use crate::expression::Slot;
+use crate::lists::Group;
 use crate::names::{self, identifier};
-use crate::program::{Operand, Program};
+use crate::program::{Operand, Program, Register};
 
 /// Identifiers given out once each.
 #[derive(Default)]
@@ -18,14 +18,19 @@ pub struct Unique {
 }
 
 impl Unique {
+    /// With the arguments of a kernel taken; `windows` are some of them.
+    pub fn for_kernel(windows: &[Ident]) -> Self {
+        let mut unique = Unique::default();
+        unique.used.extend(windows.iter().map(Ident::to_string));
+        let taken = ["work", "begin", "numbers", "known", "own"].map(str::to_owned);
+        unique.used.extend(taken);
+        unique
+    }
+
     /// The name itself, or with the first number that makes it new.
     pub fn name(&mut self, base: &str) -> Ident {
         let mut text = base.to_owned();
-        // `out` and `given` are arguments; a keyword is no name.
-        while syn::parse_str::<Ident>(&text).is_err()
-            || matches!(text.as_str(), "out" | "given" | "numbers")
-            || !self.used.insert(text.clone())
-        {
+        while is_reserved(&text) || !self.used.insert(text.clone()) {
             let count = self.next.entry(base.to_owned()).or_insert(1);
             *count += 1;
             text = format!("{base}_{count}");
@@ -52,25 +57,121 @@ pub fn register_names(equations: &Equations, program: &Program) -> Vec<Ident> {
         .map(|&value| unique.name(&number_name(value)))
         .collect();
     names.extend(slots);
+    let things: Vec<String> = program.sections.iter().map(|s| identifier_of(s)).collect();
     for instruction in &program.instructions {
-        let section = program
-            .sections
-            .get(instruction.section)
-            .map_or("", String::as_str);
-        let thing = if section.is_empty() {
-            String::new()
-        } else {
-            identifier(section)
-        };
-        let base = match (thing.is_empty(), instruction.name) {
-            (true, None) => "t".to_owned(),
-            (true, Some(label)) => label.to_owned(),
-            (false, None) => format!("{thing}_t"),
-            (false, Some(label)) => format!("{thing}_{label}"),
-        };
-        names.push(unique.name(&base));
+        let thing = things.get(instruction.section).map_or("", String::as_str);
+        names.push(unique.name(&term_name(thing, instruction.name)));
     }
     names
+}
+
+/// Whether a name means something else: an argument of every function, a keyword.
+fn is_reserved(name: &str) -> bool {
+    matches!(
+        name,
+        "out"
+            | "as"
+            | "async"
+            | "await"
+            | "break"
+            | "const"
+            | "continue"
+            | "crate"
+            | "dyn"
+            | "else"
+            | "enum"
+            | "extern"
+            | "false"
+            | "fn"
+            | "for"
+            | "if"
+            | "impl"
+            | "in"
+            | "let"
+            | "loop"
+            | "match"
+            | "mod"
+            | "move"
+            | "mut"
+            | "pub"
+            | "ref"
+            | "return"
+            | "self"
+            | "Self"
+            | "static"
+            | "struct"
+            | "super"
+            | "trait"
+            | "true"
+            | "type"
+            | "unsafe"
+            | "use"
+            | "where"
+            | "while"
+            | "abstract"
+            | "become"
+            | "box"
+            | "do"
+            | "final"
+            | "gen"
+            | "macro"
+            | "override"
+            | "priv"
+            | "try"
+            | "typeof"
+            | "unsized"
+            | "virtual"
+            | "yield"
+            | "_"
+    )
+}
+
+/// The name of a register in a kernel; one that many share names no one thing.
+pub fn local_name(
+    equations: &Equations,
+    program: &Program,
+    register: Register,
+    shared: bool,
+) -> String {
+    match program.operand(register) {
+        Operand::Constant(value) => number_name(value),
+        Operand::Slot(slot) => {
+            let name = slot_name(equations, slot);
+            match name.rsplit_once('_') {
+                Some((_, last)) if shared && last.starts_with(|c: char| c.is_ascii_lowercase()) => {
+                    last.to_owned()
+                }
+                _ if shared => "given".to_owned(),
+                _ => name,
+            }
+        }
+        Operand::Value(value) => {
+            let instruction = program.instructions.get(value);
+            let label = instruction.and_then(|instruction| instruction.name);
+            let thing = match instruction.and_then(|i| program.sections.get(i.section)) {
+                Some(section) if !shared => identifier_of(section),
+                _ => String::new(),
+            };
+            term_name(&thing, label)
+        }
+    }
+}
+
+/// The identifier of a thing; nothing for nothing.
+fn identifier_of(section: &str) -> String {
+    match section {
+        "" => String::new(),
+        name => identifier(name),
+    }
+}
+
+fn term_name(thing: &str, label: Option<&str>) -> String {
+    match (thing, label) {
+        ("", None) => "t".to_owned(),
+        ("", Some(label)) => label.to_owned(),
+        (thing, None) => format!("{thing}_t"),
+        (thing, Some(label)) => format!("{thing}_{label}"),
+    }
 }
 
 /// A derived term carries the name the law gave it.

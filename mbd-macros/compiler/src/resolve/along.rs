@@ -310,7 +310,12 @@ impl Resolver<'_> {
             place.and_then(|place| fold::at_defaults(place, &self.scene))
         });
         if !in_order(places) {
-            return self.fail(say::stops_in_order(value.at, &owner.name, places));
+            return self.fail(say::stops_in_order(
+                value.at,
+                &owner.name,
+                places,
+                unit_word,
+            ));
         }
         Some(stops)
     }

@@ -6,28 +6,15 @@ use mbd_scene::{
     PointKind,
 };
 
-use super::{Instance, Named, Resolver, Scope, Stage};
-use crate::lexeme::{Kind, Region};
+use super::{Instance, Named, Resolver};
+use crate::lexeme::Region;
 use crate::messages::{resolve as say, syntax as say_syntax};
 use crate::names::identifier;
 use crate::syntax::words::{self, Reserved};
-use crate::syntax::{Cursor, Item, Model, Name, Value, expression};
+use crate::syntax::{Item, Model, Name};
 
 /// At most this many things in one scene: no declaration may make the compiler slow by its repetitions.
-const MOST: usize = 10_000;
-
-/// One instance of a name: its index, its label, and the index of the repetition with its value.
-type Labelled = (Option<i64>, String, Option<(String, i64)>);
-
-/// What the index in the brackets of a name says.
-enum Index {
-    /// No brackets.
-    None,
-    /// `[0]`
-    One(i64),
-    /// `[i in 0..3]`
-    Range(String, i64, i64),
-}
+pub(super) const MOST: usize = 10_000;
 
 impl<'a> Resolver<'a> {
     /// Names consts, params, inputs and tables.
@@ -83,7 +70,17 @@ impl<'a> Resolver<'a> {
             return;
         };
         self.reserved(name);
-        for (index, label, value) in self.expand(name, &[]) {
+        let Some(instances) = self.expand(name, &[]) else {
+            return;
+        };
+        if instances.is_empty() {
+            self.idle.push(item);
+            if let Err(first) = self.names.reserve(&name.word.text, name.word.at.into()) {
+                let (at, word) = (name.word.at.into(), &name.word.text);
+                self.messages.push(say::twice(at, word, first));
+            }
+        }
+        for (index, label, value) in instances {
             let slot = self.slots(spec.word);
             let named = named(spec.word, slot);
             let at = Region::from(name.word.at);
@@ -163,12 +160,22 @@ impl<'a> Resolver<'a> {
             self.messages
                 .push(say_syntax::reserved_name(at, &name.word.text));
         }
-        let instances = self.expand(name, outer);
-        if instances.is_empty()
-            && let Some(owner) = body.and_then(|body| self.scene.bodies.get(body))
-        {
-            let lost = format!("{}.{}", owner.name, name.word.text);
-            self.broken.insert(lost);
+        let Some(instances) = self.expand(name, outer) else {
+            if let Some(owner) = body.and_then(|body| self.scene.bodies.get(body)) {
+                let lost = format!("{}.{}", owner.name, name.word.text);
+                self.broken.insert(lost);
+            }
+            return;
+        };
+        if instances.is_empty() {
+            self.idle.push(item);
+            let space = match body {
+                Some(body) => self.frames.get_mut(body),
+                None => Some(&mut self.world),
+            };
+            if let Some(Err(first)) = space.map(|space| space.reserve(&name.word.text, at)) {
+                self.messages.push(say::twice(at, &name.word.text, first));
+            }
         }
         for (index, label, value) in instances {
             let (space, list) = match body {
@@ -214,104 +221,8 @@ impl<'a> Resolver<'a> {
         self.messages.push(report);
     }
 
-    /// Index, label and the value of the repetition, for every instance of a name; `outer`: the repetition around it.
-    fn expand(&mut self, name: &Name<'_>, outer: &[(String, i64)]) -> Vec<Labelled> {
-        let word = &name.word.text;
-        match self.index(name, outer) {
-            Some(Index::None) => vec![(None, word.clone(), None)],
-            Some(Index::One(i)) => vec![(Some(i), format!("{word}[{i}]"), None)],
-            Some(Index::Range(variable, first, end)) => (first..end)
-                .map(|i| (Some(i), format!("{word}[{i}]"), Some((variable.clone(), i))))
-                .collect(),
-            None => {
-                self.whole = false;
-                // A frame is lost on its own body only.
-                if outer.is_empty() {
-                    self.broken.insert(word.clone());
-                }
-                Vec::new()
-            }
-        }
-    }
-
-    fn index(&mut self, name: &Name<'_>, outer: &[(String, i64)]) -> Option<Index> {
-        let Some(value) = name.index else {
-            return Some(Index::None);
-        };
-        let mut cursor = Cursor::new(value);
-        let repeated =
-            matches!(cursor.ahead(1).map(|l| &l.kind), Some(Kind::Word(word)) if word == "in");
-        if !repeated {
-            return self.constant_index(value, outer).map(Index::One);
-        }
-        let variable = cursor.word()?;
-        if words::reserved(&variable.text).is_some() || self.names.get(&variable.text).is_some() {
-            return self.fail(say_syntax::reserved_name(
-                variable.at.into(),
-                &variable.text,
-            ));
-        }
-        if outer.iter().any(|(taken, _)| *taken == variable.text) {
-            return self.fail(say::index_twice(variable.at.into(), &variable.text));
-        }
-        cursor.keyword("in")?;
-        let (first, end) = self.bounds(cursor, value, outer)?;
-        let count = end.saturating_sub(first);
-        if count <= 0 {
-            return self.fail(say::empty_repetition(value.at));
-        }
-        let room = MOST.saturating_sub(self.size());
-        if usize::try_from(count).map_or(true, |count| count > room) {
-            return self.fail(say::too_many(value.at, MOST));
-        }
-        Some(Index::Range(variable.text, first, end))
-    }
-
-    /// `0..3` or `0..=2`: first and one past the last.
-    fn bounds(
-        &mut self,
-        mut cursor: Cursor<'_>,
-        whole: Value<'_>,
-        outer: &[(String, i64)],
-    ) -> Option<(i64, i64)> {
-        let scope = Scope {
-            stage: Stage::Constant,
-            indices: outer,
-        };
-        let first = match expression::prefix(&mut cursor) {
-            Ok(first) => self.whole_number(&first, scope)?,
-            Err(report) => return self.fail(report),
-        };
-        let inclusive = cursor.signs("..=").is_some();
-        if !inclusive && cursor.signs("..").is_none() {
-            return self.fail(say_syntax::range(whole.at));
-        }
-        let last = match expression::prefix(&mut cursor) {
-            Ok(last) => self.whole_number(&last, scope)?,
-            Err(report) => return self.fail(report),
-        };
-        if let Err(report) = cursor.finish("`]`") {
-            return self.fail(report);
-        }
-        Some((first, last.saturating_add(i64::from(inclusive))))
-    }
-
-    fn constant_index(&mut self, value: Value<'_>, outer: &[(String, i64)]) -> Option<i64> {
-        if value.lexemes.is_empty() {
-            return self.fail(say_syntax::range(value.at));
-        }
-        let scope = Scope {
-            stage: Stage::Constant,
-            indices: outer,
-        };
-        match expression::whole(value) {
-            Ok(parsed) => self.whole_number(&parsed, scope),
-            Err(_) => self.fail(say_syntax::range(value.at)),
-        }
-    }
-
     /// How many things there are so far.
-    fn size(&self) -> usize {
+    pub(super) fn size(&self) -> usize {
         let frames: usize = self.scene.bodies.iter().map(|body| body.frames.len()).sum();
         frames
             + self.scene.world_frames.len()

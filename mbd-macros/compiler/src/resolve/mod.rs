@@ -16,6 +16,7 @@ mod lines;
 mod names;
 mod numbers;
 mod path;
+mod repeat;
 mod settings;
 mod value;
 
@@ -98,6 +99,8 @@ pub struct Resolver<'a> {
     pub later: BTreeSet<String>,
     /// The functions of Rust that inputs and external loads become.
     pub functions: BTreeSet<String>,
+    /// Items whose repetition is empty: they declare nothing.
+    pub idle: Vec<&'a Item<'a>>,
     /// Whether reading lost no item.
     pub whole: bool,
     /// Points whose model is declared.
@@ -152,6 +155,7 @@ impl<'a> Resolver<'a> {
             broken: BTreeSet::new(),
             later: BTreeSet::new(),
             functions: BTreeSet::new(),
+            idle: Vec::new(),
             whole: true,
             chosen: BTreeSet::new(),
             si: false,

@@ -111,6 +111,20 @@ impl Namespace {
         Ok(())
     }
 
+    /// Adds a name whose repetition has no member. Returns the place of the first one when it is taken by one thing.
+    pub fn reserve(&mut self, word: &str, at: Region) -> Result<(), Region> {
+        match self.entries.get(word) {
+            Some(entry) if matches!(entry.members, Members::One(_)) => Err(entry.at),
+            Some(_) => Ok(()),
+            None => {
+                let members = Members::Many(BTreeMap::new());
+                self.order.push(word.to_string());
+                self.entries.insert(word.to_string(), Entry { members, at });
+                Ok(())
+            }
+        }
+    }
+
     /// What a word stands for.
     pub fn get(&self, word: &str) -> Option<&Entry> {
         self.entries.get(word)

@@ -148,9 +148,10 @@ impl Resolver<'_> {
         let word = &step.word.text;
         let at = step.word.at.into();
         if alone {
-            let known = self
+            let mut known = self
                 .names
                 .words_of(|n| matches!(n, Named::Const(_) | Named::Param(_) | Named::Input(_)));
+            known.push("time");
             say::unknown_parameter(at, word, &known)
         } else {
             let known = self.names.words_of(|n| {
@@ -184,6 +185,9 @@ impl Resolver<'_> {
         match (&entry.members, &step.index) {
             (Members::One(named), None) => Some(*named),
             (Members::One(_), Some(_)) => self.fail(say::no_index(at, &step.word.text)),
+            (Members::Many(members), _) if members.is_empty() => {
+                self.fail(say::no_member(at, &step.word.text, entry.at))
+            }
             (Members::Many(members), None) => {
                 let first = members.keys().next().copied().unwrap_or(0);
                 self.fail(say::index_wanted(at, &step.word.text, first))
@@ -432,9 +436,10 @@ impl Resolver<'_> {
     pub fn place_owner(&mut self, step: &Step, scope: Scope<'_>) -> Option<Named> {
         let word = &step.word.text;
         let Some(entry) = self.names.get(word).cloned() else {
-            let known = self
+            let mut known = self
                 .names
                 .words_of(|n| matches!(n, Named::Body(_) | Named::Point(_)));
+            known.push("world");
             let report = say::unknown_place(step.word.at.into(), word, &known);
             return self.fail_unless_broken(word, report);
         };

@@ -463,3 +463,26 @@ pub fn reserved_frame(word: &str) -> bool {
         || word.starts_with("r#")
         || RUST.contains(&word)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_is_described() {
+        let text = include_str!("../../../LANGUAGE.md");
+        let described: Vec<&str> = text
+            .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+            .collect();
+        let fields = ITEMS.iter().filter_map(|item| item.fields).flatten();
+        let mut all: Vec<&str> = fields.copied().collect();
+        all.extend(ITEMS.iter().map(|item| item.word));
+        all.push(FRAME.word);
+        for list in [FUNCTIONS, BODY_QUANTITIES, LINE_QUANTITIES] {
+            all.extend(list);
+        }
+        all.extend(mbd_scene::joints::NUMBERS.iter().map(|field| field.name));
+        all.retain(|word| !described.contains(word));
+        assert!(all.is_empty(), "not described in LANGUAGE.md: {all:?}");
+    }
+}

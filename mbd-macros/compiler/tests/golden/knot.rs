@@ -36,7 +36,7 @@ impl<T: ::mbd_runtime::Real> KnotParams<T> {
 }
 /// The state of `Knot`: items in declaration order, bodies before points.
 ///
-/// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz.
+/// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz. Bodies and points have functions of their names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotState<T = f64> {
     /// Coordinates \[m, 1\].
@@ -72,6 +72,20 @@ impl<T: ::mbd_runtime::Real> KnotState<T> {
         out.extend_from_slice(self.q.as_slice());
         out.extend_from_slice(self.v.as_slice());
         out
+    }
+    /// Where `bob` is and how it moves.
+    #[must_use]
+    pub fn bob(&self) -> ::mbd_runtime::PointState<T> {
+        ::mbd_runtime::__private::read(self.q.as_slice(), self.v.as_slice(), [0, 0])
+    }
+    /// Puts `bob` somewhere.
+    pub fn set_bob(&mut self, to: ::mbd_runtime::PointState<T>) {
+        ::mbd_runtime::__private::write(
+            to,
+            self.q.as_mut_slice(),
+            self.v.as_mut_slice(),
+            [0, 0],
+        );
     }
 }
 /// The outputs of `Knot`.
@@ -833,11 +847,7 @@ const _: () = {
     }
     /// Which rows of the joints repeat others, as found when this was generated.
     fn redundancy() -> ::mbd_runtime::scene::Redundancy {
-        ::mbd_runtime::scene::Redundancy {
-            repeats: ::std::vec![],
-            loops: 0,
-            closed: true,
-        }
+        ::mbd_runtime::__private::redundancy("0 0 1 ")
     }
     impl<T: ::mbd_runtime::Float> Knot<T> {
         /// A model with these parameters.
@@ -873,6 +883,7 @@ const _: () = {
         }
         /// A model with parameters that nobody has checked: for dual numbers and lanes.
         #[must_use]
+        #[inline]
         pub fn unchecked(params: KnotParams<T>) -> Self {
             let values = params.to_array();
             let parts = ::mbd_runtime::__private::Parts::new(
@@ -890,95 +901,9 @@ const _: () = {
         /// The declaration as data.
         #[must_use]
         pub fn scene() -> ::mbd_runtime::scene::Scene {
-            ::mbd_runtime::scene::Scene {
-                name: "Knot".into(),
-                doc: "A knot of four lines: three stays and a hanger with a bob.".into(),
-                coordinates: ::mbd_runtime::scene::Coordinates::Absolute,
-                angular_velocity: ::mbd_runtime::scene::AngularVelocity::Body,
-                planar: ::core::option::Option::None,
-                gravity: ::mbd_runtime::scene::Gravity::Uniform {
-                    acceleration: [
-                        ::mbd_runtime::scene::Formula::Number(0.0),
-                        ::mbd_runtime::scene::Formula::Number(0.0),
-                        ::mbd_runtime::scene::Formula::Number(-9.81),
-                    ],
-                },
-                consts: ::std::vec![],
-                params: ::std::vec![],
-                inputs: ::std::vec![],
-                tables: ::std::vec![],
-                world_frames: ::std::vec![
-                    ::mbd_runtime::scene::Frame { name : "world".into(), position :
-                    [::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0)], rotation :
-                    ::core::option::Option::None }, ::mbd_runtime::scene::Frame { name :
-                    "left".into(), position : [::mbd_runtime::scene::Formula::Number(-
-                    1.0), ::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0)], rotation :
-                    ::core::option::Option::None }, ::mbd_runtime::scene::Frame { name :
-                    "right".into(), position :
-                    [::mbd_runtime::scene::Formula::Number(1.0),
-                    ::mbd_runtime::scene::Formula::Number(0.5),
-                    ::mbd_runtime::scene::Formula::Number(0.0)], rotation :
-                    ::core::option::Option::None }, ::mbd_runtime::scene::Frame { name :
-                    "back".into(), position :
-                    [::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(- 1.0),
-                    ::mbd_runtime::scene::Formula::Number(0.2)], rotation :
-                    ::core::option::Option::None }
-                ],
-                bodies: ::std::vec![],
-                points: ::std::vec![
-                    ::mbd_runtime::scene::Point { name : "knot".into(), doc : "".into(),
-                    kind :
-                    ::mbd_runtime::scene::PointKind::Node(::mbd_runtime::scene::NodeModel::Static)
-                    }, ::mbd_runtime::scene::Point { name : "bob".into(), doc : ""
-                    .into(), kind :
-                    ::mbd_runtime::scene::PointKind::Mass(::mbd_runtime::scene::Formula::Number(2.0))
-                    }
-                ],
-                joints: ::std::vec![],
-                lines: ::std::vec![
-                    ::mbd_runtime::scene::Line { name : "left_stay".into(), doc : ""
-                    .into(), kind : ::mbd_runtime::scene::LineKind::Line, from :
-                    ::mbd_runtime::scene::Place::World(1), to :
-                    ::mbd_runtime::scene::Place::Point(0), free_length :
-                    ::mbd_runtime::scene::Formula::Number(0.6), stiffness :
-                    ::mbd_runtime::scene::Formula::Number(1000.0), damping :
-                    ::mbd_runtime::scene::Formula::Number(0.0) },
-                    ::mbd_runtime::scene::Line { name : "right_stay".into(), doc : ""
-                    .into(), kind : ::mbd_runtime::scene::LineKind::Line, from :
-                    ::mbd_runtime::scene::Place::World(2), to :
-                    ::mbd_runtime::scene::Place::Point(0), free_length :
-                    ::mbd_runtime::scene::Formula::Number(0.6), stiffness :
-                    ::mbd_runtime::scene::Formula::Number(1000.0), damping :
-                    ::mbd_runtime::scene::Formula::Number(0.0) },
-                    ::mbd_runtime::scene::Line { name : "back_stay".into(), doc : ""
-                    .into(), kind : ::mbd_runtime::scene::LineKind::Line, from :
-                    ::mbd_runtime::scene::Place::World(3), to :
-                    ::mbd_runtime::scene::Place::Point(0), free_length :
-                    ::mbd_runtime::scene::Formula::Number(0.6), stiffness :
-                    ::mbd_runtime::scene::Formula::Number(1000.0), damping :
-                    ::mbd_runtime::scene::Formula::Number(0.0) },
-                    ::mbd_runtime::scene::Line { name : "hanger".into(), doc : "".into(),
-                    kind : ::mbd_runtime::scene::LineKind::Line, from :
-                    ::mbd_runtime::scene::Place::Point(0), to :
-                    ::mbd_runtime::scene::Place::Point(1), free_length :
-                    ::mbd_runtime::scene::Formula::Number(0.5), stiffness :
-                    ::mbd_runtime::scene::Formula::Number(2000.0), damping :
-                    ::mbd_runtime::scene::Formula::Number(0.0) }
-                ],
-                loads: ::std::vec![],
-                outputs: ::std::vec![
-                    ::mbd_runtime::scene::Output { name : "hanger_force".into(), doc : ""
-                    .into(), value : ::mbd_runtime::scene::Formula::Tension(3),
-                    components : 1, unit : ::mbd_runtime::scene::Unit { text : "N"
-                    .into(), factor : 1.0, dimension : ::mbd_runtime::scene::Dimension {
-                    mass : 2, length : 2, time : - 4 } } }
-                ],
-                events: ::std::vec![],
-            }
+            ::mbd_runtime::__private::scene(
+                "4 Knot 58 A knot of four lines: three stays and a hanger with a bob. 0 0 0 1 0 0.0 0 0.0 0 -9.81 0 0 0 0 4 5 world 0 0.0 0 0.0 0 0.0 0 4 left 0 -1.0 0 0.0 0 0.0 0 5 right 0 1.0 0 0.5 0 0.0 0 4 back 0 0.0 0 -1.0 0 0.2 0 0 2 4 knot 0  1 0 3 bob 0  0 0 2.0 0 4 9 left_stay 0  0 0 1 2 0 0 0.6 0 1000.0 0 0.0 10 right_stay 0  0 0 2 2 0 0 0.6 0 1000.0 0 0.0 9 back_stay 0  0 0 3 2 0 0 0.6 0 1000.0 0 0.0 6 hanger 0  0 2 0 2 1 0 0.5 0 2000.0 0 0.0 0 1 12 hanger_force 0  10 3 1 1 N 1.0 2 2 -4 0 ",
+            )
         }
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
@@ -992,6 +917,7 @@ const _: () = {
         /// 4 anchors × 6 \[m, m/s\], 1 nodes × 3 \[N\]; world axes.
         /// 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
         #[must_use]
+        #[inline]
         pub fn ends(
             &self,
             state: &KnotState<T>,
@@ -1008,6 +934,7 @@ const _: () = {
         /// 1 × 3 \[N\], 1 blocks xx xy xz yy yz zz \[N/m\], 3 sums. Source: B. Raiszadeh, AAS 03-163.
         /// 220 operations (85 additions, 84 multiplications, 4 divisions, 4 roots, 0 trigonometric, 43 selections).
         #[must_use]
+        #[inline]
         pub fn equilibrium_knot(
             &self,
             nodes: &[T; 3],
@@ -1024,6 +951,7 @@ const _: () = {
         /// 6 = \[3 q̇ | 3 v̇ | 0 ż\]; SI units.
         /// 24 operations (7 additions, 13 multiplications, 1 divisions, 1 roots, 0 trigonometric, 2 selections).
         #[must_use]
+        #[inline]
         pub fn derivative(
             &self,
             state: &KnotState<T>,
@@ -1035,10 +963,12 @@ const _: () = {
             let mut values = [T::zero(); 6];
             let out = &mut values;
             derivative(q, v, nodes, effective, out);
-            let [q0, q1, q2, v0, v1, v2] = values;
+            let (q, v, z): ([T; 3], [T; 3], [T; 0]) = ::mbd_runtime::__private::parts(
+                &values,
+            );
             KnotState {
-                q: [q0, q1, q2].into(),
-                v: [v0, v1, v2].into(),
+                q: q.into(),
+                v: v.into(),
             }
         }
         /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
@@ -1046,6 +976,7 @@ const _: () = {
         /// 3 \[N\], world axes; zero where the nodes are in equilibrium.
         /// 84 operations (29 additions, 39 multiplications, 4 divisions, 4 roots, 0 trigonometric, 8 selections).
         #[must_use]
+        #[inline]
         pub fn balance(
             &self,
             state: &KnotState<T>,
@@ -1063,6 +994,7 @@ const _: () = {
         /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 0 events.
         /// 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections).
         #[must_use]
+        #[inline]
         pub fn guards(
             &self,
             state: &KnotState<T>,
@@ -1080,6 +1012,7 @@ const _: () = {
         /// 1 columns, each in its unit.
         /// 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections).
         #[must_use]
+        #[inline]
         pub fn outputs(
             &self,
             state: &KnotState<T>,
@@ -1098,6 +1031,7 @@ const _: () = {
         /// 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
         ///
         /// Only structural non-zeros are written: `out` starts at zero.
+        #[inline]
         pub fn mass_matrix(&self, out: &mut ::mbd_runtime::nalgebra::SMatrix<T, 3, 3>) {
             if let ::core::option::Option::Some(out) = ::mbd_runtime::__private::fixed_mut::<
                 T,
@@ -1108,6 +1042,7 @@ const _: () = {
         }
         /// Rates of the coordinates: `q̇ = N(q) v`. q̇ is not v: a quaternion has four rates, an angular velocity three.
         #[must_use]
+        #[inline]
         pub fn kinematics(
             &self,
             state: &KnotState<T>,
@@ -1119,8 +1054,11 @@ const _: () = {
         }
     }
     impl<T: ::mbd_runtime::Float> ::mbd_runtime::Model<T> for Knot<T> {
-        type Work = ();
-        fn work(&self) {}
+        /// What the kernels hand on; carries nothing from call to call.
+        type Work = ::std::vec::Vec<T>;
+        fn work(&self) -> Self::Work {
+            ::std::vec![T::zero(); 0]
+        }
         fn scene(&self) -> &::mbd_runtime::scene::Scene {
             &self.parts.scene
         }
@@ -1137,7 +1075,7 @@ const _: () = {
             &self,
             what: ::mbd_runtime::Quantity,
             at: &::mbd_runtime::At<'_, T>,
-            _work: &mut (),
+            work: &mut Self::Work,
             out: &mut [T],
         ) {
             match what {

@@ -43,7 +43,7 @@ impl<T: ::mbd_runtime::Real> ParachuteParams<T> {
 }
 /// The state of `Parachute`: items in declaration order, bodies before points.
 ///
-/// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz.
+/// `q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz. Bodies and points have functions of their names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParachuteState<T = f64> {
     /// Coordinates \[m, 1\].
@@ -86,6 +86,34 @@ impl<T: ::mbd_runtime::Real> ParachuteState<T> {
         out.extend_from_slice(self.v.as_slice());
         out.extend_from_slice(self.z.as_slice());
         out
+    }
+    /// Where `canopy` is and how it moves.
+    #[must_use]
+    pub fn canopy(&self) -> ::mbd_runtime::BodyState<T> {
+        ::mbd_runtime::__private::read(self.q.as_slice(), self.v.as_slice(), [0, 0])
+    }
+    /// Puts `canopy` somewhere.
+    pub fn set_canopy(&mut self, to: ::mbd_runtime::BodyState<T>) {
+        ::mbd_runtime::__private::write(
+            to,
+            self.q.as_mut_slice(),
+            self.v.as_mut_slice(),
+            [0, 0],
+        );
+    }
+    /// Where `capsule` is and how it moves.
+    #[must_use]
+    pub fn capsule(&self) -> ::mbd_runtime::BodyState<T> {
+        ::mbd_runtime::__private::read(self.q.as_slice(), self.v.as_slice(), [7, 6])
+    }
+    /// Puts `capsule` somewhere.
+    pub fn set_capsule(&mut self, to: ::mbd_runtime::BodyState<T>) {
+        ::mbd_runtime::__private::write(
+            to,
+            self.q.as_mut_slice(),
+            self.v.as_mut_slice(),
+            [7, 6],
+        );
     }
 }
 /// The outputs of `Parachute`.
@@ -2082,78 +2110,78 @@ const _: () = {
         let capsule_w_y = capsule_t_24 + capsule_t_28;
         let capsule_t_29 = capsule_wz * capsule_r33;
         let capsule_w_z = capsule_t_26 + capsule_t_29;
-        let capsule_t_30 = c_60 * canopy_wx;
-        let capsule_t_31 = c_60 * canopy_wy;
-        let capsule_t_32 = c_90 * canopy_wz;
-        let capsule_t_33 = canopy_wx * capsule_t_30;
-        let capsule_t_34 = canopy_wy * capsule_t_31;
-        let capsule_t_35 = canopy_wz * capsule_t_32;
-        let capsule_t_36 = capsule_t_33 + capsule_t_34;
-        let capsule_t_37 = capsule_t_35 + capsule_t_36;
-        let capsule_t_38 = canopy_vx * canopy_vx;
-        let capsule_t_39 = canopy_vy * canopy_vy;
-        let capsule_t_40 = canopy_vz * canopy_vz;
-        let capsule_t_41 = capsule_t_38 + capsule_t_39;
-        let capsule_t_42 = capsule_t_40 + capsule_t_41;
-        let capsule_t_43 = c_16 * capsule_t_42;
-        let capsule_t_44 = capsule_t_37 + capsule_t_43;
-        let capsule_t_45 = half * capsule_t_44;
-        let capsule_d_z = canopy_z - c;
-        let capsule_t_46 = canopy_x * canopy_x;
-        let capsule_t_47 = canopy_y * canopy_y;
-        let capsule_t_48 = capsule_d_z * capsule_d_z;
+        let canopy_t_18 = c_60 * canopy_wx;
+        let canopy_t_19 = c_60 * canopy_wy;
+        let canopy_t_20 = c_90 * canopy_wz;
+        let canopy_t_21 = canopy_wx * canopy_t_18;
+        let canopy_t_22 = canopy_wy * canopy_t_19;
+        let canopy_t_23 = canopy_wz * canopy_t_20;
+        let canopy_t_24 = canopy_t_21 + canopy_t_22;
+        let canopy_t_25 = canopy_t_23 + canopy_t_24;
+        let canopy_t_26 = canopy_vx * canopy_vx;
+        let canopy_t_27 = canopy_vy * canopy_vy;
+        let canopy_t_28 = canopy_vz * canopy_vz;
+        let canopy_t_29 = canopy_t_26 + canopy_t_27;
+        let canopy_t_30 = canopy_t_28 + canopy_t_29;
+        let canopy_t_31 = c_16 * canopy_t_30;
+        let canopy_t_32 = canopy_t_25 + canopy_t_31;
+        let canopy_t_33 = half * canopy_t_32;
+        let canopy_d_z = canopy_z - c;
+        let canopy_t_34 = canopy_x * canopy_x;
+        let canopy_t_35 = canopy_y * canopy_y;
+        let canopy_t_36 = canopy_d_z * canopy_d_z;
+        let canopy_t_37 = canopy_t_34 + canopy_t_35;
+        let canopy_d_squared = canopy_t_36 + canopy_t_37;
+        let canopy_distance = canopy_d_squared.sqrt();
+        let canopy_t_38 = canopy_z - c_2;
+        let canopy_t_39 = canopy_z * canopy_t_38;
+        let canopy_t_40 = canopy_t_37 + canopy_t_39;
+        let canopy_t_41 = canopy_distance * c_3;
+        let canopy_t_42 = canopy_distance + c_3;
+        let canopy_t_43 = canopy_t_41 * canopy_t_42;
+        let canopy_t_44 = canopy_t_40 / canopy_t_43;
+        let canopy_t_45 = c_4 * canopy_t_44;
+        let capsule_t_30 = c_300 * capsule_wx;
+        let capsule_t_31 = c_m1_5 * capsule_wx;
+        let capsule_t_32 = c_m1_5 * capsule_wy;
+        let capsule_t_33 = capsule_t_30 + capsule_t_32;
+        let capsule_t_34 = c_310 * capsule_wy;
+        let capsule_t_35 = capsule_t_31 + capsule_t_34;
+        let capsule_t_36 = two * capsule_wy;
+        let capsule_t_37 = two * capsule_wz;
+        let capsule_t_38 = capsule_t_35 + capsule_t_37;
+        let capsule_t_39 = c_420 * capsule_wz;
+        let capsule_t_40 = capsule_t_36 + capsule_t_39;
+        let capsule_t_41 = capsule_wx * capsule_t_33;
+        let capsule_t_42 = capsule_wy * capsule_t_38;
+        let capsule_t_43 = capsule_wz * capsule_t_40;
+        let capsule_t_44 = capsule_t_41 + capsule_t_42;
+        let capsule_t_45 = capsule_t_43 + capsule_t_44;
+        let capsule_t_46 = capsule_vx * capsule_vx;
+        let capsule_t_47 = capsule_vy * capsule_vy;
+        let capsule_t_48 = capsule_vz * capsule_vz;
         let capsule_t_49 = capsule_t_46 + capsule_t_47;
-        let capsule_d_squared = capsule_t_48 + capsule_t_49;
+        let capsule_t_50 = capsule_t_48 + capsule_t_49;
+        let capsule_t_51 = m_cap * capsule_t_50;
+        let capsule_t_52 = capsule_t_45 + capsule_t_51;
+        let capsule_t_53 = half * capsule_t_52;
+        let capsule_t_54 = canopy_t_33 + capsule_t_53;
+        let capsule_d_z = capsule_z - c;
+        let capsule_t_55 = capsule_x * capsule_x;
+        let capsule_t_56 = capsule_y * capsule_y;
+        let capsule_t_57 = capsule_d_z * capsule_d_z;
+        let capsule_t_58 = capsule_t_55 + capsule_t_56;
+        let capsule_d_squared = capsule_t_57 + capsule_t_58;
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_t_50 = canopy_z - c_2;
-        let capsule_t_51 = canopy_z * capsule_t_50;
-        let capsule_t_52 = capsule_t_49 + capsule_t_51;
-        let capsule_t_53 = capsule_distance * c_3;
-        let capsule_t_54 = capsule_distance + c_3;
-        let capsule_t_55 = capsule_t_53 * capsule_t_54;
-        let capsule_t_56 = capsule_t_52 / capsule_t_55;
-        let capsule_t_57 = c_4 * capsule_t_56;
-        let capsule_t_58 = c_300 * capsule_wx;
-        let capsule_t_59 = c_m1_5 * capsule_wx;
-        let capsule_t_60 = c_m1_5 * capsule_wy;
+        let capsule_t_59 = capsule_z - c_2;
+        let capsule_t_60 = capsule_z * capsule_t_59;
         let capsule_t_61 = capsule_t_58 + capsule_t_60;
-        let capsule_t_62 = c_310 * capsule_wy;
-        let capsule_t_63 = capsule_t_59 + capsule_t_62;
-        let capsule_t_64 = two * capsule_wy;
-        let capsule_t_65 = two * capsule_wz;
-        let capsule_t_66 = capsule_t_63 + capsule_t_65;
-        let capsule_t_67 = c_420 * capsule_wz;
-        let capsule_t_68 = capsule_t_64 + capsule_t_67;
-        let capsule_t_69 = capsule_wx * capsule_t_61;
-        let capsule_t_70 = capsule_wy * capsule_t_66;
-        let capsule_t_71 = capsule_wz * capsule_t_68;
-        let capsule_t_72 = capsule_t_69 + capsule_t_70;
-        let capsule_t_73 = capsule_t_71 + capsule_t_72;
-        let capsule_t_74 = capsule_vx * capsule_vx;
-        let capsule_t_75 = capsule_vy * capsule_vy;
-        let capsule_t_76 = capsule_vz * capsule_vz;
-        let capsule_t_77 = capsule_t_74 + capsule_t_75;
-        let capsule_t_78 = capsule_t_76 + capsule_t_77;
-        let capsule_t_79 = m_cap * capsule_t_78;
-        let capsule_t_80 = capsule_t_73 + capsule_t_79;
-        let capsule_t_81 = half * capsule_t_80;
-        let capsule_t_82 = capsule_t_45 + capsule_t_81;
-        let capsule_d_z_2 = capsule_z - c;
-        let capsule_t_83 = capsule_x * capsule_x;
-        let capsule_t_84 = capsule_y * capsule_y;
-        let capsule_t_85 = capsule_d_z_2 * capsule_d_z_2;
-        let capsule_t_86 = capsule_t_83 + capsule_t_84;
-        let capsule_d_squared_2 = capsule_t_85 + capsule_t_86;
-        let capsule_distance_2 = capsule_d_squared_2.sqrt();
-        let capsule_t_87 = capsule_z - c_2;
-        let capsule_t_88 = capsule_z * capsule_t_87;
-        let capsule_t_89 = capsule_t_86 + capsule_t_88;
-        let capsule_t_90 = capsule_distance_2 * c_3;
-        let capsule_t_91 = capsule_distance_2 + c_3;
-        let capsule_t_92 = capsule_t_90 * capsule_t_91;
-        let capsule_t_93 = capsule_t_89 / capsule_t_92;
-        let capsule_t_94 = derived_2 * capsule_t_93;
-        let capsule_t_95 = capsule_t_57 + capsule_t_94;
+        let capsule_t_62 = capsule_distance * c_3;
+        let capsule_t_63 = capsule_distance + c_3;
+        let capsule_t_64 = capsule_t_62 * capsule_t_63;
+        let capsule_t_65 = capsule_t_61 / capsule_t_64;
+        let capsule_t_66 = derived_2 * capsule_t_65;
+        let capsule_t_67 = canopy_t_45 + capsule_t_66;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -2500,7 +2528,7 @@ const _: () = {
         let thruster_t_10 = thruster_t_7 + thruster_t_8;
         let thruster_t_11 = thruster_t_9 + thruster_t_10;
         let thruster_t_12 = thruster_t_6 + thruster_t_11;
-        *out = [capsule_t_82, capsule_t_95, leg_2_t_57, thruster_t_12, leg_2_t_62, zero];
+        *out = [capsule_t_54, capsule_t_67, leg_2_t_57, thruster_t_12, leg_2_t_62, zero];
     }
     /// Mass matrix `M` in `M v̇ + h = f`.
     /// 12×12 [kg, kg m²], row by row, structural non-zeros only.
@@ -3111,49 +3139,49 @@ const _: () = {
         let thruster_t_4 = thruster_couple_x + leg_2_t_65;
         let thruster_t_5 = thruster_couple_y + leg_2_t_66;
         let thruster_t_6 = thruster_couple_z + leg_2_t_67;
-        let thruster_t_7 = canopy_r11 * drag_t_37;
-        let thruster_t_8 = canopy_r12 * drag_t_37;
-        let thruster_t_9 = canopy_r13 * drag_t_37;
-        let thruster_t_10 = canopy_r21 * drag_t_38;
-        let thruster_t_11 = thruster_t_7 + thruster_t_10;
-        let thruster_t_12 = canopy_r22 * drag_t_38;
-        let thruster_t_13 = thruster_t_8 + thruster_t_12;
-        let thruster_t_14 = canopy_r23 * drag_t_38;
-        let thruster_t_15 = thruster_t_9 + thruster_t_14;
-        let thruster_t_16 = canopy_r31 * drag_t_39;
-        let thruster_torque_x = thruster_t_11 + thruster_t_16;
-        let thruster_t_17 = canopy_r32 * drag_t_39;
-        let thruster_torque_y = thruster_t_13 + thruster_t_17;
-        let thruster_t_18 = canopy_r33 * drag_t_39;
-        let thruster_torque_z = thruster_t_15 + thruster_t_18;
-        let thruster_t_19 = capsule_r11 * thruster_t_4;
-        let thruster_t_20 = capsule_r12 * thruster_t_4;
-        let thruster_t_21 = capsule_r13 * thruster_t_4;
-        let thruster_t_22 = capsule_r21 * thruster_t_5;
-        let thruster_t_23 = thruster_t_19 + thruster_t_22;
-        let thruster_t_24 = capsule_r22 * thruster_t_5;
-        let thruster_t_25 = thruster_t_20 + thruster_t_24;
-        let thruster_t_26 = capsule_r23 * thruster_t_5;
-        let thruster_t_27 = thruster_t_21 + thruster_t_26;
-        let thruster_t_28 = capsule_r31 * thruster_t_6;
-        let thruster_torque_x_2 = thruster_t_23 + thruster_t_28;
-        let thruster_t_29 = capsule_r32 * thruster_t_6;
-        let thruster_torque_y_2 = thruster_t_25 + thruster_t_29;
-        let thruster_t_30 = capsule_r33 * thruster_t_6;
-        let thruster_torque_z_2 = thruster_t_27 + thruster_t_30;
+        let canopy_t_18 = canopy_r11 * drag_t_37;
+        let canopy_t_19 = canopy_r12 * drag_t_37;
+        let canopy_t_20 = canopy_r13 * drag_t_37;
+        let canopy_t_21 = canopy_r21 * drag_t_38;
+        let canopy_t_22 = canopy_t_18 + canopy_t_21;
+        let canopy_t_23 = canopy_r22 * drag_t_38;
+        let canopy_t_24 = canopy_t_19 + canopy_t_23;
+        let canopy_t_25 = canopy_r23 * drag_t_38;
+        let canopy_t_26 = canopy_t_20 + canopy_t_25;
+        let canopy_t_27 = canopy_r31 * drag_t_39;
+        let canopy_torque_x = canopy_t_22 + canopy_t_27;
+        let canopy_t_28 = canopy_r32 * drag_t_39;
+        let canopy_torque_y = canopy_t_24 + canopy_t_28;
+        let canopy_t_29 = canopy_r33 * drag_t_39;
+        let canopy_torque_z = canopy_t_26 + canopy_t_29;
+        let capsule_t_18 = capsule_r11 * thruster_t_4;
+        let capsule_t_19 = capsule_r12 * thruster_t_4;
+        let capsule_t_20 = capsule_r13 * thruster_t_4;
+        let capsule_t_21 = capsule_r21 * thruster_t_5;
+        let capsule_t_22 = capsule_t_18 + capsule_t_21;
+        let capsule_t_23 = capsule_r22 * thruster_t_5;
+        let capsule_t_24 = capsule_t_19 + capsule_t_23;
+        let capsule_t_25 = capsule_r23 * thruster_t_5;
+        let capsule_t_26 = capsule_t_20 + capsule_t_25;
+        let capsule_t_27 = capsule_r31 * thruster_t_6;
+        let capsule_torque_x = capsule_t_22 + capsule_t_27;
+        let capsule_t_28 = capsule_r32 * thruster_t_6;
+        let capsule_torque_y = capsule_t_24 + capsule_t_28;
+        let capsule_t_29 = capsule_r33 * thruster_t_6;
+        let capsule_torque_z = capsule_t_26 + capsule_t_29;
         *out = [
             drag_t_25,
             drag_t_26,
             drag_t_27,
-            thruster_torque_x,
-            thruster_torque_y,
-            thruster_torque_z,
+            canopy_torque_x,
+            canopy_torque_y,
+            canopy_torque_z,
             thruster_t,
             thruster_t_2,
             thruster_t_3,
-            thruster_torque_x_2,
-            thruster_torque_y_2,
-            thruster_torque_z_2,
+            capsule_torque_x,
+            capsule_torque_y,
+            capsule_torque_z,
         ];
     }
     /// Terms of the parameters alone, computed once.
@@ -3518,11 +3546,7 @@ const _: () = {
     }
     /// Which rows of the joints repeat others, as found when this was generated.
     fn redundancy() -> ::mbd_runtime::scene::Redundancy {
-        ::mbd_runtime::scene::Redundancy {
-            repeats: ::std::vec![],
-            loops: 0,
-            closed: true,
-        }
+        ::mbd_runtime::__private::redundancy("0 0 1 ")
     }
     impl<T: ::mbd_runtime::Float> Parachute<T> {
         /// A model with these parameters.
@@ -3558,6 +3582,7 @@ const _: () = {
         }
         /// A model with parameters that nobody has checked: for dual numbers and lanes.
         #[must_use]
+        #[inline]
         pub fn unchecked(params: ParachuteParams<T>) -> Self {
             let values = params.to_array();
             let parts = ::mbd_runtime::__private::Parts::new(
@@ -3575,209 +3600,9 @@ const _: () = {
         /// The declaration as data.
         #[must_use]
         pub fn scene() -> ::mbd_runtime::scene::Scene {
-            ::mbd_runtime::scene::Scene {
-                name: "Parachute".into(),
-                doc: "Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point."
-                    .into(),
-                coordinates: ::mbd_runtime::scene::Coordinates::Absolute,
-                angular_velocity: ::mbd_runtime::scene::AngularVelocity::Body,
-                planar: ::core::option::Option::None,
-                gravity: ::mbd_runtime::scene::Gravity::PointMass {
-                    mu: ::mbd_runtime::scene::Formula::Number(4.2828e13),
-                    center: [
-                        ::mbd_runtime::scene::Formula::Number(0.0),
-                        ::mbd_runtime::scene::Formula::Number(0.0),
-                        ::mbd_runtime::scene::Formula::Number(-3404590.0),
-                    ],
-                },
-                consts: ::std::vec![
-                    ::mbd_runtime::scene::Constant { name : "L_LEG".into(), doc : ""
-                    .into(), value : 2.1, unit : ::mbd_runtime::scene::Unit { text : "m"
-                    .into(), factor : 1.0, dimension : ::mbd_runtime::scene::Dimension {
-                    mass : 0, length : 2, time : 0 } } }, ::mbd_runtime::scene::Constant
-                    { name : "RHO".into(), doc : "".into(), value : 0.014, unit :
-                    ::mbd_runtime::scene::Unit { text : "kg/m^3".into(), factor : 1.0,
-                    dimension : ::mbd_runtime::scene::Dimension { mass : 2, length : - 6,
-                    time : 0 } } }
-                ],
-                params: ::std::vec![
-                    ::mbd_runtime::scene::Parameter { name : "riser_k".into(), doc :
-                    "Stiffness of the riser.".into(), default : 60000.0, range :
-                    ::core::option::Option::Some([10000.0, 200000.0]), unit :
-                    ::mbd_runtime::scene::Unit { text : "kN/m".into(), factor : 1000.0,
-                    dimension : ::mbd_runtime::scene::Dimension { mass : 2, length : 0,
-                    time : - 4 } } }, ::mbd_runtime::scene::Parameter { name : "m_cap"
-                    .into(), doc : "Capsule mass.".into(), default : 761.0, range :
-                    ::core::option::Option::Some([600.0, 900.0]), unit :
-                    ::mbd_runtime::scene::Unit { text : "kg".into(), factor : 1.0,
-                    dimension : ::mbd_runtime::scene::Dimension { mass : 2, length : 0,
-                    time : 0 } } }, ::mbd_runtime::scene::Parameter { name : "cd_s"
-                    .into(), doc : "Drag coefficient times reference area.".into(),
-                    default : 82.0, range : ::core::option::Option::Some([60.0, 100.0]),
-                    unit : ::mbd_runtime::scene::Unit { text : "m^2".into(), factor :
-                    1.0, dimension : ::mbd_runtime::scene::Dimension { mass : 0, length :
-                    4, time : 0 } } }
-                ],
-                inputs: ::std::vec![
-                    ::mbd_runtime::scene::Input { name : "wind".into(), doc :
-                    "Wind, world axes.".into(), components : 3, unit :
-                    ::mbd_runtime::scene::Unit { text : "m/s".into(), factor : 1.0,
-                    dimension : ::mbd_runtime::scene::Dimension { mass : 0, length : 2,
-                    time : - 2 } } }
-                ],
-                tables: ::std::vec![],
-                world_frames: ::std::vec![
-                    ::mbd_runtime::scene::Frame { name : "world".into(), position :
-                    [::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0)], rotation :
-                    ::core::option::Option::None }
-                ],
-                bodies: ::std::vec![
-                    ::mbd_runtime::scene::Body { name : "canopy".into(), doc : "".into(),
-                    mass : ::mbd_runtime::scene::Formula::Number(16.0), inertia :
-                    ::mbd_runtime::scene::Inertia { xx :
-                    ::mbd_runtime::scene::Formula::Number(60.0), yy :
-                    ::mbd_runtime::scene::Formula::Number(60.0), zz :
-                    ::mbd_runtime::scene::Formula::Number(90.0), xy :
-                    ::mbd_runtime::scene::Formula::Number(0.0), xz :
-                    ::mbd_runtime::scene::Formula::Number(0.0), yz :
-                    ::mbd_runtime::scene::Formula::Number(0.0) }, frames :
-                    ::std::vec![::mbd_runtime::scene::Frame { name : "com".into(),
-                    position : [::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0)], rotation :
-                    ::core::option::Option::None }, ::mbd_runtime::scene::Frame { name :
-                    "riser_end".into(), position :
-                    [::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(- 9.5)], rotation :
-                    ::core::option::Option::None }, ::mbd_runtime::scene::Frame { name :
-                    "cp".into(), position : [::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(1.57)], rotation :
-                    ::core::option::Option::None }] }, ::mbd_runtime::scene::Body { name
-                    : "capsule".into(), doc : "".into(), mass :
-                    ::mbd_runtime::scene::Formula::Param(1), inertia :
-                    ::mbd_runtime::scene::Inertia { xx :
-                    ::mbd_runtime::scene::Formula::Number(300.0), yy :
-                    ::mbd_runtime::scene::Formula::Number(310.0), zz :
-                    ::mbd_runtime::scene::Formula::Number(420.0), xy :
-                    ::mbd_runtime::scene::Formula::Number(- 1.5), xz :
-                    ::mbd_runtime::scene::Formula::Number(0.0), yz :
-                    ::mbd_runtime::scene::Formula::Number(2.0) }, frames :
-                    ::std::vec![::mbd_runtime::scene::Frame { name : "com".into(),
-                    position : [::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(0.0)], rotation :
-                    ::core::option::Option::None }, ::mbd_runtime::scene::Frame { name :
-                    "bridle[0]".into(), position :
-                    [::mbd_runtime::scene::Formula::Number(0.55),
-                    ::mbd_runtime::scene::Formula::Number(0.0),
-                    ::mbd_runtime::scene::Formula::Number(1.23)], rotation :
-                    ::core::option::Option::None }, ::mbd_runtime::scene::Frame { name :
-                    "bridle[1]".into(), position :
-                    [::mbd_runtime::scene::Formula::Number(- 0.2749999999999999),
-                    ::mbd_runtime::scene::Formula::Number(0.47631397208144133),
-                    ::mbd_runtime::scene::Formula::Number(1.23)], rotation :
-                    ::core::option::Option::None }, ::mbd_runtime::scene::Frame { name :
-                    "bridle[2]".into(), position :
-                    [::mbd_runtime::scene::Formula::Number(- 0.27500000000000024),
-                    ::mbd_runtime::scene::Formula::Number(- 0.47631397208144116),
-                    ::mbd_runtime::scene::Formula::Number(1.23)], rotation :
-                    ::core::option::Option::None }] }
-                ],
-                points: ::std::vec![
-                    ::mbd_runtime::scene::Point { name : "confluence".into(), doc : ""
-                    .into(), kind :
-                    ::mbd_runtime::scene::PointKind::Node(::mbd_runtime::scene::NodeModel::Rate)
-                    }
-                ],
-                joints: ::std::vec![
-                    ::mbd_runtime::scene::Joint { name : "canopy_free".into(), doc : ""
-                    .into(), law :
-                    ::mbd_runtime::scene::JointLaw::Free(::mbd_runtime::scene::Free {}),
-                    parent : ::mbd_runtime::scene::Place::World(0), child :
-                    ::mbd_runtime::scene::Place::Body(0, 0), along : ::std::vec![], cut :
-                    false }, ::mbd_runtime::scene::Joint { name : "capsule_free".into(),
-                    doc : "".into(), law :
-                    ::mbd_runtime::scene::JointLaw::Free(::mbd_runtime::scene::Free {}),
-                    parent : ::mbd_runtime::scene::Place::World(0), child :
-                    ::mbd_runtime::scene::Place::Body(1, 0), along : ::std::vec![], cut :
-                    false }
-                ],
-                lines: ::std::vec![
-                    ::mbd_runtime::scene::Line { name : "riser".into(), doc : "".into(),
-                    kind : ::mbd_runtime::scene::LineKind::Line, from :
-                    ::mbd_runtime::scene::Place::Body(0, 1), to :
-                    ::mbd_runtime::scene::Place::Point(0), free_length :
-                    ::mbd_runtime::scene::Formula::Number(10.0), stiffness :
-                    ::mbd_runtime::scene::Formula::Param(0), damping :
-                    ::mbd_runtime::scene::Formula::Number(600.0) },
-                    ::mbd_runtime::scene::Line { name : "leg[0]".into(), doc : "".into(),
-                    kind : ::mbd_runtime::scene::LineKind::Line, from :
-                    ::mbd_runtime::scene::Place::Body(1, 1), to :
-                    ::mbd_runtime::scene::Place::Point(0), free_length :
-                    ::mbd_runtime::scene::Formula::Const(0), stiffness :
-                    ::mbd_runtime::scene::Formula::Number(47000.0), damping :
-                    ::mbd_runtime::scene::Formula::Number(470.0) },
-                    ::mbd_runtime::scene::Line { name : "leg[1]".into(), doc : "".into(),
-                    kind : ::mbd_runtime::scene::LineKind::Line, from :
-                    ::mbd_runtime::scene::Place::Body(1, 2), to :
-                    ::mbd_runtime::scene::Place::Point(0), free_length :
-                    ::mbd_runtime::scene::Formula::Const(0), stiffness :
-                    ::mbd_runtime::scene::Formula::Number(47000.0), damping :
-                    ::mbd_runtime::scene::Formula::Number(470.0) },
-                    ::mbd_runtime::scene::Line { name : "leg[2]".into(), doc : "".into(),
-                    kind : ::mbd_runtime::scene::LineKind::Line, from :
-                    ::mbd_runtime::scene::Place::Body(1, 3), to :
-                    ::mbd_runtime::scene::Place::Point(0), free_length :
-                    ::mbd_runtime::scene::Formula::Const(0), stiffness :
-                    ::mbd_runtime::scene::Formula::Number(47000.0), damping :
-                    ::mbd_runtime::scene::Formula::Number(470.0) }
-                ],
-                loads: ::std::vec![
-                    ::mbd_runtime::scene::Load { name : "drag".into(), doc : "".into(),
-                    at : ::mbd_runtime::scene::Place::Body(0, 2), kind :
-                    ::mbd_runtime::scene::LoadKind::Force(::mbd_runtime::scene::Formula::Apply(::mbd_runtime::scene::Function::Mul,
-                    ::std::vec![::mbd_runtime::scene::Formula::Apply(::mbd_runtime::scene::Function::Mul,
-                    ::std::vec![::mbd_runtime::scene::Formula::Apply(::mbd_runtime::scene::Function::Mul,
-                    ::std::vec![::mbd_runtime::scene::Formula::Number(- 0.007),
-                    ::mbd_runtime::scene::Formula::Param(2)]),
-                    ::mbd_runtime::scene::Formula::Apply(::mbd_runtime::scene::Function::Norm,
-                    ::std::vec![::mbd_runtime::scene::Formula::Apply(::mbd_runtime::scene::Function::Sub,
-                    ::std::vec![::mbd_runtime::scene::Formula::Velocity(::mbd_runtime::scene::Place::Body(0,
-                    2)), ::mbd_runtime::scene::Formula::Input(0)])])]),
-                    ::mbd_runtime::scene::Formula::Apply(::mbd_runtime::scene::Function::Sub,
-                    ::std::vec![::mbd_runtime::scene::Formula::Velocity(::mbd_runtime::scene::Place::Body(0,
-                    2)), ::mbd_runtime::scene::Formula::Input(0)])])) },
-                    ::mbd_runtime::scene::Load { name : "thruster".into(), doc : ""
-                    .into(), at : ::mbd_runtime::scene::Place::Body(1, 0), kind :
-                    ::mbd_runtime::scene::LoadKind::External }
-                ],
-                outputs: ::std::vec![
-                    ::mbd_runtime::scene::Output { name : "riser_force".into(), doc :
-                    "Tension of the riser.".into(), value :
-                    ::mbd_runtime::scene::Formula::Tension(0), components : 1, unit :
-                    ::mbd_runtime::scene::Unit { text : "N".into(), factor : 1.0,
-                    dimension : ::mbd_runtime::scene::Dimension { mass : 2, length : 2,
-                    time : - 4 } } }, ::mbd_runtime::scene::Output { name : "tilt"
-                    .into(), doc : "".into(), value :
-                    ::mbd_runtime::scene::Formula::Apply(::mbd_runtime::scene::Function::Angle,
-                    ::std::vec![::mbd_runtime::scene::Formula::Axis(::mbd_runtime::scene::Place::Body(1,
-                    0), 2),
-                    ::mbd_runtime::scene::Formula::Axis(::mbd_runtime::scene::Place::World(0),
-                    2)]), components : 1, unit : ::mbd_runtime::scene::Unit { text :
-                    "rad".into(), factor : 1.0, dimension :
-                    ::mbd_runtime::scene::Dimension { mass : 0, length : 0, time : 0 } }
-                    }
-                ],
-                events: ::std::vec![
-                    ::mbd_runtime::scene::Event { name : "slack".into(), doc : "".into(),
-                    guard : ::mbd_runtime::scene::Formula::Tension(0), direction :
-                    ::mbd_runtime::scene::Direction::Crosses }
-                ],
-            }
+            ::mbd_runtime::__private::scene(
+                "9 Parachute 94 Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point. 0 0 0 2 0 42828000000000.0 0 0.0 0 0.0 0 -3404590.0 2 5 L_LEG 0  2.1 1 m 1.0 0 2 0 3 RHO 0  0.014 6 kg/m^3 1.0 2 -6 0 3 7 riser_k 23 Stiffness of the riser. 60000.0 1 10000.0 200000.0 4 kN/m 1000.0 2 0 -4 5 m_cap 13 Capsule mass. 761.0 1 600.0 900.0 2 kg 1.0 2 0 0 4 cd_s 38 Drag coefficient times reference area. 82.0 1 60.0 100.0 3 m^2 1.0 0 4 0 1 4 wind 17 Wind, world axes. 3 3 m/s 1.0 0 2 -2 0 1 5 world 0 0.0 0 0.0 0 0.0 0 2 6 canopy 0  0 16.0 0 60.0 0 60.0 0 90.0 0 0.0 0 0.0 0 0.0 3 3 com 0 0.0 0 0.0 0 0.0 0 9 riser_end 0 0.0 0 0.0 0 -9.5 0 2 cp 0 0.0 0 0.0 0 1.57 0 7 capsule 0  2 1 0 300.0 0 310.0 0 420.0 0 -1.5 0 0.0 0 2.0 4 3 com 0 0.0 0 0.0 0 0.0 0 9 bridle[0] 0 0.55 0 0.0 0 1.23 0 9 bridle[1] 0 -0.2749999999999999 0 0.47631397208144133 0 1.23 0 9 bridle[2] 0 -0.27500000000000024 0 -0.47631397208144116 0 1.23 0 1 10 confluence 0  1 2 2 11 canopy_free 0  0 0 0 1 0 0 0 0 12 capsule_free 0  0 0 0 1 1 0 0 0 4 5 riser 0  0 1 0 1 2 0 0 10.0 2 0 0 600.0 6 leg[0] 0  0 1 1 1 2 0 1 0 0 47000.0 0 470.0 6 leg[1] 0  0 1 1 2 2 0 1 0 0 47000.0 0 470.0 6 leg[2] 0  0 1 1 3 2 0 1 0 0 47000.0 0 470.0 2 4 drag 0  1 0 2 0 19 2 2 19 2 2 19 2 2 0 -0.007 2 2 19 6 1 19 1 2 6 1 0 2 3 0 19 1 2 6 1 0 2 3 0 8 thruster 0  1 1 0 2 2 11 riser_force 21 Tension of the riser. 10 0 1 1 N 1.0 2 2 -4 4 tilt 0  19 16 2 7 1 1 0 2 7 0 0 2 1 3 rad 1.0 0 0 0 1 5 slack 0  10 0 0 ",
+            )
         }
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
@@ -3822,6 +3647,7 @@ const _: () = {
         /// 4 anchors × 6 \[m, m/s\], 1 nodes × 3 \[N\]; world axes.
         /// 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
         #[must_use]
+        #[inline]
         pub fn ends(
             &self,
             state: &ParachuteState<T>,
@@ -3838,6 +3664,7 @@ const _: () = {
         /// 29 = \[14 q̇ | 12 v̇ | 3 ż\]; SI units.
         /// 600 operations (261 additions, 294 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections).
         #[must_use]
+        #[inline]
         pub fn derivative(
             &self,
             time: T,
@@ -3853,12 +3680,13 @@ const _: () = {
             let mut values = [T::zero(); 29];
             let out = &mut values;
             derivative(q, v, z, nodes, hold, inputs, &self.values, &self.derived, out);
-            let [q0, q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13, v0, v1, v2,
-            v3, v4, v5, v6, v7, v8, v9, v10, v11, z0, z1, z2] = values;
+            let (q, v, z): ([T; 14], [T; 12], [T; 3]) = ::mbd_runtime::__private::parts(
+                &values,
+            );
             ParachuteState {
-                q: [q0, q1, q2, q3, q4, q5, q6, q7, q8, q9, q10, q11, q12, q13].into(),
-                v: [v0, v1, v2, v3, v4, v5, v6, v7, v8, v9, v10, v11].into(),
-                z: [z0, z1, z2].into(),
+                q: q.into(),
+                v: v.into(),
+                z: z.into(),
             }
         }
         /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
@@ -3866,6 +3694,7 @@ const _: () = {
         /// 3 \[N\], world axes; zero where the nodes are in equilibrium.
         /// 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections).
         #[must_use]
+        #[inline]
         pub fn balance(
             &self,
             state: &ParachuteState<T>,
@@ -3885,6 +3714,7 @@ const _: () = {
         /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 1 events.
         /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
         #[must_use]
+        #[inline]
         pub fn guards(
             &self,
             state: &ParachuteState<T>,
@@ -3904,6 +3734,7 @@ const _: () = {
         /// 2 columns, each in its unit.
         /// 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
         #[must_use]
+        #[inline]
         pub fn outputs(
             &self,
             state: &ParachuteState<T>,
@@ -3923,6 +3754,7 @@ const _: () = {
         /// 6 \[J, J, J, W, W, W\].
         /// 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
         #[must_use]
+        #[inline]
         pub fn energy(
             &self,
             time: T,
@@ -3955,6 +3787,7 @@ const _: () = {
         /// 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
         ///
         /// Only structural non-zeros are written: `out` starts at zero.
+        #[inline]
         pub fn mass_matrix(
             &self,
             out: &mut ::mbd_runtime::nalgebra::SMatrix<T, 12, 12>,
@@ -3971,6 +3804,7 @@ const _: () = {
         /// 12 \[N, N m\].
         /// 65 operations (19 additions, 42 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections).
         #[must_use]
+        #[inline]
         pub fn bias_force(
             &self,
             state: &ParachuteState<T>,
@@ -3987,6 +3821,7 @@ const _: () = {
         /// 12 \[N, N m\], about the centres of mass.
         /// 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections).
         #[must_use]
+        #[inline]
         pub fn forces(
             &self,
             time: T,
@@ -4006,6 +3841,7 @@ const _: () = {
         }
         /// Rates of the coordinates: `q̇ = N(q) v`. q̇ is not v: a quaternion has four rates, an angular velocity three.
         #[must_use]
+        #[inline]
         pub fn kinematics(
             &self,
             state: &ParachuteState<T>,
@@ -4018,8 +3854,11 @@ const _: () = {
         }
     }
     impl<T: ::mbd_runtime::Float> ::mbd_runtime::Model<T> for Parachute<T> {
-        type Work = ();
-        fn work(&self) {}
+        /// What the kernels hand on; carries nothing from call to call.
+        type Work = ::std::vec::Vec<T>;
+        fn work(&self) -> Self::Work {
+            ::std::vec![T::zero(); 0]
+        }
         fn scene(&self) -> &::mbd_runtime::scene::Scene {
             &self.parts.scene
         }
@@ -4036,7 +3875,7 @@ const _: () = {
             &self,
             what: ::mbd_runtime::Quantity,
             at: &::mbd_runtime::At<'_, T>,
-            _work: &mut (),
+            work: &mut Self::Work,
             out: &mut [T],
         ) {
             match what {

@@ -319,6 +319,7 @@ impl<S: Real> Constraints<S> {
         self.run(evaluation, |joint| evaluation.system_ends(joint));
         self.system.clear();
         for (index, step) in plan.steps.iter().enumerate() {
+            enter::<S>(evaluation.scene, step.part);
             match step.part {
                 Part::Body(body) => self.write_body(evaluation, index, body),
                 Part::Point(point) => {
@@ -539,6 +540,7 @@ impl<S: Real> Constraints<S> {
                 }
                 continue;
             };
+            enter::<S>(evaluation.scene, Part::Joint(index));
             let unknowns = self.system.unknowns(&layout.elimination, step);
             if what == Quantity::Multipliers {
                 let own = &mut out[slots.row..slots.row + slots.len];
@@ -621,6 +623,7 @@ impl<S: Real> Constraints<S> {
         self.prepare(evaluation);
         for (joint, slots) in layout.joints.iter().enumerate() {
             if let Some(step) = plan.step_of(Part::Joint(joint)) {
+                enter::<S>(evaluation.scene, Part::Joint(joint));
                 let asked = &evaluation.at.rows[slots.row..slots.row + slots.len];
                 let mut right = [S::zero(); 6];
                 self.each_kept(evaluation, joint, |number, row, part| {
@@ -635,6 +638,7 @@ impl<S: Real> Constraints<S> {
         out.fill(S::zero());
         out[layout.nv] = self.system.margin(plan);
         for (index, step) in plan.steps.iter().enumerate() {
+            enter::<S>(evaluation.scene, step.part);
             let unknowns = self.system.unknowns(plan, index);
             match step.part {
                 Part::Body(body) => {

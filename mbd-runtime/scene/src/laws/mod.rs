@@ -302,6 +302,7 @@ fn derivative<S: Real>(
 fn applied_forces<S: Real>(evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>, out: &mut [S]) {
     let directions = evaluation.layout.directions;
     for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
+        S::section(&evaluation.scene.bodies[index].name);
         let ((force, torque), own) = (assembly.bodies[index], assembly.own[index]);
         directions.write_linear(out, slots.v, &force);
         let torque = match evaluation.scene.angular_velocity {
@@ -411,12 +412,16 @@ fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
     let (mut kinetic, mut potential, mut elastic, mut damping) =
         (S::zero(), S::zero(), S::zero(), S::zero());
     let half = S::from_f64(0.5);
-    for (motion, body) in evaluation.motions.iter().zip(&numbers.bodies) {
+    let bodies = evaluation.scene.bodies.iter();
+    for (declared, (motion, body)) in bodies.zip(evaluation.motions.iter().zip(&numbers.bodies)) {
+        S::section(&declared.name);
         kinetic += motion.kinetic_energy(body);
         potential += gravity::energy(&numbers.gravity, body.mass, &motion.position);
     }
-    for (slots, &(mass, _)) in evaluation.layout.points.iter().zip(&numbers.points) {
+    let points = evaluation.layout.points.iter().zip(&numbers.points);
+    for (declared, (slots, &(mass, _))) in evaluation.scene.points.iter().zip(points) {
         if let PointSlots::Mass(slots) = slots {
+            S::section(&declared.name);
             let (directions, nq) = (evaluation.layout.directions, evaluation.layout.nq);
             let velocity: Vector3<S> = directions.linear(evaluation.at.state, nq + slots.v);
             kinetic += half * (mass * velocity.dot(&velocity));
@@ -454,18 +459,21 @@ fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
 
 fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
-    for (motion, body) in evaluation.motions.iter().zip(&evaluation.numbers.bodies) {
+    let bodies = evaluation.motions.iter().zip(&evaluation.numbers.bodies);
+    for (declared, (motion, body)) in evaluation.scene.bodies.iter().zip(bodies) {
+        S::section(&declared.name);
         let p = motion.velocity.map(|v| body.mass * v);
         linear += p;
         angular += motion.position.cross(&p) + motion.rotation * (body.inertia * motion.omega_body);
     }
-    for (slots, &(mass, _)) in evaluation
+    let points = evaluation
         .layout
         .points
         .iter()
-        .zip(&evaluation.numbers.points)
-    {
+        .zip(&evaluation.numbers.points);
+    for (declared, (slots, &(mass, _))) in evaluation.scene.points.iter().zip(points) {
         if let PointSlots::Mass(slots) = slots {
+            S::section(&declared.name);
             let (directions, nq) = (evaluation.layout.directions, evaluation.layout.nq);
             let velocity: Vector3<S> = directions.linear(evaluation.at.state, nq + slots.v);
             let p = velocity.map(|v| mass * v);

@@ -40,10 +40,10 @@ pub fn same_function(at: Region, label: &str, function: &str) -> Report {
     )
 }
 
-pub fn empty_repetition(at: Region) -> Report {
+pub fn reversed_repetition(at: Region) -> Report {
     Report::new(
         at,
-        "this repetition is empty: its end must be above its start",
+        "this repetition ends below its start: write the smaller number first",
     )
 }
 

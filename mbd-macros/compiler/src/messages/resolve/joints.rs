@@ -220,18 +220,23 @@ pub fn along_unit(
 }
 
 pub fn along_rule(at: Region, name: &str, field: &Field, unit: &str, found: f64) -> Report {
-    let (found, unit) = match unit {
-        "rad" => (found.to_degrees(), "deg"),
-        unit => (found, unit),
-    };
     Report::new(
         at,
         format!(
-            "`{}` of `{name}` must be {}, this is {found} {unit}",
+            "`{}` of `{name}` must be {}, this is {}",
             field.name,
-            field.rule.words()
+            field.rule.words(),
+            measured(found, unit)
         ),
     )
+}
+
+/// A number in words; angles in degrees, without the last digits, which the way to radians and back has spoilt.
+fn measured(found: f64, unit: &str) -> String {
+    match unit {
+        "rad" => format!("{} deg", (found.to_degrees() * 1e9).round() / 1e9),
+        unit => format!("{found} {unit}"),
+    }
 }
 
 pub fn two_stops(at: Region, unit: &str) -> Report {
@@ -243,13 +248,11 @@ pub fn two_stops(at: Region, unit: &str) -> Report {
     )
 }
 
-pub fn stops_in_order(at: Region, name: &str, [low, high]: [Option<f64>; 2]) -> Report {
-    let (low, high) = (low.unwrap_or(f64::NAN), high.unwrap_or(f64::NAN));
+pub fn stops_in_order(at: Region, name: &str, places: [Option<f64>; 2], unit: &str) -> Report {
+    let [low, high] = places.map(|place| measured(place.unwrap_or(f64::NAN), unit));
     Report::new(
         at,
-        format!(
-            "the low stop of `{name}` lies below the high one, these are {low} and {high} (SI)"
-        ),
+        format!("the low stop of `{name}` lies below the high one, these are {low} and {high}"),
     )
 }
 

@@ -93,6 +93,14 @@ pub fn index_wanted(at: Region, word: &str, first: i64) -> Report {
     )
 }
 
+pub fn no_member(at: Region, word: &str, declared: Region) -> Report {
+    Report::new(
+        at,
+        format!("there is no `{word}`: its repetition is empty; raise the end of its range, or repeat what refers to it, too"),
+    )
+    .also(declared, "declared here")
+}
+
 /// `indices`: those of the repetition around it, which say how the value came about.
 pub fn index_range(
     at: Region,
@@ -104,7 +112,7 @@ pub fn index_range(
     let range = match known {
         [only] => format!("only `{word}[{only}]` exists"),
         [first, .., last] => format!("its indices are {first} to {last}"),
-        [] => "it has none".to_string(),
+        [] => "it has no member".to_string(),
     };
     let here: Vec<String> = indices
         .iter()

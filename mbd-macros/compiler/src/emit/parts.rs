@@ -1,0 +1,145 @@
+//! Bodies and points of a state by their names.
+
+use std::collections::HashSet;
+
+use mbd_scene::{PointSlots, Slots};
+use proc_macro2::{Ident, Span, TokenStream};
+use quote::quote;
+
+use super::context::{Context, docs};
+use super::literal::whole;
+
+/// Functions that every state has.
+const TAKEN: [&str; 3] = ["at_origin", "from_slice", "to_vec"];
+
+/// Things of one kind that share a name: one, or those of a repetition.
+struct Family<'a> {
+    name: &'a str,
+    /// The first index and how many there are; `None` for one that is not repeated.
+    members: Option<[usize; 2]>,
+    slots: Slots,
+    is_body: bool,
+}
+
+/// For every body and every point with mass, a function that reads it and one that puts it somewhere. One whose name is taken has none.
+pub fn parts(context: &Context) -> TokenStream {
+    let mut taken: HashSet<String> = TAKEN.iter().map(ToString::to_string).collect();
+    let mut functions = TokenStream::new();
+    for family in families(context) {
+        let setter = format!("set_{}", family.name);
+        let free = !taken.contains(family.name) && !taken.contains(&setter);
+        if free && syn::parse_str::<Ident>(family.name).is_ok() {
+            functions.extend(accessors(context, &family, &setter));
+            taken.extend([family.name.to_owned(), setter]);
+        }
+    }
+    functions
+}
+
+fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
+    let (scene, layout) = (context.scene(), &context.equations.layout);
+    let bodies = scene.bodies.iter().map(|body| body.name.as_str());
+    let bodies = bodies.zip(layout.bodies.iter().map(|slots| (*slots, true)));
+    let points = scene.points.iter().map(|point| point.name.as_str());
+    let points = points.zip(&layout.points);
+    let points = points.filter_map(|(name, slots)| match slots {
+        PointSlots::Mass(slots) => Some((name, (*slots, false))),
+        PointSlots::Node(_) => None,
+    });
+    let mut all: Vec<Family<'a>> = Vec::new();
+    for (name, (slots, is_body)) in bodies.chain(points) {
+        let Some((family, index)) = name.split_once('[') else {
+            all.push(Family {
+                name,
+                members: None,
+                slots,
+                is_body,
+            });
+            continue;
+        };
+        match (all.last_mut(), index.trim_end_matches(']').parse()) {
+            (
+                Some(Family {
+                    name,
+                    members: Some([_, count]),
+                    ..
+                }),
+                _,
+            ) if *name == family => *count += 1,
+            (_, Ok(first)) => all.push(Family {
+                name: family,
+                members: Some([first, 1]),
+                slots,
+                is_body,
+            }),
+            // Counted from below zero: no index of Rust.
+            (_, Err(_)) => {}
+        }
+    }
+    all
+}
+
+fn accessors(context: &Context, family: &Family<'_>, setter: &str) -> TokenStream {
+    let t = context.scalar();
+    let getter = Ident::new(family.name, Span::call_site());
+    let setter = Ident::new(setter, Span::call_site());
+    let directions = context.equations.layout.directions;
+    let moves = directions.moves().len();
+    let part = match (family.is_body, directions.plane) {
+        (true, None) => quote!(::mbd_runtime::BodyState<#t>),
+        (true, Some(_)) => quote!(::mbd_runtime::PlanarBodyState<#t>),
+        (false, None) => quote!(::mbd_runtime::PointState<#t>),
+        (false, Some(_)) => quote!(::mbd_runtime::PointState<#t, 2>),
+    };
+    let size = match family.is_body {
+        true => [directions.coordinates(), directions.speeds()],
+        false => [moves, moves],
+    };
+    let size = size.map(whole);
+    let at = [family.slots.q, family.slots.v].map(whole);
+    let name = family.name;
+    match family.members {
+        None => {
+            let read = docs(&format!("Where `{name}` is and how it moves."));
+            let write = docs(&format!("Puts `{name}` somewhere."));
+            quote! {
+                #read
+                #[must_use]
+                pub fn #getter(&self) -> #part {
+                    ::mbd_runtime::__private::read(self.q.as_slice(), self.v.as_slice(), [#(#at),*])
+                }
+                #write
+                pub fn #setter(&mut self, to: #part) {
+                    ::mbd_runtime::__private::write(to, self.q.as_mut_slice(), self.v.as_mut_slice(), [#(#at),*]);
+                }
+            }
+        }
+        Some(members) => {
+            let [first, count] = members;
+            let last = first + count - 1;
+            let read = docs(&format!(
+                "Where `{name}[index]` is and how it moves; `None` where there is none: {first} to {last}."
+            ));
+            let write = docs(&format!(
+                "Puts `{name}[index]` somewhere; `None` where there is none."
+            ));
+            let members = members.map(whole);
+            let find = quote!(::mbd_runtime::__private::member(index, [#(#members),*], [#(#at),*], [#(#size),*])?);
+            quote! {
+                #read
+                #[must_use]
+                pub fn #getter(&self, index: usize) -> ::core::option::Option<#part> {
+                    let at = #find;
+                    ::core::option::Option::Some(::mbd_runtime::__private::read(self.q.as_slice(), self.v.as_slice(), at))
+                }
+                #write
+                #[must_use]
+                pub fn #setter(&mut self, index: usize, to: #part) -> ::core::option::Option<()> {
+                    let at = #find;
+                    ::mbd_runtime::__private::write(to, self.q.as_mut_slice(), self.v.as_mut_slice(), at);
+                    ::core::option::Option::Some(())
+                }
+            }
+        }
+    }
+}

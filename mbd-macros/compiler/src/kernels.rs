@@ -1,0 +1,281 @@
+//! Kernels of a model: pieces of its programs that do the same operations on the same pattern of numbers share one function.
+//!
+//! A program in pieces works on one list of numbers, in this order: the lists it reads, known numbers among its results, then one block a
+//! piece with what that piece hands on. A kernel hears where its own block begins and where its *windows* begin: each window covers the numbers
+//! it takes from one earlier block, or from one body's part of a list. Calls whose places advance evenly are a loop.
+
+use std::collections::BTreeMap;
+
+use mbd_scene::{Layout, PointSlots};
+
+use crate::cycles::{Cycle, Item, cycles};
+use crate::equations::Equations;
+use crate::expression::Slot;
+use crate::hash::Map;
+use crate::lists::{Arguments, Group};
+use crate::operation::Op;
+use crate::outline::{Local, Piece, outline};
+use crate::program::{Operand, Program, Register};
+
+/// The kernels of all programs of a model.
+#[derive(Default)]
+pub struct Kernels {
+    /// Every kernel once.
+    pub kernels: Vec<Kernel>,
+    /// How each program calls them, in the order of [`Equations::every_program`]; `None` if it stays one function.
+    pub drivers: Vec<Option<Driver>>,
+}
+
+/// One function for all pieces of a shape.
+pub struct Kernel {
+    /// The first program and piece that has it.
+    pub first: (usize, usize),
+    /// What it takes.
+    pub windows: Vec<Window>,
+    /// How many pieces have it.
+    pub users: usize,
+    /// Whether its pieces differ in their known numbers, which are then arguments.
+    pub tabled: bool,
+}
+
+/// Numbers that a piece takes from one place.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Window {
+    /// From the first number that is taken to the last.
+    pub len: usize,
+    /// Place in the window and index into [`Piece::given`] of each.
+    pub given: Vec<(usize, usize)>,
+}
+
+/// How a program calls its kernels.
+pub struct Driver {
+    /// Its pieces, in order.
+    pub pieces: Vec<Piece>,
+    /// The lists it reads, in order.
+    pub lists: Vec<Group>,
+    /// Known numbers among its results.
+    pub kept: Vec<Register>,
+    /// How many numbers it works on.
+    pub work: usize,
+    /// Its calls: the key is the kernel; places of its own block, then of its windows.
+    pub calls: Vec<Cycle>,
+    /// Its results: the key is a length; place in the result, place in the working list.
+    pub copies: Vec<Cycle>,
+}
+
+type Shape = (Vec<Op<Local>>, Vec<usize>, Vec<Window>);
+
+impl Kernels {
+    /// Cuts the programs of a model and recognises what is alike.
+    #[must_use]
+    pub fn of(equations: &Equations) -> Self {
+        let programs: Vec<&Program> = equations.every_program().collect();
+        let mut sharing = Sharing {
+            equations,
+            found: Map::default(),
+            kernels: Vec::new(),
+            numbers: Vec::new(),
+        };
+        let drivers = programs
+            .iter()
+            .enumerate()
+            .map(|(index, program)| Some(sharing.driver(index, program, outline(program)?)))
+            .collect();
+        Kernels {
+            kernels: sharing.kernels,
+            drivers,
+        }
+    }
+
+    /// The length of the longest working list.
+    #[must_use]
+    pub fn work(&self) -> usize {
+        let drivers = self.drivers.iter().flatten();
+        drivers.map(|driver| driver.work).max().unwrap_or_default()
+    }
+}
+
+struct Sharing<'a> {
+    equations: &'a Equations,
+    found: Map<Shape, usize>,
+    kernels: Vec<Kernel>,
+    /// Per kernel, the known numbers of its first piece.
+    numbers: Vec<Vec<Operand>>,
+}
+
+impl Sharing<'_> {
+    fn driver(&mut self, index: usize, program: &Program, pieces: Vec<Piece>) -> Driver {
+        let layout = &self.equations.layout;
+        let lists = Arguments::of(program, layout).0;
+        let mut begins: BTreeMap<Group, usize> = BTreeMap::new();
+        let mut work = 0;
+        for &group in &lists {
+            begins.insert(group, work);
+            work += group.len(self.equations);
+        }
+        let first = program.constants.len() + program.slots.len();
+        // Where each register is kept, and whose block that is.
+        let mut places: Vec<Option<(Owner, usize)>> = vec![None; program.registers()];
+        for (&slot, place) in program
+            .slots
+            .iter()
+            .zip(&mut places[program.constants.len()..])
+        {
+            let (group, item) = Group::of(slot, layout);
+            let owner = Owner::Item(group, self.item(slot));
+            *place = begins.get(&group).map(|begin| (owner, begin + item));
+        }
+        let mut kept: Vec<Register> = Vec::new();
+        for &(_, register) in &program.outputs {
+            let place = &mut places[register.index()];
+            if place.is_none() && matches!(program.operand(register), Operand::Constant(_)) {
+                *place = Some((Owner::Known, work));
+                kept.push(register);
+                work += 1;
+            }
+        }
+        let mut calls: Vec<(usize, Vec<usize>)> = Vec::new();
+        for (number, piece) in pieces.iter().enumerate() {
+            let (begins, windows) = windows(piece, &places);
+            let at = std::iter::once(work).chain(begins).collect();
+            for &result in &piece.results {
+                let register = first + piece.instructions[result];
+                places[register] = Some((Owner::Piece(number), work));
+                work += 1;
+            }
+            calls.push((self.kernel(program, (index, number), piece, windows), at));
+        }
+        let copies = copies(program, &places);
+        Driver {
+            pieces,
+            lists,
+            kept,
+            work,
+            calls: cycles(&calls),
+            copies: cycles(&copies),
+        }
+    }
+
+    /// The kernel of a piece: a known one if there is one.
+    fn kernel(
+        &mut self,
+        program: &Program,
+        place: (usize, usize),
+        piece: &Piece,
+        windows: Vec<Window>,
+    ) -> usize {
+        let constants = piece.constants.iter();
+        let numbers: Vec<Operand> = constants.map(|&c| program.operand(c)).collect();
+        let shape = (piece.pattern.clone(), piece.results.clone(), windows);
+        if let Some(&known) = self.found.get(&shape)
+            && let (Some(kernel), Some(earlier)) =
+                (self.kernels.get_mut(known), self.numbers.get(known))
+        {
+            kernel.users += 1;
+            kernel.tabled |= *earlier != numbers;
+            return known;
+        }
+        self.kernels.push(Kernel {
+            first: place,
+            windows: shape.2.clone(),
+            users: 1,
+            tabled: false,
+        });
+        self.numbers.push(numbers);
+        self.found.insert(shape, self.kernels.len() - 1);
+        self.kernels.len() - 1
+    }
+
+    /// What a number of a list belongs to, counted within the list.
+    fn item(&self, slot: Slot) -> usize {
+        let layout = &self.equations.layout;
+        match slot {
+            Slot::Time => 0,
+            Slot::State(i) => owner(layout, i),
+            Slot::Node(i) => i / 3,
+            Slot::Effective(i) => i / 2,
+            Slot::Ends(i) => i / 6,
+            Slot::Hold(i) | Slot::Param(i) => i,
+            Slot::Input(i) => layout.inputs.iter().filter(|slots| slots.at <= i).count(),
+            Slot::Row(i) => layout.joints.iter().filter(|slots| slots.row <= i).count(),
+            Slot::Derived(i) => self.equations.derived_section(i),
+        }
+    }
+}
+
+/// What a number of the state belongs to: how many bodies and points begin before it.
+fn owner(layout: &Layout, index: usize) -> usize {
+    let bodies = layout.bodies.iter().copied();
+    let points = layout.points.iter().filter_map(|slots| match slots {
+        PointSlots::Mass(slots) => Some(*slots),
+        PointSlots::Node(_) => None,
+    });
+    let begins = bodies.chain(points).map(|slots| match index < layout.nq {
+        true => slots.q,
+        false => layout.nq + slots.v,
+    });
+    begins.filter(|&begin| begin <= index).count()
+}
+
+/// Whose block a number is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Owner {
+    Item(Group, usize),
+    Known,
+    Piece(usize),
+}
+
+/// Where the windows of a piece begin, and what they are.
+fn windows(piece: &Piece, places: &[Option<(Owner, usize)>]) -> (Vec<usize>, Vec<Window>) {
+    let mut taken: Vec<(Owner, Vec<(usize, usize)>)> = Vec::new();
+    for (given, register) in piece.given.iter().enumerate() {
+        let Some((owner, place)) = places[register.index()] else {
+            continue;
+        };
+        match taken.iter_mut().find(|(known, _)| *known == owner) {
+            Some((_, from)) => from.push((place, given)),
+            None => taken.push((owner, vec![(place, given)])),
+        }
+    }
+    taken
+        .into_iter()
+        .map(|(_, mut from)| {
+            from.sort_unstable();
+            let begin = from.first().map_or(0, |&(place, _)| place);
+            let end = from.last().map_or(0, |&(place, _)| place + 1);
+            let given = from.into_iter().map(|(place, g)| (place - begin, g));
+            let given = given.collect();
+            let len = end - begin;
+            (begin, Window { len, given })
+        })
+        .unzip()
+}
+
+/// Stretches of the result that stand in the working list as they are: length, place in the result, place in the list.
+fn copies(program: &Program, places: &[Option<(Owner, usize)>]) -> Vec<(usize, Vec<usize>)> {
+    let mut copies: Vec<(usize, Vec<usize>)> = Vec::new();
+    for &(to, register) in &program.outputs {
+        let Some((_, from)) = places[register.index()] else {
+            continue;
+        };
+        match copies.last_mut() {
+            Some((len, at)) if at[0] + *len == to && at[1] + *len == from => *len += 1,
+            _ => copies.push((1, vec![to, from])),
+        }
+    }
+    copies
+}
+
+impl Driver {
+    /// The piece that a call of a round is for.
+    #[must_use]
+    pub fn piece(&self, cycle: &Cycle, round: usize, item: usize) -> Option<&Piece> {
+        self.pieces
+            .get(cycle.start + round * cycle.items.len() + item)
+    }
+
+    /// Every item of its calls.
+    pub fn items(&self) -> impl Iterator<Item = &Item> {
+        self.calls.iter().flat_map(|cycle| &cycle.items)
+    }
+}
