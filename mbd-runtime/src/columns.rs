@@ -1,6 +1,6 @@
 //! Names and units of the numbers in a state, a list of inputs and a trajectory.
 
-use mbd_scene::{AngularVelocity, InputSource, Layout, PointSlots, Scene};
+use mbd_scene::{AngularVelocity, InputSource, Layout, Plane, PointSlots, Scene};
 
 /// A named quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,11 +29,24 @@ impl Name {
 }
 
 /// The coordinates of the state x = [q | v | z], in order: `capsule.x` … `capsule.qz`, `capsule.vx`, `capsule.omega_body_x`, `swivel.x`, ….
+/// In the plane xz: `crank.x`, `crank.z`, `crank.angle` (about y, not wrapped), `crank.vx`, `crank.vz`, `crank.omega_y`.
 #[must_use]
 pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
-    let turn = match scene.angular_velocity {
-        AngularVelocity::Body => ["omega_body_x", "omega_body_y", "omega_body_z"],
-        AngularVelocity::World => ["omega_world_x", "omega_world_y", "omega_world_z"],
+    let moves = layout.directions.moves();
+    let along =
+        |names: [&'static str; 3]| -> Vec<&str> { moves.iter().map(|&k| names[k]).collect() };
+    let (places, speeds) = (along(["x", "y", "z"]), along(["vx", "vy", "vz"]));
+    let plane = layout.directions.plane.map(Plane::normal);
+    let turn: &[&str] = match (plane, scene.angular_velocity) {
+        (Some(0), _) => &["omega_x"],
+        (Some(1), _) => &["omega_y"],
+        (Some(_), _) => &["omega_z"],
+        (None, AngularVelocity::Body) => &["omega_body_x", "omega_body_y", "omega_body_z"],
+        (None, AngularVelocity::World) => &["omega_world_x", "omega_world_y", "omega_world_z"],
+    };
+    let attitude: (&[&str], &str) = match plane {
+        Some(_) => (&["angle"], "rad"),
+        None => (&["qw", "qx", "qy", "qz"], ""),
     };
     let masses = || {
         let points = scene.points.iter().zip(&layout.points);
@@ -50,15 +63,15 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
         );
     };
     for body in &scene.bodies {
-        list(&body.name, &["x", "y", "z"], "m");
-        list(&body.name, &["qw", "qx", "qy", "qz"], "");
+        list(&body.name, &places, "m");
+        list(&body.name, attitude.0, attitude.1);
     }
-    masses().for_each(|point| list(point, &["x", "y", "z"], "m"));
+    masses().for_each(|point| list(point, &places, "m"));
     for body in &scene.bodies {
-        list(&body.name, &["vx", "vy", "vz"], "m/s");
-        list(&body.name, &turn, "rad/s");
+        list(&body.name, &speeds, "m/s");
+        list(&body.name, turn, "rad/s");
     }
-    masses().for_each(|point| list(point, &["vx", "vy", "vz"], "m/s"));
+    masses().for_each(|point| list(point, &speeds, "m/s"));
     for node in layout.nodes.iter().filter(|node| node.z.is_some()) {
         list(node_name(scene, node.point), &["x", "y", "z"], "m");
     }

@@ -289,11 +289,13 @@ fn blocks(layout: &Layout, kind: Kind, turning: bool) -> Vec<usize> {
         Kind::Place => slots.q,
         Kind::Speed => layout.nq + slots.v,
     });
-    let mut all: Vec<usize> = first.flat_map(|at| at..at + 3).collect();
+    let (linear, speeds) = (layout.directions.moves().len(), layout.directions.speeds());
+    let coordinates = layout.directions.coordinates();
+    let mut all: Vec<usize> = first.flat_map(|at| at..at + linear).collect();
     for slots in layout.bodies.iter().filter(|_| turning) {
         match kind {
-            Kind::Place => all.extend(slots.q + 3..slots.q + 7),
-            Kind::Speed => all.extend(layout.nq + slots.v + 3..layout.nq + slots.v + 6),
+            Kind::Place => all.extend(slots.q + linear..slots.q + coordinates),
+            Kind::Speed => all.extend(layout.nq + slots.v + linear..layout.nq + slots.v + speeds),
         }
     }
     if kind == Kind::Place {

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The move is the smallest one weighted by mass. Rotations move by the exponential: q ← q ∘ exp(δ/2) in body components,
-//! exp(δ/2) ∘ q in world components. A trial step is projected before its last stage, so that the rates at its end are those of the
+//! exp(δ/2) ∘ q in world components; in a plane the angle moves by δ. A trial step is projected before its last stage, so that the rates at its end are those of the
 //! projected state; the error estimate is made of the stages alone and does not see the move.
 
 use mbd_scene::laws::{self, Numbers};
@@ -100,10 +100,10 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// Makes a start consistent: independent rows, positions by (1), the branch every joint means, velocities by (2).
     pub(crate) fn assemble(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
-        if !self.projection.any() {
-            return Ok(());
-        }
         let state = state.get_mut(..self.nx).unwrap_or_default();
+        if !self.projection.any() {
+            return self.check_plane(time, state);
+        }
         let mut norm = self.project_positions(time, state, START_ITERATIONS)?;
         if !self.holds(norm, state) && self.model.layout().redundancy.lost() > 0 {
             // With these parameters the rows that were left out may ask for more than the others.
@@ -116,6 +116,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
                 rows: self.worst_joints(),
             });
         }
+        self.check_plane(time, state)?;
         self.check_branches(time, state)?;
         if self.follows(time, state) == Some(false) {
             // With these parameters, or assembled this way, the joints hold more than was found in the declaration.
@@ -288,7 +289,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         let layout = self.model.layout();
         let body_axes = self.model.scene().angular_velocity == AngularVelocity::Body;
         let shift = self.projection.moves();
-        let turn = |v: usize| shift.get(v + 3..v + 6).unwrap_or(&[]);
+        let (linear, speeds) = (layout.directions.moves().len(), layout.directions.speeds());
+        let turn = |v: usize| shift.get(v + linear..v + speeds).unwrap_or(&[]);
         let turns = layout.bodies.iter().map(|slots| length(turn(slots.v)));
         let most = turns.fold(T::zero(), |a, b| a.max(b));
         let limit = T::from_f64(LARGEST_TURN);
@@ -298,14 +300,17 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             PointSlots::Node(_) => None,
         });
         for slots in layout.bodies.iter().chain(masses) {
-            let moves = shift.iter().skip(slots.v).take(3);
+            let moves = shift.iter().skip(slots.v).take(linear);
             for (x, dx) in state.iter_mut().skip(slots.q).zip(moves) {
                 *x += part * *dx;
             }
         }
         for slots in &layout.bodies {
-            if let Some(quaternion) = state.get_mut(slots.q + 3..slots.q + 7) {
-                rotate(quaternion, turn(slots.v), part, body_axes);
+            let attitude = slots.q + linear..slots.q + layout.directions.coordinates();
+            match (state.get_mut(attitude), turn(slots.v)) {
+                (Some([angle]), [more]) => *angle += part * *more,
+                (Some(quaternion), turn) => rotate(quaternion, turn, part, body_axes),
+                (None, _) => {}
             }
         }
         self.normalise(state);
@@ -408,6 +413,31 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         worst.retain(|(_, size)| *size >= 1e-3 * most);
         worst.truncate(NAMED);
         worst
+    }
+
+    /// Rows that say nothing in the plane of a planar scene hold by the declaration of the frames, or never.
+    fn check_plane(&self, time: f64, state: &[T]) -> Result<(), StepError> {
+        let (scene, layout) = (self.model.scene(), self.model.layout());
+        if layout.directions.plane.is_none() {
+            return Ok(());
+        }
+        let numbers = Numbers::new(scene, self.model.params());
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let held = (0..layout.joints.len()).filter(|&joint| layout.joints[joint].holds);
+        let mut apart: Vec<(String, f64)> = held
+            .map(|joint| {
+                let size = laws::out_of_plane(scene, layout, &numbers, &at, joint).to_f64();
+                (joint_name(scene, joint).to_owned(), size)
+            })
+            .collect();
+        apart.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let norm = apart.first().map_or(0.0, |first| first.1);
+        if self.holds(norm, state) {
+            return Ok(());
+        }
+        apart.retain(|(_, size)| *size >= 1e-3 * norm);
+        apart.truncate(NAMED);
+        Err(StepError::InconsistentStart { norm, rows: apart })
     }
 
     /// Rows have more roots than the one that is meant: every joint must be on its own.

@@ -131,8 +131,8 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         ]
         .map(|what| layout.len(what));
         let mut state = vec![T::zero(); length];
-        for slots in &layout.bodies {
-            if let Some(qw) = state.get_mut(slots.q + 3) {
+        for qw in layout.quaternions() {
+            if let Some(qw) = state.get_mut(qw) {
                 *qw = T::one();
             }
         }

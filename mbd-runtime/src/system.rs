@@ -113,7 +113,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
             drift: 0.0,
             nx: layout.nx(),
             inputs: vec![T::zero(); layout.ni],
-            quaternions: layout.bodies.iter().map(|slots| slots.q + 3).collect(),
+            quaternions: layout.quaternions().collect(),
             energy: [T::zero(); 6],
             work: model.work(),
             projection: Projection::new(layout.nc, layout.nv, layout.nx()),

@@ -131,13 +131,13 @@ fn check_power(model: &impl Model<f64>, place: &Place) -> Result<(), String> {
 }
 
 impl Place {
-    /// Unit quaternions, everything else within ±1; a stiffness where one is expected.
+    /// Unit quaternions or any angle, everything else within ±1; a stiffness where one is expected.
     fn random(model: &impl Model<f64>, seed: &mut u64) -> Self {
         let layout = model.layout();
         let mut list = |count: usize| -> Vec<f64> { (0..count).map(|_| random(seed)).collect() };
         let mut state = list(layout.nx());
-        for slots in &layout.bodies {
-            let turn = slots.q + 3..slots.q + 7;
+        for first in layout.quaternions() {
+            let turn = first..first + 4;
             let norm = state[turn.clone()]
                 .iter()
                 .map(|x| x * x)

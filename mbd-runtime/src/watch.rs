@@ -43,6 +43,13 @@ pub(crate) fn suggestion(step: f64, stiffness: f64) -> f64 {
 pub(crate) fn weights<T: Float, M: Model<T>>(model: &M, mass_matrix: &[f64]) -> Vec<T> {
     let (scene, layout) = (model.scene(), model.layout());
     let mass = |v: usize| mass_matrix.get(v * (layout.nv + 1)).copied().unwrap_or(0.0);
+    let directions = layout.directions;
+    let (linear, turns) = (directions.moves().len(), directions.turns().len());
+    // Its inertia, the mean of its moments; in a plane there is one.
+    let inertia_of = |v: usize| {
+        let own = v + linear..v + linear + turns;
+        own.map(mass).sum::<f64>() / turns as f64
+    };
     let coordinates = coordinates(model);
     let mut frequency: f64 = 1.0;
     let mut lightest = f64::INFINITY;
@@ -53,7 +60,7 @@ pub(crate) fn weights<T: Float, M: Model<T>>(model: &M, mass_matrix: &[f64]) -> 
             .map(|(_, numbers)| numbers.stiffness.to_f64())
             .sum();
         // A turn by the angle a moves the quaternion by a/2: its inertia is the mean of the three moments.
-        let inertia = (3..6).map(|axis| mass(slots.v + axis)).sum::<f64>() / 3.0;
+        let inertia = inertia_of(slots.v);
         let [pushing, turning] = coordinates.iter().fold([0.0; 2], |sum, acting| {
             match (
                 acting.ends.iter().any(|end| owner.holds(*end)),
@@ -77,11 +84,12 @@ pub(crate) fn weights<T: Float, M: Model<T>>(model: &M, mass_matrix: &[f64]) -> 
     };
     (0..layout.nv).for_each(|v| set(layout.nq + v, mass(v)));
     for (owner, slots) in owners(layout) {
-        (0..3).for_each(|axis| set(slots.q + axis, frequency * mass(slots.v + axis)));
+        (0..linear).for_each(|axis| set(slots.q + axis, frequency * mass(slots.v + axis)));
         if matches!(owner, Owner::Body(_)) {
             // A turn by the angle a moves the quaternion by a/2.
-            let inertia = (3..6).map(|axis| mass(slots.v + axis)).sum::<f64>() / 3.0;
-            (3..7).for_each(|axis| set(slots.q + axis, 4.0 * frequency * inertia));
+            let square = if directions.plane.is_some() { 1.0 } else { 4.0 };
+            let weight = square * frequency * inertia_of(slots.v);
+            (linear..directions.coordinates()).for_each(|axis| set(slots.q + axis, weight));
         }
     }
     let massless = if lightest.is_finite() { lightest } else { 1.0 };

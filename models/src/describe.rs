@@ -50,14 +50,15 @@ pub fn counts(scene: &Scene) -> Table {
     notes.chain([gravity]).fold(table, Table::note)
 }
 
-/// Freedoms by Grübler's count, which takes rows as independent (6 a body, 3 a point with mass, less the rows of the joints), and by the
-/// true rank; loops.
+/// Freedoms by Grübler's count, which takes rows as independent (6 a body, 3 a point with mass, in a plane 3 and 2, less the rows of the
+/// joints), and by the true rank; loops.
 fn freedoms(scene: &Scene, layout: &Layout) -> String {
     let (bodies, rows, rank) = (scene.bodies.len(), layout.nc, layout.rank());
     let points = scene.points.len() - layout.nodes.len();
+    let (body, point) = (layout.directions.speeds(), layout.directions.moves().len());
     let count = |rows: usize| layout.nv as i64 - rows as i64;
     let mut text = format!(
-        "freedoms (Grübler): 6·{bodies} + 3·{points} − {rows} = {}",
+        "freedoms (Grübler): {body}·{bodies} + {point}·{points} − {rows} = {}",
         count(rows)
     );
     if rows > 0 {

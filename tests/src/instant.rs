@@ -61,20 +61,23 @@ impl<S: Real> Instant<S> {
 }
 
 impl Instant<f64> {
-    /// A random instant: positions within ±3 m, unit quaternions, speeds within ±2, lines slack and taut, every mode of hold.
+    /// A random instant: positions within ±3 m, unit quaternions or any angle, speeds within ±2, lines slack and taut, every mode of hold.
     #[must_use]
     pub fn random(scene: &Scene, random: &mut Random) -> Self {
         let layout = Layout::new(scene);
         let mut state: Vec<f64> = (0..layout.nx())
             .map(|_| random.uniform(-2.0, 2.0))
             .collect();
+        let moves = layout.directions.moves().len();
         for slots in &layout.bodies {
-            state[slots.q..slots.q + 3].copy_from_slice(&random.vector(3.0));
-            state[slots.q + 3..slots.q + 7].copy_from_slice(&random.attitude());
+            state[slots.q..slots.q + moves].copy_from_slice(&random.vector(3.0)[..moves]);
+            if layout.directions.plane.is_none() {
+                state[slots.q + 3..slots.q + 7].copy_from_slice(&random.attitude());
+            }
         }
         for slots in &layout.points {
             if let PointSlots::Mass(slots) = slots {
-                state[slots.q..slots.q + 3].copy_from_slice(&random.vector(3.0));
+                state[slots.q..slots.q + moves].copy_from_slice(&random.vector(3.0)[..moves]);
             }
         }
         let mut list = |n: usize, size: f64| {

@@ -12,6 +12,7 @@ pub mod linkage;
 pub mod mechanism;
 pub mod obeying;
 pub mod oracle;
+pub mod planar;
 pub mod random;
 pub mod random_scene;
 pub mod reference;

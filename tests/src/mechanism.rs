@@ -4,7 +4,7 @@ use mbd_scene::joints::{Axis, JointLaw, Relative, Twist};
 use mbd_scene::laws::{self, Numbers, Scratch};
 use mbd_scene::{
     AngularVelocity, At, Body, Formula, Frame, Gravity, Inertia, Joint, Layout, Load, LoadKind,
-    Place, Point, PointKind, Quantity, Real, Scene, Triple,
+    Place, Plane, Point, PointKind, Quantity, Real, Scene, Triple,
 };
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
@@ -241,7 +241,8 @@ pub fn accelerations(scene: &Scene, bodies: &[Instance], points: &[Instance]) ->
     jets[nq..].iter().map(|jet| jet.0[1]).collect()
 }
 
-/// The state with its first two derivatives: positions to the second, speeds to the first (their second is NaN).
+/// The state with its first two derivatives: positions to the second, speeds to the first (their second is NaN). Of a planar scene the bodies
+/// are turned about its normal.
 #[must_use]
 pub fn jets(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<Jet> {
     let layout = layout(scene);
@@ -258,21 +259,35 @@ pub fn jets(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<Jet>
         let rate = w * q * 0.5;
         let curve = a * q * 0.5 + w * rate * 0.5;
         let parts = |q: &Quaternion<f64>| [q.w, q.i, q.j, q.k];
-        for k in 0..4 {
-            list[slots.q + 3 + k] = Jet([parts(&q)[k], parts(&rate)[k], parts(&curve)[k]]);
+        let (moves, turns) = (layout.directions.moves(), layout.directions.turns());
+        let attitude = slots.q + moves.len();
+        match layout.directions.plane.map(Plane::normal) {
+            None => {
+                for k in 0..4 {
+                    list[attitude + k] = Jet([parts(&q)[k], parts(&rate)[k], parts(&curve)[k]]);
+                }
+            }
+            Some(n) => {
+                let angle = 2.0 * parts(&q)[1 + n].atan2(q.w);
+                list[attitude] = Jet([angle, body.omega[n], body.alpha[n]]);
+            }
         }
-        for k in 0..3 {
-            list[slots.q + k] = Jet([body.position[k], body.velocity[k], body.acceleration[k]]);
-            list[layout.nq + slots.v + k] = Jet([body.velocity[k], body.acceleration[k], f64::NAN]);
-            list[layout.nq + slots.v + 3 + k] = Jet([omega[k], alpha[k], f64::NAN]);
+        for (at, &k) in moves.iter().enumerate() {
+            list[slots.q + at] = Jet([body.position[k], body.velocity[k], body.acceleration[k]]);
+            let v = layout.nq + slots.v + at;
+            list[v] = Jet([body.velocity[k], body.acceleration[k], f64::NAN]);
+        }
+        for (at, &k) in turns.iter().enumerate() {
+            let v = layout.nq + slots.v + moves.len() + at;
+            list[v] = Jet([omega[k], alpha[k], f64::NAN]);
         }
     }
     for (slots, point) in layout.points.iter().zip(points) {
         if let mbd_scene::PointSlots::Mass(slots) = slots {
-            for k in 0..3 {
+            for (at, &k) in layout.directions.moves().iter().enumerate() {
                 let jet = Jet([point.position[k], point.velocity[k], point.acceleration[k]]);
-                list[slots.q + k] = jet;
-                list[layout.nq + slots.v + k] = Jet([jet.0[1], jet.0[2], f64::NAN]);
+                list[slots.q + at] = jet;
+                list[layout.nq + slots.v + at] = Jet([jet.0[1], jet.0[2], f64::NAN]);
             }
         }
     }

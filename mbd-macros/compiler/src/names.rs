@@ -4,8 +4,26 @@ use mbd_scene::{InputSource, Layout, Place, PointSlots, Scene};
 
 use crate::expression::Slot;
 
-const POSE: [&str; 7] = ["x", "y", "z", "qw", "qx", "qy", "qz"];
-const TWIST: [&str; 6] = ["vx", "vy", "vz", "wx", "wy", "wz"];
+const POSITION: [&str; 3] = ["x", "y", "z"];
+const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
+const RATE: [&str; 3] = ["wx", "wy", "wz"];
+
+/// The coordinates of a body.
+fn pose(layout: &Layout) -> Vec<&'static str> {
+    let attitude: &[&str] = match layout.directions.plane {
+        None => &["qw", "qx", "qy", "qz"],
+        Some(_) => &["angle"],
+    };
+    let moves = layout.directions.moves().iter().map(|&k| POSITION[k]);
+    moves.chain(attitude.iter().copied()).collect()
+}
+
+/// The speeds of a body.
+fn twist(layout: &Layout) -> Vec<&'static str> {
+    let moves = layout.directions.moves().iter().map(|&k| VELOCITY[k]);
+    let turns = layout.directions.turns().iter().map(|&k| RATE[k]);
+    moves.chain(turns).collect()
+}
 
 /// A name of the declaration as part of an identifier: `bridle[2]` becomes `bridle_2`.
 #[must_use]
@@ -67,25 +85,31 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
 #[must_use]
 pub fn coordinate(scene: &Scene, layout: &Layout, index: usize) -> (String, &'static str) {
     let v = index.checked_sub(layout.nq);
+    let (pose, twist) = (pose(layout), twist(layout));
+    let moves = layout.directions.moves();
     for (body, slots) in scene.bodies.iter().zip(&layout.bodies) {
         if let Some((i, item)) = v
             .is_none()
             .then(|| index.checked_sub(slots.q))
             .flatten()
-            .and_then(|i| Some((i, POSE.get(i)?)))
+            .and_then(|i| Some((i, pose.get(i)?)))
         {
             return (
                 format!("{}.{item}", body.name),
-                if i < 3 { "m" } else { "" },
+                match () {
+                    () if i < moves.len() => "m",
+                    () if layout.directions.plane.is_some() => "rad",
+                    () => "",
+                },
             );
         }
         if let Some((i, item)) = v
             .and_then(|v| v.checked_sub(slots.v))
-            .and_then(|i| Some((i, TWIST.get(i)?)))
+            .and_then(|i| Some((i, twist.get(i)?)))
         {
             return (
                 format!("{}.{item}", body.name),
-                if i < 3 { "m/s" } else { "rad/s" },
+                if i < moves.len() { "m/s" } else { "rad/s" },
             );
         }
     }
@@ -93,11 +117,12 @@ pub fn coordinate(scene: &Scene, layout: &Layout, index: usize) -> (String, &'st
         let PointSlots::Mass(slots) = slots else {
             continue;
         };
-        if v.is_none() && (slots.q..slots.q + 3).contains(&index) {
-            return (format!("{}.{}", point.name, axis(index - slots.q)), "m");
+        let own = |from: usize| index.checked_sub(from).and_then(|i| moves.get(i));
+        if let (Some(&k), None) = (own(slots.q), v) {
+            return (format!("{}.{}", point.name, POSITION[k]), "m");
         }
-        if let Some(v) = v.filter(|v| (slots.v..slots.v + 3).contains(v)) {
-            return (format!("{}.v{}", point.name, axis(v - slots.v)), "m/s");
+        if let (Some(&k), Some(_)) = (own(layout.nq + slots.v), v) {
+            return (format!("{}.{}", point.name, VELOCITY[k]), "m/s");
         }
     }
     (format!("x[{index}]"), "")
@@ -136,15 +161,16 @@ fn stop_name(scene: &Scene, layout: &Layout, index: usize) -> String {
 /// The name of a number of the state.
 fn state(scene: &Scene, layout: &Layout, index: usize) -> String {
     let v = index.checked_sub(layout.nq);
+    let (pose, twist) = (pose(layout), twist(layout));
     for (number, slots) in layout.bodies.iter().enumerate() {
-        if let Some(item) = index.checked_sub(slots.q).and_then(|i| POSE.get(i))
+        if let Some(item) = index.checked_sub(slots.q).and_then(|i| pose.get(i))
             && v.is_none()
         {
             return format!("{}_{item}", body(scene, number));
         }
         if let Some(item) = v
             .and_then(|v| v.checked_sub(slots.v))
-            .and_then(|i| TWIST.get(i))
+            .and_then(|i| twist.get(i))
         {
             return format!("{}_{item}", body(scene, number));
         }
@@ -153,11 +179,13 @@ fn state(scene: &Scene, layout: &Layout, index: usize) -> String {
         let PointSlots::Mass(slots) = slots else {
             continue;
         };
-        if v.is_none() && (slots.q..slots.q + 3).contains(&index) {
-            return format!("{}_{}", point(scene, number), axis(index - slots.q));
+        let moves = layout.directions.moves();
+        let own = |from: usize| index.checked_sub(from).and_then(|i| moves.get(i));
+        if let (Some(&k), None) = (own(slots.q), v) {
+            return format!("{}_{}", point(scene, number), POSITION[k]);
         }
-        if let Some(v) = v.filter(|v| (slots.v..slots.v + 3).contains(v)) {
-            return format!("{}_v{}", point(scene, number), axis(v - slots.v));
+        if let (Some(&k), Some(_)) = (own(layout.nq + slots.v), v) {
+            return format!("{}_{}", point(scene, number), VELOCITY[k]);
         }
     }
     let z = index.saturating_sub(layout.nq + layout.nv);

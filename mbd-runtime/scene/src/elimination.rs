@@ -5,7 +5,7 @@
 //! [Φ_v   0] [−λ] = [  γ  ]                                                        (1)
 //! ```
 //!
-//! Its graph has a node of 6 speeds a body (3 a point with mass) and a node of n rows a joint; an edge where a joint sits on a body. The
+//! Its graph has a node of 6 speeds a body (3 a point with mass; in a plane 3 and 2) and a node of n rows a joint; an edge where a joint sits on a body. The
 //! world has no node. The diagonal block of a joint is zero until its bodies have filled it with −Φ_v M⁻¹ Φ_vᵀ, so a joint must wait:
 //!
 //! ```text
@@ -30,13 +30,14 @@
 
 use crate::layout::{JointSlots, PointSlots};
 use crate::partition::Partition;
+use crate::plane::Directions;
 
 /// What a node of the system is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The six speeds of a body.
+    /// The speeds of a body: six, in a plane three.
     Body(usize),
-    /// The three speeds of a point with mass.
+    /// The speeds of a point with mass: three, in a plane two.
     Point(usize),
     /// The rows of a joint.
     Joint(usize),
@@ -111,7 +112,13 @@ struct Graph {
 }
 
 impl Graph {
-    fn new(bodies: usize, points: &[PointSlots], joints: &[JointSlots], closed: bool) -> Self {
+    fn new(
+        directions: Directions,
+        bodies: usize,
+        points: &[PointSlots],
+        joints: &[JointSlots],
+        closed: bool,
+    ) -> Self {
         let mut graph = Graph {
             parts: Vec::new(),
             sizes: Vec::new(),
@@ -128,8 +135,8 @@ impl Graph {
             joints.iter().any(holds)
         };
         let moving = (0..bodies)
-            .map(|body| (Part::Body(body), 6))
-            .chain((0..points.len()).map(|point| (Part::Point(point), 3)));
+            .map(|body| (Part::Body(body), directions.speeds()))
+            .chain((0..points.len()).map(|point| (Part::Point(point), directions.moves().len())));
         for (part, size) in moving.filter(|&(part, _)| held(part)) {
             graph.push(part, size);
         }
@@ -244,7 +251,7 @@ impl Graph {
         let rows = self.sizes[joint];
         let loops = self.coupled(body) - rows;
         let outside = loops + self.coupled(joint) - self.sizes[body];
-        let free = (6 - rows) * (rows + loops) * (rows + loops + 1);
+        let free = (self.sizes[body] - rows) * (rows + loops) * (rows + loops + 1);
         free + (2 * rows * rows * outside + rows * outside * (outside + 1)) * 7 / 20
     }
 
@@ -303,6 +310,7 @@ impl Graph {
 
 /// The joint that carries each body: the first that parts its speeds, unless the body carries itself through it.
 fn carriers(
+    directions: Directions,
     bodies: usize,
     joints: &[JointSlots],
     partitions: &[Option<Partition>],
@@ -312,8 +320,9 @@ fn carriers(
         let [parent, Some(Part::Body(child))] = joint.ends else {
             continue;
         };
-        let parts =
-            joint.all_kept() && partition.is_some_and(|partition| joint.len == 3 + partition.turns);
+        let parts = joint.all_kept()
+            && partition
+                .is_some_and(|partition| joint.len == directions.moves().len() + partition.turns);
         let mut inboard = parent;
         while let Some(Part::Body(body)) = inboard
             && body != child
@@ -332,18 +341,19 @@ impl Elimination {
     /// `closed`: whether states are known at which the loops of the joints close.
     #[must_use]
     pub fn new(
+        directions: Directions,
         bodies: usize,
         points: &[PointSlots],
         joints: &[JointSlots],
         partitions: &[Option<Partition>],
         closed: bool,
     ) -> Self {
-        let graph = Graph::new(bodies, points, joints, closed);
+        let graph = Graph::new(directions, bodies, points, joints, closed);
         let bodies_first = |g: &Graph, n: usize| (usize::from(g.is_joint(n)), g.cost(n));
         let least_degree =
             |g: &Graph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));
         let least_cost = |g: &Graph, n: usize| (g.cost(n), 0);
-        let carriers = carriers(bodies, joints, partitions);
+        let carriers = carriers(directions, bodies, joints, partitions);
         let carrying: Vec<Option<usize>> = graph
             .parts
             .iter()

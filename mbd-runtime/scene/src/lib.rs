@@ -20,6 +20,7 @@ mod model;
 mod packed;
 mod params;
 mod partition;
+mod plane;
 mod quantity;
 mod real;
 mod redundancy;
@@ -41,9 +42,10 @@ pub use layout::{
 pub use model::Model;
 pub use params::{ParamError, check_params};
 pub use partition::Partition;
+pub use plane::{Directions, Plane};
 pub use quantity::{At, Differentiated, Quantity, Variable};
 pub use real::{Float, Real, TINY};
-pub use redundancy::{HeldMotor, Redundancy, Repeat, RowSet};
+pub use redundancy::{Apart, HeldMotor, Redundancy, Repeat, RowSet};
 pub use scene::{
     AngularVelocity, Body, Clamp, Constant, Coordinates, Difference, Dimension, Direction, Event,
     Frame, Gravity, Inertia, Input, Joint, Line, LineKind, Load, LoadKind, NodeModel, Output,

@@ -10,9 +10,9 @@
 //! from the parent's by a matrix that is singular only where the rows themselves are dependent.
 //! Source: Wehage and Haug, coordinate partitioning; with (2) block elimination is the articulated-body recursion (Featherstone).
 
-use crate::AngularVelocity;
 use crate::joints::{Axis, JointLaw};
 use crate::laws::rows::{End, Ends, RowKind, Rows, Turn};
+use crate::{AngularVelocity, Directions, RowSet};
 
 /// What a joint of three coincide rows and `turns` attitude rows determines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,14 +24,16 @@ pub struct Partition {
 }
 
 impl Partition {
-    /// The partition of a joint; `None` where its rows are not of this kind.
+    /// The partition of a joint of which these rows count; `None` where they are not of this kind. In a plane two rows hold the point, and
+    /// at most one the angle: the speeds are the velocity of the joint's point, and ω.
     #[must_use]
-    pub fn of(law: &JointLaw) -> Option<Self> {
+    pub fn of(law: &JointLaw, counted: RowSet, directions: Directions) -> Option<Self> {
         let at_rest = || End::<f64>::fixed(nalgebra::Vector3::zeros(), Turn::None);
         let mut rows = Rows::default();
+        rows.begin(counted);
         let ends = Ends::new(at_rest(), at_rest(), &[], AngularVelocity::Body);
         law.constrain(&ends, &mut rows);
-        let (point, turns) = rows.rows().split_at_checked(3)?;
+        let (point, turns) = rows.rows().split_at_checked(directions.moves().len())?;
         if point.iter().any(|row| row.kind != RowKind::Coincide) {
             return None;
         }
@@ -43,7 +45,8 @@ impl Partition {
             axes.push(axis);
         }
         let shared = axes.windows(2).all(|pair| pair[0] == pair[1]);
-        (turns.len() == 3 || shared && turns.len() < 3).then(|| Partition {
+        let all = directions.turns().len();
+        (turns.len() == all || shared && turns.len() < all).then(|| Partition {
             turns: turns.len(),
             axis: axes.first().copied().unwrap_or_default(),
         })
@@ -56,7 +59,8 @@ mod tests {
     use crate::{Cylindrical, Distance, Hinge, Prismatic, Rigid, Spherical, Universal};
 
     fn turns(law: &JointLaw) -> Option<usize> {
-        Partition::of(law).map(|partition| partition.turns)
+        Partition::of(law, RowSet::all(law.rows()), Directions::default())
+            .map(|partition| partition.turns)
     }
 
     #[test]
@@ -70,7 +74,8 @@ mod tests {
     #[test]
     fn the_free_direction_of_a_hinge_is_its_axis() {
         let axis = Axis([0.6, 0.0, 0.8]);
-        let partition = Partition::of(&JointLaw::Hinge(Hinge { axis }));
+        let law = JointLaw::Hinge(Hinge { axis });
+        let partition = Partition::of(&law, RowSet::all(5), Directions::default());
         assert_eq!(partition.map(|partition| partition.axis), Some(axis));
     }
 

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::formula::{Formula, Place};
 use crate::joints::{Along, Coordinate, JointLaw, Side};
+use crate::plane::{Directions, Plane};
 
 /// Three scalar formulas: a vector known in components.
 pub type Triple = [Formula; 3];
@@ -19,6 +20,9 @@ pub struct Scene {
     pub coordinates: Coordinates,
     /// The components of angular velocities in the state.
     pub angular_velocity: AngularVelocity,
+    /// The plane in which everything moves; `None`: space.
+    #[serde(default)]
+    pub planar: Option<Plane>,
     /// The acceleration of gravity.
     pub gravity: Gravity,
     /// Numbers that fold into generated code, in declaration order.
@@ -53,6 +57,12 @@ impl Scene {
     pub fn coordinate(&self, joint: usize, index: usize) -> Option<(&Joint, Coordinate)> {
         let joint = self.joints.get(joint)?;
         Some((joint, joint.law.coordinate(index)?))
+    }
+
+    /// The axes along which things move and about which bodies turn.
+    #[must_use]
+    pub fn directions(&self) -> Directions {
+        Directions { plane: self.planar }
     }
 
     /// Every stop: joint, its entry of [`Joint::along`], side; in the order of their numbers.

@@ -60,6 +60,7 @@ impl Scales {
 enum Kind {
     Position,
     Rotation,
+    Angle,
     Velocity,
     AngularVelocity,
     Node,
@@ -70,6 +71,8 @@ enum Kind {
 struct Block {
     kind: Kind,
     at: usize,
+    /// Number of its components.
+    len: usize,
     /// Body or point index.
     owner: usize,
 }
@@ -88,31 +91,42 @@ impl ErrorNorm {
     /// The norm of states of `length`: those of the layout, with integrals behind.
     pub(crate) fn new(layout: &Layout, length: usize, scales: Scales, tolerance: f64) -> Self {
         let mut blocks = Vec::new();
-        let mut block = |kind, at, owner| blocks.push(Block { kind, at, owner });
+        let mut block = |kind, at, len, owner| {
+            blocks.push(Block {
+                kind,
+                at,
+                len,
+                owner,
+            });
+        };
+        let directions = layout.directions;
+        let (moves, turns) = (directions.moves().len(), directions.turns().len());
+        let (attitude, numbers) = match directions.plane {
+            None => (Kind::Rotation, directions.attitude()),
+            Some(_) => (Kind::Angle, directions.attitude()),
+        };
         for (body, slots) in layout.bodies.iter().enumerate() {
-            block(Kind::Position, slots.q, body);
-            block(Kind::Rotation, slots.q + 3, body);
-            block(Kind::Velocity, layout.nq + slots.v, body);
-            block(Kind::AngularVelocity, layout.nq + slots.v + 3, body);
+            let v = layout.nq + slots.v;
+            block(Kind::Position, slots.q, moves, body);
+            block(attitude, slots.q + moves, numbers, body);
+            block(Kind::Velocity, v, moves, body);
+            block(Kind::AngularVelocity, v + moves, turns, body);
         }
         for (point, slots) in layout.points.iter().enumerate() {
             match slots {
                 PointSlots::Mass(slots) => {
-                    block(Kind::Node, slots.q, point);
-                    block(
-                        Kind::Velocity,
-                        layout.nq + slots.v,
-                        layout.bodies.len() + point,
-                    );
+                    block(Kind::Node, slots.q, moves, point);
+                    let owner = layout.bodies.len() + point;
+                    block(Kind::Velocity, layout.nq + slots.v, moves, owner);
                 }
                 PointSlots::Node(node) => {
                     if let Some(z) = layout.nodes.get(*node).and_then(|node| node.z) {
-                        block(Kind::Node, layout.nq + layout.nv + z, point);
+                        block(Kind::Node, layout.nq + layout.nv + z, 3, point);
                     }
                 }
             }
         }
-        (layout.nx()..length).for_each(|at| block(Kind::Work, at, 0));
+        (layout.nx()..length).for_each(|at| block(Kind::Work, at, 1, 0));
         ErrorNorm {
             blocks,
             scales,
@@ -148,7 +162,7 @@ impl ErrorNorm {
         let point = |index: usize| scene.points.get(index).map(|point| point.name.as_str());
         let (owner, what) = match block.kind {
             Kind::Position => (body, "position"),
-            Kind::Rotation => (body, "rotation"),
+            Kind::Rotation | Kind::Angle => (body, "rotation"),
             Kind::AngularVelocity => (body, "angular velocity"),
             Kind::Velocity if block.owner < bodies => (body, "velocity"),
             Kind::Velocity => (point(block.owner - bodies), "velocity"),
@@ -162,10 +176,11 @@ impl ErrorNorm {
 impl Block {
     fn measure<T: Float>(&self, scales: &Scales, error: &[T], old: &[T], new: &[T]) -> f64 {
         match self.kind {
-            Kind::Position | Kind::Node => mean(triple(error, self.at)) / scales.length,
+            Kind::Position | Kind::Node => self.mean(error) / scales.length,
             Kind::Rotation => {
                 tangent(quadruple(old, self.at), quadruple(error, self.at)) / scales.angle
             }
+            Kind::Angle => self.mean(error) / scales.angle,
             Kind::Velocity => self.speed(scales.speed, error, old, new),
             Kind::AngularVelocity => self.speed(scales.rate, error, old, new),
             Kind::Work => {
@@ -177,14 +192,20 @@ impl Block {
     }
 
     fn speed<T: Float>(&self, scale: f64, error: &[T], old: &[T], new: &[T]) -> f64 {
-        let (error, old, new) = (
-            triple(error, self.at),
-            triple(old, self.at),
-            triple(new, self.at),
-        );
-        // One size for the three components: the norm must not depend on the axes.
-        let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        mean(error) / (scale + size(old).max(size(new)))
+        // One size for all components: the norm must not depend on the axes.
+        let size = |list: &[T]| self.square(list).sqrt();
+        self.mean(error) / (scale + size(old).max(size(new)))
+    }
+
+    /// Sum of the squares of its components.
+    fn square<T: Float>(&self, list: &[T]) -> f64 {
+        let own = list.iter().skip(self.at).take(self.len);
+        own.fold(0.0, |sum, x| sum + x.to_f64() * x.to_f64())
+    }
+
+    /// Root mean square of its components.
+    fn mean<T: Float>(&self, list: &[T]) -> f64 {
+        (self.square(list) / self.len as f64).sqrt()
     }
 }
 
@@ -200,10 +221,6 @@ fn tangent([w, x, y, z]: [f64; 4], [dw, dx, dy, dz]: [f64; 4]) -> f64 {
         2.0 * (w * dy + x * dz - y * dw - z * dx),
         2.0 * (w * dz - x * dy + y * dx - z * dw),
     ])
-}
-
-fn triple<T: Float>(values: &[T], at: usize) -> [f64; 3] {
-    pick(values, at)
 }
 
 fn quadruple<T: Float>(values: &[T], at: usize) -> [f64; 4] {

@@ -1,7 +1,7 @@
 //! The mechanism of a run at several instants, drawn in the plane in which it extends most.
 
 use mbd_runtime::Trajectory;
-use mbd_runtime::nalgebra::Vector3;
+use mbd_runtime::nalgebra::{Matrix3, Vector3};
 use mbd_runtime::scene::laws::{Numbers, ground, rotation};
 use mbd_runtime::scene::{Place, PointKind, Scene};
 
@@ -18,6 +18,9 @@ const DEEP: f64 = 0.1;
 const TRAVELS: f64 = 1.2;
 /// Places of a joint that are further apart than this slide on each other [m].
 const APART: f64 = 1e-9;
+
+/// Names of positions.
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A part of the mechanism in space.
 enum Part {
@@ -107,7 +110,7 @@ fn draw(
     caption: &str,
 ) -> Drawing {
     let view = |place: &Vector3<f64>| plane.map(|axis| place[axis]);
-    let names = plane.map(|axis| ["x", "y", "z"].get(axis).copied().unwrap_or_default());
+    let names = plane.map(|axis| AXES.get(axis).copied().unwrap_or_default());
     let title = format!(
         "{}: the mechanism, {}{} plane",
         scene.name, names[0], names[1]
@@ -169,7 +172,26 @@ impl Stage<'_> {
     }
 
     fn position(&self, owner: &str, row: usize) -> Option<Vector3<f64>> {
-        self.read(owner, ["x", "y", "z"], row).map(Vector3::from)
+        let Some(plane) = self.scene.planar else {
+            return self.read(owner, AXES, row).map(Vector3::from);
+        };
+        let mut position = Vector3::zeros();
+        for axis in (0..3).filter(|&axis| axis != plane.normal()) {
+            let [number] = self.read(owner, [*AXES.get(axis)?], row)?;
+            position[axis] = number;
+        }
+        Some(position)
+    }
+
+    /// Body axes → world axes.
+    fn turn(&self, owner: &str, row: usize) -> Option<Matrix3<f64>> {
+        match self.scene.planar {
+            None => Some(rotation(self.read(owner, ["qw", "qx", "qy", "qz"], row)?)),
+            Some(plane) => {
+                let [angle] = self.read(owner, ["angle"], row)?;
+                Some(plane.axis().turn(angle))
+            }
+        }
     }
 
     /// A frame of the world, which may move [m].
@@ -191,8 +213,7 @@ impl Stage<'_> {
             Place::Body(body, frame) => {
                 let name = &self.scene.bodies.get(body)?.name;
                 let arm = self.numbers.bodies.get(body)?.frames.get(frame)?.position;
-                let turn = rotation(self.read(name, ["qw", "qx", "qy", "qz"], row)?);
-                Some(self.position(name, row)? + turn * arm)
+                Some(self.position(name, row)? + self.turn(name, row)? * arm)
             }
         }
     }

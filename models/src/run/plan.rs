@@ -288,8 +288,8 @@ fn start(
     }
     let mut numbers: Vec<f64> = slots.into_iter().map(|(.., number)| number).collect();
     let nodes = numbers.split_off(names.len());
-    for body in &layout.bodies {
-        normalise(scene, &mut numbers, body.q + 3)?;
+    for quaternion in layout.quaternions() {
+        normalise(scene, &mut numbers, quaternion)?;
     }
     Ok((numbers, places_given.then_some(nodes)))
 }

@@ -5,6 +5,7 @@
 mod attached;
 mod inertia;
 mod nodes;
+mod planar;
 mod unused;
 
 pub use inertia::{WrongInertia, inertia};
@@ -24,6 +25,7 @@ pub fn check(resolver: &mut Resolver<'_>, whole: bool) {
     check_lonely_points(resolver);
     nodes::choose_models(resolver);
     nodes::check_models(resolver);
+    planar::check_planar(resolver);
     unused::check_used(resolver);
 }
 

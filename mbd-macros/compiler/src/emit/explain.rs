@@ -77,13 +77,18 @@ pub fn explanation(context: &Context) -> String {
 
 fn equations(scene: &Scene, equations: &Equations, out: &mut String) {
     let layout = &equations.layout;
-    let components = match scene.angular_velocity {
-        AngularVelocity::Body => "body axes",
-        AngularVelocity::World => "world axes",
+    let components = match (scene.planar, scene.angular_velocity) {
+        (Some(plane), _) => format!(
+            "in the plane {}, angles about {}",
+            plane.word(),
+            ["x", "y", "z"][plane.normal()]
+        ),
+        (None, AngularVelocity::Body) => "angular velocities in body axes".to_owned(),
+        (None, AngularVelocity::World) => "angular velocities in world axes".to_owned(),
     };
     let _ = writeln!(
         out,
-        "State x = [q | v | z]: {} + {} + {}; angular velocities in {components}.",
+        "State x = [q | v | z]: {} + {} + {}; {components}.",
         layout.nq, layout.nv, layout.nz
     );
     out.push_str("M v̇ + h = f,  q̇ = N(q) v,  one block of M a body.\n");

@@ -123,15 +123,32 @@ fn state(context: &Context) -> TokenStream {
         .as_ref()
         .map(|_| quote!(z: ::mbd_runtime::nalgebra::SVector::zeros()));
     let model = &context.scene().name;
+    let meaning = match layout.directions.plane {
+        None => {
+            "`q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz."
+                .to_owned()
+        }
+        Some(plane) => {
+            let [a, b] = [0, 1].map(|k| ["x", "y", "z"][layout.directions.moves()[k]]);
+            let normal = ["x", "y", "z"][plane.normal()];
+            format!(
+                "`q` per body {a} {b} and the angle about {normal} \\[rad\\], right-handed and not wrapped, per point {a} {b}; `v` per body v{a} v{b} (centre of mass) w{normal}, per point v{a} v{b}."
+            )
+        }
+    };
     let doc = docs(&format!(
-        "The state of `{model}`: items in declaration order, bodies before points.\n\n`q` per body x y z qw qx qy qz, per point x y z; `v` per body vx vy vz (world axes, centre of mass) wx wy wz, per point vx vy vz. Bodies and points have functions of their names."
+        "The state of `{model}`: items in declaration order, bodies before points.\n\n{meaning} Bodies and points have functions of their names."
     ));
     let (at_rest, parts) = (rest(context), parts(context));
+    let coordinates = docs(match layout.directions.plane {
+        None => "Coordinates \\[m, 1\\].",
+        Some(_) => "Coordinates \\[m, rad\\].",
+    });
     quote! {
         #doc
         #[derive(Clone, Debug, PartialEq)]
         #vis struct #name #declared {
-            /// Coordinates \[m, 1\].
+            #coordinates
             pub q: ::mbd_runtime::nalgebra::SVector<#t, #nq>,
             /// Speeds \[m/s, rad/s\].
             pub v: ::mbd_runtime::nalgebra::SVector<#t, #nv>,
@@ -173,8 +190,8 @@ fn state(context: &Context) -> TokenStream {
 
 /// Unit quaternions for all bodies.
 fn rest(context: &Context) -> TokenStream {
-    let bodies = &context.equations.layout.bodies;
-    if bodies.is_empty() {
+    let mut quaternions = context.equations.layout.quaternions().peekable();
+    if quaternions.peek().is_none() {
         return quote!(let _ = &mut state;);
     }
     let one = if context.settings.generic {
@@ -182,7 +199,7 @@ fn rest(context: &Context) -> TokenStream {
     } else {
         quote!(1.0)
     };
-    let places = bodies.iter().map(|slots| whole(slots.q + 3));
+    let places = quaternions.map(whole);
     quote! {
         let [q] = &mut state.q.data.0;
         #(q[#places] = #one;)*
@@ -328,9 +345,18 @@ fn loads(context: &Context) -> TokenStream {
 /// The statements that fill `inputs` from `loads`.
 pub fn gather(context: &Context) -> TokenStream {
     let layout = &context.equations.layout;
+    let zero = || match context.settings.generic {
+        true => quote!(T::zero()),
+        false => quote!(0.0),
+    };
     let position = |q: usize| {
-        let [x, y, z] = [q, q + 1, q + 2].map(whole);
-        quote!([q[#x], q[#y], q[#z]])
+        let mut place = [zero(), zero(), zero()];
+        for (offset, &axis) in layout.directions.moves().iter().enumerate() {
+            let at = whole(q + offset);
+            place[axis] = quote!(q[#at]);
+        }
+        let [x, y, z] = place;
+        quote!([#x, #y, #z])
     };
     let mut names = Vec::new();
     let mut calls = Vec::new();

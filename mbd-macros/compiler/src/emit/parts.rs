@@ -83,12 +83,19 @@ fn accessors(context: &Context, family: &Family<'_>, setter: &str) -> TokenStrea
     let t = context.scalar();
     let getter = Ident::new(family.name, Span::call_site());
     let setter = Ident::new(setter, Span::call_site());
-    let part = if family.is_body {
-        quote!(::mbd_runtime::BodyState<#t>)
-    } else {
-        quote!(::mbd_runtime::PointState<#t>)
+    let directions = context.equations.layout.directions;
+    let moves = directions.moves().len();
+    let part = match (family.is_body, directions.plane) {
+        (true, None) => quote!(::mbd_runtime::BodyState<#t>),
+        (true, Some(_)) => quote!(::mbd_runtime::PlanarBodyState<#t>),
+        (false, None) => quote!(::mbd_runtime::PointState<#t>),
+        (false, Some(_)) => quote!(::mbd_runtime::PointState<#t, 2>),
     };
-    let size = if family.is_body { [7, 6] } else { [3, 3] }.map(whole);
+    let size = match family.is_body {
+        true => [directions.coordinates(), directions.speeds()],
+        false => [moves, moves],
+    };
+    let size = size.map(whole);
     let at = [family.slots.q, family.slots.v].map(whole);
     let name = family.name;
     match family.members {

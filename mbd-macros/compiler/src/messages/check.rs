@@ -127,3 +127,41 @@ pub fn no_loop(at: Region, name: &str, owner: Region) -> Report {
     )
     .also(owner, "this is attached by it")
 }
+
+pub fn apart(
+    at: Region,
+    joint: &str,
+    (plane, normal): (&str, &str),
+    [parent, child]: &[String; 2],
+    gap: f64,
+) -> Report {
+    Report::new(
+        at,
+        format!(
+            "joint `{joint}` can never close in the plane `{plane}`: `{parent}` and `{child}` are {gap:.3} m apart along {normal}. give both frames the same {normal}"
+        ),
+    )
+}
+
+pub fn leaning(
+    at: Region,
+    joint: &str,
+    (plane, normal): (&str, &str),
+    [parent, child]: &[String; 2],
+) -> Report {
+    Report::new(
+        at,
+        format!(
+            "joint `{joint}` can never close in the plane `{plane}`: the axes that it holds together lean differently against {normal} at `{parent}` and at `{child}`. rotate both frames alike, but for turns about {normal}"
+        ),
+    )
+}
+
+pub fn still(at: Region, coordinate: &str, plane: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a motor drives `{coordinate}`, which nothing in the plane `{plane}` changes: remove the motor, or choose another axis"
+        ),
+    )
+}

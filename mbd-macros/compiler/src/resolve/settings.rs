@@ -1,6 +1,6 @@
 //! Settings of the whole model: coordinates, units, gravity, what is generated.
 
-use mbd_scene::{AngularVelocity, Coordinates, Dimension, Formula, Gravity, Triple};
+use mbd_scene::{AngularVelocity, Coordinates, Dimension, Formula, Gravity, Plane, Triple};
 
 use super::fields::Accept;
 use super::{Resolver, Scope, Stage, fold};
@@ -49,6 +49,11 @@ impl Resolver<'_> {
                     ];
                     if let Some(chosen) = self.choice(value, "angular velocity", &set) {
                         self.scene.angular_velocity = chosen;
+                    }
+                }
+                ("planar", Some(value)) => {
+                    if let Some(plane) = self.choice(value, "plane", &Plane::WORDS) {
+                        self.scene.planar = Some(plane);
                     }
                 }
                 ("emit", Some(value)) => self.asked.emit = self.word_list(value),

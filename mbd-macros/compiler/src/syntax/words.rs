@@ -95,6 +95,7 @@ pub const FRAME: ItemWord = repeated(item(
 pub const ITEMS: &[ItemWord] = &[
     setting("coordinates", "coordinates: absolute;"),
     setting("angular_velocity", "angular_velocity: body;"),
+    setting("planar", "planar: xz;"),
     setting("units", "units: si;"),
     setting("gravity", "gravity: [0.0, 0.0, -9.81] m/s^2;"),
     setting("emit", "emit: [derivative, outputs];"),

@@ -85,6 +85,9 @@ fn head(out: &mut String, scene: &Scene) {
         AngularVelocity::World => "world",
     };
     entry(out, "angular_velocity", components);
+    if let Some(plane) = scene.planar {
+        entry(out, "planar", plane.word());
+    }
     let gravity = match &scene.gravity {
         Gravity::None => "none".to_string(),
         Gravity::Field => "field".to_string(),

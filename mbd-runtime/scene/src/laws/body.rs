@@ -7,13 +7,23 @@
 //! M = diag(m I₃, R I′ Rᵀ),  h = (−m g, R (ω′ × I′ω′))              world components                             (4)
 //! ```
 //!
-//! R from a unit quaternion, w first, body to world. The state carries ω′ or ω by declaration.
+//! R from a unit quaternion, w first, body to world. The state carries ω′ or ω by declaration. In a plane R is the turn about the normal,
+//! ω = ω′ lies along it, and of (3) and (4), which agree, the components in the plane count: M = diag(m I₂, I′ about the normal), h = −m g.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::algebra::{labelled, rotation, vector, write};
+use super::algebra::{labelled, rotation, vector};
 use super::numbers::BodyNumbers;
-use crate::{AngularVelocity, Real, Slots};
+use crate::{AngularVelocity, Directions, Real, Slots};
+
+/// What the state carries of a rotation.
+#[derive(Clone, Copy, Debug)]
+pub enum Attitude<S> {
+    /// A quaternion w x y z.
+    Quaternion([S; 4]),
+    /// The angle about the normal of a plane, whose rate is ω.
+    Angle,
+}
 
 /// A body in motion.
 #[derive(Clone, Copy, Debug)]
@@ -22,8 +32,8 @@ pub struct Motion<S: Real> {
     pub position: Vector3<S>,
     /// Rotation body → world.
     pub rotation: Matrix3<S>,
-    /// The quaternion w x y z.
-    pub quaternion: [S; 4],
+    /// What the state carries of it.
+    pub attitude: Attitude<S>,
     /// Velocity of the centre of mass, world axes [m/s].
     pub velocity: Vector3<S>,
     /// Angular velocity in body axes [rad/s].
@@ -35,11 +45,10 @@ pub struct Motion<S: Real> {
 impl<S: Real> Motion<S> {
     /// Nothing known yet.
     pub fn unknown() -> Self {
-        let zero = S::zero();
         Motion {
             position: Vector3::zeros(),
             rotation: Matrix3::zeros(),
-            quaternion: [zero; 4],
+            attitude: Attitude::Quaternion([S::zero(); 4]),
             velocity: Vector3::zeros(),
             omega_body: Vector3::zeros(),
             omega_world: Vector3::zeros(),
@@ -47,18 +56,26 @@ impl<S: Real> Motion<S> {
     }
 
     /// Reads a body's motion from the state; `nq` is the length of q.
-    pub fn read(state: &[S], slots: Slots, nq: usize, components: AngularVelocity) -> Self {
-        let position = vector(state, slots.q);
-        let imaginary = vector(state, slots.q + 4);
-        let quaternion = [
-            vector(state, slots.q + 3).x,
-            imaginary.x,
-            imaginary.y,
-            imaginary.z,
-        ];
-        let rotation = rotation(quaternion);
-        let velocity = vector(state, nq + slots.v);
-        let omega = vector(state, nq + slots.v + 3);
+    pub fn read(
+        state: &[S],
+        slots: Slots,
+        nq: usize,
+        directions: Directions,
+        components: AngularVelocity,
+    ) -> Self {
+        let at = slots.q + directions.moves().len();
+        let first: Vector3<S> = vector(state, at);
+        let (rotation, attitude) = match directions.plane {
+            Some(plane) => (plane.axis().turn(first.x), Attitude::Angle),
+            None => {
+                let rest: Vector3<S> = vector(state, at + 1);
+                let quaternion = [first.x, rest.x, rest.y, rest.z];
+                (rotation(quaternion), Attitude::Quaternion(quaternion))
+            }
+        };
+        let position = directions.linear(state, slots.q);
+        let velocity = directions.linear(state, nq + slots.v);
+        let omega = directions.angular(state, nq + slots.v);
         let (omega_body, omega_world) = match components {
             AngularVelocity::Body => (omega, labelled(rotation * omega, ["w_x", "w_y", "w_z"])),
             AngularVelocity::World => (
@@ -69,7 +86,7 @@ impl<S: Real> Motion<S> {
         Motion {
             position,
             rotation,
-            quaternion,
+            attitude,
             velocity,
             omega_body,
             omega_world,
@@ -89,9 +106,19 @@ impl<S: Real> Motion<S> {
         )
     }
 
-    /// q̇ by (2), w first.
-    pub fn quaternion_rate(&self, components: AngularVelocity) -> [S; 4] {
-        let [w, x, y, z] = self.quaternion;
+    /// Writes the rates of the attitude from `at` on: q̇ by (2), w first; in a plane ω.
+    pub fn write_attitude_rate(
+        &self,
+        out: &mut [S],
+        at: usize,
+        directions: Directions,
+        components: AngularVelocity,
+    ) {
+        let Attitude::Quaternion([w, x, y, z]) = self.attitude else {
+            let rates = out.iter_mut().skip(at).zip(directions.turns());
+            rates.for_each(|(rate, &axis)| *rate = self.omega_body[axis]);
+            return;
+        };
         let half = S::from_f64(0.5);
         let (omega, sign) = match components {
             AngularVelocity::Body => (self.omega_body, S::one()),
@@ -103,12 +130,15 @@ impl<S: Real> Motion<S> {
             z * omega.x - x * omega.z,
             x * omega.y - y * omega.x,
         );
-        [
+        let rates = [
             -(x * omega.x + y * omega.y + z * omega.z),
             w * omega.x + sign * swirl.x,
             w * omega.y + sign * swirl.y,
             w * omega.z + sign * swirl.z,
-        ]
+        ];
+        for (slot, rate) in out.iter_mut().skip(at).zip(rates) {
+            *slot = rate;
+        }
     }
 
     /// ω′ × I′ω′ [N m], body axes.
@@ -146,11 +176,11 @@ impl<S: Real> Motion<S> {
         S::from_f64(0.5) * (body.mass * self.velocity.dot(&self.velocity) + spin)
     }
 
-    /// Writes the 6 × 6 diagonal block of M by (3) or (4) into a row-major n × n matrix at `at`.
+    /// Writes the 6 × 6 diagonal block of M by (3) or (4), in a plane its 3 × 3 part, into a row-major n × n matrix at `at`.
     pub fn mass_block(
         &self,
         body: &BodyNumbers<S>,
-        components: AngularVelocity,
+        (directions, components): (Directions, AngularVelocity),
         out: &mut [S],
         n: usize,
         at: usize,
@@ -159,11 +189,14 @@ impl<S: Real> Motion<S> {
             AngularVelocity::Body => body.inertia,
             AngularVelocity::World => self.rotation * body.inertia * self.rotation.transpose(),
         };
-        for i in 0..3 {
-            write_at(out, (at + i) * n + at + i, body.mass);
+        let moves = directions.moves().len();
+        for i in at..at + moves {
+            write_at(out, i * n + i, body.mass);
+        }
+        for (k, &i) in directions.turns().iter().enumerate() {
             // The lower triangle repeats the upper one, so that M is symmetric to the bit.
             let row = Vector3::from_fn(|j, _| inertia[(i.min(j), i.max(j))]);
-            write(out, (at + 3 + i) * n + at + 3, &row);
+            directions.write_angular(out, (at + moves + k) * n + at, &row);
         }
     }
 }

@@ -11,11 +11,12 @@
 //! The system is written in body components whatever the state carries: M is constant there and γ and λ are the same numbers. Uniform
 //! gravity is left out of (1) and added to the result: it moves every body alike, so only joints to the world feel it.
 //! Rows that repeat others are not in the system ([`crate::Redundancy`]): their multipliers are zero.
+//! In a plane the unknowns of a body are its two velocities there and ω, and the columns, masses and forces those of the plane.
 //! Source: Kamman, Connecting Joints I, rows joined to the equations of motion as second-order equations.
 
 use nalgebra::Vector3;
 
-use super::algebra::{vector, write};
+use super::algebra::write;
 use super::block::System;
 use super::evaluation::Evaluation;
 use super::forces::Assembly;
@@ -24,7 +25,8 @@ use super::{GravityNumbers, body_gravity, point_gravity};
 use crate::elimination::Part;
 use crate::joints::Coordinate;
 use crate::{
-    AngularVelocity, At, Jet, Joint, Layout, Partition, Place, PointSlots, Quantity, Real, Scene,
+    AngularVelocity, At, Directions, Jet, Joint, Layout, Partition, Place, PointSlots, Quantity,
+    Real, RowSet, Scene,
 };
 
 /// Rows and system of one scene. Carries nothing from call to call.
@@ -107,9 +109,9 @@ impl<S: Real> Evaluation<'_, S> {
             }),
             Place::Point(point) => match *self.layout.points.get(point)? {
                 PointSlots::Mass(slots) => Some(End {
-                    speeds: Some((slots.v, 3)),
-                    position: vector(self.at.state, slots.q),
-                    velocity: vector(self.at.state, self.layout.nq + slots.v),
+                    speeds: Some((slots.v, self.layout.directions.moves().len())),
+                    position: self.position_of(place)?,
+                    velocity: self.velocity_of(place)?,
                     ..End::fixed(Vector3::zeros(), Turn::None)
                 }),
                 PointSlots::Node(_) => None,
@@ -118,7 +120,7 @@ impl<S: Real> Evaluation<'_, S> {
                 let (motion, slots) = (self.motions.get(body)?, self.layout.bodies.get(body)?);
                 let frame = self.numbers.bodies.get(body)?.frames.get(frame)?;
                 let end = End {
-                    speeds: Some((slots.v, 6)),
+                    speeds: Some((slots.v, self.layout.directions.speeds())),
                     position: motion.position,
                     velocity: motion.velocity,
                     ..End::fixed(frame.position, frame.rotation.into())
@@ -144,6 +146,59 @@ impl<S: Real> Evaluation<'_, S> {
     }
 }
 
+/// What a scene is at a state, for looking at one joint.
+fn looked<S: Real, R>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &super::Numbers<S>,
+    at: &At<'_, S>,
+    look: impl FnOnce(&Evaluation<'_, S>) -> R,
+) -> R {
+    let motions: Vec<_> = layout
+        .bodies
+        .iter()
+        .map(|&slots| {
+            let (directions, components) = (layout.directions, scene.angular_velocity);
+            super::Motion::read(at.state, slots, layout.nq, directions, components)
+        })
+        .collect();
+    let mut ground = Vec::new();
+    super::ground::ground(scene, numbers, at.time, &mut ground);
+    look(&Evaluation {
+        scene,
+        layout,
+        numbers,
+        at,
+        motions: &motions,
+        ground: &ground,
+        multipliers: &[],
+    })
+}
+
+/// How far a joint of a planar scene is from holding out of the plane: the largest of the rows that its joint has in space and not in the
+/// plane [m or 1]; zero in space. Positions alone matter.
+pub fn out_of_plane<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &super::Numbers<S>,
+    at: &At<'_, S>,
+    joint: usize,
+) -> S {
+    let (Some(declared), Some(slots)) = (scene.joints.get(joint), layout.joints.get(joint)) else {
+        return S::zero();
+    };
+    let left = RowSet(RowSet::all(declared.law.rows()).0 & !slots.law.0);
+    looked(scene, layout, numbers, at, |evaluation| {
+        let mut rows = Rows::default();
+        rows.begin(left);
+        if let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) {
+            declared.law.constrain(&ends, &mut rows);
+        }
+        let sizes = rows.rows().iter().map(|row| row.value.abs());
+        sizes.fold(S::zero(), Real::max)
+    })
+}
+
 /// Whether a joint is on the branch it means: three numbers, all positive if it is (1 where its rows have no other root). Positions alone
 /// matter; a joint or a place that is not there gives NaN.
 pub fn branch<S: Real>(
@@ -153,37 +208,18 @@ pub fn branch<S: Real>(
     at: &At<'_, S>,
     joint: usize,
 ) -> [S; 3] {
-    let motions: Vec<_> = layout
-        .bodies
-        .iter()
-        .map(|&slots| super::Motion::read(at.state, slots, layout.nq, scene.angular_velocity))
-        .collect();
-    let mut ground = Vec::new();
-    super::ground::ground(scene, numbers, at.time, &mut ground);
-    let evaluation = Evaluation {
-        scene,
-        layout,
-        numbers,
-        at,
-        motions: &motions,
-        ground: &ground,
-        multipliers: &[],
-    };
-    match (
-        evaluation.ends(joint, AngularVelocity::Body),
-        scene.joints.get(joint),
-    ) {
-        (Some(ends), Some(joint)) => {
-            let [a, b, c] = joint.law.branch(&ends);
-            let driven = evaluation
-                .motors(joint)
-                .fold(c, |least, (coordinate, course)| {
-                    least.min(ends.prescribed_cosine(&coordinate, course.value))
-                });
-            [a, b, driven]
-        }
-        _ => [S::from_f64(f64::NAN); 3],
-    }
+    looked(scene, layout, numbers, at, |evaluation| {
+        let ends = evaluation.ends(joint, AngularVelocity::Body);
+        let (Some(ends), Some(joint)) = (ends, scene.joints.get(joint)) else {
+            return [S::from_f64(f64::NAN); 3];
+        };
+        let [a, b, c] = joint.law.branch(&ends);
+        let courses = evaluation.motors(joint);
+        let driven = courses.fold(c, |least, (coordinate, course)| {
+            least.min(ends.prescribed_cosine(&coordinate, course.value))
+        });
+        [a, b, driven]
+    })
 }
 
 /// The rows of a joint that are in the system.
@@ -200,12 +236,36 @@ fn in_system<'a, S: Real>(
     }
 }
 
-/// The acceleration of free fall where it is the same everywhere; zero else.
-fn common_fall<S: Real>(evaluation: &Evaluation<'_, S>) -> Vector3<S> {
-    match evaluation.numbers.gravity {
-        GravityNumbers::Uniform(g) => g,
-        _ => Vector3::zeros(),
+/// Force and torque of (3) on the child of a joint, world axes, from its rows and their −λ. What a plane carries is no reaction of the joint.
+pub(super) fn reaction<'a, S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    joint: usize,
+    rows: impl Iterator<Item = (&'a Row<S>, S)>,
+) -> [Vector3<S>; 2] {
+    let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+    for (row, unknown) in rows {
+        force -= row.child.linear.map(|x| unknown * x);
+        torque -= row.couple.map(|x| unknown * x);
     }
+    if let Some(Part::Body(body)) = evaluation.layout.joints[joint].ends[1] {
+        torque = evaluation.motions[body].rotation * torque;
+    }
+    if let Some(plane) = evaluation.layout.directions.plane {
+        force[plane.normal()] = S::zero();
+        torque = plane.axis().vector().map(|x: S| x * torque[plane.normal()]);
+    }
+    [force, torque]
+}
+
+/// The acceleration of free fall where it is the same everywhere; zero else, and out of a plane.
+fn common_fall<S: Real>(evaluation: &Evaluation<'_, S>) -> Vector3<S> {
+    let GravityNumbers::Uniform(mut fall) = evaluation.numbers.gravity else {
+        return Vector3::zeros();
+    };
+    if let Some(plane) = evaluation.layout.directions.plane {
+        fall[plane.normal()] = S::zero();
+    }
+    fall
 }
 
 impl<S: Real> Constraints<S> {
@@ -230,7 +290,7 @@ impl<S: Real> Constraints<S> {
             .iter()
             .zip(&evaluation.layout.joints);
         for (index, ((joint, slots), rows)) in joints.zip(&mut self.rows).enumerate() {
-            rows.clear();
+            rows.begin(slots.law);
             if slots.len == 0 {
                 continue;
             }
@@ -265,8 +325,11 @@ impl<S: Real> Constraints<S> {
                     Quantity::ConstraintBias => out[number] = row.bias,
                     _ => {
                         let line = &mut out[number * layout.nv..(number + 1) * layout.nv];
-                        write_columns(&ends.parent, &row.parent, line);
-                        write_columns(&ends.child, &row.child, line);
+                        for (end, columns) in
+                            [(&ends.parent, &row.parent), (&ends.child, &row.child)]
+                        {
+                            write_columns(layout.directions, end, columns, line);
+                        }
                     }
                 }
             }
@@ -285,7 +348,7 @@ impl<S: Real> Constraints<S> {
                 Part::Body(body) => self.write_body(evaluation, index, body),
                 Part::Point(point) => {
                     let mass = numbers.points[point].0;
-                    for i in 0..3 {
+                    for i in 0..step.size {
                         self.system.set_diagonal(plan, index, (i, i), mass);
                     }
                 }
@@ -300,9 +363,11 @@ impl<S: Real> Constraints<S> {
                         }
                         for (end, columns) in [(parent, &row.parent), (child, &row.child)] {
                             let Some(end) = end else { continue };
-                            let both = columns.linear.iter().chain(columns.angular.iter());
+                            let both = layout
+                                .directions
+                                .components(&columns.linear, &columns.angular);
                             let speeds = plan.steps[end].size;
-                            for (speed, &value) in both.take(speeds).enumerate() {
+                            for (speed, value) in both.take(speeds).enumerate() {
                                 let (row, column) = ((index, number), (end, speed));
                                 self.system.set_coupling(plan, row, column, value);
                             }
@@ -317,15 +382,17 @@ impl<S: Real> Constraints<S> {
 
     /// The element of Φ_v M⁻¹ Φ_vᵀ of a row, products of inertia aside.
     fn size(&self, evaluation: &Evaluation<'_, S>, joint: usize, row: &Row<S>) -> S {
-        let numbers = evaluation.numbers;
+        let (numbers, directions) = (evaluation.numbers, evaluation.layout.directions);
         let ends = evaluation.layout.joints[joint].ends.into_iter();
         ends.zip([&row.parent, &row.child])
             .fold(S::zero(), |sum, (end, columns)| {
-                let linear = columns.linear.dot(&columns.linear);
+                let moves = directions.moves().iter().map(|&k| columns.linear[k]);
+                let linear = moves.fold(S::zero(), |sum, x| sum + x * x);
                 match end {
                     Some(Part::Body(body)) => {
                         let body = &numbers.bodies[body];
-                        let turned = (0..3).fold(linear * body.inverse_mass, |sum, k| {
+                        let turns = directions.turns().iter();
+                        let turned = turns.fold(linear * body.inverse_mass, |sum, &k| {
                             let x = columns.angular[k];
                             sum + x * x * body.inverse_inertia[(k, k)]
                         });
@@ -337,7 +404,8 @@ impl<S: Real> Constraints<S> {
             })
     }
 
-    /// Writes the mass block of a body about its reference point r: [m I, m R r̃; ·, I′ + m r̃ᵀ r̃], and the directions of its speeds.
+    /// Writes the mass block of a body about its reference point r: [m I, m R r̃; ·, I′ + m r̃ᵀ r̃], in a plane its part there, and the
+    /// directions of its speeds.
     fn write_body(&mut self, evaluation: &Evaluation<'_, S>, index: usize, body: usize) {
         let plan = &evaluation.layout.elimination;
         let numbers = &evaluation.numbers.bodies[body];
@@ -350,15 +418,25 @@ impl<S: Real> Constraints<S> {
             });
         }
         let levers = evaluation.levers(body);
-        for i in 0..3 {
-            self.system.set_diagonal(plan, index, (i, i), numbers.mass);
-            for j in 0..=i {
+        let (moves, turns) = (
+            evaluation.layout.directions.moves(),
+            evaluation.layout.directions.turns(),
+        );
+        for k in 0..moves.len() {
+            self.system.set_diagonal(plan, index, (k, k), numbers.mass);
+        }
+        for (i, &turn) in turns.iter().enumerate() {
+            let row = moves.len() + i;
+            for (j, &other) in turns.iter().enumerate().take(i + 1) {
+                let place = (row, moves.len() + j);
                 self.system
-                    .set_diagonal(plan, index, (3 + i, 3 + j), inertia[(i, j)]);
+                    .set_diagonal(plan, index, place, inertia[(turn, other)]);
             }
-            for (k, lever) in levers.iter().flatten().enumerate() {
-                let value = numbers.mass * lever[i];
-                self.system.set_diagonal(plan, index, (3 + i, k), value);
+            if let Some(levers) = &levers {
+                for (k, &along) in moves.iter().enumerate() {
+                    let value = numbers.mass * levers[along][turn];
+                    self.system.set_diagonal(plan, index, (row, k), value);
+                }
             }
         }
         let carrier = plan.carriers.get(body).copied().flatten();
@@ -375,6 +453,10 @@ impl<S: Real> Constraints<S> {
         joint: usize,
         partition: &Partition,
     ) {
+        if evaluation.layout.directions.plane.is_some() {
+            // There is one angular speed.
+            return;
+        }
         let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) else {
             return;
         };
@@ -397,7 +479,7 @@ impl<S: Real> Constraints<S> {
     pub fn accelerate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>) {
         self.prepare(evaluation);
         let (layout, numbers) = (evaluation.layout, evaluation.numbers);
-        let plan = &layout.elimination;
+        let (plan, directions) = (&layout.elimination, layout.directions);
         let fall = common_fall(evaluation);
         let uniform = matches!(numbers.gravity, GravityNumbers::Uniform(_));
         for (index, step) in plan.steps.iter().enumerate() {
@@ -415,8 +497,8 @@ impl<S: Real> Constraints<S> {
                     for (k, lever) in evaluation.levers(body).iter().flatten().enumerate() {
                         torque += lever.map(|x| x * force[k]);
                     }
-                    write(right, 0, &force);
-                    write(right, 3, &torque);
+                    directions.write_linear(right, 0, &force);
+                    directions.write_angular(right, 0, &torque);
                 }
                 Part::Point(point) => {
                     let mut force = assembly.points[point];
@@ -424,7 +506,7 @@ impl<S: Real> Constraints<S> {
                         let mass = numbers.points[point].0;
                         force += point_gravity(evaluation, point, slots.q).map(|g| mass * g);
                     }
-                    write(right, 0, &force);
+                    directions.write_linear(right, 0, &force);
                 }
                 Part::Joint(joint) => {
                     let ends = layout.joints[joint].ends;
@@ -452,7 +534,8 @@ impl<S: Real> Constraints<S> {
     ) -> Option<[Vector3<S>; 2]> {
         let plan = &evaluation.layout.elimination;
         let unknowns = self.system.unknowns(plan, plan.step_of(Part::Body(body))?);
-        let spin = state_components(evaluation, body, vector(unknowns, 3));
+        let spin = evaluation.layout.directions.angular(unknowns, 0);
+        let spin = state_components(evaluation, body, spin);
         let acceleration = of_centre(evaluation, body, unknowns);
         Some([acceleration + common_fall(evaluation), spin])
     }
@@ -467,7 +550,8 @@ impl<S: Real> Constraints<S> {
         let unknowns = self
             .system
             .unknowns(plan, plan.step_of(Part::Point(point))?);
-        Some(vector::<S>(unknowns, 0) + common_fall(evaluation))
+        let acceleration = evaluation.layout.directions.linear(unknowns, 0);
+        Some(acceleration + common_fall(evaluation))
     }
 
     /// Writes the multipliers, or the reactions by (3), after [`Constraints::accelerate`].
@@ -490,15 +574,9 @@ impl<S: Real> Constraints<S> {
                 });
                 continue;
             }
-            let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
             let rows = in_system(layout, index, &self.rows, &self.kept);
-            for (row, &unknown) in rows.iter().zip(unknowns) {
-                force -= row.child.linear.map(|x| unknown * x);
-                torque -= row.couple.map(|x| unknown * x);
-            }
-            if let Some(Part::Body(body)) = slots.ends[1] {
-                torque = evaluation.motions[body].rotation * torque;
-            }
+            let unknowns = unknowns.iter().copied();
+            let [force, torque] = reaction(evaluation, index, rows.iter().zip(unknowns));
             write(out, 6 * index, &force);
             write(out, 6 * index + 3, &torque);
         }
@@ -551,7 +629,7 @@ impl<S: Real> Constraints<S> {
     /// Solves (2) for the rows of the arguments and writes δ, and behind it the margin of the factor.
     pub fn correct(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let layout = evaluation.layout;
-        let plan = &layout.elimination;
+        let (plan, directions) = (&layout.elimination, layout.directions);
         if evaluation.at.rows.len() != layout.nc {
             return out.fill(S::from_f64(f64::NAN));
         }
@@ -578,13 +656,15 @@ impl<S: Real> Constraints<S> {
             match step.part {
                 Part::Body(body) => {
                     let at = layout.bodies[body].v;
-                    let turn = state_components(evaluation, body, vector(unknowns, 3));
-                    write(out, at, &of_centre(evaluation, body, unknowns));
-                    write(out, at + 3, &turn);
+                    let turn = directions.angular(unknowns, 0);
+                    let turn = state_components(evaluation, body, turn);
+                    directions.write_linear(out, at, &of_centre(evaluation, body, unknowns));
+                    directions.write_angular(out, at, &turn);
                 }
                 Part::Point(point) => {
                     if let PointSlots::Mass(slots) = layout.points[point] {
-                        write(out, slots.v, &vector(unknowns, 0));
+                        let moved = directions.linear(unknowns, 0);
+                        directions.write_linear(out, slots.v, &moved);
                     }
                 }
                 Part::Joint(_) => {}
@@ -593,9 +673,13 @@ impl<S: Real> Constraints<S> {
     }
 }
 
-/// The velocity, or its rate, of the centre of mass, world axes, from the six unknowns of a body.
+/// The velocity, or its rate, of the centre of mass, world axes, from the unknowns of a body.
 fn of_centre<S: Real>(evaluation: &Evaluation<'_, S>, body: usize, unknowns: &[S]) -> Vector3<S> {
-    let (at_reference, spin): (Vector3<S>, Vector3<S>) = (vector(unknowns, 0), vector(unknowns, 3));
+    let directions = evaluation.layout.directions;
+    let (at_reference, spin): (Vector3<S>, Vector3<S>) = (
+        directions.linear(unknowns, 0),
+        directions.angular(unknowns, 0),
+    );
     match evaluation.levers(body) {
         Some(levers) => Vector3::from_fn(|k, _| at_reference[k] + levers[k].dot(&spin)),
         None => at_reference,
@@ -625,12 +709,17 @@ fn enter<S: Real>(scene: &Scene, part: Part) {
 }
 
 /// Writes the non-zero columns of one end into a row of Φ_v.
-fn write_columns<S: Real>(end: &End<S>, columns: &Columns<S>, line: &mut [S]) {
+fn write_columns<S: Real>(
+    directions: Directions,
+    end: &End<S>,
+    columns: &Columns<S>,
+    line: &mut [S],
+) {
     let Some((first, speeds)) = end.speeds else {
         return;
     };
-    let both = columns.linear.iter().chain(columns.angular.iter());
-    for (slot, &value) in line.iter_mut().skip(first).zip(both.take(speeds)) {
+    let both = directions.components(&columns.linear, &columns.angular);
+    for (slot, value) in line.iter_mut().skip(first).zip(both.take(speeds)) {
         *slot = value;
     }
 }

@@ -53,6 +53,15 @@ impl<S: Real> Turn<S> {
         }
     }
 
+    /// R e_k: column k of R.
+    pub fn column(&self, k: usize) -> Vector3<S> {
+        let unit = |i: usize| if i == k { S::one() } else { S::zero() };
+        match self {
+            Turn::None => Vector3::from_fn(|i, _| unit(i)),
+            Turn::By(r) => Vector3::from_fn(|i, _| r[(i, k.min(2))]),
+        }
+    }
+
     /// selfᵀ other.
     fn to(&self, other: &Turn<S>) -> Turn<S> {
         match (self, other) {
@@ -67,7 +76,7 @@ impl<S: Real> Turn<S> {
 /// centre of mass is its origin, and its own components are along world axes.
 #[derive(Clone, Copy, Debug)]
 pub struct End<S: Real> {
-    /// First speed and number of speeds (6 for a body, 3 for a point) of what it sits on; `None` for the world.
+    /// First speed and number of speeds of what it sits on (6 for a body, 3 for a point; in a plane 3 and 2); `None` for the world.
     pub speeds: Option<(usize, usize)>,
     /// Centre of mass, world axes [m].
     pub position: Vector3<S>,
@@ -232,8 +241,7 @@ impl<'a, S: Real> Ends<'a, S> {
 
     /// Axis number `k` of frame 1, world axes.
     pub fn direction(&self, k: usize) -> Vector3<S> {
-        let unit = Vector3::from_fn(|i, _| if i == k { S::one() } else { S::zero() });
-        self.parent.outward.apply(&self.parent.frame.apply(&unit))
+        self.parent.outward.apply(&self.parent.frame.column(k))
     }
 
     /// Cosine of the angle between axis `a` of frame 1 and axis `b` of frame 2.

@@ -54,7 +54,9 @@ impl<'a, S: Real> Evaluation<'a, S> {
                 Some(labelled(place, ["p_x", "p_y", "p_z"]))
             }
             Place::Point(point) => match *self.layout.points.get(point)? {
-                PointSlots::Mass(slots) => Some(vector(self.at.state, slots.q)),
+                PointSlots::Mass(slots) => {
+                    Some(self.layout.directions.linear(self.at.state, slots.q))
+                }
                 PointSlots::Node(node) => Some(self.node_position(node)),
             },
         }
@@ -72,7 +74,10 @@ impl<'a, S: Real> Evaluation<'a, S> {
                 Some(motion.velocity_of(&frame.position))
             }
             Place::Point(point) => match *self.layout.points.get(point)? {
-                PointSlots::Mass(slots) => Some(vector(self.at.state, self.layout.nq + slots.v)),
+                PointSlots::Mass(slots) => {
+                    let at = self.layout.nq + slots.v;
+                    Some(self.layout.directions.linear(self.at.state, at))
+                }
                 PointSlots::Node(node) => self.node_velocity(node),
             },
         }
@@ -245,7 +250,7 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
             self.layout.joints.get(joint)?,
         );
         let motor = declared.motors().position(|(driven, _)| driven == index)?;
-        let row = slots.row + declared.law.rows() + motor;
+        let row = slots.row + slots.law.len() + motor;
         self.multipliers.get(row).copied()
     }
 

@@ -5,13 +5,12 @@
 //! F = Σ λ (linear columns of the child),  T = Σ λ (couples on the child),  P = −Σ λ Φ_t          (1)
 //! ```
 
-use nalgebra::Vector3;
-
 use super::algebra::write;
+use super::constraint::reaction;
 use super::evaluation::Evaluation;
 use super::rows::Rows;
 use super::{Numbers, Scratch, energy, forces, outputs};
-use crate::elimination::Part;
+
 use crate::{AngularVelocity, At, Layout, Quantity, Real, Scene};
 
 /// Writes [`Quantity::Reactions`], [`Quantity::Energy`] or [`Quantity::Outputs`] for given multipliers, n_c numbers in the order of the rows.
@@ -42,14 +41,8 @@ pub fn evaluate_given<S: Real>(
         Quantity::Reactions => {
             out.fill(S::zero());
             each(&evaluation, |joint, rows, own, _| {
-                let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
-                for (row, &multiplier) in rows.rows().iter().zip(own) {
-                    force += row.child.linear.map(|x| multiplier * x);
-                    torque += row.couple.map(|x| multiplier * x);
-                }
-                if let Some(Part::Body(body)) = layout.joints[joint].ends[1] {
-                    torque = evaluation.motions[body].rotation * torque;
-                }
+                let rows = rows.rows().iter().zip(own.iter().map(|&multiplier| -multiplier));
+                let [force, torque] = reaction(&evaluation, joint, rows);
                 write(out, 6 * joint, &force);
                 write(out, 6 * joint + 3, &torque);
             });
@@ -81,7 +74,7 @@ fn each<S: Real>(
         let (Some(own), Some(ends), true) = (own, ends, slots.len > 0) else {
             continue;
         };
-        rows.clear();
+        rows.begin(slots.law);
         joint.law.constrain(&ends, &mut rows);
         for (coordinate, course) in evaluation.motors(joint) {
             rows.motor(&ends, &coordinate, &course);

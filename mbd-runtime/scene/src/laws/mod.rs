@@ -30,7 +30,7 @@ use nalgebra::Vector3;
 
 pub use algebra::{inverse, rotation, solve_positive, symmetric};
 pub use along::{AlongNumbers, jumping_angles};
-pub use constraint::branch;
+pub use constraint::{branch, out_of_plane};
 pub use formula::norm;
 pub use given::evaluate_given;
 pub use ground::{FrameMotion, ground};
@@ -70,7 +70,13 @@ impl<S: Real> Scratch<S> {
         let bodies = scene.bodies.iter().zip(&layout.bodies);
         for (motion, (body, slots)) in self.motions.iter_mut().zip(bodies) {
             S::section(&body.name);
-            *motion = Motion::read(at.state, *slots, layout.nq, scene.angular_velocity);
+            *motion = Motion::read(
+                at.state,
+                *slots,
+                layout.nq,
+                layout.directions,
+                scene.angular_velocity,
+            );
         }
         ground::ground(scene, numbers, at.time, &mut self.ground);
     }
@@ -235,7 +241,7 @@ fn point_gravity<S: Real>(evaluation: &Evaluation<'_, S>, point: usize, q: usize
     let given = evaluation.given(InputSource::PointGravity(point), 0);
     gravity::acceleration(
         &evaluation.numbers.gravity,
-        &vector(evaluation.at.state, q),
+        &evaluation.layout.directions.linear(evaluation.at.state, q),
         &given,
     )
 }
@@ -248,7 +254,7 @@ fn derivative<S: Real>(
     out: &mut [S],
 ) {
     let (layout, numbers) = (evaluation.layout, evaluation.numbers);
-    let components = evaluation.scene.angular_velocity;
+    let (directions, components) = (layout.directions, evaluation.scene.angular_velocity);
     for (index, slots) in layout.bodies.iter().enumerate() {
         S::section(&evaluation.scene.bodies[index].name);
         let (motion, body, (force, torque)) = (
@@ -256,33 +262,34 @@ fn derivative<S: Real>(
             &numbers.bodies[index],
             &assembly.bodies[index],
         );
-        write(out, slots.q, &motion.velocity);
-        let [w, x, y, z] = motion.quaternion_rate(components);
-        out[slots.q + 3] = w;
-        write(out, slots.q + 4, &Vector3::new(x, y, z));
+        directions.write_linear(out, slots.q, &motion.velocity);
+        let attitude = slots.q + directions.moves().len();
+        motion.write_attitude_rate(out, attitude, directions, components);
+        let at = layout.nq + slots.v;
         if let Some([acceleration, spin]) = constraints.body_acceleration(evaluation, index) {
-            write(out, layout.nq + slots.v, &acceleration);
-            write(out, layout.nq + slots.v + 3, &spin);
+            directions.write_linear(out, at, &acceleration);
+            directions.write_angular(out, at, &spin);
             continue;
         }
         let acceleration = force.map(|f| f * body.inverse_mass) + body_gravity(evaluation, index);
-        write(out, layout.nq + slots.v, &acceleration);
+        directions.write_linear(out, at, &acceleration);
         let spin = motion.angular_acceleration(body, torque, components);
-        write(out, layout.nq + slots.v + 3, &spin);
+        directions.write_angular(out, at, &spin);
     }
     for (index, slots) in layout.points.iter().enumerate() {
         if let PointSlots::Mass(slots) = slots {
             S::section(&evaluation.scene.points[index].name);
-            let velocity: Vector3<S> = vector(evaluation.at.state, layout.nq + slots.v);
-            write(out, slots.q, &velocity);
+            let at = layout.nq + slots.v;
+            let velocity: Vector3<S> = directions.linear(evaluation.at.state, at);
+            directions.write_linear(out, slots.q, &velocity);
             if let Some(acceleration) = constraints.point_acceleration(evaluation, index) {
-                write(out, layout.nq + slots.v, &acceleration);
+                directions.write_linear(out, at, &acceleration);
                 continue;
             }
             let inverse_mass = numbers.points[index].1;
             let acceleration = assembly.points[index].map(|f| f * inverse_mass)
                 + point_gravity(evaluation, index, slots.q);
-            write(out, layout.nq + slots.v, &acceleration);
+            directions.write_linear(out, at, &acceleration);
         }
     }
     for (index, node) in layout.nodes.iter().enumerate() {
@@ -297,33 +304,35 @@ fn derivative<S: Real>(
 }
 
 fn applied_forces<S: Real>(evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>, out: &mut [S]) {
+    let directions = evaluation.layout.directions;
     for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
         S::section(&evaluation.scene.bodies[index].name);
         let ((force, torque), own) = (assembly.bodies[index], assembly.own[index]);
-        write(out, slots.v, &force);
+        directions.write_linear(out, slots.v, &force);
         let torque = match evaluation.scene.angular_velocity {
             crate::AngularVelocity::Body => {
                 evaluation.motions[index].rotation.transpose() * torque + own
             }
             crate::AngularVelocity::World => torque + evaluation.motions[index].rotation * own,
         };
-        write(out, slots.v + 3, &torque);
+        directions.write_angular(out, slots.v, &torque);
     }
     for (index, slots) in evaluation.layout.points.iter().enumerate() {
         if let PointSlots::Mass(slots) = slots {
-            write(out, slots.v, &assembly.points[index]);
+            directions.write_linear(out, slots.v, &assembly.points[index]);
         }
     }
 }
 
 fn bias_force<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let directions = evaluation.layout.directions;
     for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
         S::section(&evaluation.scene.bodies[index].name);
         let (motion, body) = (
             &evaluation.motions[index],
             &evaluation.numbers.bodies[index],
         );
-        write(
+        directions.write_linear(
             out,
             slots.v,
             &body_gravity(evaluation, index).map(|g| -(body.mass * g)),
@@ -333,12 +342,12 @@ fn bias_force<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
             crate::AngularVelocity::Body => gyroscopic,
             crate::AngularVelocity::World => motion.rotation * gyroscopic,
         };
-        write(out, slots.v + 3, &gyroscopic);
+        directions.write_angular(out, slots.v, &gyroscopic);
     }
     for (index, slots) in evaluation.layout.points.iter().enumerate() {
         if let PointSlots::Mass(slots) = slots {
             let mass = evaluation.numbers.points[index].0;
-            write(
+            directions.write_linear(
                 out,
                 slots.v,
                 &point_gravity(evaluation, index, slots.q).map(|g| -(mass * g)),
@@ -348,13 +357,13 @@ fn bias_force<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
 }
 
 fn mass_matrix<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
-    let n = evaluation.layout.nv;
+    let (n, directions) = (evaluation.layout.nv, evaluation.layout.directions);
     for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
         S::section(&evaluation.scene.bodies[index].name);
         let body = &evaluation.numbers.bodies[index];
         evaluation.motions[index].mass_block(
             body,
-            evaluation.scene.angular_velocity,
+            (directions, evaluation.scene.angular_velocity),
             out,
             n,
             slots.v,
@@ -362,7 +371,7 @@ fn mass_matrix<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     }
     for (index, slots) in evaluation.layout.points.iter().enumerate() {
         if let PointSlots::Mass(slots) = slots {
-            for i in slots.v..slots.v + 3 {
+            for i in slots.v..slots.v + directions.moves().len() {
                 out[i * n + i] = evaluation.numbers.points[index].0;
             }
         }
@@ -417,12 +426,13 @@ fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
     for (declared, (slots, &(mass, _))) in evaluation.scene.points.iter().zip(points) {
         if let PointSlots::Mass(slots) = slots {
             S::section(&declared.name);
-            let velocity: Vector3<S> = vector(evaluation.at.state, evaluation.layout.nq + slots.v);
+            let (directions, nq) = (evaluation.layout.directions, evaluation.layout.nq);
+            let velocity: Vector3<S> = directions.linear(evaluation.at.state, nq + slots.v);
             kinetic += half * (mass * velocity.dot(&velocity));
             potential += gravity::energy(
                 &numbers.gravity,
                 mass,
-                &vector(evaluation.at.state, slots.q),
+                &directions.linear(evaluation.at.state, slots.q),
             );
         }
     }
@@ -468,10 +478,12 @@ fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     for (declared, (slots, &(mass, _))) in evaluation.scene.points.iter().zip(points) {
         if let PointSlots::Mass(slots) = slots {
             S::section(&declared.name);
-            let velocity: Vector3<S> = vector(evaluation.at.state, evaluation.layout.nq + slots.v);
+            let (directions, nq) = (evaluation.layout.directions, evaluation.layout.nq);
+            let velocity: Vector3<S> = directions.linear(evaluation.at.state, nq + slots.v);
             let p = velocity.map(|v| mass * v);
             linear += p;
-            angular += vector(evaluation.at.state, slots.q).cross(&p);
+            let position: Vector3<S> = directions.linear(evaluation.at.state, slots.q);
+            angular += position.cross(&p);
         }
     }
     write(out, 0, &linear);

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::algebra::{inverse, symmetric};
 use super::along::AlongNumbers;
 use super::formula::{Context, scalar, triple};
-use crate::{Formula, Frame, Gravity, PointKind, Real, Scene};
+use crate::{Formula, Frame, Gravity, Plane, PointKind, Real, Scene};
 
 /// The constants of a body.
 #[derive(Clone, Debug)]
@@ -16,7 +16,7 @@ pub struct BodyNumbers<S> {
     pub inverse_mass: S,
     /// Inertia about the centre of mass, body axes [kg m²].
     pub inertia: Matrix3<S>,
-    /// Its inverse [1/(kg m²)].
+    /// Its inverse [1/(kg m²)]; in a planar scene that of the element about the normal, the rest is zero.
     pub inverse_inertia: Matrix3<S>,
     /// Its frames.
     pub frames: Vec<FrameNumbers<S>>,
@@ -126,6 +126,14 @@ pub fn constant<S: Real>(scene: &Scene, params: &[S], formula: &Formula) -> S {
     scalar(formula, &Constants { scene, params })
 }
 
+/// The inverse of the element of an inertia about the normal of a plane.
+fn along_normal<S: Real>(inertia: &Matrix3<S>, plane: Plane) -> Matrix3<S> {
+    let normal = (plane.normal(), plane.normal());
+    let mut inverse = Matrix3::zeros();
+    inverse[normal] = S::one() / inertia[normal];
+    inverse
+}
+
 impl<S: Real> Numbers<S> {
     /// Evaluates the constants of `scene` for `params` (SI, declaration order).
     #[must_use]
@@ -165,7 +173,10 @@ impl<S: Real> Numbers<S> {
                 mass,
                 inverse_mass: (S::one() / mass).label("inverse_mass"),
                 inertia,
-                inverse_inertia: inverse(&inertia),
+                inverse_inertia: match scene.planar {
+                    None => inverse(&inertia),
+                    Some(plane) => along_normal(&inertia, plane),
+                },
                 frames: frames(&body.frames),
             }
         });

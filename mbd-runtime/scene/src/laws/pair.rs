@@ -10,7 +10,7 @@
 //! −λ = N⁻ᵀ (r_d − M_dd d − Σ C_oᵀ o)                                                                            (5)
 //! ```
 //!
-//! N = diag(I₃, N′), N′ of at most three attitude rows, inverted in closed form. On a tree every C is zero and (2) to (4) are the
+//! N = diag(I, N′) with I as large as there are directions of motion, N′ of at most three attitude rows, inverted in closed form. On a tree every C is zero and (2) to (4) are the
 //! articulated-body recursion: after (2), M_dd is the inertia that the joint hands inboard. Rows make it exact off the constraints too.
 //! Source: Featherstone, articulated-body algorithm.
 
@@ -20,14 +20,18 @@ use super::block::System;
 use crate::Real;
 use crate::elimination::{Below, Elimination, Step};
 
-/// Speeds of a body.
-const SPEEDS: usize = 6;
+/// Most speeds of a body.
+const MOST: usize = 6;
 
 /// The steps of a body and of the joint that carries it.
 #[derive(Clone, Copy)]
 struct Pair<'a> {
     body: &'a Step,
     joint: &'a Step,
+    /// Number of speeds of the body.
+    speeds: usize,
+    /// Number of rows that hold the joint's point: the first ones.
+    points: usize,
     /// Number of attitude rows.
     turns: usize,
     /// Number of dependent speeds, which is that of the rows.
@@ -37,12 +41,15 @@ struct Pair<'a> {
 impl<'a> Pair<'a> {
     fn new(plan: &'a Elimination, index: usize) -> Option<Self> {
         let body = plan.steps.get(index)?;
-        let turns = body.partition?.turns;
+        let joint = plan.steps.get(index + 1)?;
+        let (turns, rows) = (body.partition?.turns, joint.size);
         Some(Pair {
             body,
-            joint: plan.steps.get(index + 1)?,
+            joint,
+            speeds: body.size,
+            points: rows.checked_sub(turns)?,
             turns,
-            rows: 3 + turns,
+            rows,
         })
     }
 
@@ -58,12 +65,12 @@ impl<'a> Pair<'a> {
 
     /// The speeds that are left when free speed `f` goes.
     fn left(&self, f: usize) -> impl DoubleEndedIterator<Item = usize> + Clone + use<> {
-        (0..self.rows).chain(f + 1..SPEEDS)
+        (0..self.rows).chain(f + 1..self.speeds)
     }
 
-    /// Whether η are other components than those of ω′.
+    /// Whether η are other components than those of ω′; in a plane there is one only.
     fn turned(&self) -> bool {
-        self.turns == 1 || self.turns == 2
+        self.speeds > self.points + 1 && (self.turns == 1 || self.turns == 2)
     }
 }
 
@@ -96,27 +103,32 @@ impl<S: Real> System<S> {
             turn_mass(&mut mass, e);
             for below in pair.others() {
                 for row in 0..plan.steps[below.step].size {
-                    self.turn_row(below.at + SPEEDS * row + 3, e);
+                    self.turn_row(below.at + pair.speeds * row + 3, e);
                 }
             }
         }
-        for f in pair.rows..SPEEDS {
+        let n = pair.speeds;
+        for f in pair.rows..n {
             self.free(plan, &pair, f, &mut mass);
         }
-        for (i, row) in mass.iter().enumerate() {
-            let at = pair.body.diagonal + SPEEDS * i;
-            self.store[at..at + SPEEDS].copy_from_slice(row);
+        for (i, row) in mass.iter().enumerate().take(n) {
+            let at = pair.body.diagonal + n * i;
+            self.store[at..at + n].copy_from_slice(&row[..n]);
         }
         self.invert_rows(&pair, directions.as_ref());
         self.substitute(plan, &pair, &mass);
     }
 
     /// The full block of the body.
-    fn mass_of(&self, pair: &Pair<'_>) -> [[S; SPEEDS]; SPEEDS] {
-        let at = pair.body.diagonal;
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| self.store[at + SPEEDS * i.max(j) + i.min(j)])
-        })
+    fn mass_of(&self, pair: &Pair<'_>) -> [[S; MOST]; MOST] {
+        let (at, n) = (pair.body.diagonal, pair.speeds);
+        let mut mass = [[S::zero(); MOST]; MOST];
+        for (i, row) in mass.iter_mut().enumerate().take(n) {
+            for (j, element) in row.iter_mut().enumerate().take(n) {
+                *element = self.store[at + n * i.max(j) + i.min(j)];
+            }
+        }
+        mass
     }
 
     /// Three numbers of the store, a row vector: times E.
@@ -133,14 +145,14 @@ impl<S: Real> System<S> {
         plan: &Elimination,
         pair: &Pair<'_>,
         f: usize,
-        mass: &mut [[S; SPEEDS]; SPEEDS],
+        mass: &mut [[S; MOST]; MOST],
     ) {
         let inverse = S::one() / mass[f][f];
         self.inverse[pair.body.first + f] = inverse;
         for i in pair.left(f) {
             let shared = mass[i][f];
             let factor = scale(shared, inverse);
-            self.scaled[pair.body.diagonal + SPEEDS * f + i] = factor;
+            self.scaled[pair.body.diagonal + pair.speeds * f + i] = factor;
             if factor.is_zero() {
                 continue;
             }
@@ -153,7 +165,7 @@ impl<S: Real> System<S> {
         }
         for below in pair.others() {
             for row in 0..plan.steps[below.step].size {
-                let at = below.at + SPEEDS * row;
+                let at = below.at + pair.speeds * row;
                 let factor = scale(self.store[at + f], inverse);
                 self.scaled[at + f] = factor;
                 if factor.is_zero() {
@@ -173,12 +185,12 @@ impl<S: Real> System<S> {
             for (other, &target) in pair.others()[..=i].iter().zip(targets) {
                 let columns = plan.steps[other.step].size;
                 for row in 0..rows {
-                    let factor = self.scaled[below.at + SPEEDS * row + f];
+                    let factor = self.scaled[below.at + pair.speeds * row + f];
                     if factor.is_zero() {
                         continue;
                     }
                     for column in 0..last(below, other, row, columns) {
-                        let shared = self.store[other.at + SPEEDS * column + f];
+                        let shared = self.store[other.at + pair.speeds * column + f];
                         if !shared.is_zero() {
                             self.store[target + row * columns + column] -= factor * shared;
                         }
@@ -192,7 +204,7 @@ impl<S: Real> System<S> {
     fn invert_rows(&mut self, pair: &Pair<'_>, directions: Option<&Matrix3<S>>) {
         let (k, at) = (pair.turns, pair.body.below[0].at);
         let n = |i: usize, j: usize| {
-            let row = |r: usize| self.store[at + SPEEDS * (3 + i) + 3 + r];
+            let row = |r: usize| self.store[at + pair.speeds * (pair.points + i) + pair.points + r];
             match directions {
                 Some(e) => sparse_dot((0..3).map(|r| (row(r), e[(r, j)]))),
                 None => row(j),
@@ -229,23 +241,23 @@ impl<S: Real> System<S> {
     }
 
     /// Takes the dependent speeds and the rows out, by (3) and (4). Leaves X_oᵀ in `scaled`, P_oᵀ in `store`.
-    fn substitute(&mut self, plan: &Elimination, pair: &Pair<'_>, mass: &[[S; SPEEDS]; SPEEDS]) {
+    fn substitute(&mut self, plan: &Elimination, pair: &Pair<'_>, mass: &[[S; MOST]; MOST]) {
         let n = pair.rows;
         for below in &pair.joint.below {
             let coupling = pair.coupling(below.step);
             for row in 0..plan.steps[below.step].size {
                 let at = below.at + n * row;
-                let mut x = [S::zero(); SPEEDS];
+                let mut x = [S::zero(); MOST];
                 for (i, x) in x.iter_mut().enumerate().take(n) {
-                    *x = match i.checked_sub(3) {
+                    *x = match i.checked_sub(pair.points) {
                         None => -self.store[at + i],
                         Some(i) => -sparse_dot((0..pair.turns).map(|j| {
-                            let column = self.store[at + 3 + j];
+                            let column = self.store[at + pair.points + j];
                             (self.inverse_row(pair, i, j), column)
                         })),
                     };
                 }
-                let mut p = [S::zero(); SPEEDS];
+                let mut p = [S::zero(); MOST];
                 for (e, &factor) in x.iter().enumerate().take(n) {
                     if !factor.is_zero() {
                         for (p, row) in p.iter_mut().zip(mass).take(n) {
@@ -255,7 +267,7 @@ impl<S: Real> System<S> {
                 }
                 if let Some(coupling) = coupling {
                     for (i, p) in p.iter_mut().enumerate().take(n) {
-                        *p += self.store[coupling.at + SPEEDS * row + i];
+                        *p += self.store[coupling.at + pair.speeds * row + i];
                     }
                 }
                 self.scaled[at..at + n].copy_from_slice(&x[..n]);
@@ -273,7 +285,7 @@ impl<S: Real> System<S> {
                         let mut total =
                             sparse_dot((0..n).map(|d| (self.scaled[at + d], self.store[from + d])));
                         if let Some(coupling) = coupling {
-                            let own = coupling.at + SPEEDS * row;
+                            let own = coupling.at + pair.speeds * row;
                             total += sparse_dot(
                                 (0..n).map(|d| (self.scaled[from + d], self.store[own + d])),
                             );
@@ -294,31 +306,32 @@ impl<S: Real> System<S> {
         if let Some(e) = self.directions(&pair) {
             self.turn_right(first + 3, &e.transpose());
         }
-        for f in n..SPEEDS {
+        for f in n..pair.speeds {
             let value = self.right[first + f];
             if value.is_zero() {
                 continue;
             }
             for i in pair.left(f) {
-                self.carry(pair.body.diagonal + SPEEDS * f + i, first + i, value);
+                self.carry(pair.body.diagonal + pair.speeds * f + i, first + i, value);
             }
             for below in pair.others() {
                 let later = &plan.steps[below.step];
                 for row in 0..later.size {
-                    self.carry(below.at + SPEEDS * row + f, later.first + row, value);
+                    self.carry(below.at + pair.speeds * row + f, later.first + row, value);
                 }
             }
         }
         let attitude: [S; 3] = std::array::from_fn(|i| {
             let columns = 0..pair.turns;
             match i < pair.turns {
-                true => sparse_dot(
-                    columns.map(|j| (self.inverse_row(&pair, i, j), self.right[rows + 3 + j])),
-                ),
+                true => sparse_dot(columns.map(|j| {
+                    let right = self.right[rows + pair.points + j];
+                    (self.inverse_row(&pair, i, j), right)
+                })),
                 false => S::zero(),
             }
         });
-        self.right[rows + 3..rows + n].copy_from_slice(&attitude[..pair.turns]);
+        self.right[rows + pair.points..rows + n].copy_from_slice(&attitude[..pair.turns]);
         for d in 0..n {
             let held = (0..n).map(|e| (self.right[rows + e], self.mass_at(&pair, d, e)));
             let held = sparse_dot(held);
@@ -335,7 +348,7 @@ impl<S: Real> System<S> {
         for below in pair.others() {
             let later = &plan.steps[below.step];
             for row in 0..later.size {
-                let at = below.at + SPEEDS * row;
+                let at = below.at + pair.speeds * row;
                 let held = sparse_dot((0..n).map(|d| (self.right[rows + d], self.store[at + d])));
                 self.right[later.first + row] -= held;
             }
@@ -348,7 +361,7 @@ impl<S: Real> System<S> {
             return;
         };
         let (first, rows, n) = (pair.body.first, pair.joint.first, pair.rows);
-        let mut shift = [S::zero(); SPEEDS];
+        let mut shift = [S::zero(); MOST];
         for below in &pair.joint.below {
             let later = &plan.steps[below.step];
             for row in 0..later.size {
@@ -361,14 +374,14 @@ impl<S: Real> System<S> {
                 }
             }
         }
-        let mut push = [S::zero(); SPEEDS];
+        let mut push = [S::zero(); MOST];
         for (d, push) in push.iter_mut().enumerate().take(n) {
             let held = (0..n).map(|e| (shift[e], self.mass_at(&pair, d, e)));
             *push = self.right[first + d] - sparse_dot(held);
             for below in pair.others() {
                 let later = &plan.steps[below.step];
                 *push -= sparse_dot((0..later.size).map(|row| {
-                    let factor = self.store[below.at + SPEEDS * row + d];
+                    let factor = self.store[below.at + pair.speeds * row + d];
                     (factor, self.right[later.first + row])
                 }));
             }
@@ -376,15 +389,16 @@ impl<S: Real> System<S> {
         for (d, &shift) in shift.iter().enumerate().take(n) {
             self.right[first + d] = self.right[rows + d] + shift;
         }
-        self.right[rows..rows + 3].copy_from_slice(&push[..3]);
+        self.right[rows..rows + pair.points].copy_from_slice(&push[..pair.points]);
         for j in 0..pair.turns {
-            let columns = (0..pair.turns).map(|i| (self.inverse_row(&pair, i, j), push[3 + i]));
-            self.right[rows + 3 + j] = sparse_dot(columns);
+            let columns =
+                (0..pair.turns).map(|i| (self.inverse_row(&pair, i, j), push[pair.points + i]));
+            self.right[rows + pair.points + j] = sparse_dot(columns);
         }
-        for f in (n..SPEEDS).rev() {
+        for f in (n..pair.speeds).rev() {
             let mut total = scale(self.right[first + f], self.inverse[first + f]);
             for i in pair.left(f) {
-                let factor = self.scaled[pair.body.diagonal + SPEEDS * f + i];
+                let factor = self.scaled[pair.body.diagonal + pair.speeds * f + i];
                 if !factor.is_zero() {
                     total -= factor * self.right[first + i];
                 }
@@ -392,7 +406,7 @@ impl<S: Real> System<S> {
             for below in pair.others() {
                 let later = &plan.steps[below.step];
                 for row in 0..later.size {
-                    let factor = self.scaled[below.at + SPEEDS * row + f];
+                    let factor = self.scaled[below.at + pair.speeds * row + f];
                     if !factor.is_zero() {
                         total -= factor * self.right[later.first + row];
                     }
@@ -407,7 +421,7 @@ impl<S: Real> System<S> {
 
     /// Element of the body's block after (2), in the speeds [d ; f].
     fn mass_at(&self, pair: &Pair<'_>, i: usize, j: usize) -> S {
-        self.store[pair.body.diagonal + SPEEDS * i + j]
+        self.store[pair.body.diagonal + pair.speeds * i + j]
     }
 
     /// Three numbers of the right-hand side: turned by a matrix.
@@ -420,7 +434,7 @@ impl<S: Real> System<S> {
 }
 
 /// A body's block in the components η: Eᵀ of the angular rows and E of the angular columns.
-fn turn_mass<S: Real>(mass: &mut [[S; SPEEDS]; SPEEDS], e: &Matrix3<S>) {
+fn turn_mass<S: Real>(mass: &mut [[S; MOST]; MOST], e: &Matrix3<S>) {
     let turned: [[S; 3]; 3] = std::array::from_fn(|i| {
         std::array::from_fn(|j| sparse_dot((0..3).map(|r| (mass[i][3 + r], e[(r, j)]))))
     });

@@ -2,14 +2,13 @@
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-use super::algebra::{rotation, vector};
 use super::body::Motion;
 use super::evaluation::Evaluation;
 use super::ground::{FrameMotion, ground};
 use super::numbers::Numbers;
-use super::rows::Rows;
+use super::rows::{Row, Rows};
 use crate::elimination::Part;
-use crate::{AngularVelocity, At, Jet, Layout, Place, PointSlots, RowSet, Scene};
+use crate::{AngularVelocity, At, Directions, Jet, Layout, Place, PointSlots, RowSet, Scene};
 
 /// A configuration of a scene with its parameters at their defaults, at time zero and at rest.
 pub(crate) struct Posture<'a> {
@@ -52,9 +51,10 @@ impl<'a> Posture<'a> {
                 |motion| (motion.position, motion.rotation),
             ),
             Part::Point(point) => match self.layout.points.get(point) {
-                Some(PointSlots::Mass(slots)) => {
-                    (vector(&self.state, slots.q), Matrix3::identity())
-                }
+                Some(PointSlots::Mass(slots)) => (
+                    self.layout.directions.linear(&self.state, slots.q),
+                    Matrix3::identity(),
+                ),
                 _ => (Vector3::zeros(), Matrix3::identity()),
             },
             Part::Joint(_) => (Vector3::zeros(), Matrix3::identity()),
@@ -86,25 +86,9 @@ impl<'a> Posture<'a> {
         )
     }
 
-    /// Puts a part somewhere.
+    /// Puts a part somewhere; in a plane at the nearest place and turn there.
     pub fn place(&mut self, part: Part, position: Vector3<f64>, axes: &Matrix3<f64>) {
-        let turn = Rotation3::from_matrix_unchecked(*axes);
-        let quaternion = UnitQuaternion::from_rotation_matrix(&turn).into_inner();
-        self.write(
-            part,
-            position,
-            [quaternion.w, quaternion.i, quaternion.j, quaternion.k],
-        );
-    }
-
-    /// Moves a part by a translation and a small turn in world axes.
-    pub fn shift(&mut self, part: Part, by: Vector3<f64>, turn: Vector3<f64>) {
-        let (position, axes) = self.pose(part);
-        let turn = Rotation3::new(turn);
-        self.place(part, position + by, &(turn.into_inner() * axes));
-    }
-
-    fn write(&mut self, part: Part, position: Vector3<f64>, quaternion: [f64; 4]) {
+        let directions = self.layout.directions;
         let slots = match part {
             Part::Body(body) => self.layout.bodies.get(body).copied(),
             Part::Point(point) => match self.layout.points.get(point) {
@@ -114,24 +98,33 @@ impl<'a> Posture<'a> {
             Part::Joint(_) => None,
         };
         let Some(slots) = slots else { return };
-        for (slot, value) in self.state.iter_mut().skip(slots.q).zip(position.iter()) {
-            *slot = *value;
-        }
+        directions.write_linear(&mut self.state, slots.q, &position);
         let Part::Body(body) = part else { return };
-        let quaternion_slots = self.state.iter_mut().skip(slots.q + 3);
-        for (slot, value) in quaternion_slots.zip(quaternion) {
+        let attitude = self
+            .state
+            .iter_mut()
+            .skip(slots.q + directions.moves().len());
+        for (slot, value) in attitude.zip(attitude_of(axes, directions)) {
             *slot = value;
         }
         if let Some(motion) = self.motions.get_mut(body) {
-            *motion = Motion {
-                position,
-                rotation: rotation(quaternion),
-                quaternion,
-                velocity: Vector3::zeros(),
-                omega_body: Vector3::zeros(),
-                omega_world: Vector3::zeros(),
-            };
+            let nq = self.layout.nq;
+            // At rest in any components.
+            *motion = Motion::read(&self.state, slots, nq, directions, AngularVelocity::Body);
         }
+    }
+
+    /// A turn about the normal of the plane; none in space.
+    pub fn turn(&self, angle: f64) -> Matrix3<f64> {
+        let plane = self.layout.directions.plane;
+        plane.map_or_else(Matrix3::identity, |plane| plane.axis().turn(angle))
+    }
+
+    /// Moves a part by a translation and a small turn in world axes.
+    pub fn shift(&mut self, part: Part, by: Vector3<f64>, turn: Vector3<f64>) {
+        let (position, axes) = self.pose(part);
+        let turn = Rotation3::new(turn);
+        self.place(part, position + by, &(turn.into_inner() * axes));
     }
 
     /// Calls `look` with the evaluation of this configuration.
@@ -157,9 +150,15 @@ impl<'a> Posture<'a> {
         })
     }
 
-    /// Writes the rows of a joint, world components.
+    /// Writes the rows of a joint that count, world components.
     pub fn rows(&self, joint: usize, rows: &mut Rows<f64>) {
-        rows.clear();
+        let law = self.layout.joints.get(joint).map(|slots| slots.law);
+        self.rows_of_law(joint, law.unwrap_or_default(), rows);
+    }
+
+    /// Writes rows of the law of a joint, world components.
+    pub fn rows_of_law(&self, joint: usize, asked: RowSet, rows: &mut Rows<f64>) {
+        rows.begin(asked);
         self.look(|evaluation| {
             let ends = evaluation.ends(joint, AngularVelocity::World);
             if let (Some(ends), Some(joint)) = (ends, self.scene.joints.get(joint)) {
@@ -170,7 +169,7 @@ impl<'a> Posture<'a> {
 
     /// Writes the rows of the motors of a joint, world components; the coordinates they drive.
     pub fn motor_rows(&self, joint: usize, rows: &mut Rows<f64>) -> Vec<usize> {
-        rows.clear();
+        rows.begin(RowSet::default());
         self.look(|evaluation| {
             let ends = evaluation.ends(joint, AngularVelocity::World);
             let (Some(ends), Some(joint)) = (ends, self.scene.joints.get(joint)) else {
@@ -185,6 +184,15 @@ impl<'a> Posture<'a> {
                 }
             }
             driven
+        })
+    }
+
+    /// A coordinate of a joint as a row, world components; `None` if there is no such coordinate.
+    pub fn coordinate_row(&self, joint: usize, coordinate: usize) -> Option<Row<f64>> {
+        let (_, coordinate) = self.scene.coordinate(joint, coordinate)?;
+        self.look(|evaluation| {
+            let ends = evaluation.ends(joint, AngularVelocity::World)?;
+            Some(ends.row(&coordinate))
         })
     }
 
@@ -214,4 +222,22 @@ impl<'a> Posture<'a> {
         let bodies = self.motions.iter().map(|motion| motion.position.amax());
         bodies.fold(0.0, f64::max)
     }
+}
+
+/// The numbers that the state carries of a rotation.
+fn attitude_of(axes: &Matrix3<f64>, directions: Directions) -> impl Iterator<Item = f64> {
+    let quaternion = || {
+        let turn = Rotation3::from_matrix_unchecked(*axes);
+        let q = UnitQuaternion::from_rotation_matrix(&turn).into_inner();
+        [q.w, q.i, q.j, q.k]
+    };
+    let (numbers, count) = match directions.plane {
+        None => (quaternion(), 4),
+        Some(plane) => {
+            let [a, b] = [1, 2].map(|k| (plane.normal() + k) % 3);
+            let [sin, cos] = [axes[(b, a)] - axes[(a, b)], axes[(a, a)] + axes[(b, b)]];
+            ([sin.atan2(cos), 0.0, 0.0, 0.0], 1)
+        }
+    };
+    numbers.into_iter().take(count)
 }

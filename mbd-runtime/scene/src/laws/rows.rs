@@ -149,12 +149,16 @@ impl<S: Real> Row<S> {
     }
 }
 
-/// The rows of one joint, in order.
+/// The rows of one joint, in order: those of its law that are asked for.
 #[derive(Clone, Debug)]
 pub struct Rows<S: Real> {
     rows: Vec<Row<S>>,
-    /// The first of the three rows along world axes, if there are such.
-    coincide: Option<usize>,
+    /// The first of the rows along world axes, if there are such, and their axes.
+    coincide: Option<(usize, RowSet)>,
+    /// The rows of the law that are asked for.
+    asked: RowSet,
+    /// How many the law has told so far, asked for or not.
+    told: usize,
 }
 
 impl<S: Real> Default for Rows<S> {
@@ -162,15 +166,25 @@ impl<S: Real> Default for Rows<S> {
         Rows {
             rows: Vec::with_capacity(6),
             coincide: None,
+            asked: RowSet::all(6),
+            told: 0,
         }
     }
 }
 
 impl<S: Real> Rows<S> {
-    /// Forgets all rows; keeps the room.
-    pub fn clear(&mut self) {
+    /// Forgets all rows and keeps the room; of the law that tells its rows next, those of `asked` are written. A plane asks for some.
+    pub fn begin(&mut self, asked: RowSet) {
         self.rows.clear();
         self.coincide = None;
+        self.asked = asked;
+        self.told = 0;
+    }
+
+    /// Whether the next row of the law is asked for.
+    fn next(&mut self) -> bool {
+        self.told += 1;
+        self.asked.contains(self.told - 1)
     }
 
     /// The rows.
@@ -180,9 +194,10 @@ impl<S: Real> Rows<S> {
     }
 
     /// Writes the rows of a set as the system takes them where some of the joint's rows repeat others: of the three rows along world axes their
-    /// sums along the axes of frame 1, so that what is left out turns with the parent. The plane of a planar loop does.
+    /// sums along the axes of frame 1, so that what is left out turns with the parent. The plane of a planar loop does. In a planar scene
+    /// the two rows are summed along the axes of the parent.
     pub fn keep(&self, set: RowSet, ends: &Ends<'_, S>, kept: &mut Self) {
-        kept.clear();
+        kept.begin(RowSet::default());
         for row in set.rows() {
             let parts = self.parts(row, ends).into_iter().flatten();
             let whole = parts
@@ -194,13 +209,21 @@ impl<S: Real> Rows<S> {
 
     /// The rows, and how much of each, that make up row `row` of the system.
     pub fn parts(&self, row: usize, ends: &Ends<'_, S>) -> [Option<(usize, S)>; 3] {
-        match self.coincide {
-            Some(first) if (first..first + 3).contains(&row) => {
-                let axis = ends.direction(row - first);
-                std::array::from_fn(|k| Some((first + k, axis[k])).filter(|(_, x)| !x.is_zero()))
-            }
-            _ => [Some((row, S::one())), None, None],
-        }
+        let one = [Some((row, S::one())), None, None];
+        let Some((first, axes)) = self.coincide else {
+            return one;
+        };
+        let along = row.checked_sub(first).and_then(|k| axes.rows().nth(k));
+        let Some(along) = along else { return one };
+        let axis = match axes.len() {
+            3 => ends.direction(along),
+            _ => ends.parent.outward.column(along),
+        };
+        let mut parts = axes.rows().zip(first..);
+        std::array::from_fn(|_| {
+            let (k, row) = parts.next()?;
+            Some((row, axis[k])).filter(|(_, x)| !x.is_zero())
+        })
     }
 
     /// Holds a coordinate to a course of time: one row, derived in `laws/motor.rs`.
@@ -221,11 +244,14 @@ impl<S: Real> Rows<S> {
 
     /// The joint points coincide: three rows [m], (1).
     pub fn coincide(&mut self, ends: &Ends<'_, S>) {
-        self.coincide = Some(self.rows.len());
+        let first = self.rows.len();
+        let axes = (0..3).filter(|_| self.next());
+        let axes = axes.fold(RowSet::default(), |axes, k| RowSet(axes.0 | 1 << k));
+        self.coincide = Some((first, axes));
         let (parent, child) = (&ends.parent, &ends.child);
         let gap = ends.gap();
         let bias = pull(parent) - pull(child);
-        for k in 0..3 {
+        for k in axes.rows() {
             let unit = Turn::None.row(k);
             self.rows.push(Row {
                 value: gap[k],
@@ -247,7 +273,9 @@ impl<S: Real> Rows<S> {
 
     /// Axis `a` of frame 1 and axis `b` of frame 2 stay perpendicular: one row [1], (2).
     pub fn perpendicular(&mut self, ends: &Ends<'_, S>, a: &Axis, b: &Axis) {
-        self.rows.push(perpendicular(ends, a, b));
+        if self.next() {
+            self.rows.push(perpendicular(ends, a, b));
+        }
     }
 
     /// Three rows [1] that lock the attitude: (x1, y2), (y1, z2), (z1, x2) for the axes x, y, z.
@@ -259,6 +287,9 @@ impl<S: Real> Rows<S> {
 
     /// The cosine between `a` of frame 1 and `b` of frame 2 stays `cosine`: one row [1], (2) with another right-hand side.
     pub fn angle(&mut self, ends: &Ends<'_, S>, a: &Axis, b: &Axis, cosine: S) {
+        if !self.next() {
+            return;
+        }
         let row = perpendicular(ends, a, b);
         self.rows.push(Row {
             value: row.value - cosine,
@@ -268,11 +299,16 @@ impl<S: Real> Rows<S> {
 
     /// The child's joint point stays in the plane through the parent's joint point normal to `a` of frame 1: one row [m], (3).
     pub fn in_plane(&mut self, ends: &Ends<'_, S>, a: &Axis) {
-        self.rows.push(in_plane(ends, a));
+        if self.next() {
+            self.rows.push(in_plane(ends, a));
+        }
     }
 
     /// The joint points keep the distance `length` [m]: one row [m], (4).
     pub fn distance(&mut self, ends: &Ends<'_, S>, length: S) {
+        if !self.next() {
+            return;
+        }
         let (parent, child) = (&ends.parent, &ends.child);
         let (gap, rate) = (ends.gap(), ends.gap_rate());
         let shrink = (S::one() / length).label("inverse_length");
@@ -303,6 +339,9 @@ impl<S: Real> Rows<S> {
     /// γ   = h sin φ γ(U) − h cos φ γ(V) + (U cos φ + V sin φ) γ(z) − 2 (U̇ cos φ + V̇ sin φ) ż + (U sin φ − V cos φ) ż²/h
     /// ```
     pub fn helix(&mut self, ends: &Ends<'_, S>, axis: &Axis, lead: S) {
+        if !self.next() {
+            return;
+        }
         let [u, v] = axis.complement();
         let (along, across) = (perpendicular(ends, &u, &u), perpendicular(ends, &v, &u));
         let way = in_plane(ends, axis);

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::length;
-use super::local::{Hold, Motion, columns, dot};
+use super::local::{Hold, Motion, columns, dot, speeds};
 use super::tree::{Group, Link};
 use crate::elimination::Part;
 use crate::joints::{JointLaw, Relative, Twist};
@@ -167,7 +167,8 @@ impl Assembly<'_> {
             let mut left = f64::INFINITY;
             for _ in 0..12 {
                 self.posture.rows(link.joint, &mut self.rows);
-                let hold = Hold::new(&self.rows, link.to, link.to_parent, self.length)?;
+                let (to, directions) = ((link.to, link.to_parent), self.layout.directions);
+                let hold = Hold::new(&self.rows, to, directions, self.length)?;
                 let mut rates = [0.0; 6];
                 for (rate, row) in rates.iter_mut().zip(self.rows.rows()) {
                     *rate = -row.value;
@@ -277,6 +278,13 @@ impl Assembly<'_> {
         self.settle()
     }
 
+    /// The motions of the root, where there is one.
+    fn root_speeds(&self) -> impl Iterator<Item = usize> + use<> {
+        let root = self.group.root.into_iter();
+        let directions = self.layout.directions;
+        root.flat_map(move |root| speeds(root, directions))
+    }
+
     /// The root, where there is one, and the part of every link.
     fn parts(&self) -> Vec<Part> {
         let links = self.group.links.iter().map(|link| link.to);
@@ -288,11 +296,16 @@ impl Assembly<'_> {
         let group = self.group;
         let holds = self.holds()?;
         let own = |hold: &Hold| hold.free.len();
-        let rooted = if group.root.is_some() { 6 } else { 0 };
+        let root: Vec<usize> = self.root_speeds().collect();
+        let rooted = root.len();
         let count = rooted + holds.iter().map(|(_, hold)| own(hold)).sum::<usize>();
         let mut motions: Vec<DMatrix<f64>> = Vec::new();
         if group.root.is_some() {
-            motions.push(DMatrix::identity(6, count));
+            let mut motion = DMatrix::zeros(6, count);
+            for (column, &k) in root.iter().enumerate() {
+                motion[(k, column)] = 1.0;
+            }
+            motions.push(motion);
         }
         let mut first = rooted;
         for (link, (rows, hold)) in group.links.iter().zip(&holds) {
@@ -335,7 +348,8 @@ impl Assembly<'_> {
         let group = self.group;
         let hold = |link: &Link| {
             self.posture.rows(link.joint, &mut self.rows);
-            let hold = Hold::new(&self.rows, link.to, link.to_parent, self.length)?;
+            let (to, directions) = ((link.to, link.to_parent), self.layout.directions);
+            let hold = Hold::new(&self.rows, to, directions, self.length)?;
             Some((
                 joint_rows(&self.rows, self.layout, link.joint, self.length),
                 hold,
@@ -422,7 +436,7 @@ impl Assembly<'_> {
             }
         }
         let count = motions.first().map_or(0, DMatrix::ncols);
-        let as_a_whole = if group.root.is_some() { 6 } else { 0 };
+        let as_a_whole = self.root_speeds().count();
         let rank = super::choice::rank(closing.iter().flatten());
         Some(State {
             closing,
@@ -441,7 +455,9 @@ fn joint_rows(rows: &Rows<f64>, layout: &Layout, joint: usize, length: f64) -> V
         .get(joint)
         .map_or([None; 2], |slots| slots.ends);
     let on = |of: &Columns<f64>, end: Option<Part>| {
-        end.map_or([0.0; 6], |part| columns(of, part, length))
+        end.map_or([0.0; 6], |part| {
+            columns(of, part, layout.directions, length)
+        })
     };
     let row = |row: &Row<f64>| {
         let columns = [on(&row.parent, ends[0]), on(&row.child, ends[1])];
@@ -456,7 +472,7 @@ fn joint_rows(rows: &Rows<f64>, layout: &Layout, joint: usize, length: f64) -> V
 }
 
 /// The same numbers in every run: splitmix64.
-struct Random(u64);
+pub(super) struct Random(pub u64);
 
 impl Random {
     /// In −1 … 1.
@@ -469,7 +485,7 @@ impl Random {
     }
 
     /// Joint coordinates: angles within `reach` [rad], translations within a length, attitudes turned by about `reach`.
-    fn coordinates(
+    pub fn coordinates(
         &mut self,
         law: &JointLaw,
         numbers: &[f64],

@@ -2,6 +2,7 @@
 //!
 //! Motions are (v, ℓ ω): six numbers in metres a second, world axes, ℓ a length of the scene. A point has the first three.
 
+use crate::Directions;
 use crate::elimination::Part;
 use crate::laws::rows::{Columns, Rows};
 
@@ -11,14 +12,25 @@ pub type Motion = [f64; 6];
 /// Less than this part of a row left by others is nothing.
 const NOTHING: f64 = 1e-9;
 
+/// The motions that a part is capable of, by their numbers.
+pub fn speeds(part: Part, directions: Directions) -> impl Iterator<Item = usize> + Clone {
+    let turns = match part {
+        Part::Body(_) => directions.turns(),
+        _ => &[],
+    };
+    let turns = turns.iter().map(|&axis| 3 + axis);
+    directions.moves().iter().copied().chain(turns)
+}
+
 /// The columns of a row at one end.
-pub fn columns(columns: &Columns<f64>, part: Part, length: f64) -> Motion {
+pub fn columns(columns: &Columns<f64>, part: Part, directions: Directions, length: f64) -> Motion {
     let (v, w) = (columns.linear, columns.angular / length);
-    match part {
-        Part::Body(_) => [v.x, v.y, v.z, w.x, w.y, w.z],
-        Part::Point(_) => [v.x, v.y, v.z, 0.0, 0.0, 0.0],
-        Part::Joint(_) => [0.0; 6],
+    let all = [v.x, v.y, v.z, w.x, w.y, w.z];
+    let mut own = [0.0; 6];
+    for k in speeds(part, directions) {
+        own[k] = all[k];
     }
+    own
 }
 
 pub fn dot(a: &Motion, b: &Motion) -> f64 {
@@ -42,11 +54,16 @@ pub struct Hold {
 
 impl Hold {
     /// Of rows on the parent or the child; `None` where they depend on each other.
-    pub fn new(rows: &Rows<f64>, part: Part, parent: bool, length: f64) -> Option<Self> {
+    pub fn new(
+        rows: &Rows<f64>,
+        (part, parent): (Part, bool),
+        directions: Directions,
+        length: f64,
+    ) -> Option<Self> {
         let mut hold = Hold::default();
         for (index, row) in rows.rows().iter().enumerate() {
             let own = if parent { &row.parent } else { &row.child };
-            let mut rest = columns(own, part, length);
+            let mut rest = columns(own, part, directions, length);
             let whole = dot(&rest, &rest).sqrt();
             let mut mix = [0.0; 6];
             *mix.get_mut(index)? = 1.0;
@@ -64,8 +81,8 @@ impl Hold {
             hold.fixed.push(rest.map(|x| x / new));
             hold.mix.push(mix.map(|x| x / new));
         }
-        let speeds = if matches!(part, Part::Point(_)) { 3 } else { 6 };
-        while hold.fixed.len() + hold.free.len() < speeds {
+        let speeds = speeds(part, directions);
+        while hold.fixed.len() + hold.free.len() < speeds.clone().count() {
             let rest = |k: usize| {
                 let mut rest: Motion = std::array::from_fn(|i| f64::from(u8::from(i == k)));
                 for _ in 0..2 {
@@ -76,7 +93,8 @@ impl Hold {
                 }
                 rest
             };
-            let longest = (0..speeds)
+            let longest = speeds
+                .clone()
                 .map(rest)
                 .max_by(|a, b| dot(a, a).total_cmp(&dot(b, b)))?;
             let size = dot(&longest, &longest).sqrt();

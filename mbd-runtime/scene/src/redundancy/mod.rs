@@ -20,7 +20,10 @@
 mod assembly;
 mod choice;
 mod local;
+mod planar;
 mod tree;
+
+pub use planar::{Apart, in_plane};
 
 use serde::{Deserialize, Serialize};
 

@@ -1,0 +1,154 @@
+//! Where everything lives in the state and in the other lists of numbers: derived from the scene, the same for every way to run it.
+
+mod places;
+mod sizes;
+mod slots;
+
+pub use slots::{
+    Anchor, InputSlots, InputSource, JointSlots, LineEnd, LineSlots, Network, Node, PointSlots,
+    Slots, StopSlots,
+};
+
+use crate::elimination::Elimination;
+use crate::partition::Partition;
+use crate::plane::Directions;
+use crate::redundancy::{Redundancy, RowSet};
+use crate::scene::Scene;
+
+/// Index ranges of a scene's state, lines, nodes and inputs.
+///
+/// State x = [q | v | z]: q per body x y z qw qx qy qz, per point with mass x y z; v per body vx vy vz (world axes, of the centre of mass)
+/// wx wy wz (body or world axes, by declaration), per point vx vy vz; z per `rate` node its position. Items in declaration order,
+/// bodies before points. In a planar scene q per body is two positions and the angle about the normal [rad, right-handed, not wrapped],
+/// v two velocities and the angular velocity about the normal; per point two of each: see [`Directions`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// Number of coordinates.
+    pub nq: usize,
+    /// Number of speeds.
+    pub nv: usize,
+    /// Number of node states: 3 per `rate` node.
+    pub nz: usize,
+    /// Number of live parameters.
+    pub np: usize,
+    /// The axes along which things move and about which bodies turn.
+    pub directions: Directions,
+    /// First coordinate and first speed of each body (7 and 6 long, in a plane 3 and 3), as offsets into q and v.
+    pub bodies: Vec<Slots>,
+    /// What each point owns.
+    pub points: Vec<PointSlots>,
+    /// The nodes, in the order of their points.
+    pub nodes: Vec<Node>,
+    /// Nodes joined by lines, solved together.
+    pub networks: Vec<Network>,
+    /// Each line's place among the node lines.
+    pub lines: Vec<LineSlots>,
+    /// Ends of node lines that are not nodes themselves.
+    pub anchors: Vec<Anchor>,
+    /// Number of lines with effective numbers (lines of static and stepwise nodes).
+    pub effective_lines: usize,
+    /// What the caller supplies at each evaluation.
+    pub inputs: Vec<InputSlots>,
+    /// Length of the list of inputs.
+    pub ni: usize,
+    /// Number of output columns.
+    pub columns: usize,
+    /// Number of declared events.
+    pub events: usize,
+    /// Each joint's place among the rows.
+    pub joints: Vec<JointSlots>,
+    /// The stops of the joints, which follow the lines in [`At::hold`](crate::At::hold) and in the guards.
+    pub stops: Vec<StopSlots>,
+    /// Number of rows n_c of all joints.
+    pub nc: usize,
+    /// Which rows repeat others: those are left out of the system.
+    pub redundancy: Redundancy,
+    /// Whether outputs, and whether events, ask for the effort of a motor.
+    pub efforts: [bool; 2],
+    /// The system of bodies and joints, and the order in which it is solved.
+    pub elimination: Elimination,
+}
+
+impl Layout {
+    /// Lays out a scene, and finds the rows of its joints that repeat others ([`Redundancy`]): a search at random states wherever joints
+    /// close a loop. Where that has been done before, [`Layout::keeping`] takes its result.
+    #[must_use]
+    pub fn new(scene: &Scene) -> Self {
+        let layout = Self::places(scene);
+        let redundancy = Redundancy::find(scene, &layout);
+        layout.kept(scene, redundancy)
+    }
+
+    /// Lays out a scene whose redundancy is known. The default one keeps every row.
+    #[must_use]
+    pub fn keeping(scene: &Scene, redundancy: Redundancy) -> Self {
+        Self::places(scene).kept(scene, redundancy)
+    }
+
+    /// Leaves repeated rows out of the system and orders its elimination.
+    fn kept(mut self, scene: &Scene, redundancy: Redundancy) -> Self {
+        for repeat in &redundancy.repeats {
+            if let Some(slots) = self.joints.get_mut(repeat.joint) {
+                // Motors follow the rows of the law: what they prescribe is never left out.
+                let motors = RowSet::all(slots.len).0 & !RowSet::all(repeat.rows).0;
+                slots.kept = RowSet(repeat.kept.within(repeat.rows).0 | motors);
+            }
+        }
+        let joints = scene.joints.iter().zip(&self.joints);
+        let partitions: Vec<Option<Partition>> = joints
+            .map(|(joint, slots)| Partition::of(&joint.law, slots.law, self.directions))
+            .collect();
+        self.elimination = Elimination::new(
+            self.directions,
+            self.bodies.len(),
+            &self.points,
+            &self.joints,
+            &partitions,
+            redundancy.closed,
+        );
+        self.redundancy = redundancy;
+        self
+    }
+
+    /// Number of independent rows: those that are kept.
+    #[must_use]
+    pub fn rank(&self) -> usize {
+        self.joints.iter().map(|slots| slots.kept.len()).sum()
+    }
+
+    /// Freedoms: speeds that the joints leave.
+    #[must_use]
+    pub fn freedoms(&self) -> usize {
+        self.nv.saturating_sub(self.rank())
+    }
+
+    /// Length of the state.
+    #[must_use]
+    pub fn nx(&self) -> usize {
+        self.nq + self.nv + self.nz
+    }
+
+    /// Where in the state each quaternion starts; a planar scene has none.
+    pub fn quaternions(&self) -> impl Iterator<Item = usize> + '_ {
+        let bodies = self
+            .bodies
+            .iter()
+            .filter(|_| self.directions.plane.is_none());
+        bodies.map(|slots| slots.q + self.directions.moves().len())
+    }
+
+    /// Number of laws that act one way: lines, then stops.
+    #[must_use]
+    pub fn one_way(&self) -> usize {
+        self.lines.len() + self.stops.len()
+    }
+
+    /// Where the numbers of a source start.
+    #[must_use]
+    pub fn input_at(&self, source: InputSource) -> Option<usize> {
+        self.inputs
+            .iter()
+            .find(|slots| slots.source == source)
+            .map(|slots| slots.at)
+    }
+}

@@ -1,0 +1,264 @@
+//! Lays out a scene: one kind of thing after another gets its place.
+
+use super::{
+    Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
+    PointSlots, Slots, StopSlots,
+};
+use crate::Gravity;
+use crate::elimination::Part;
+use crate::formula::{Formula, Place};
+use crate::redundancy::{self, RowSet};
+use crate::scene::{Frame, LoadKind, NodeModel, PointKind, Scene};
+
+impl Layout {
+    /// Everything but the system.
+    pub(super) fn places(scene: &Scene) -> Self {
+        let mut layout = Layout {
+            np: scene.params.len(),
+            directions: scene.directions(),
+            events: scene.events.len(),
+            ..Layout::default()
+        };
+        layout.place_state(scene);
+        layout.place_lines(scene);
+        layout.place_networks();
+        layout.place_inputs(scene);
+        layout.place_rows(scene);
+        let stops = scene.stops().map(|(joint, along, side)| StopSlots {
+            joint,
+            coordinate: along.coordinate,
+            side,
+        });
+        layout.stops = stops.collect();
+        let effort =
+            |formula: &Formula| formula.contains(|part| matches!(part, Formula::MotorEffort(..)));
+        layout.efforts = [
+            scene.outputs.iter().any(|output| effort(&output.value)),
+            scene.events.iter().any(|event| effort(&event.guard)),
+        ];
+        layout.columns = scene.outputs.iter().map(|output| output.components).sum();
+        layout
+    }
+
+    fn place_state(&mut self, scene: &Scene) {
+        for _ in &scene.bodies {
+            self.bodies.push(Slots {
+                q: self.nq,
+                v: self.nv,
+            });
+            self.nq += self.directions.coordinates();
+            self.nv += self.directions.speeds();
+        }
+        for (point, declared) in scene.points.iter().enumerate() {
+            match declared.kind {
+                PointKind::Mass(_) => {
+                    self.points.push(PointSlots::Mass(Slots {
+                        q: self.nq,
+                        v: self.nv,
+                    }));
+                    self.nq += self.directions.moves().len();
+                    self.nv += self.directions.moves().len();
+                }
+                PointKind::Node(model) => {
+                    self.points.push(PointSlots::Node(self.nodes.len()));
+                    let z = (model == NodeModel::Rate).then_some(self.nz);
+                    self.nz += if z.is_some() { 3 } else { 0 };
+                    self.nodes.push(Node {
+                        point,
+                        model,
+                        network: 0,
+                        local: 0,
+                        lines: Vec::new(),
+                        z,
+                    });
+                }
+            }
+        }
+    }
+
+    /// The rows of each joint's law that say something where things move.
+    fn rows_of_laws(&self, scene: &Scene) -> Vec<RowSet> {
+        match self.directions.plane {
+            None => scene
+                .joints
+                .iter()
+                .map(|joint| RowSet::all(joint.law.rows()))
+                .collect(),
+            Some(_) => redundancy::in_plane(scene, self),
+        }
+    }
+
+    fn place_rows(&mut self, scene: &Scene) {
+        let moving = |place: Place| match place {
+            Place::World(frame) => scene.world_frames.get(frame).is_some_and(Frame::moves),
+            _ => false,
+        };
+        let laws = self.rows_of_laws(scene);
+        for (joint, law) in scene.joints.iter().zip(laws) {
+            let ends = [joint.parent, joint.child].map(|place| match place {
+                Place::World(_) => None,
+                Place::Body(body, _) => Some(Part::Body(body)),
+                Place::Point(point) => Some(Part::Point(point)),
+            });
+            let massless = |part: &Part| matches!(*part, Part::Point(p) if !matches!(self.points.get(p), Some(PointSlots::Mass(_))));
+            let holds = ends[0] != ends[1] && !ends.iter().flatten().any(massless);
+            let motors = joint.motors().count();
+            let len = if holds { law.len() + motors } else { 0 };
+            self.joints.push(JointSlots {
+                row: self.nc,
+                len,
+                law,
+                holds,
+                kept: RowSet::all(len),
+                ends,
+                driven: len > 0
+                    && (motors > 0 || [joint.parent, joint.child].into_iter().any(moving)),
+            });
+            self.nc += len;
+        }
+    }
+
+    fn node_at(&self, place: Place) -> Option<usize> {
+        match place {
+            Place::Point(point) => match self.points.get(point) {
+                Some(PointSlots::Node(node)) => Some(*node),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    fn place_lines(&mut self, scene: &Scene) {
+        for (index, line) in scene.lines.iter().enumerate() {
+            let places = [line.from, line.to];
+            let nodes = places.map(|place| self.node_at(place));
+            let mut ends = [LineEnd::Plain; 2];
+            for end in 0..2 {
+                ends[end] = match (nodes[end], nodes[1 - end]) {
+                    (Some(node), _) => LineEnd::Node(node),
+                    (None, Some(node)) => {
+                        self.anchors.push(Anchor {
+                            line: index,
+                            place: places[end],
+                            node,
+                        });
+                        LineEnd::Anchor(self.anchors.len() - 1)
+                    }
+                    (None, None) => LineEnd::Plain,
+                };
+            }
+            let mut effective = None;
+            for node in nodes.into_iter().flatten() {
+                let node = &mut self.nodes[node];
+                if node.lines.last() != Some(&index) {
+                    node.lines.push(index);
+                }
+                if node.model != NodeModel::Rate {
+                    effective = Some(self.effective_lines);
+                }
+            }
+            self.effective_lines += usize::from(effective.is_some());
+            self.lines.push(LineSlots { ends, effective });
+        }
+    }
+
+    /// Nodes joined by lines fall into networks, numbered by their first node.
+    fn place_networks(&mut self) {
+        let mut leader: Vec<usize> = (0..self.nodes.len()).collect();
+        loop {
+            let mut settled = true;
+            for line in &self.lines {
+                if let [LineEnd::Node(a), LineEnd::Node(b)] = line.ends {
+                    let low = leader[a].min(leader[b]);
+                    settled &= leader[a] == low && leader[b] == low;
+                    leader[a] = low;
+                    leader[b] = low;
+                }
+            }
+            if settled {
+                break;
+            }
+        }
+        for (node, &first) in leader.iter().enumerate() {
+            let network = if first == node {
+                self.networks.push(Network {
+                    nodes: Vec::new(),
+                    lines: Vec::new(),
+                    anchors: Vec::new(),
+                    blocks: Vec::new(),
+                    model: self.nodes[node].model,
+                });
+                self.networks.len() - 1
+            } else {
+                self.nodes[first].network
+            };
+            self.nodes[node].network = network;
+            self.nodes[node].local = self.networks[network].nodes.len();
+            self.networks[network].nodes.push(node);
+        }
+        for network in 0..self.networks.len() {
+            let nodes = self.networks[network].nodes.clone();
+            let mut lines: Vec<usize> = nodes
+                .iter()
+                .flat_map(|&node| self.nodes[node].lines.iter().copied())
+                .collect();
+            lines.sort_unstable();
+            lines.dedup();
+            let mut pairs: Vec<(usize, usize)> = Vec::new();
+            for &line in &lines {
+                if let [LineEnd::Node(a), LineEnd::Node(b)] = self.lines[line].ends {
+                    let (a, b) = (self.nodes[a].local, self.nodes[b].local);
+                    pairs.push((a.max(b), a.min(b)));
+                }
+            }
+            pairs.retain(|(a, b)| a != b);
+            pairs.sort_unstable();
+            pairs.dedup();
+            let anchors = (0..self.anchors.len())
+                .filter(|&a| self.nodes[self.anchors[a].node].network == network)
+                .collect();
+            let target = &mut self.networks[network];
+            target.blocks = (0..nodes.len())
+                .map(|node| (node, node))
+                .chain(pairs)
+                .collect();
+            target.lines = lines;
+            target.anchors = anchors;
+        }
+    }
+
+    fn place_inputs(&mut self, scene: &Scene) {
+        for (index, input) in scene.inputs.iter().enumerate() {
+            self.input(input.components, InputSource::Input(index));
+        }
+        for (index, load) in scene.loads.iter().enumerate() {
+            if load.kind == LoadKind::External {
+                let len = if matches!(load.at, Place::Point(_)) {
+                    3
+                } else {
+                    6
+                };
+                self.input(len, InputSource::Load(index));
+            }
+        }
+        if scene.gravity == Gravity::Field {
+            for body in 0..scene.bodies.len() {
+                self.input(3, InputSource::BodyGravity(body));
+            }
+            for point in 0..scene.points.len() {
+                if matches!(self.points[point], PointSlots::Mass(_)) {
+                    self.input(3, InputSource::PointGravity(point));
+                }
+            }
+        }
+    }
+
+    fn input(&mut self, len: usize, source: InputSource) {
+        self.inputs.push(InputSlots {
+            at: self.ni,
+            len,
+            source,
+        });
+        self.ni += len;
+    }
+}

@@ -1,0 +1,123 @@
+//! How long the list of every quantity is, and which quantities a scene has a use for.
+
+use super::{Layout, Network};
+use crate::quantity::{Differentiated, Quantity, Variable};
+use crate::scene::NodeModel;
+
+impl Layout {
+    /// Length of a quantity.
+    #[must_use]
+    pub fn len(&self, what: Quantity) -> usize {
+        match what {
+            Quantity::Ends => 6 * self.anchors.len() + 3 * self.nodes.len(),
+            Quantity::Equilibrium(k) => self
+                .placed(k)
+                .map_or(0, |n| 3 * n.nodes.len() + 6 * n.blocks.len() + 3),
+            Quantity::Derivative => self.nx(),
+            Quantity::Balance => 3 * self.nodes.len(),
+            Quantity::Guards => 2 * self.one_way() + self.events,
+            Quantity::Outputs => self.columns,
+            Quantity::Energy => 6,
+            Quantity::Momentum => 6,
+            Quantity::MassMatrix => self.nv * self.nv,
+            Quantity::BiasForce | Quantity::Forces => self.nv,
+            Quantity::Lines => 10 * self.lines.len(),
+            Quantity::NodeByAnchor(k) => self
+                .placed(k)
+                .map_or(0, |n| 9 * n.nodes.len() * n.anchors.len()),
+            Quantity::CondensedStiffness(k) => self
+                .placed(k)
+                .map_or(0, |n| 9 * n.anchors.len() * n.anchors.len()),
+            Quantity::Constraint
+            | Quantity::ConstraintRate
+            | Quantity::ConstraintBias
+            | Quantity::Multipliers => self.nc,
+            Quantity::ConstraintJacobian => self.nc * self.nv,
+            Quantity::Reactions if self.nc > 0 => 6 * self.joints.len(),
+            Quantity::Correction if self.nc > 0 => self.nv + 1,
+            Quantity::Reactions | Quantity::Correction => 0,
+            Quantity::Partial(of, by) => self.len(of.quantity()) * self.variables(by),
+        }
+    }
+
+    /// Columns of a quantity that is a matrix; 1 for a list.
+    #[must_use]
+    pub fn columns_of(&self, what: Quantity) -> usize {
+        match what {
+            Quantity::MassMatrix | Quantity::ConstraintJacobian => self.nv,
+            Quantity::NodeByAnchor(k) | Quantity::CondensedStiffness(k) => {
+                self.placed(k).map_or(1, |n| 3 * n.anchors.len())
+            }
+            Quantity::Partial(_, by) => self.variables(by),
+            _ => 1,
+        }
+    }
+
+    /// Whether a quantity asks for the effort of a motor, which takes the multipliers.
+    #[must_use]
+    pub fn asks_efforts(&self, what: Quantity) -> bool {
+        match what {
+            Quantity::Outputs => self.efforts[0],
+            Quantity::Guards => self.efforts[1],
+            _ => false,
+        }
+    }
+
+    /// A network whose nodes are placed by the balance of forces at a position. A `rate` node is not: its balance is one of velocities.
+    fn placed(&self, network: usize) -> Option<&Network> {
+        let found = self.networks.get(network);
+        found.filter(|network| network.model != NodeModel::Rate)
+    }
+
+    /// How many numbers a variable has.
+    #[must_use]
+    pub fn variables(&self, by: Variable) -> usize {
+        match by {
+            Variable::State => self.nx(),
+            Variable::Node => 3 * self.nodes.len(),
+            Variable::Parameter => self.np,
+        }
+    }
+
+    /// Every quantity this scene has a use for, in a fixed order. Not the derivatives of ẋ where joints have rows: through the factor of the
+    /// rows they take 187,000 operations for eight hinges; those of the rows' residual with the factor at hand are still to come.
+    #[must_use]
+    pub fn quantities(&self) -> Vec<Quantity> {
+        let mut all = vec![Quantity::Ends];
+        all.extend((0..self.networks.len()).map(Quantity::Equilibrium));
+        all.extend([
+            Quantity::Derivative,
+            Quantity::Balance,
+            Quantity::Guards,
+            Quantity::Outputs,
+            Quantity::Energy,
+            Quantity::Momentum,
+            Quantity::MassMatrix,
+            Quantity::BiasForce,
+            Quantity::Forces,
+            Quantity::Lines,
+            Quantity::Constraint,
+            Quantity::ConstraintJacobian,
+            Quantity::ConstraintRate,
+            Quantity::ConstraintBias,
+            Quantity::Multipliers,
+            Quantity::Reactions,
+            Quantity::Correction,
+        ]);
+        for k in 0..self.networks.len() {
+            all.extend([Quantity::NodeByAnchor(k), Quantity::CondensedStiffness(k)]);
+        }
+        for of in [
+            Differentiated::Derivative,
+            Differentiated::Balance,
+            Differentiated::Outputs,
+        ] {
+            for by in [Variable::State, Variable::Node, Variable::Parameter] {
+                all.push(Quantity::Partial(of, by));
+            }
+        }
+        let through_factor = |what| matches!(what, Quantity::Partial(of, _) if self.nc > 0 && (of == Differentiated::Derivative || self.asks_efforts(of.quantity())));
+        all.retain(|&what| self.len(what) > 0 && !through_factor(what));
+        all
+    }
+}

@@ -1,0 +1,151 @@
+//! What each thing of a scene owns among the lists of numbers.
+
+use crate::elimination::Part;
+use crate::formula::Place;
+use crate::joints::Side;
+use crate::redundancy::RowSet;
+use crate::scene::NodeModel;
+
+/// A joint's place among the rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JointSlots {
+    /// Its first row.
+    pub row: usize,
+    /// Number of its rows: 6 − freedoms, in a plane those of them that say something there, and one a motor; 0 where neither end moves,
+    /// or an end is a massless point.
+    pub len: usize,
+    /// The rows of its law that count: all; in a plane those that say something there and do not repeat each other.
+    pub law: RowSet,
+    /// Whether it holds anything in space: it has two ends, at least one moves, and none is a massless point.
+    pub holds: bool,
+    /// Those of them that are in the system: all, unless some repeat rows of other joints.
+    pub kept: RowSet,
+    /// What its parent end and its child end sit on; `None` for the world.
+    pub ends: [Option<Part>; 2],
+    /// Whether its rows depend on time: motors, or an end on a frame of the world that moves.
+    pub driven: bool,
+}
+
+impl JointSlots {
+    /// Whether every row of the joint is in the system.
+    #[must_use]
+    pub fn all_kept(&self) -> bool {
+        self.kept.len() == self.len
+    }
+}
+
+/// A stop of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StopSlots {
+    /// Its joint.
+    pub joint: usize,
+    /// The coordinate it ends.
+    pub coordinate: usize,
+    /// Which end.
+    pub side: Side,
+}
+
+/// Offsets into q and into v.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slots {
+    /// First coordinate.
+    pub q: usize,
+    /// First speed.
+    pub v: usize,
+}
+
+/// What a point owns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointSlots {
+    /// A point with mass: 3 coordinates and 3 speeds, in a plane 2 and 2.
+    Mass(Slots),
+    /// A node: index into [`Layout::nodes`](crate::Layout::nodes).
+    Node(usize),
+}
+
+/// An equilibrium point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// Its point.
+    pub point: usize,
+    /// Its model.
+    pub model: NodeModel,
+    /// Its network.
+    pub network: usize,
+    /// Its position among the nodes of that network.
+    pub local: usize,
+    /// Its lines, by index.
+    pub lines: Vec<usize>,
+    /// Offset of its position in z (`rate` only).
+    pub z: Option<usize>,
+}
+
+/// Nodes joined by lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Network {
+    /// Indices into [`Layout::nodes`](crate::Layout::nodes).
+    pub nodes: Vec<usize>,
+    /// Its lines, by index.
+    pub lines: Vec<usize>,
+    /// Its anchors: indices into [`Layout::anchors`](crate::Layout::anchors).
+    pub anchors: Vec<usize>,
+    /// Structural non-zero blocks of H, local node indices (row ≥ column): the diagonal first, then pairs joined by a line, sorted.
+    pub blocks: Vec<(usize, usize)>,
+    /// The model shared by its nodes.
+    pub model: NodeModel,
+}
+
+/// Where a line ends, seen from the nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineEnd {
+    /// On a body, the world or a point with mass, of a line that has no node at all.
+    Plain,
+    /// An anchor: index into [`Layout::anchors`](crate::Layout::anchors).
+    Anchor(usize),
+    /// A node: index into [`Layout::nodes`](crate::Layout::nodes).
+    Node(usize),
+}
+
+/// Where a line lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LineSlots {
+    /// Its `from` end and its `to` end.
+    pub ends: [LineEnd; 2],
+    /// Its place in [`At::effective`](crate::At::effective) (two numbers each), for lines of static and stepwise nodes.
+    pub effective: Option<usize>,
+}
+
+/// An end of a node line that is not a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Anchor {
+    /// The line.
+    pub line: usize,
+    /// Its place.
+    pub place: Place,
+    /// The node at the other end: index into [`Layout::nodes`](crate::Layout::nodes).
+    pub node: usize,
+}
+
+/// What a run of input numbers means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InputSlots {
+    /// First number.
+    pub at: usize,
+    /// How many.
+    pub len: usize,
+    /// What it is.
+    pub source: InputSource,
+}
+
+/// What the caller supplies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputSource {
+    /// A declared input, by index.
+    Input(usize),
+    /// An external load, by index: force and couple (force only at a point), world axes.
+    Load(usize),
+    /// External gravity at a body, by index [m/s²].
+    BodyGravity(usize),
+    /// External gravity at a point with mass, by index [m/s²].
+    PointGravity(usize),
+}
