@@ -510,7 +510,9 @@ mod tests {
         let scene = mbd_compiler::read_text(text).scene.unwrap_or_default();
         let tables: Vec<String> = things(&scene).iter().map(Table::text).collect();
         let text = tables.join("\n");
-        let row = text.lines().find(|line| line.starts_with("hip"));
+        let row = text
+            .lines()
+            .find(|line| line.trim_start().starts_with("hip"));
         let cells: Vec<&str> = row.unwrap_or_default().split_whitespace().collect();
         // Freedoms, rows, of motors, kept.
         assert_eq!(
