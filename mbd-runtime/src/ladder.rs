@@ -312,12 +312,13 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         self.by_laws(Quantity::MassMatrix, time, state, &mut dense.mass);
         let jacobian = &mut dense.jacobian;
         self.by_laws(Quantity::ConstraintJacobian, time, state, jacobian);
+        let directions = layout.directions;
         for slots in &layout.bodies {
-            dense.weigh(slots.v, 6);
+            dense.weigh(slots.v, directions.speeds());
         }
         for slots in &layout.points {
             if let PointSlots::Mass(slots) = slots {
-                dense.weigh(slots.v, 3);
+                dense.weigh(slots.v, directions.moves().len());
             }
         }
         self.ladder.dense = dense;

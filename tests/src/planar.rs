@@ -46,7 +46,7 @@ pub const FOUR_BAR: Mechanism = Mechanism {
         output speed = coupler.left.velocity;
     ",
     poses: &[
-        [0.075, 0.1299, 1.0472],
+        [0.075, 0.1299, 60.0_f64.to_radians()],
         [0.4832, 0.5, 0.6306],
         [0.9384, 0.3952, 1.726],
     ],

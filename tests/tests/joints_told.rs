@@ -35,10 +35,6 @@ fn beside(angle: f64) -> Linkage {
     linkage
 }
 
-const PARTS: [&str; 6] = [
-    "force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z",
-];
-
 #[test]
 fn reactions_in_passing_a_singular_position_have_the_value_they_tend_to() {
     let linkage = beside(0.0);

@@ -78,7 +78,7 @@ model! {
 fn standing(scene: &mbd_scene::Scene) -> Vec<f64> {
     let layout = Layout::new(scene);
     let poses = [
-        [0.075, 0.1299, -1.0472],
+        [0.075, 0.1299, -60.0_f64.to_radians()],
         [0.4832, 0.5, -0.6306],
         [0.9384, 0.3952, -1.726],
         [-0.8, 0.0, 0.0],

@@ -41,7 +41,10 @@ pub fn evaluate_given<S: Real>(
         Quantity::Reactions => {
             out.fill(S::zero());
             each(&evaluation, |joint, rows, own, _| {
-                let rows = rows.rows().iter().zip(own.iter().map(|&multiplier| -multiplier));
+                let rows = rows
+                    .rows()
+                    .iter()
+                    .zip(own.iter().map(|&multiplier| -multiplier));
                 let [force, torque] = reaction(&evaluation, joint, rows);
                 write(out, 6 * joint, &force);
                 write(out, 6 * joint + 3, &torque);
