@@ -2,8 +2,8 @@
 
 use mbd_scene::laws::{self, LineNumbers, Numbers, Scratch};
 use mbd_scene::{
-    At, Differentiated, Dual, Float, Layout, Model, ParamError, Quantity, Scene, Variable,
-    check_params,
+    Arguments, At, Differentiated, Dual, Float, Layout, Model, ParamError, Quantity, Scene,
+    Variable, check_params,
 };
 
 /// How many variables one pass of dual numbers carries.
@@ -25,19 +25,8 @@ pub struct Generic<T: Float> {
 pub struct GenericWork<T: Float> {
     scratch: Scratch<T>,
     slopes: Scratch<Slope<T>>,
-    lists: Lists<T>,
+    arguments: Arguments<Slope<T>>,
     out: Vec<Slope<T>>,
-}
-
-/// The arguments of an evaluation as dual numbers.
-#[derive(Clone, Debug, Default)]
-struct Lists<T> {
-    state: Vec<Slope<T>>,
-    nodes: Vec<Slope<T>>,
-    effective: Vec<Slope<T>>,
-    hold: Vec<Slope<T>>,
-    ends: Vec<Slope<T>>,
-    inputs: Vec<Slope<T>>,
 }
 
 impl<T: Float> Generic<T> {
@@ -84,7 +73,7 @@ impl<T: Float> Generic<T> {
         if out.len() != rows * columns {
             return;
         }
-        work.lists.read(at);
+        work.arguments.read(at, Dual::constant);
         work.out.clear();
         work.out.resize(rows, Dual::constant(T::zero()));
         let mut first = 0;
@@ -92,8 +81,8 @@ impl<T: Float> Generic<T> {
             let last = columns.min(first + PASS);
             let mut seeded = None;
             match by {
-                Variable::State => seed(&mut work.lists.state, first..last),
-                Variable::Node => seed(&mut work.lists.nodes, first..last),
+                Variable::State => seed(&mut work.arguments.state, first..last),
+                Variable::Node => seed(&mut work.arguments.nodes, first..last),
                 Variable::Parameter => {
                     let mut params = self.slopes.params.clone();
                     seed(&mut params, first..last);
@@ -101,13 +90,12 @@ impl<T: Float> Generic<T> {
                 }
             }
             let numbers = seeded.as_ref().unwrap_or(&self.slopes);
-            let time = Dual::constant(at.time);
             laws::evaluate(
                 of.quantity(),
                 &self.scene,
                 &self.layout,
                 numbers,
-                &work.lists.at(time),
+                &work.arguments.at(),
                 &mut work.slopes,
                 &mut work.out,
             );
@@ -131,34 +119,6 @@ fn seed<T: Float>(list: &mut [Slope<T>], range: std::ops::Range<usize>) {
     }
 }
 
-impl<T: Float> Lists<T> {
-    fn read(&mut self, at: &At<'_, T>) {
-        let copy = |from: &[T], to: &mut Vec<Slope<T>>| {
-            to.clear();
-            to.extend(from.iter().copied().map(Dual::constant));
-        };
-        copy(at.state, &mut self.state);
-        copy(at.nodes, &mut self.nodes);
-        copy(at.effective, &mut self.effective);
-        copy(at.hold, &mut self.hold);
-        copy(at.ends, &mut self.ends);
-        copy(at.inputs, &mut self.inputs);
-    }
-
-    fn at(&self, time: Slope<T>) -> At<'_, Slope<T>> {
-        At {
-            time,
-            state: &self.state,
-            nodes: &self.nodes,
-            effective: &self.effective,
-            hold: &self.hold,
-            ends: &self.ends,
-            inputs: &self.inputs,
-            rows: &[],
-        }
-    }
-}
-
 impl<T: Float> Model<T> for Generic<T> {
     type Work = GenericWork<T>;
 
@@ -166,7 +126,7 @@ impl<T: Float> Model<T> for Generic<T> {
         GenericWork {
             scratch: Scratch::new(&self.layout),
             slopes: Scratch::new(&self.layout),
-            lists: Lists::default(),
+            arguments: Arguments::default(),
             out: Vec::new(),
         }
     }

@@ -2,14 +2,14 @@
 //! asked to emit. In `f64` whatever the scalar of the run.
 
 use mbd_scene::laws::{self, Numbers, Scratch};
-use mbd_scene::{At, Float, Model, Quantity};
+use mbd_scene::{Arguments, At, Float, Model, Quantity};
 
 /// Numbers and scratch of one scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Laws {
     numbers: Numbers<f64>,
     scratch: Scratch<f64>,
-    arguments: Arguments,
+    arguments: Arguments<f64>,
 }
 
 impl Laws {
@@ -31,7 +31,7 @@ impl Laws {
         at: &At<'_, T>,
         out: &mut [f64],
     ) {
-        self.read(at);
+        self.arguments.read(at, |x| x.to_f64());
         out.fill(0.0);
         laws::evaluate(
             what,
@@ -53,7 +53,7 @@ impl Laws {
         multipliers: &[f64],
         out: &mut [f64],
     ) {
-        self.read(at);
+        self.arguments.read(at, |x| x.to_f64());
         laws::evaluate_given(
             what,
             model.scene(),
@@ -72,7 +72,7 @@ impl Laws {
         at: &At<'_, T>,
         out: &mut Vec<f64>,
     ) {
-        self.read(at);
+        self.arguments.read(at, |x| x.to_f64());
         out.clear();
         laws::jumping_angles(
             model.scene(),
@@ -82,47 +82,5 @@ impl Laws {
             &mut self.scratch,
             out,
         );
-    }
-
-    fn read<T: Float>(&mut self, at: &At<'_, T>) {
-        let copy = |from: &[T], to: &mut Vec<f64>| {
-            to.clear();
-            to.extend(from.iter().map(|x| x.to_f64()));
-        };
-        let arguments = &mut self.arguments;
-        arguments.time = at.time.to_f64();
-        copy(at.state, &mut arguments.state);
-        copy(at.nodes, &mut arguments.nodes);
-        copy(at.effective, &mut arguments.effective);
-        copy(at.hold, &mut arguments.hold);
-        copy(at.ends, &mut arguments.ends);
-        copy(at.inputs, &mut arguments.inputs);
-    }
-}
-
-/// The arguments of an evaluation in `f64`.
-#[derive(Clone, Debug, Default)]
-struct Arguments {
-    time: f64,
-    state: Vec<f64>,
-    nodes: Vec<f64>,
-    effective: Vec<f64>,
-    hold: Vec<f64>,
-    ends: Vec<f64>,
-    inputs: Vec<f64>,
-}
-
-impl Arguments {
-    fn at(&self) -> At<'_, f64> {
-        At {
-            time: self.time,
-            state: &self.state,
-            nodes: &self.nodes,
-            effective: &self.effective,
-            hold: &self.hold,
-            ends: &self.ends,
-            inputs: &self.inputs,
-            rows: &[],
-        }
     }
 }

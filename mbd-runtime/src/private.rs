@@ -1,7 +1,7 @@
 //! What generated code calls and nobody else should.
 
 use mbd_scene::laws::{LineNumbers, Numbers};
-use mbd_scene::{Float, Layout, ParamError, Real, Redundancy, Scene};
+use mbd_scene::{Float, Layout, Packed, ParamError, Real, Redundancy, Scene};
 
 use crate::{CoordInfo, LineState, Reaction};
 

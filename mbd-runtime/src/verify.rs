@@ -1,24 +1,11 @@
 //! What `verify;` in a declaration tests: generated code against the laws, and the laws against physics.
 
-use mbd_scene::{At, Gravity, Model, PointSlots, Quantity};
+use mbd_scene::{Arguments, Gravity, Model, PointSlots, Quantity};
 
 use crate::Generic;
 
 /// Places at which a model is compared.
 const PLACES: usize = 10;
-
-/// Everything a quantity reads, at one place.
-#[derive(Clone)]
-struct Place {
-    state: Vec<f64>,
-    nodes: Vec<f64>,
-    effective: Vec<f64>,
-    hold: Vec<f64>,
-    ends: Vec<f64>,
-    inputs: Vec<f64>,
-    rows: Vec<f64>,
-    time: f64,
-}
 
 /// Compares a model with the laws run on numbers, its derivatives with dual numbers, and asks that M is symmetric and positive definite.
 ///
@@ -29,7 +16,7 @@ pub fn verify(model: &impl Model<f64>) -> Result<(), String> {
         Generic::new(model.scene().clone(), model.params()).map_err(|error| error.to_string())?;
     let mut seed = 1;
     for _ in 0..PLACES {
-        let place = Place::random(model, &mut seed);
+        let place = random_place(model, &mut seed);
         for what in model.layout().quantities() {
             compare(model, &generic, what, &place)?;
         }
@@ -39,7 +26,7 @@ pub fn verify(model: &impl Model<f64>) -> Result<(), String> {
     Ok(())
 }
 
-fn evaluate<M: Model<f64>>(model: &M, what: Quantity, place: &Place) -> Vec<f64> {
+fn evaluate<M: Model<f64>>(model: &M, what: Quantity, place: &Arguments<f64>) -> Vec<f64> {
     let mut out = vec![0.0; model.layout().len(what)];
     model.evaluate(what, &place.at(), &mut model.work(), &mut out);
     out
@@ -49,7 +36,7 @@ fn compare(
     model: &impl Model<f64>,
     generic: &Generic<f64>,
     what: Quantity,
-    place: &Place,
+    place: &Arguments<f64>,
 ) -> Result<(), String> {
     let (got, want) = (evaluate(model, what, place), evaluate(generic, what, place));
     let scale = want.iter().fold(1.0_f64, |scale, x| scale.max(x.abs()));
@@ -71,7 +58,7 @@ fn compare(
 }
 
 /// Symmetric to rounding, and positive definite by Cholesky.
-fn check_mass_matrix(model: &impl Model<f64>, place: &Place) -> Result<(), String> {
+fn check_mass_matrix(model: &impl Model<f64>, place: &Arguments<f64>) -> Result<(), String> {
     let n = model.layout().nv;
     let values = evaluate(model, Quantity::MassMatrix, place);
     let m = nalgebra::DMatrix::from_row_slice(n, n, &values);
@@ -87,11 +74,11 @@ fn check_mass_matrix(model: &impl Model<f64>, place: &Place) -> Result<(), Strin
 
 /// The energy changes by the power of loads, dampers and prescribed motions: d(T + V + E)/dt = P + λᵀ Φ̇, along ẋ (Φ̇ is not zero at a
 /// random place). For scenes without nodes (their velocity is not free) whose gravity is known.
-fn check_power(model: &impl Model<f64>, place: &Place) -> Result<(), String> {
+fn check_power(model: &impl Model<f64>, place: &Arguments<f64>) -> Result<(), String> {
     if !model.layout().nodes.is_empty() || model.scene().gravity == Gravity::Field {
         return Ok(());
     }
-    let free = Place {
+    let free = Arguments {
         hold: vec![0.0; place.hold.len()],
         ..place.clone()
     };
@@ -130,61 +117,45 @@ fn check_power(model: &impl Model<f64>, place: &Place) -> Result<(), String> {
     Ok(())
 }
 
-impl Place {
-    /// Unit quaternions or any angle, everything else within ±1; a stiffness where one is expected.
-    fn random(model: &impl Model<f64>, seed: &mut u64) -> Self {
-        let layout = model.layout();
-        let mut list = |count: usize| -> Vec<f64> { (0..count).map(|_| random(seed)).collect() };
-        let mut state = list(layout.nx());
-        for first in layout.quaternions() {
-            let turn = first..first + 4;
-            let norm = state[turn.clone()]
-                .iter()
-                .map(|x| x * x)
-                .sum::<f64>()
-                .sqrt();
-            state[turn].iter_mut().for_each(|x| *x /= norm.max(1e-3));
-        }
-        for (index, slots) in layout.points.iter().enumerate() {
-            if let PointSlots::Mass(slots) = slots {
-                state[slots.q] += index as f64;
-            }
-        }
-        let stiffness =
-            |(index, x): (usize, f64)| if index % 2 == 0 { 1e3 * (2.0 + x) } else { 0.5 };
-        Place {
-            nodes: list(3 * layout.nodes.len()),
-            effective: list(2 * layout.effective_lines)
-                .into_iter()
-                .enumerate()
-                .map(stiffness)
-                .collect(),
-            hold: list(layout.one_way())
-                .into_iter()
-                .map(|x| (1.4 * x).round())
-                .collect(),
-            ends: list(layout.len(Quantity::Ends))
-                .into_iter()
-                .map(|x| 3.0 * x)
-                .collect(),
-            inputs: list(layout.ni),
-            rows: list(layout.nc),
-            time: 0.3,
-            state,
+/// Unit quaternions or any angle, everything else within ±1; a stiffness where one is expected.
+fn random_place(model: &impl Model<f64>, seed: &mut u64) -> Arguments<f64> {
+    let layout = model.layout();
+    let mut list = |count: usize| -> Vec<f64> { (0..count).map(|_| random(seed)).collect() };
+    let mut state = list(layout.nx());
+    for first in layout.quaternions() {
+        let turn = first..first + 4;
+        let norm = state[turn.clone()]
+            .iter()
+            .map(|x| x * x)
+            .sum::<f64>()
+            .sqrt();
+        state[turn].iter_mut().for_each(|x| *x /= norm.max(1e-3));
+    }
+    for (index, slots) in layout.points.iter().enumerate() {
+        if let PointSlots::Mass(slots) = slots {
+            state[slots.q] += index as f64;
         }
     }
-
-    fn at(&self) -> At<'_, f64> {
-        At {
-            time: self.time,
-            state: &self.state,
-            nodes: &self.nodes,
-            effective: &self.effective,
-            hold: &self.hold,
-            ends: &self.ends,
-            inputs: &self.inputs,
-            rows: &self.rows,
-        }
+    let stiffness = |(index, x): (usize, f64)| if index % 2 == 0 { 1e3 * (2.0 + x) } else { 0.5 };
+    Arguments {
+        nodes: list(3 * layout.nodes.len()),
+        effective: list(2 * layout.effective_lines)
+            .into_iter()
+            .enumerate()
+            .map(stiffness)
+            .collect(),
+        hold: list(layout.one_way())
+            .into_iter()
+            .map(|x| (1.4 * x).round())
+            .collect(),
+        ends: list(layout.len(Quantity::Ends))
+            .into_iter()
+            .map(|x| 3.0 * x)
+            .collect(),
+        inputs: list(layout.ni),
+        rows: list(layout.nc),
+        time: 0.3,
+        state,
     }
 }
 

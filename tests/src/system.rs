@@ -69,24 +69,40 @@ pub fn scene(system: &Value, components: AngularVelocity) -> Scene {
     scene
 }
 
-/// Bodies of a list of positions, attitudes and velocities, one item a body.
+/// Three numbers as a vector.
+#[must_use]
+pub fn vector(value: &Value) -> Vector3<f64> {
+    three(value).into()
+}
+
+/// The attitude of a quaternion w x y z.
 ///
 /// # Panics
-/// On data that are incomplete.
+/// If there are not four numbers.
+#[must_use]
+pub fn attitude(value: &Value) -> UnitQuaternion<f64> {
+    let q = numbers(value);
+    UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
+}
+
+/// A body from its position, attitude, velocity and angular velocity in world axes.
+#[must_use]
+pub fn instance(r: &Value, quat: &Value, rdot: &Value, omega: &Value) -> Instance {
+    Instance {
+        position: vector(r),
+        attitude: attitude(quat),
+        velocity: vector(rdot),
+        omega: vector(omega),
+        ..Instance::rest()
+    }
+}
+
+/// Bodies of a list of positions, attitudes and velocities, one item a body.
 #[must_use]
 pub fn bodies(r: &Value, quat: &Value, rdot: &Value, omega: &Value) -> Vec<Instance> {
-    (0..list(r).len())
-        .map(|i| {
-            let q = numbers(&quat[i]);
-            Instance {
-                position: Vector3::from(three(&r[i])),
-                attitude: UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3])),
-                velocity: Vector3::from(three(&rdot[i])),
-                omega: Vector3::from(three(&omega[i])),
-                ..Instance::rest()
-            }
-        })
-        .collect()
+    let count = list(r).len();
+    let all = (0..count).map(|i| instance(&r[i], &quat[i], &rdot[i], &omega[i]));
+    all.collect()
 }
 
 /// Bodies of a stored state.

@@ -4,73 +4,16 @@ use mbd_runtime::{
     Content, External, Generic, NoLoads, Options, Sampling, Simulation, Stabilise, StepError,
     Trajectory,
 };
-use mbd_scene::joints::JointLaw;
 use mbd_scene::{AngularVelocity, Layout, Place, Quantity, Scene};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use serde_json::Value;
 use tests::mechanism::{
     Instance, add_body, add_external_loads, add_frame, add_joint, empty, evaluate, frame, state,
 };
 use tests::reference::{field, load, numbers};
+use tests::system::{attitude, instance, law, scene, vector};
 use tests::{assert_close, largest_difference};
 
 const COMPONENTS: [AngularVelocity; 2] = [AngularVelocity::Body, AngularVelocity::World];
-
-fn law(keyword: &str) -> JointLaw {
-    match keyword {
-        "rigid" => JointLaw::Rigid(Default::default()),
-        "hinge" => JointLaw::Hinge(Default::default()),
-        "spherical" => JointLaw::Spherical(Default::default()),
-        "universal" => JointLaw::Universal(Default::default()),
-        "prismatic" => JointLaw::Prismatic(Default::default()),
-        "cylindrical" => JointLaw::Cylindrical(Default::default()),
-        "free" => JointLaw::Free(Default::default()),
-        other => panic!("no joint {other}"),
-    }
-}
-
-fn vector(value: &Value) -> Vector3<f64> {
-    Vector3::from_vec(numbers(value))
-}
-
-fn attitude(value: &Value) -> UnitQuaternion<f64> {
-    let q = numbers(value);
-    UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]))
-}
-
-/// The scene of a reference file.
-fn scene(system: &Value, components: AngularVelocity) -> Scene {
-    let mut scene = empty(vector(&system["gravity"]).into(), components);
-    for body in system["bodies"].as_array().expect("bodies") {
-        let inertia = Matrix3::from_row_slice(&field(body, "inertia"));
-        add_body(&mut scene, body["mass"].as_f64().expect("a mass"), &inertia);
-    }
-    for joint in system["joints"].as_array().expect("joints") {
-        let mut place = |body: &str, p: &str, r: &str| -> Place {
-            let body = usize::try_from(joint[body].as_i64().expect("an index")).ok();
-            let axes = Matrix3::from_row_slice(&field(joint, r));
-            add_frame(
-                &mut scene,
-                body,
-                frame(p, vector(&joint[p]).into(), Some(axes)),
-            )
-        };
-        let (parent, child) = (place("parent", "p1", "R1"), place("child", "p2", "R2"));
-        let law = law(joint["type"].as_str().expect("a type"));
-        add_joint(&mut scene, law, parent, child);
-    }
-    scene
-}
-
-fn instance(r: &Value, quat: &Value, rdot: &Value, omega: &Value) -> Instance {
-    Instance {
-        position: vector(r),
-        attitude: attitude(quat),
-        velocity: vector(rdot),
-        omega: vector(omega),
-        ..Instance::rest()
-    }
-}
 
 fn seat(scene: &mut Scene, body: Option<usize>, at: [f64; 3]) -> Place {
     add_frame(scene, body, frame("seat", at, None))

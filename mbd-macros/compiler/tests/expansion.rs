@@ -3,7 +3,7 @@
 mod scenes;
 
 use mbd_compiler::{Equations, NameSpans, Settings, compile, emit, emit_model, read_text};
-use mbd_scene::{Layout, Redundancy, Scene};
+use mbd_scene::{Layout, Packed, Redundancy, Scene};
 use proc_macro2::TokenStream;
 
 fn formatted(tokens: TokenStream) -> String {

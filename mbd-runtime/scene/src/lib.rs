@@ -40,10 +40,11 @@ pub use layout::{
     PointSlots, Slots, StopSlots,
 };
 pub use model::Model;
+pub use packed::Packed;
 pub use params::{ParamError, check_params};
 pub use partition::Partition;
 pub use plane::{Directions, Plane};
-pub use quantity::{At, Differentiated, Quantity, Variable};
+pub use quantity::{Arguments, At, Differentiated, Quantity, Variable};
 pub use real::{Float, Real, TINY};
 pub use redundancy::{Apart, HeldMotor, Redundancy, Repeat, RowSet};
 pub use scene::{

@@ -13,33 +13,23 @@ use serde::{Deserialize, Deserializer, Serializer};
 
 use crate::{Redundancy, Scene};
 
-impl Scene {
-    /// The scene as one text.
+/// What can be one text.
+pub trait Packed: Serialize + de::DeserializeOwned {
+    /// It as one text.
     #[must_use]
-    pub fn packed(&self) -> String {
+    fn packed(&self) -> String {
         packed(self)
     }
 
-    /// The scene that [`Scene::packed`] wrote; `None` of any other text.
+    /// What [`Packed::packed`] wrote; `None` of any other text.
     #[must_use]
-    pub fn unpacked(text: &str) -> Option<Self> {
+    fn unpacked(text: &str) -> Option<Self> {
         unpacked(text)
     }
 }
 
-impl Redundancy {
-    /// What repeats what as one text.
-    #[must_use]
-    pub fn packed(&self) -> String {
-        packed(self)
-    }
-
-    /// What [`Redundancy::packed`] wrote; `None` of any other text.
-    #[must_use]
-    pub fn unpacked(text: &str) -> Option<Self> {
-        unpacked(text)
-    }
-}
+impl Packed for Scene {}
+impl Packed for Redundancy {}
 
 fn packed(value: &impl Serialize) -> String {
     let mut text = String::new();

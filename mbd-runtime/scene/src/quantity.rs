@@ -1,5 +1,7 @@
 //! What a model can be asked for, and where it is asked: the one interface that generic, interpreted and generated code share.
 
+use crate::Real;
+
 /// A quantity of a scene. Its value is a flat list of numbers whose length is [`Layout::len`](crate::Layout::len).
 ///
 /// Frames: world axes unless said otherwise. Signs: tension is positive in tension; forces act *on* the named thing.
@@ -118,4 +120,73 @@ pub struct At<'a, S> {
     pub inputs: &'a [S],
     /// Right-hand sides of the rows, n_c numbers, for [`Quantity::Correction`]; empty elsewhere.
     pub rows: &'a [S],
+}
+
+/// What an [`At`] borrows, as lists of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arguments<S> {
+    /// See [`At::time`].
+    pub time: S,
+    /// See [`At::state`].
+    pub state: Vec<S>,
+    /// See [`At::nodes`].
+    pub nodes: Vec<S>,
+    /// See [`At::effective`].
+    pub effective: Vec<S>,
+    /// See [`At::hold`].
+    pub hold: Vec<S>,
+    /// See [`At::ends`].
+    pub ends: Vec<S>,
+    /// See [`At::inputs`].
+    pub inputs: Vec<S>,
+    /// See [`At::rows`].
+    pub rows: Vec<S>,
+}
+
+impl<S: Real> Default for Arguments<S> {
+    fn default() -> Self {
+        Arguments {
+            time: S::zero(),
+            state: Vec::new(),
+            nodes: Vec::new(),
+            effective: Vec::new(),
+            hold: Vec::new(),
+            ends: Vec::new(),
+            inputs: Vec::new(),
+            rows: Vec::new(),
+        }
+    }
+}
+
+impl<S: Real> Arguments<S> {
+    /// Takes up the arguments of an evaluation on another scalar.
+    pub fn read<T: Copy>(&mut self, at: &At<'_, T>, convert: impl Fn(T) -> S) {
+        let copy = |from: &[T], to: &mut Vec<S>| {
+            to.clear();
+            to.extend(from.iter().map(|&x| convert(x)));
+        };
+        self.time = convert(at.time);
+        copy(at.state, &mut self.state);
+        copy(at.nodes, &mut self.nodes);
+        copy(at.effective, &mut self.effective);
+        copy(at.hold, &mut self.hold);
+        copy(at.ends, &mut self.ends);
+        copy(at.inputs, &mut self.inputs);
+        copy(at.rows, &mut self.rows);
+    }
+
+    /// The arguments of an evaluation here.
+    #[must_use]
+    pub fn at(&self) -> At<'_, S> {
+        At {
+            time: self.time,
+            state: &self.state,
+            nodes: &self.nodes,
+            effective: &self.effective,
+            hold: &self.hold,
+            ends: &self.ends,
+            inputs: &self.inputs,
+            rows: &self.rows,
+        }
+    }
 }

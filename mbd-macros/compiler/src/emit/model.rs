@@ -1,6 +1,6 @@
 //! The model itself: its struct, constants, typed methods, and the trait that makes it one of three.
 
-use mbd_scene::{Cost, Quantity};
+use mbd_scene::{Cost, Packed, Quantity};
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 

@@ -127,16 +127,7 @@ pub fn jumping_angles<S: Real>(
     scratch: &mut Scratch<S>,
     out: &mut Vec<S>,
 ) {
-    scratch.read(scene, layout, numbers, at);
-    let evaluation = Evaluation {
-        scene,
-        layout,
-        numbers,
-        at,
-        motions: &scratch.motions,
-        ground: &scratch.ground,
-        multipliers: &[],
-    };
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     visit(&evaluation, |acting| {
         let numbers = acting.numbers;
         let sprung = numbers.stiffness.is_some() || numbers.stops.iter().any(Option::is_some);

@@ -20,210 +20,22 @@ use super::algebra::write;
 use super::block::System;
 use super::evaluation::Evaluation;
 use super::forces::Assembly;
-use super::rows::{Columns, End, Ends, Row, Rows, Turn};
+use super::rows::{Columns, End, Ends, Row, Rows};
 use super::{GravityNumbers, body_gravity, point_gravity};
 use crate::elimination::Part;
-use crate::joints::Coordinate;
-use crate::{
-    AngularVelocity, At, Directions, Jet, Joint, Layout, Partition, Place, PointSlots, Quantity,
-    Real, RowSet, Scene,
-};
+use crate::{AngularVelocity, Directions, Layout, PointSlots, Quantity, Real, Scene};
 
 /// Rows and system of one scene. Carries nothing from call to call.
 #[derive(Clone, Debug)]
 pub struct Constraints<S: Real> {
-    rows: Vec<Rows<S>>,
+    pub(super) rows: Vec<Rows<S>>,
     /// The rows of the system, where they are not all rows of the joint.
-    kept: Vec<Rows<S>>,
-    system: System<S>,
-}
-
-impl<S: Real> Evaluation<'_, S> {
-    /// The two ends of a joint; own components as asked.
-    pub(super) fn ends(&self, joint: usize, components: AngularVelocity) -> Option<Ends<'_, S>> {
-        let declared = self.scene.joints.get(joint)?;
-        let numbers = self.numbers.joints.get(joint)?;
-        Some(Ends::new(
-            self.end(declared.parent, components)?,
-            self.end(declared.child, components)?,
-            numbers,
-            components,
-        ))
-    }
-
-    /// The coordinates of a joint that motors drive, and their courses.
-    pub(super) fn motors<'e>(
-        &'e self,
-        joint: &'e Joint,
-    ) -> impl Iterator<Item = (Coordinate, Jet<S>)> + 'e {
-        joint.motors().filter_map(|(index, course)| {
-            let coordinate = joint.law.coordinate(index)?;
-            let course = super::ground::course(course, self.scene, self.numbers, self.at.time);
-            Some((coordinate, course))
-        })
-    }
-
-    /// The two ends of a joint in the system: columns multiply the velocity of each body's [`Evaluation::reference`]. Body components.
-    fn system_ends(&self, joint: usize) -> Option<Ends<'_, S>> {
-        let mut ends = self.ends(joint, AngularVelocity::Body)?;
-        let declared = self.scene.joints.get(joint)?;
-        for (end, place) in [
-            (&mut ends.parent, declared.parent),
-            (&mut ends.child, declared.child),
-        ] {
-            if let Place::Body(body, _) = place {
-                end.reference = self.reference(body).unwrap_or_else(Vector3::zeros);
-            }
-        }
-        Some(ends)
-    }
-
-    /// The point of a body whose velocity is its unknown in the system, body axes: where the joint that carries it holds it; `None` is
-    /// the centre of mass.
-    fn reference(&self, body: usize) -> Option<Vector3<S>> {
-        let carrier = (*self.layout.elimination.carriers.get(body)?)?;
-        match self.scene.joints.get(carrier)?.child {
-            Place::Body(body, frame) => {
-                let frames = &self.numbers.bodies.get(body)?.frames;
-                Some(frames.get(frame)?.position)
-            }
-            _ => None,
-        }
-    }
-
-    /// Rows k of R r̃ for the reference point r of a body: a velocity of the centre of mass is that of the reference point + R r̃ ω′.
-    fn levers(&self, body: usize) -> Option<[Vector3<S>; 3]> {
-        let (reference, motion) = (self.reference(body)?, self.motions.get(body)?);
-        let turn = Turn::By(motion.rotation);
-        Some(std::array::from_fn(|k| turn.row(k).cross(&reference)))
-    }
-
-    fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
-        match place {
-            Place::World(frame) => Some(match self.moving(frame) {
-                Some(motion) => End::moving(motion),
-                None => {
-                    let frame = self.numbers.world_frames.get(frame)?;
-                    End::fixed(frame.position, frame.rotation.into())
-                }
-            }),
-            Place::Point(point) => match *self.layout.points.get(point)? {
-                PointSlots::Mass(slots) => Some(End {
-                    speeds: Some((slots.v, self.layout.directions.moves().len())),
-                    position: self.position_of(place)?,
-                    velocity: self.velocity_of(place)?,
-                    ..End::fixed(Vector3::zeros(), Turn::None)
-                }),
-                PointSlots::Node(_) => None,
-            },
-            Place::Body(body, frame) => {
-                let (motion, slots) = (self.motions.get(body)?, self.layout.bodies.get(body)?);
-                let frame = self.numbers.bodies.get(body)?.frames.get(frame)?;
-                let end = End {
-                    speeds: Some((slots.v, self.layout.directions.speeds())),
-                    position: motion.position,
-                    velocity: motion.velocity,
-                    ..End::fixed(frame.position, frame.rotation.into())
-                };
-                Some(match components {
-                    AngularVelocity::Body => End {
-                        omega: motion.omega_body,
-                        outward: Turn::By(motion.rotation),
-                        ..end
-                    },
-                    AngularVelocity::World => End {
-                        omega: motion.omega_world,
-                        arm: motion.arm(&frame.position),
-                        frame: Turn::By(match frame.rotation {
-                            Some(rotation) => motion.rotation * rotation,
-                            None => motion.rotation,
-                        }),
-                        ..end
-                    },
-                })
-            }
-        }
-    }
-}
-
-/// What a scene is at a state, for looking at one joint.
-fn looked<S: Real, R>(
-    scene: &Scene,
-    layout: &Layout,
-    numbers: &super::Numbers<S>,
-    at: &At<'_, S>,
-    look: impl FnOnce(&Evaluation<'_, S>) -> R,
-) -> R {
-    let motions: Vec<_> = layout
-        .bodies
-        .iter()
-        .map(|&slots| {
-            let (directions, components) = (layout.directions, scene.angular_velocity);
-            super::Motion::read(at.state, slots, layout.nq, directions, components)
-        })
-        .collect();
-    let mut ground = Vec::new();
-    super::ground::ground(scene, numbers, at.time, &mut ground);
-    look(&Evaluation {
-        scene,
-        layout,
-        numbers,
-        at,
-        motions: &motions,
-        ground: &ground,
-        multipliers: &[],
-    })
-}
-
-/// How far a joint of a planar scene is from holding out of the plane: the largest of the rows that its joint has in space and not in the
-/// plane [m or 1]; zero in space. Positions alone matter.
-pub fn out_of_plane<S: Real>(
-    scene: &Scene,
-    layout: &Layout,
-    numbers: &super::Numbers<S>,
-    at: &At<'_, S>,
-    joint: usize,
-) -> S {
-    let (Some(declared), Some(slots)) = (scene.joints.get(joint), layout.joints.get(joint)) else {
-        return S::zero();
-    };
-    let left = RowSet(RowSet::all(declared.law.rows()).0 & !slots.law.0);
-    looked(scene, layout, numbers, at, |evaluation| {
-        let mut rows = Rows::default();
-        rows.begin(left);
-        if let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) {
-            declared.law.constrain(&ends, &mut rows);
-        }
-        let sizes = rows.rows().iter().map(|row| row.value.abs());
-        sizes.fold(S::zero(), Real::max)
-    })
-}
-
-/// Whether a joint is on the branch it means: three numbers, all positive if it is (1 where its rows have no other root). Positions alone
-/// matter; a joint or a place that is not there gives NaN.
-pub fn branch<S: Real>(
-    scene: &Scene,
-    layout: &Layout,
-    numbers: &super::Numbers<S>,
-    at: &At<'_, S>,
-    joint: usize,
-) -> [S; 3] {
-    looked(scene, layout, numbers, at, |evaluation| {
-        let ends = evaluation.ends(joint, AngularVelocity::Body);
-        let (Some(ends), Some(joint)) = (ends, scene.joints.get(joint)) else {
-            return [S::from_f64(f64::NAN); 3];
-        };
-        let [a, b, c] = joint.law.branch(&ends);
-        let courses = evaluation.motors(joint);
-        let driven = courses.fold(c, |least, (coordinate, course)| {
-            least.min(ends.prescribed_cosine(&coordinate, course.value))
-        });
-        [a, b, driven]
-    })
+    pub(super) kept: Vec<Rows<S>>,
+    pub(super) system: System<S>,
 }
 
 /// The rows of a joint that are in the system.
-fn in_system<'a, S: Real>(
+pub(super) fn in_system<'a, S: Real>(
     layout: &Layout,
     joint: usize,
     all: &'a [Rows<S>],
@@ -279,7 +91,7 @@ impl<S: Real> Constraints<S> {
     }
 
     /// Runs the rows of every joint.
-    fn run<'a>(
+    pub(super) fn run<'a>(
         &mut self,
         evaluation: &'a Evaluation<'a, S>,
         ends: impl Fn(usize) -> Option<Ends<'a, S>>,
@@ -334,145 +146,6 @@ impl<S: Real> Constraints<S> {
                 }
             }
         }
-    }
-
-    /// Fills and factorises the system of (1) and (2).
-    fn prepare(&mut self, evaluation: &Evaluation<'_, S>) {
-        let (layout, numbers) = (evaluation.layout, evaluation.numbers);
-        let plan = &layout.elimination;
-        self.run(evaluation, |joint| evaluation.system_ends(joint));
-        self.system.clear();
-        for (index, step) in plan.steps.iter().enumerate() {
-            enter::<S>(evaluation.scene, step.part);
-            match step.part {
-                Part::Body(body) => self.write_body(evaluation, index, body),
-                Part::Point(point) => {
-                    let mass = numbers.points[point].0;
-                    for i in 0..step.size {
-                        self.system.set_diagonal(plan, index, (i, i), mass);
-                    }
-                }
-                Part::Joint(joint) => {
-                    let [parent, child] = layout.joints[joint].ends.map(|end| plan.step_of(end?));
-                    let rows = in_system(layout, joint, &self.rows, &self.kept);
-                    let hidden = !step.rides && plan.carriers.iter().any(Option::is_some);
-                    for (number, row) in rows.iter().enumerate() {
-                        if hidden {
-                            let size = self.size(evaluation, joint, row);
-                            self.system.set_size(plan, index, number, size);
-                        }
-                        for (end, columns) in [(parent, &row.parent), (child, &row.child)] {
-                            let Some(end) = end else { continue };
-                            let both = layout
-                                .directions
-                                .components(&columns.linear, &columns.angular);
-                            let speeds = plan.steps[end].size;
-                            for (speed, value) in both.take(speeds).enumerate() {
-                                let (row, column) = ((index, number), (end, speed));
-                                self.system.set_coupling(plan, row, column, value);
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        self.system
-            .factor(plan, |part| enter::<S>(evaluation.scene, part));
-    }
-
-    /// The element of Φ_v M⁻¹ Φ_vᵀ of a row, products of inertia aside.
-    fn size(&self, evaluation: &Evaluation<'_, S>, joint: usize, row: &Row<S>) -> S {
-        let (numbers, directions) = (evaluation.numbers, evaluation.layout.directions);
-        let ends = evaluation.layout.joints[joint].ends.into_iter();
-        ends.zip([&row.parent, &row.child])
-            .fold(S::zero(), |sum, (end, columns)| {
-                let moves = directions.moves().iter().map(|&k| columns.linear[k]);
-                let linear = moves.fold(S::zero(), |sum, x| sum + x * x);
-                match end {
-                    Some(Part::Body(body)) => {
-                        let body = &numbers.bodies[body];
-                        let turns = directions.turns().iter();
-                        let turned = turns.fold(linear * body.inverse_mass, |sum, &k| {
-                            let x = columns.angular[k];
-                            sum + x * x * body.inverse_inertia[(k, k)]
-                        });
-                        sum + turned
-                    }
-                    Some(Part::Point(point)) => sum + linear * numbers.points[point].1,
-                    _ => sum,
-                }
-            })
-    }
-
-    /// Writes the mass block of a body about its reference point r: [m I, m R r̃; ·, I′ + m r̃ᵀ r̃], in a plane its part there, and the
-    /// directions of its speeds.
-    fn write_body(&mut self, evaluation: &Evaluation<'_, S>, index: usize, body: usize) {
-        let plan = &evaluation.layout.elimination;
-        let numbers = &evaluation.numbers.bodies[body];
-        let mut inertia = numbers.inertia;
-        if let Some(r) = evaluation.reference(body) {
-            let square = r.dot(&r);
-            inertia = nalgebra::Matrix3::from_fn(|i, j| {
-                let diagonal = if i == j { square } else { S::zero() };
-                inertia[(i, j)] + numbers.mass * (diagonal - r[i] * r[j])
-            });
-        }
-        let levers = evaluation.levers(body);
-        let (moves, turns) = (
-            evaluation.layout.directions.moves(),
-            evaluation.layout.directions.turns(),
-        );
-        for k in 0..moves.len() {
-            self.system.set_diagonal(plan, index, (k, k), numbers.mass);
-        }
-        for (i, &turn) in turns.iter().enumerate() {
-            let row = moves.len() + i;
-            for (j, &other) in turns.iter().enumerate().take(i + 1) {
-                let place = (row, moves.len() + j);
-                self.system
-                    .set_diagonal(plan, index, place, inertia[(turn, other)]);
-            }
-            if let Some(levers) = &levers {
-                for (k, &along) in moves.iter().enumerate() {
-                    let value = numbers.mass * levers[along][turn];
-                    self.system.set_diagonal(plan, index, (row, k), value);
-                }
-            }
-        }
-        let carrier = plan.carriers.get(body).copied().flatten();
-        if let (Some(partition), Some(joint)) = (plan.steps[index].partition, carrier) {
-            self.write_directions(evaluation, index, joint, &partition);
-        }
-    }
-
-    /// Writes the directions E of a carried body's angular speeds: those its joint determines first.
-    fn write_directions(
-        &mut self,
-        evaluation: &Evaluation<'_, S>,
-        index: usize,
-        joint: usize,
-        partition: &Partition,
-    ) {
-        if evaluation.layout.directions.plane.is_some() {
-            // There is one angular speed.
-            return;
-        }
-        let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) else {
-            return;
-        };
-        let [u, v] = partition.axis.complement();
-        let (free, first, second) = (
-            ends.child.axis(&partition.axis),
-            ends.child.axis(&u),
-            ends.child.axis(&v),
-        );
-        let [first, second] = match (partition.turns, self.rows[joint].rows().get(3)) {
-            (1, Some(row)) => [row.child.angular, free.cross(&row.child.angular)],
-            _ => [first, second],
-        };
-        let plan = &evaluation.layout.elimination;
-        let directions = nalgebra::Matrix3::from_columns(&[first, second, free]);
-        self.system.set_directions(plan, index, &directions);
     }
 
     /// Solves (1): accelerations less the common fall, and −λ.
@@ -699,7 +372,7 @@ fn state_components<S: Real>(
 }
 
 /// Says that the terms which follow belong to a part of the system.
-fn enter<S: Real>(scene: &Scene, part: Part) {
+pub(super) fn enter<S: Real>(scene: &Scene, part: Part) {
     let name = match part {
         Part::Body(body) => scene.bodies.get(body).map(|body| &body.name),
         Part::Point(point) => scene.points.get(point).map(|point| &point.name),

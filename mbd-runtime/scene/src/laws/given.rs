@@ -27,15 +27,9 @@ pub fn evaluate_given<S: Real>(
     if out.len() != layout.len(what) || multipliers.len() != layout.nc {
         return;
     }
-    scratch.read(scene, layout, numbers, at);
     let evaluation = Evaluation {
-        scene,
-        layout,
-        numbers,
-        at,
-        motions: &scratch.motions,
-        ground: &scratch.ground,
         multipliers,
+        ..scratch.kinematics.read(scene, layout, numbers, at)
     };
     match what {
         Quantity::Reactions => {

@@ -8,11 +8,13 @@ mod constraint;
 mod coordinate;
 mod ends;
 mod evaluation;
+mod fill;
 mod forces;
 mod formula;
 mod given;
 mod gravity;
 mod ground;
+mod kinematics;
 pub mod line;
 mod motor;
 mod node;
@@ -20,17 +22,18 @@ mod numbers;
 mod pair;
 mod posture;
 pub mod rows;
+mod seats;
 
 use algebra::{elements, vector, write};
-use body::Motion;
 use constraint::Constraints;
 use evaluation::Evaluation;
 use forces::Assembly;
+use kinematics::Kinematics;
 use nalgebra::Vector3;
 
 pub use algebra::{inverse, rotation, solve_positive, symmetric};
 pub use along::{AlongNumbers, jumping_angles};
-pub use constraint::{branch, out_of_plane};
+
 pub use formula::norm;
 pub use given::evaluate_given;
 pub use ground::{FrameMotion, ground};
@@ -38,14 +41,14 @@ pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers, constant,
 };
 pub(crate) use posture::Posture;
+pub use seats::{branch, out_of_plane};
 
 use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 
 /// Scratch of one evaluation: carries nothing from call to call.
 #[derive(Clone, Debug)]
 pub struct Scratch<S: Real> {
-    motions: Vec<Motion<S>>,
-    ground: Vec<Option<FrameMotion<S>>>,
+    kinematics: Kinematics<S>,
     multipliers: Vec<S>,
     assembly: Assembly<S>,
     constraints: Constraints<S>,
@@ -57,28 +60,11 @@ impl<S: Real> Scratch<S> {
     pub fn new(layout: &Layout) -> Self {
         let (bodies, points) = (layout.bodies.len(), layout.points.len());
         Scratch {
-            motions: vec![Motion::unknown(); bodies],
-            ground: Vec::new(),
+            kinematics: Kinematics::new(layout),
             multipliers: Vec::new(),
             assembly: Assembly::new(bodies, points),
             constraints: Constraints::new(layout),
         }
-    }
-
-    /// Reads the motions of bodies and of frames of the world.
-    fn read(&mut self, scene: &Scene, layout: &Layout, numbers: &Numbers<S>, at: &At<'_, S>) {
-        let bodies = scene.bodies.iter().zip(&layout.bodies);
-        for (motion, (body, slots)) in self.motions.iter_mut().zip(bodies) {
-            S::section(&body.name);
-            *motion = Motion::read(
-                at.state,
-                *slots,
-                layout.nq,
-                layout.directions,
-                scene.angular_velocity,
-            );
-        }
-        ground::ground(scene, numbers, at.time, &mut self.ground);
     }
 }
 
@@ -109,16 +95,7 @@ pub fn evaluate<S: Real>(
         Quantity::Partial(..) => return,
         _ => {}
     }
-    scratch.read(scene, layout, numbers, at);
-    let evaluation = Evaluation {
-        scene,
-        layout,
-        numbers,
-        at,
-        motions: &scratch.motions,
-        ground: &scratch.ground,
-        multipliers: &[],
-    };
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
     let evaluation = if layout.asks_efforts(what) {
         scratch.assembly.collect(&evaluation);
         scratch

@@ -1,0 +1,55 @@
+//! Where everything is and how it moves at one instant: what every law reads first.
+
+use super::body::Motion;
+use super::evaluation::Evaluation;
+use super::ground::{FrameMotion, ground};
+use super::numbers::Numbers;
+use crate::{At, Layout, Real, Scene};
+
+/// Motions of the bodies and of the frames of the world. Carries nothing from call to call.
+#[derive(Clone, Debug)]
+pub struct Kinematics<S: Real> {
+    motions: Vec<Motion<S>>,
+    ground: Vec<Option<FrameMotion<S>>>,
+}
+
+impl<S: Real> Kinematics<S> {
+    /// Room for the scene of a layout.
+    pub fn new(layout: &Layout) -> Self {
+        Kinematics {
+            motions: vec![Motion::unknown(); layout.bodies.len()],
+            ground: Vec::new(),
+        }
+    }
+
+    /// Reads them at an instant; no multipliers.
+    pub fn read<'a>(
+        &'a mut self,
+        scene: &'a Scene,
+        layout: &'a Layout,
+        numbers: &'a Numbers<S>,
+        at: &'a At<'a, S>,
+    ) -> Evaluation<'a, S> {
+        let bodies = scene.bodies.iter().zip(&layout.bodies);
+        for (motion, (body, slots)) in self.motions.iter_mut().zip(bodies) {
+            S::section(&body.name);
+            *motion = Motion::read(
+                at.state,
+                *slots,
+                layout.nq,
+                layout.directions,
+                scene.angular_velocity,
+            );
+        }
+        ground(scene, numbers, at.time, &mut self.ground);
+        Evaluation {
+            scene,
+            layout,
+            numbers,
+            at,
+            motions: &self.motions,
+            ground: &self.ground,
+            multipliers: &[],
+        }
+    }
+}

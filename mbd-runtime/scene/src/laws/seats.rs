@@ -1,0 +1,164 @@
+//! Where a joint sits: its two ends, on bodies, points and the world, and what they say of it at one instant.
+
+use nalgebra::Vector3;
+
+use super::evaluation::Evaluation;
+use super::kinematics::Kinematics;
+use super::rows::{End, Ends, Rows, Turn};
+use crate::joints::Coordinate;
+use crate::{AngularVelocity, At, Jet, Joint, Layout, Place, PointSlots, Real, RowSet, Scene};
+
+impl<S: Real> Evaluation<'_, S> {
+    /// The two ends of a joint; own components as asked.
+    pub(super) fn ends(&self, joint: usize, components: AngularVelocity) -> Option<Ends<'_, S>> {
+        let declared = self.scene.joints.get(joint)?;
+        let numbers = self.numbers.joints.get(joint)?;
+        Some(Ends::new(
+            self.end(declared.parent, components)?,
+            self.end(declared.child, components)?,
+            numbers,
+            components,
+        ))
+    }
+
+    /// The coordinates of a joint that motors drive, and their courses.
+    pub(super) fn motors<'e>(
+        &'e self,
+        joint: &'e Joint,
+    ) -> impl Iterator<Item = (Coordinate, Jet<S>)> + 'e {
+        joint.motors().filter_map(|(index, course)| {
+            let coordinate = joint.law.coordinate(index)?;
+            let course = super::ground::course(course, self.scene, self.numbers, self.at.time);
+            Some((coordinate, course))
+        })
+    }
+
+    /// The two ends of a joint in the system: columns multiply the velocity of each body's [`Evaluation::reference`]. Body components.
+    pub(super) fn system_ends(&self, joint: usize) -> Option<Ends<'_, S>> {
+        let mut ends = self.ends(joint, AngularVelocity::Body)?;
+        let declared = self.scene.joints.get(joint)?;
+        for (end, place) in [
+            (&mut ends.parent, declared.parent),
+            (&mut ends.child, declared.child),
+        ] {
+            if let Place::Body(body, _) = place {
+                end.reference = self.reference(body).unwrap_or_else(Vector3::zeros);
+            }
+        }
+        Some(ends)
+    }
+
+    /// The point of a body whose velocity is its unknown in the system, body axes: where the joint that carries it holds it; `None` is
+    /// the centre of mass.
+    pub(super) fn reference(&self, body: usize) -> Option<Vector3<S>> {
+        let carrier = (*self.layout.elimination.carriers.get(body)?)?;
+        match self.scene.joints.get(carrier)?.child {
+            Place::Body(body, frame) => {
+                let frames = &self.numbers.bodies.get(body)?.frames;
+                Some(frames.get(frame)?.position)
+            }
+            _ => None,
+        }
+    }
+
+    /// Rows k of R r̃ for the reference point r of a body: a velocity of the centre of mass is that of the reference point + R r̃ ω′.
+    pub(super) fn levers(&self, body: usize) -> Option<[Vector3<S>; 3]> {
+        let (reference, motion) = (self.reference(body)?, self.motions.get(body)?);
+        let turn = Turn::By(motion.rotation);
+        Some(std::array::from_fn(|k| turn.row(k).cross(&reference)))
+    }
+
+    fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
+        match place {
+            Place::World(frame) => Some(match self.moving(frame) {
+                Some(motion) => End::moving(motion),
+                None => {
+                    let frame = self.numbers.world_frames.get(frame)?;
+                    End::fixed(frame.position, frame.rotation.into())
+                }
+            }),
+            Place::Point(point) => match *self.layout.points.get(point)? {
+                PointSlots::Mass(slots) => Some(End {
+                    speeds: Some((slots.v, self.layout.directions.moves().len())),
+                    position: self.position_of(place)?,
+                    velocity: self.velocity_of(place)?,
+                    ..End::fixed(Vector3::zeros(), Turn::None)
+                }),
+                PointSlots::Node(_) => None,
+            },
+            Place::Body(body, frame) => {
+                let (motion, slots) = (self.motions.get(body)?, self.layout.bodies.get(body)?);
+                let frame = self.numbers.bodies.get(body)?.frames.get(frame)?;
+                let end = End {
+                    speeds: Some((slots.v, self.layout.directions.speeds())),
+                    position: motion.position,
+                    velocity: motion.velocity,
+                    ..End::fixed(frame.position, frame.rotation.into())
+                };
+                Some(match components {
+                    AngularVelocity::Body => End {
+                        omega: motion.omega_body,
+                        outward: Turn::By(motion.rotation),
+                        ..end
+                    },
+                    AngularVelocity::World => End {
+                        omega: motion.omega_world,
+                        arm: motion.arm(&frame.position),
+                        frame: Turn::By(match frame.rotation {
+                            Some(rotation) => motion.rotation * rotation,
+                            None => motion.rotation,
+                        }),
+                        ..end
+                    },
+                })
+            }
+        }
+    }
+}
+
+/// How far a joint of a planar scene is from holding out of the plane: the largest of the rows that its joint has in space and not in the
+/// plane [m or 1]; zero in space. Positions alone matter.
+pub fn out_of_plane<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &super::Numbers<S>,
+    at: &At<'_, S>,
+    joint: usize,
+) -> S {
+    let (Some(declared), Some(slots)) = (scene.joints.get(joint), layout.joints.get(joint)) else {
+        return S::zero();
+    };
+    let left = RowSet(RowSet::all(declared.law.rows()).0 & !slots.law.0);
+    let mut kinematics = Kinematics::new(layout);
+    let evaluation = kinematics.read(scene, layout, numbers, at);
+    let mut rows = Rows::default();
+    rows.begin(left);
+    if let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) {
+        declared.law.constrain(&ends, &mut rows);
+    }
+    let sizes = rows.rows().iter().map(|row| row.value.abs());
+    sizes.fold(S::zero(), Real::max)
+}
+
+/// Whether a joint is on the branch it means: three numbers, all positive if it is (1 where its rows have no other root). Positions alone
+/// matter; a joint or a place that is not there gives NaN.
+pub fn branch<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &super::Numbers<S>,
+    at: &At<'_, S>,
+    joint: usize,
+) -> [S; 3] {
+    let mut kinematics = Kinematics::new(layout);
+    let evaluation = kinematics.read(scene, layout, numbers, at);
+    let ends = evaluation.ends(joint, AngularVelocity::Body);
+    let (Some(ends), Some(joint)) = (ends, scene.joints.get(joint)) else {
+        return [S::from_f64(f64::NAN); 3];
+    };
+    let [a, b, c] = joint.law.branch(&ends);
+    let courses = evaluation.motors(joint);
+    let driven = courses.fold(c, |least, (coordinate, course)| {
+        least.min(ends.prescribed_cosine(&coordinate, course.value))
+    });
+    [a, b, driven]
+}
