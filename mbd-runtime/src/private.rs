@@ -141,46 +141,103 @@ pub fn parts<T: Real, const Q: usize, const V: usize, const Z: usize>(
     (q, v, std::array::from_fn(|_| next()))
 }
 
-/// Writes a list to the beginning of a working list and hands back what follows.
+/// Writes a list into a working list, from a place on; `false` where that is too short.
 #[inline]
-pub fn enter<'w, T: Copy, const N: usize>(work: &'w mut [T], list: &[T; N]) -> Option<&'w mut [T]> {
-    let (own, rest) = work.split_first_chunk_mut()?;
-    *own = *list;
-    Some(rest)
+pub fn enter<T: Copy, const N: usize>(work: &mut [T], begin: usize, list: &[T; N]) -> bool {
+    put(work.get_mut(begin..).unwrap_or_default(), *list)
 }
 
-/// The numbers of a working list from a place on.
+/// What a kernel reads, and what it writes from its own place on; nothing to write where there is no such place.
 #[inline(always)]
-#[must_use]
-pub fn window<T, const N: usize>(work: &[T], begin: usize) -> Option<&[T; N]> {
-    work.get(begin..)?.first_chunk()
+pub fn blocks<T>(work: &mut [T], begin: usize) -> (&[T], &mut [T]) {
+    match work.split_at_mut_checked(begin) {
+        Some((known, own)) => (known, own),
+        None => (&[], &mut []),
+    }
 }
 
-/// Places of the next round of a loop.
+/// The numbers of a working list from a place on; none where there is no such place.
 #[inline(always)]
 #[must_use]
-pub fn advanced<const N: usize>(places: [usize; N], steps: [isize; N]) -> [usize; N] {
-    let mut steps = steps.into_iter();
-    places.map(|place| place.wrapping_add_signed(steps.next().unwrap_or_default()))
+pub fn window<T>(known: &[T], begin: usize) -> &[T] {
+    known.get(begin..).unwrap_or_default()
+}
+
+/// Writes the results of a kernel; `false` where there is no room.
+#[inline(always)]
+pub fn put<T, const N: usize>(own: &mut [T], results: [T; N]) -> bool {
+    match own.first_chunk_mut() {
+        Some(own) => {
+            *own = results;
+            true
+        }
+        None => false,
+    }
+}
+
+/// Places of this round of a loop; advances them to the next.
+#[inline(always)]
+pub fn next<const N: usize>(places: &mut [usize; N], steps: [isize; N]) -> [usize; N] {
+    let these = *places;
+    for (place, step) in places.iter_mut().zip(steps) {
+        *place = place.wrapping_add_signed(step);
+    }
+    these
+}
+
+/// A kernel: does its work in a working list, given the places of its own block and of its windows.
+pub type Part<T, const N: usize> = fn(&mut [T], [usize; N]) -> bool;
+
+/// Calls a kernel several times, places advancing evenly, as long as it can do its work.
+#[inline(always)]
+pub fn rounds<T, const N: usize>(
+    work: &mut [T],
+    count: usize,
+    mut places: [usize; N],
+    steps: [isize; N],
+    part: Part<T, N>,
+) -> bool {
+    (0..count).all(|_| part(work, next(&mut places, steps)))
+}
+
+/// A kernel that takes known numbers too.
+pub type PartWith<T, const N: usize, const K: usize> = fn(&mut [T], [usize; N], &[f64; K]) -> bool;
+
+/// The same for a kernel that takes known numbers: one row a call.
+#[inline(always)]
+pub fn rounds_with<T, const N: usize, const K: usize>(
+    work: &mut [T],
+    rows: &[[f64; K]],
+    mut places: [usize; N],
+    steps: [isize; N],
+    part: PartWith<T, N, K>,
+) -> bool {
+    rows.iter()
+        .all(|row| part(work, next(&mut places, steps), row))
 }
 
 /// Rounds of stretches to copy: how often; how many numbers, first place and step in the result, first place and step in the working list.
 pub type Copies = (usize, &'static [(usize, (usize, isize), (usize, isize))]);
 
-/// Copies results out of a working list; `None` where one of the lists is too short.
+/// Copies results out of a working list; `false` where one of the lists is too short.
 #[inline]
-pub fn copy<T: Copy>(work: &[T], out: &mut [T], copies: &[Copies]) -> Option<()> {
+pub fn copy<T: Copy>(work: &[T], out: &mut [T], copies: &[Copies]) -> bool {
     for &(rounds, stretches) in copies {
         for round in 0..rounds as isize {
             for &(count, (to, to_step), (from, from_step)) in stretches {
                 let to = to.wrapping_add_signed(to_step.wrapping_mul(round));
                 let from = from.wrapping_add_signed(from_step.wrapping_mul(round));
-                let (out, work) = (out.get_mut(to..)?, work.get(from..)?);
-                for (out, &value) in out.get_mut(..count)?.iter_mut().zip(work.get(..count)?) {
+                let (Some(out), Some(work)) = (
+                    out.get_mut(to..).and_then(|out| out.get_mut(..count)),
+                    work.get(from..).and_then(|work| work.get(..count)),
+                ) else {
+                    return false;
+                };
+                for (out, &value) in out.iter_mut().zip(work) {
                     *out = value;
                 }
             }
         }
     }
-    Some(())
+    true
 }

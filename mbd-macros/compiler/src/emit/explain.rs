@@ -324,39 +324,43 @@ fn cost(equations: &Equations, out: &mut String) {
         let _ = writeln!(out, "  {name}: {}", program.cost());
     }
     if let Some(program) = equations.program(Quantity::Derivative) {
-        let total = |scene: &Scene| {
-            let layout = Layout::keeping(scene, layout.redundancy.clone());
-            Equations::trace_in(scene, layout, &[Quantity::Derivative])
+        let declared = program.cost().total();
+        let total = |(scene, differs): (Scene, bool)| {
+            if !differs {
+                return declared;
+            }
+            let layout = Layout::keeping(&scene, layout.redundancy.clone());
+            Equations::trace_in(&scene, layout, &[Quantity::Derivative])
                 .program(Quantity::Derivative)
                 .map_or(0, |program| program.cost().total())
         };
         let _ = writeln!(
             out,
-            "\nderivative: {} operations as declared, {} with every param a const, {} with every const a param.",
-            program.cost().total(),
-            total(&folded(scene)),
-            total(&live(scene)),
+            "\nderivative: {declared} operations as declared, {} with every param a const, {} with every const a param.",
+            total(folded(scene)),
+            total(live(scene)),
         );
     }
 }
 
-/// The scene with every param folded to its default.
-fn folded(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
+/// The scene with every param folded to its default, and whether that changes a number of it.
+fn folded(scene: &Scene) -> (Scene, bool) {
+    let (mut scene, mut differs) = (scene.clone(), false);
     let values: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
     crate::describe::rewrite(&mut scene, &mut |formula| {
         if let Formula::Param(index) = formula
             && let Some(&value) = values.get(*index)
         {
             *formula = Formula::Number(value);
+            differs = true;
         }
     });
-    scene
+    (scene, differs)
 }
 
-/// The scene with every const turned into a param.
-fn live(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
+/// The scene with every const turned into a param, and whether that changes a number of it.
+fn live(scene: &Scene) -> (Scene, bool) {
+    let (mut scene, mut differs) = (scene.clone(), false);
     let first = scene.params.len();
     for constant in std::mem::take(&mut scene.consts) {
         scene.params.push(mbd_scene::Parameter {
@@ -370,7 +374,8 @@ fn live(scene: &Scene) -> Scene {
     crate::describe::rewrite(&mut scene, &mut |formula| {
         if let Formula::Const(index) = formula {
             *formula = Formula::Param(first + *index);
+            differs = true;
         }
     });
-    scene
+    (scene, differs)
 }

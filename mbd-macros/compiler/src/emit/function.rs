@@ -1,21 +1,20 @@
-//! One program as one function: arguments, named terms, one operation a `let`, results.
+//! One program as one function: arguments, named terms, results.
 
-use std::collections::{HashMap, HashSet};
-
-use proc_macro2::{Ident, TokenStream};
-use quote::{format_ident, quote};
+use proc_macro2::TokenStream;
 
 use super::kernel;
-use super::literal::{number, whole};
-use super::naming::register_names;
+use super::literal::{digits, number_text};
+use super::naming::flat_names;
+use super::terms::{Terms, lets};
 use crate::equations::{Equations, is_matrix};
 use crate::kernels::Kernels;
 use crate::lists::{Arguments, Group};
-use crate::operation::{Binary, Comparison, Op, Unary};
-use crate::program::{Program, Register};
+use crate::operation::Op;
+use crate::outline::Local;
+use crate::program::{Operand, Program, Register};
 
 /// The function of a program, which is number `index` of [`Equations::every_program`]: `fn name<T: Real>(lists it reads, out)`, or, for one in
-/// pieces, `fn name<T: Real>(lists it reads, work, out) -> Option<()>`.
+/// pieces, `fn name<T: Real>(lists it reads, work, out) -> bool`.
 pub fn function(
     equations: &Equations,
     kernels: &Kernels,
@@ -23,184 +22,148 @@ pub fn function(
     name: &str,
     docs: &[String],
 ) -> TokenStream {
-    let name = format_ident!("{name}");
-    if let Some(Some(driver)) = kernels.drivers.get(index) {
-        return kernel::driver(equations, program, (kernels, driver), &name, docs);
+    let mut out = String::new();
+    for line in docs {
+        document(&mut out, line);
     }
-    let body = Body::new(equations, program);
-    let arguments = Arguments::of(program, &equations.layout);
-    let taken = taken(equations, &arguments.0);
-    let len = whole(program.len);
-    let (lists, terms, results) = (body.lists(&arguments), body.flat(), body.results());
-    quote! {
-        #(#[doc = #docs])*
-        #[inline(never)]
-        fn #name<T: ::mbd_runtime::Real>(#(#taken,)* out: &mut [T; #len]) {
-            #lists
-            #terms
-            #results
-        }
+    out.push_str("#[inline(never)] fn ");
+    out.push_str(name);
+    out.push_str("<T: ::mbd_runtime::Real>(");
+    match kernels.drivers.get(index) {
+        Some(Some(driver)) => kernel::driver(equations, program, (kernels, driver), &mut out),
+        _ => flat(equations, program, &mut out),
     }
+    tokens(&out)
+}
+
+/// Text that is Rust as tokens at the call of the macro.
+pub fn tokens(text: &str) -> TokenStream {
+    text.parse().unwrap_or_default()
+}
+
+/// A line of documentation.
+pub fn document(out: &mut String, line: &str) {
+    out.push_str("#[doc = ");
+    out.push_str(&format!("{line:?}"));
+    out.push_str("]\n");
 }
 
 /// The lists a function takes, as arguments.
-pub fn taken(equations: &Equations, lists: &[Group]) -> Vec<TokenStream> {
-    let argument = |&group: &Group| {
-        let list = format_ident!("{}", group.name());
-        let len = whole(group.len(equations));
-        match group {
-            Group::Time => quote!(#list: T),
-            _ => quote!(#list: &[T; #len]),
-        }
-    };
-    lists.iter().map(argument).collect()
-}
-
-/// Operations as `let`s.
-pub struct Terms<'a> {
-    /// What they are operations of.
-    pub program: &'a Program,
-    /// One name a register; none for those that do not occur.
-    pub names: &'a [Option<Ident>],
-}
-
-impl Terms<'_> {
-    fn name(&self, register: Register) -> Option<&Ident> {
-        self.names.get(register.index())?.as_ref()
-    }
-
-    /// One `let` an operation; sine and cosine of one angle are one.
-    pub fn lets(&self, instructions: &[usize]) -> TokenStream {
-        let first = self.program.constants.len() + self.program.slots.len();
-        let value = |index: usize| self.name(Register((first + index) as u32));
-        let mut turned: HashMap<Register, [Option<usize>; 2]> = HashMap::new();
-        for &index in instructions {
-            match self.program.instructions[index].op {
-                Op::Unary(Unary::Sin, a) => turned.entry(a).or_default()[0] = Some(index),
-                Op::Unary(Unary::Cos, a) => turned.entry(a).or_default()[1] = Some(index),
-                _ => {}
-            }
-        }
-        let mut done = HashSet::new();
-        let lets = instructions.iter().map(|&index| {
-            let op = self.program.instructions[index].op;
-            if let Op::Unary(Unary::Sin | Unary::Cos, a) = op
-                && let Some(&[Some(sin), Some(cos)]) = turned.get(&a)
-            {
-                if !done.insert(a) {
-                    return TokenStream::new();
-                }
-                let [sin, cos] = [sin, cos].map(value);
-                let a = self.name(a);
-                return quote!(let (#sin, #cos) = #a.sin_cos(););
-            }
-            let name = value(index);
-            let value = operation(op.map(|register| self.name(register)));
-            quote!(let #name = #value;)
-        });
-        quote!(#(#lets)*)
-    }
-}
-
-struct Body<'a> {
-    equations: &'a Equations,
-    program: &'a Program,
-    /// One name a register.
-    names: Vec<Option<Ident>>,
-}
-
-impl<'a> Body<'a> {
-    fn new(equations: &'a Equations, program: &'a Program) -> Self {
-        let names = register_names(equations, program);
-        Body {
-            equations,
-            program,
-            names: names.into_iter().map(Some).collect(),
-        }
-    }
-
-    fn name(&self, register: Register) -> Option<&Ident> {
-        self.names.get(register.index())?.as_ref()
-    }
-
-    /// `let [canopy_x, canopy_y, …] = *q;` for every list that is read.
-    fn lists(&self, arguments: &Arguments) -> TokenStream {
-        let layout = &self.equations.layout;
-        let mut patterns: HashMap<Group, Vec<Option<&Ident>>> = HashMap::new();
-        for (index, &slot) in self.program.slots.iter().enumerate() {
-            let (group, place) = Group::of(slot, layout);
-            let len = group.len(self.equations);
-            let pattern = patterns.entry(group).or_insert_with(|| vec![None; len]);
-            pattern[place] = self.names[self.program.constants.len() + index].as_ref();
-        }
-        let lists = arguments
-            .0
-            .iter()
-            .filter(|&&group| group != Group::Time)
-            .map(|group| {
-                let list = format_ident!("{}", group.name());
-                let items = patterns
-                    .get(group)
-                    .into_iter()
-                    .flatten()
-                    .map(|item| match item {
-                        Some(name) => quote!(#name),
-                        None => quote!(_),
-                    });
-                quote!(let [#(#items),*] = *#list;)
-            });
-        quote!(#(#lists)*)
-    }
-
-    fn flat(&self) -> TokenStream {
-        let constants = self.program.constants.iter().zip(&self.names);
-        let constants = constants.map(|(&value, name)| {
-            let value = number(value);
-            quote!(let #name = T::from_f64(#value);)
-        });
-        let all: Vec<usize> = (0..self.program.instructions.len()).collect();
-        let terms = Terms {
-            program: self.program,
-            names: &self.names,
-        }
-        .lets(&all);
-        quote!(#(#constants)* #terms)
-    }
-
-    /// `*out = […]` for a list, one assignment a non-zero for a matrix.
-    fn results(&self) -> TokenStream {
-        let named = self
-            .program
-            .outputs
-            .iter()
-            .map(|&(_, register)| self.name(register));
-        if self.program.what.is_some_and(is_matrix) {
-            let places = self.program.outputs.iter().map(|&(place, _)| whole(place));
-            quote!(#(out[#places] = #named;)*)
+pub fn taken(equations: &Equations, lists: &[Group], out: &mut String) {
+    for &group in lists {
+        out.push_str(group.name());
+        if group == Group::Time {
+            out.push_str(": T, ");
         } else {
-            quote!(*out = [#(#named),*];)
+            out.push_str(": &[T; ");
+            digits(out, group.len(equations));
+            out.push_str("], ");
         }
     }
 }
 
-fn operation(op: Op<Option<&Ident>>) -> TokenStream {
-    match op {
-        Op::Unary(Unary::Neg, a) => quote!(-#a),
-        Op::Unary(Unary::Sqrt, a) => quote!(#a.sqrt()),
-        Op::Unary(Unary::Sin, a) => quote!(#a.sin_cos().0),
-        Op::Unary(Unary::Cos, a) => quote!(#a.sin_cos().1),
-        Op::Unary(Unary::Exp, a) => quote!(#a.exp()),
-        Op::Unary(Unary::Abs, a) => quote!(#a.abs()),
-        Op::Binary(Binary::Add, a, b) => quote!(#a + #b),
-        Op::Binary(Binary::Sub, a, b) => quote!(#a - #b),
-        Op::Binary(Binary::Mul, a, b) => quote!(#a * #b),
-        Op::Binary(Binary::Div, a, b) => quote!(#a / #b),
-        Op::Binary(Binary::Atan2, a, b) => quote!(#a.atan2(#b)),
-        Op::Binary(Binary::Min, a, b) => quote!(#a.min(#b)),
-        Op::Binary(Binary::Max, a, b) => quote!(#a.max(#b)),
-        Op::Compare(Comparison::Lt, a, b) => quote!(#a.lt(#b)),
-        Op::Compare(Comparison::Le, a, b) => quote!(#a.le(#b)),
-        Op::Compare(Comparison::Both, a, b) => quote!(T::both(#a, #b)),
-        Op::Select(mask, a, b) => quote!(T::select(#mask, #a, #b)),
+fn flat(equations: &Equations, program: &Program, out: &mut String) {
+    let arguments = Arguments::of(program, &equations.layout);
+    taken(equations, &arguments.0, out);
+    out.push_str("out: &mut [T; ");
+    digits(out, program.len);
+    out.push_str("]) {\n");
+    let (ops, results) = inside(program);
+    let lets = lets(
+        &ops,
+        |index| program.instructions[index].name.is_some(),
+        &results,
+    );
+    let names = flat_names(equations, program, &lets);
+    for &group in arguments.0.iter().filter(|&&group| group != Group::Time) {
+        list(equations, program, group, &names.given, out);
+    }
+    let terms = Terms {
+        ops: &ops,
+        given: names.given,
+        constants: names.constants,
+        values: names.values,
+    };
+    constants(&program.constants, &terms.constants, out);
+    terms.write(out);
+    returned(program, &terms, out);
+    out.push('}');
+}
+
+/// Every operation of a program, arguments counted by kind, and which of them go to the result.
+fn inside(program: &Program) -> (Vec<Op<Local>>, Vec<usize>) {
+    let known = program.constants.len();
+    let first = known + program.slots.len();
+    let local = |register: Register| match register.index() {
+        index if index < known => Local::Constant(index),
+        index if index < first => Local::Given(index - known),
+        index => Local::Value(index - first),
+    };
+    let ops = program.instructions.iter().map(|i| i.op.map(local));
+    let results = program.outputs.iter();
+    let results = results.filter_map(|(_, register)| register.index().checked_sub(first));
+    (ops.collect(), results.collect())
+}
+
+/// `let [canopy_x, _, canopy_z, …] = *q;`: what is read of a list.
+fn list(
+    equations: &Equations,
+    program: &Program,
+    group: Group,
+    names: &[String],
+    out: &mut String,
+) {
+    let mut pattern = vec!["_"; group.len(equations)];
+    for (&slot, name) in program.slots.iter().zip(names) {
+        let (of, place) = Group::of(slot, &equations.layout);
+        if of == group
+            && let Some(item) = pattern.get_mut(place)
+        {
+            *item = name;
+        }
+    }
+    out.push_str("let [");
+    out.push_str(&pattern.join(", "));
+    out.push_str("] = *");
+    out.push_str(group.name());
+    out.push_str(";\n");
+}
+
+/// `let half = T::from_f64(0.5);` for each known number.
+pub fn constants(values: &[f64], names: &[String], out: &mut String) {
+    for (&value, name) in values.iter().zip(names) {
+        out.push_str("let ");
+        out.push_str(name);
+        out.push_str(" = T::from_f64(");
+        out.push_str(&number_text(value));
+        out.push_str(");\n");
+    }
+}
+
+/// `*out = […]` for a list, one assignment a non-zero for a matrix.
+fn returned(program: &Program, terms: &Terms, out: &mut String) {
+    let name = |register: Register| match program.operand(register) {
+        Operand::Constant(_) => terms.constants.get(register.index()).map(String::as_str),
+        Operand::Slot(_) => {
+            let slot = register.index() - program.constants.len();
+            terms.given.get(slot).map(String::as_str)
+        }
+        Operand::Value(value) => Some(terms.name(value)),
+    };
+    let named = program.outputs.iter();
+    let named = named.map(|&(place, register)| (place, name(register).unwrap_or_default()));
+    if program.what.is_some_and(is_matrix) {
+        for (place, name) in named {
+            out.push_str("out[");
+            digits(out, place);
+            out.push_str("] = ");
+            out.push_str(name);
+            out.push_str(";\n");
+        }
+    } else {
+        let names: Vec<&str> = named.map(|(_, name)| name).collect();
+        out.push_str("*out = [");
+        out.push_str(&names.join(", "));
+        out.push_str("];\n");
     }
 }

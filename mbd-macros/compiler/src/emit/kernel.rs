@@ -1,116 +1,108 @@
 //! A program in pieces: kernels that many share, and the function that calls them.
 //!
 //! The working list belongs to the caller. A kernel splits it where its own block begins: what is before is read, the block is written. No
-//! place can be wrong, since operations only use earlier ones; should the list be too short, a call gives `None` and nothing more is written.
+//! place can be wrong, since operations only use earlier ones; should the list be too short, a call is `false` and nothing more is written.
 
-use proc_macro2::{Ident, TokenStream};
-use quote::{format_ident, quote};
+use proc_macro2::TokenStream;
 
-use super::function::{Terms, taken};
-use super::literal::{number, signed, whole};
-use super::naming::{Unique, local_name};
-use crate::cycles::Cycle;
+use super::function::{constants, document, taken, tokens};
+use super::literal::{digits, number_text};
+use super::naming::kernel_names;
+use super::terms::{Terms, lets};
+use crate::cycles::{Cycle, Item};
 use crate::equations::{Equations, is_matrix};
 use crate::kernels::{Driver, Kernel, Kernels};
+use crate::lists::Group;
 use crate::outline::Piece;
 use crate::program::{Operand, Program, Register};
 
-/// Every kernel of a model. `users` says what a program is called.
+/// Every kernel of a model.
 pub fn kernels(equations: &Equations, kernels: &Kernels) -> TokenStream {
     let programs: Vec<&Program> = equations.every_program().collect();
-    let all = kernels.kernels.iter().enumerate();
-    let all = all.filter_map(|(index, found)| {
-        let (program, piece) = found.first;
-        let driver = kernels.drivers.get(program)?.as_ref()?;
-        let (program, piece) = (programs.get(program)?, driver.pieces.get(piece)?);
-        Some(kernel(equations, program, found, piece, &name(index)))
-    });
-    quote!(#(#all)*)
+    let mut out = String::new();
+    for (index, kernel) in kernels.kernels.iter().enumerate() {
+        let (program, piece) = kernel.first;
+        let driver = kernels.drivers.get(program).and_then(Option::as_ref);
+        let piece = driver.and_then(|driver| driver.pieces.get(piece));
+        if let (Some(program), Some(piece)) = (programs.get(program), piece) {
+            write(equations, program, kernel, piece, index, &mut out);
+        }
+    }
+    tokens(&out)
 }
 
-fn name(kernel: usize) -> Ident {
-    format_ident!("part_{kernel}")
-}
-
-fn kernel(
+fn write(
     equations: &Equations,
     program: &Program,
     kernel: &Kernel,
     piece: &Piece,
-    function: &Ident,
-) -> TokenStream {
-    let begins: Vec<Ident> = (0..kernel.windows.len())
-        .map(|index| format_ident!("from_{index}"))
+    index: usize,
+    out: &mut String,
+) {
+    let begins: Vec<String> = (0..kernel.windows.len())
+        .map(|index| format!("from_{index}"))
         .collect();
-    let mut unique = Unique::for_kernel(&begins);
-    let mut names: Vec<Option<Ident>> = vec![None; program.registers()];
-    let first = program.constants.len() + program.slots.len();
-    let values = piece
-        .instructions
-        .iter()
-        .map(|&i| Register((first + i) as u32));
-    let shared = kernel.users > 1;
-    let registers = piece.given.iter().chain(&piece.constants).copied();
-    for register in registers.chain(values) {
-        let known = matches!(program.operand(register), Operand::Constant(_));
-        let base = match known && kernel.tabled {
-            true => "number".to_owned(),
-            false => local_name(equations, program, register, shared),
-        };
-        names[register.index()] = Some(unique.name(&base));
+    let named = |at: usize| {
+        let instruction = piece.instructions.get(at);
+        let instruction = instruction.and_then(|&index| program.instructions.get(index));
+        instruction.is_some_and(|instruction| instruction.name.is_some())
+    };
+    let lets = lets(&piece.pattern, named, &piece.results);
+    let sharing = (kernel.users > 1, kernel.tabled);
+    let names = kernel_names(equations, program, (piece, &lets), &begins, sharing);
+    let terms = Terms {
+        ops: &piece.pattern,
+        given: names.given,
+        constants: names.constants,
+        values: names.values,
+    };
+    document(out, &documentation(program, kernel, piece));
+    out.push_str("#[inline(never)] fn part_");
+    digits(out, index);
+    out.push_str("<T: ::mbd_runtime::Real>(work: &mut [T], [begin, ");
+    out.push_str(&begins.join(", "));
+    out.push_str("]: [usize; ");
+    digits(out, 1 + begins.len());
+    out.push(']');
+    if kernel.tabled {
+        out.push_str(", numbers: &[f64; ");
+        digits(out, piece.constants.len());
+        out.push(']');
     }
-    let name = |register: Register| &names[register.index()];
-    let windows = kernel.windows.iter().zip(&begins).map(|(window, begin)| {
-        let mut pattern: Vec<TokenStream> = vec![quote!(_); window.len];
-        for &(place, given) in &window.given {
-            let name = piece.given.get(given).map(|&register| name(register));
-            if let (Some(slot), Some(name)) = (pattern.get_mut(place), name) {
-                *slot = quote!(#name);
+    out.push_str(
+        ") -> bool {\nlet (known, own) = ::mbd_runtime::__private::blocks(work, begin);\n",
+    );
+    windows(kernel, &terms.given, &begins, out);
+    if kernel.tabled {
+        out.push_str("let [");
+        out.push_str(&terms.constants.join(", "));
+        out.push_str("] = numbers.map(T::from_f64);\n");
+    } else {
+        let known = piece.constants.iter();
+        let known = known.filter_map(|&register| constant(program, register));
+        constants(&known.collect::<Vec<f64>>(), &terms.constants, out);
+    }
+    terms.write(out);
+    out.push_str("::mbd_runtime::__private::put(own, [");
+    let results: Vec<&str> = piece.results.iter().map(|&at| terms.name(at)).collect();
+    out.push_str(&results.join(", "));
+    out.push_str("])\n}\n");
+}
+
+/// `let &[wx, _, wz, ..] = window(known, from_0) else { return false };` for each window.
+fn windows(kernel: &Kernel, given: &[String], begins: &[String], out: &mut String) {
+    for (window, begin) in kernel.windows.iter().zip(begins) {
+        let mut pattern = vec!["_"; window.len];
+        for &(place, index) in &window.given {
+            if let (Some(item), Some(name)) = (pattern.get_mut(place), given.get(index)) {
+                *item = name;
             }
         }
-        quote!(let &[#(#pattern),*] = ::mbd_runtime::__private::window(known, #begin)?;)
-    });
-    let (table, constants) = if kernel.tabled {
-        let count = whole(piece.constants.len());
-        let constants = piece.constants.iter().map(|&register| name(register));
-        (
-            quote!(, numbers: &[f64; #count]),
-            quote!(let [#(#constants),*] = numbers.map(T::from_f64);),
-        )
-    } else {
-        let lets = piece.constants.iter().filter_map(|&register| {
-            let Operand::Constant(value) = program.operand(register) else {
-                return None;
-            };
-            let (name, value) = (name(register), number(value));
-            Some(quote!(let #name = T::from_f64(#value);))
-        });
-        (TokenStream::new(), quote!(#(#lets)*))
-    };
-    let terms = Terms {
-        program,
-        names: &names,
-    }
-    .lets(&piece.instructions);
-    let results = piece.results.iter().filter_map(|&result| {
-        let value = piece.instructions.get(result)?;
-        Some(name(Register((first + value) as u32)))
-    });
-    let count = whole(1 + kernel.windows.len());
-    let doc = documentation(program, kernel, piece);
-    quote! {
-        #[doc = #doc]
-        #[inline(never)]
-        fn #function<T: ::mbd_runtime::Real>(
-            work: &mut [T], [begin, #(#begins),*]: [usize; #count] #table
-        ) -> ::core::option::Option<()> {
-            let (known, own) = work.split_at_mut_checked(begin)?;
-            #(#windows)*
-            #constants
-            #terms
-            *own.first_chunk_mut()? = [#(#results),*];
-            ::core::option::Option::Some(())
-        }
+        out.push_str("let &[");
+        out.push_str(&pattern.join(", "));
+        out.push_str(", ..] = ::mbd_runtime::__private::window(known, ");
+        out.push_str(begin);
+        out.push_str(") else { return false; };\n");
     }
 }
 
@@ -136,125 +128,165 @@ fn documentation(program: &Program, kernel: &Kernel, piece: &Piece) -> String {
     }
 }
 
-/// The function of a program in pieces.
+/// The function of a program in pieces, from its arguments on.
 pub fn driver(
     equations: &Equations,
     program: &Program,
     (kernels, driver): (&Kernels, &Driver),
-    function: &Ident,
-    docs: &[String],
-) -> TokenStream {
-    let taken = taken(equations, &driver.lists);
-    let len = whole(program.len);
-    let entered = driver.lists.iter().map(|group| {
-        let list = format_ident!("{}", group.name());
+    out: &mut String,
+) {
+    taken(equations, &driver.lists, out);
+    out.push_str("work: &mut [T], out: &mut [T; ");
+    digits(out, program.len);
+    out.push_str("]) -> bool {\n");
+    let mut steps = Steps::default();
+    let mut at = 0;
+    for &group in &driver.lists {
         let list = match group {
-            crate::lists::Group::Time => quote!(&[#list]),
-            _ => quote!(#list),
+            Group::Time => format!("&[{}]", group.name()),
+            _ => group.name().to_owned(),
         };
-        quote!(let rest = ::mbd_runtime::__private::enter(rest, #list)?;)
-    });
-    let kept = (!driver.kept.is_empty()).then(|| {
+        steps.call(format!(
+            "::mbd_runtime::__private::enter(work, {at}, {list})"
+        ));
+        at += group.len(equations);
+    }
+    if !driver.kept.is_empty() {
         let values = driver.kept.iter().filter_map(|&r| constant(program, r));
-        quote!(::mbd_runtime::__private::enter(rest, &[#(T::from_f64(#values)),*])?;)
-    });
-    let calls = driver
-        .calls
-        .iter()
-        .map(|cycle| calls(program, kernels, driver, cycle));
-    let copies = driver.copies.iter().map(|cycle| {
-        let rounds = whole(cycle.rounds);
-        let items = cycle.items.iter().map(|item| {
-            let len = whole(item.key);
-            let ends = item.at.iter().zip(&item.step).map(|(&at, &step)| {
-                let (at, step) = (whole(at), signed(step));
-                quote!((#at, #step))
-            });
-            quote!((#len, #(#ends),*))
-        });
-        quote!((#rounds, &[#(#items),*]))
-    });
+        let values: Vec<String> = values
+            .map(|value| format!("T::from_f64({})", number_text(value)))
+            .collect();
+        let values = values.join(", ");
+        steps.call(format!(
+            "::mbd_runtime::__private::enter(work, {at}, &[{values}])"
+        ));
+    }
+    for cycle in &driver.calls {
+        calls(program, kernels, driver, cycle, &mut steps);
+    }
+    steps.end();
+    out.push_str(&steps.text);
     let only = match program.what.is_some_and(is_matrix) {
         true => "Structural non-zeros",
         false => "Results",
     };
-    let results =
-        format!(" {only}: rounds of (count, (place in `out`, step), (place in `work`, step)).");
-    quote! {
-        #(#[doc = #docs])*
-        #[inline(never)]
-        fn #function<T: ::mbd_runtime::Real>(
-            #(#taken,)* work: &mut [T], out: &mut [T; #len]
-        ) -> ::core::option::Option<()> {
-            let rest = &mut *work;
-            #(#entered)*
-            #kept
-            #(#calls)*
-            #[doc = #results]
-            const RESULTS: &[::mbd_runtime::__private::Copies] = &[#(#copies),*];
-            ::mbd_runtime::__private::copy(work, out, RESULTS)
+    document(
+        out,
+        &format!(" {only}: rounds of (count, (place in `out`, step), (place in `work`, step))."),
+    );
+    out.push_str("const RESULTS: &[::mbd_runtime::__private::Copies] = &[");
+    for cycle in &driver.copies {
+        out.push_str(&format!("({}, &[", cycle.rounds));
+        for item in &cycle.items {
+            out.push_str(&format!("({}", item.key));
+            for (at, step) in item.at.iter().zip(&item.step) {
+                out.push_str(&format!(", ({at}, {step})"));
+            }
+            out.push_str("), ");
         }
+        out.push_str("]), ");
     }
+    out.push_str("];\n::mbd_runtime::__private::copy(work, out, RESULTS)\n}\n");
 }
 
-fn constant(program: &Program, register: Register) -> Option<TokenStream> {
+fn constant(program: &Program, register: Register) -> Option<f64> {
     match program.operand(register) {
-        Operand::Constant(value) => Some(number(value)),
+        Operand::Constant(value) => Some(value),
         _ => None,
     }
 }
 
-/// A call, or a loop of calls.
-fn calls(program: &Program, kernels: &Kernels, driver: &Driver, cycle: &Cycle) -> TokenStream {
-    let tabled = |item: usize| {
-        let key = cycle.items.get(item).map(|item| item.key);
-        key.and_then(|key| kernels.kernels.get(key))
-            .is_some_and(|kernel| kernel.tabled)
+/// Calls that follow one another, each only after the one before could do its work.
+#[derive(Default)]
+struct Steps {
+    text: String,
+    /// Calls of the statement that is open.
+    open: usize,
+}
+
+impl Steps {
+    /// No statement has more calls.
+    const MOST: usize = 16;
+
+    fn call(&mut self, call: String) {
+        if self.open == Self::MOST {
+            self.end();
+        }
+        self.text.push_str(match self.open {
+            0 => "let done = ",
+            _ => " && ",
+        });
+        self.text.push_str(&call);
+        self.open += 1;
+    }
+
+    fn end(&mut self) {
+        if std::mem::take(&mut self.open) > 0 {
+            self.text.push_str(";\nif !done { return false; }\n");
+        }
+    }
+}
+
+/// A call, or rounds of calls.
+fn calls(program: &Program, kernels: &Kernels, driver: &Driver, cycle: &Cycle, steps: &mut Steps) {
+    let tabled = |item: &Item| {
+        let kernel = kernels.kernels.get(item.key);
+        kernel.is_some_and(|kernel| kernel.tabled)
     };
     let row = |round: usize, item: usize| {
         let piece = driver.piece(cycle, round, item);
         let constants = piece.into_iter().flat_map(|piece| &piece.constants);
         let numbers = constants.filter_map(|&c| constant(program, c));
-        quote!([#(#numbers),*])
+        let numbers: Vec<String> = numbers.map(number_text).collect();
+        format!("[{}]", numbers.join(", "))
+    };
+    let rows = |item: usize| {
+        let rows: Vec<String> = (0..cycle.rounds).map(|round| row(round, item)).collect();
+        format!("&[{}]", rows.join(", "))
     };
     if cycle.rounds == 1 {
-        let calls = cycle.items.iter().enumerate().map(|(index, item)| {
-            let (kernel, at) = (name(item.key), item.at.iter().map(|&at| whole(at)));
-            let table = tabled(index).then(|| {
-                let row = row(0, index);
-                quote!(, &#row)
-            });
-            quote!(#kernel(work, [#(#at),*] #table)?;)
-        });
-        return quote!(#(#calls)*);
+        for (index, item) in cycle.items.iter().enumerate() {
+            let table = match tabled(item) {
+                true => format!(", &{}", row(0, index)),
+                false => String::new(),
+            };
+            steps.call(format!("part_{}(work, {:?}{table})", item.key, item.at));
+        }
+        return;
     }
-    let (mut begins, mut bodies, mut tables, mut rows) = (vec![], vec![], vec![], vec![]);
-    for (index, item) in cycle.items.iter().enumerate() {
-        let (kernel, place) = (name(item.key), format_ident!("at_{index}"));
-        let at = item.at.iter().map(|&at| whole(at));
-        let steps = item.step.iter().map(|&step| signed(step));
-        begins.push(quote!(let mut #place = [#(#at),*];));
-        let numbers = tabled(index).then(|| {
-            let numbers = format_ident!("numbers_{index}");
-            let all = (0..cycle.rounds).map(|round| row(round, index));
-            tables.push(quote!(&[#(#all),*]));
-            rows.push(numbers.clone());
-            quote!(, #numbers)
+    if let [item] = cycle.items.as_slice() {
+        let (rounds, part, at, step) = (cycle.rounds, item.key, &item.at, &item.step);
+        steps.call(match tabled(item) {
+            true => format!(
+                "::mbd_runtime::__private::rounds_with(work, {}, {at:?}, {step:?}, part_{part})",
+                rows(0)
+            ),
+            false => format!(
+                "::mbd_runtime::__private::rounds(work, {rounds}, {at:?}, {step:?}, part_{part})"
+            ),
         });
-        bodies.push(quote! {
-            #kernel(work, #place #numbers)?;
-            #place = ::mbd_runtime::__private::advanced(#place, [#(#steps),*]);
-        });
+        return;
     }
-    let rounds = whole(cycle.rounds);
+    steps.end();
     // Rows of numbers, one a round, nested in pairs.
-    let (mut over, mut pattern) = (quote!(0..#rounds), quote!(_));
-    for (table, row) in tables.into_iter().zip(rows) {
-        over = quote!(::core::iter::Iterator::zip(#over, #table));
-        pattern = quote!((#pattern, #row));
+    let (mut over, mut pattern) = (format!("0..{}", cycle.rounds), "_".to_owned());
+    let mut body = Steps::default();
+    for (index, item) in cycle.items.iter().enumerate() {
+        let (at, step) = (&item.at, &item.step);
+        steps
+            .text
+            .push_str(&format!("let mut at_{index} = {at:?};\n"));
+        let mut numbers = String::new();
+        if tabled(item) {
+            over = format!("::core::iter::Iterator::zip({over}, {})", rows(index));
+            pattern = format!("({pattern}, numbers_{index})");
+            numbers = format!(", numbers_{index}");
+        }
+        let place = format!("::mbd_runtime::__private::next(&mut at_{index}, {step:?})");
+        body.call(format!("part_{}(work, {place}{numbers})", item.key));
     }
-    quote! {
-        #(#begins)*
-        for #pattern in #over { #(#bodies)* }
-    }
+    body.end();
+    steps
+        .text
+        .push_str(&format!("for {pattern} in {over} {{\n{}}}\n", body.text));
 }

@@ -1,47 +1,42 @@
 //! Numbers and scenes as Rust text.
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::quote;
 
 /// A number without suffix; a negative one as a minus and a literal.
 #[must_use]
 pub fn number(value: f64) -> TokenStream {
+    number_text(value).parse().unwrap_or_default()
+}
+
+/// The same as text; very small and very large numbers with an exponent.
+#[must_use]
+pub fn number_text(value: f64) -> String {
     if value.is_nan() {
-        return quote!(::core::primitive::f64::NAN);
+        return "::core::primitive::f64::NAN".to_owned();
     }
     let magnitude = value.abs();
-    let literal = if magnitude.is_infinite() {
-        quote!(::core::primitive::f64::INFINITY)
-    } else {
-        let literal = readable(magnitude);
-        quote!(#literal)
+    let usual = magnitude == 0.0 || (1e-4..1e9).contains(&magnitude);
+    let text = match usual {
+        _ if magnitude.is_infinite() => "::core::primitive::f64::INFINITY".to_owned(),
+        true => format!("{magnitude:?}"),
+        false => format!("{magnitude:e}"),
     };
     if value.is_sign_negative() {
-        quote!(-#literal)
+        format!("-{text}")
     } else {
-        literal
+        text
     }
 }
 
-/// Very small and very large numbers with an exponent.
-fn readable(magnitude: f64) -> Literal {
-    let usual = magnitude == 0.0 || (1e-4..1e9).contains(&magnitude);
-    let exponential = (!usual)
-        .then(|| format!("{magnitude:e}").parse().ok())
-        .flatten();
-    exponential.unwrap_or_else(|| Literal::f64_unsuffixed(magnitude))
+/// Writes a whole number.
+pub fn digits(out: &mut String, value: usize) {
+    out.push_str(&value.to_string());
 }
 
 /// A whole number without suffix.
 #[must_use]
 pub fn whole(value: usize) -> Literal {
     Literal::usize_unsuffixed(value)
-}
-
-/// A whole number without suffix, of either sign.
-#[must_use]
-pub fn signed(value: isize) -> Literal {
-    Literal::isize_unsuffixed(value)
 }
 
 /// A name of the declaration as an identifier at its place; a name that is none in Rust is changed until it is.

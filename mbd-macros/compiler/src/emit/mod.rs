@@ -1,6 +1,6 @@
 //! Emission: equations become Rust that reads like a document.
 //!
-//! - `function` writes one program as one function, `kernel` a long one as calls of kernels that many share.
+//! - `function` writes one program as one function, `kernel` a long one as calls of kernels that many share, `terms` what they compute.
 //! - `interface` writes parameters, state, outputs and loads, `methods` the typed methods, `model` the struct and the trait.
 //! - `explain` says in words what was made.
 
@@ -15,6 +15,7 @@ mod model;
 mod naming;
 mod parts;
 pub mod quantity;
+mod terms;
 
 use proc_macro2::{Span, TokenStream};
 use quote::quote;

@@ -201,239 +201,202 @@ const _: () = {
         let tiny = T::from_f64(1e-18);
         let one = T::from_f64(1.0);
         let zero = T::from_f64(0.0);
-        let left_stay_t = knot_px.abs();
-        let left_stay_t_2 = knot_py.abs();
-        let left_stay_t_3 = left_stay_t + left_stay_t_2;
-        let left_stay_t_4 = knot_pz.abs();
-        let left_stay_t_5 = left_stay_t_3 + left_stay_t_4;
+        let left_stay_t = knot_px.abs() + knot_py.abs() + knot_pz.abs();
         let left_stay_e_x = knot_px - left_stay_world_px;
         let left_stay_e_y = knot_py - left_stay_world_py;
         let left_stay_e_z = knot_pz - left_stay_world_pz;
-        let left_stay_t_6 = left_stay_e_x * left_stay_e_x;
-        let left_stay_t_7 = left_stay_e_y * left_stay_e_y;
-        let left_stay_t_8 = left_stay_e_z * left_stay_e_z;
-        let left_stay_t_9 = left_stay_t_6 + left_stay_t_7;
-        let left_stay_t_10 = left_stay_t_8 + left_stay_t_9;
-        let left_stay_length = left_stay_t_10.sqrt();
-        let left_stay_t_11 = left_stay_length.max(tiny);
-        let left_stay_inverse_length = one / left_stay_t_11;
+        let left_stay_length = (left_stay_e_z * left_stay_e_z
+            + (left_stay_e_x * left_stay_e_x + left_stay_e_y * left_stay_e_y))
+            .sqrt();
+        let left_stay_inverse_length = one / left_stay_length.max(tiny);
         let left_stay_u_x = left_stay_e_x * left_stay_inverse_length;
         let left_stay_u_y = left_stay_e_y * left_stay_inverse_length;
         let left_stay_u_z = left_stay_e_z * left_stay_inverse_length;
         let left_stay_stretch = left_stay_length - left_stay_l;
-        let left_stay_t_12 = left_stay_stretch.max(zero);
-        let left_stay_tension = left_stay_k * left_stay_t_12;
-        let left_stay_t_13 = zero.le(left_stay_stretch);
-        let left_stay_t_14 = zero.lt(left_stay_l);
-        let left_stay_t_15 = left_stay_inverse_length * left_stay_tension;
-        let left_stay_t_16 = T::select(left_stay_t_14, left_stay_t_15, left_stay_k);
-        let left_stay_across = T::select(left_stay_t_13, left_stay_t_16, zero);
-        let left_stay_t_17 = T::select(left_stay_t_13, left_stay_k, zero);
-        let left_stay_along = left_stay_t_17 - left_stay_across;
+        let left_stay_tension = left_stay_k * left_stay_stretch.max(zero);
+        let left_stay_t_2 = zero.le(left_stay_stretch);
+        let left_stay_across = T::select(
+            left_stay_t_2,
+            T::select(
+                zero.lt(left_stay_l),
+                left_stay_inverse_length * left_stay_tension,
+                left_stay_k,
+            ),
+            zero,
+        );
+        let left_stay_along = T::select(left_stay_t_2, left_stay_k, zero)
+            - left_stay_across;
         let left_stay_along_x = left_stay_u_x * left_stay_along;
         let left_stay_along_y = left_stay_u_y * left_stay_along;
         let left_stay_along_z = left_stay_u_z * left_stay_along;
-        let left_stay_t_18 = left_stay_u_x * left_stay_along_x;
         let left_stay_j_xy = left_stay_u_y * left_stay_along_x;
-        let left_stay_t_19 = left_stay_u_y * left_stay_along_y;
         let left_stay_j_xz = left_stay_u_z * left_stay_along_x;
         let left_stay_j_yz = left_stay_u_z * left_stay_along_y;
-        let left_stay_t_20 = left_stay_u_z * left_stay_along_z;
-        let left_stay_j_xx = left_stay_across + left_stay_t_18;
-        let left_stay_j_yy = left_stay_across + left_stay_t_19;
-        let left_stay_j_zz = left_stay_across + left_stay_t_20;
+        let left_stay_j_xx = left_stay_across + left_stay_u_x * left_stay_along_x;
+        let left_stay_j_yy = left_stay_across + left_stay_u_y * left_stay_along_y;
+        let left_stay_j_zz = left_stay_across + left_stay_u_z * left_stay_along_z;
         let left_stay_force_x = left_stay_u_x * left_stay_tension;
         let left_stay_force_y = left_stay_u_y * left_stay_tension;
         let left_stay_force_z = left_stay_u_z * left_stay_tension;
-        let left_stay_t_21 = left_stay_force_x - knot_load_x;
-        let left_stay_t_22 = left_stay_force_y - knot_load_y;
-        let left_stay_t_23 = left_stay_force_z - knot_load_z;
-        let left_stay_t_24 = left_stay_t_5 + left_stay_length;
-        let left_stay_t_25 = left_stay_k * left_stay_t_24;
-        let left_stay_t_26 = T::select(left_stay_t_13, left_stay_t_25, zero);
-        let left_stay_t_27 = zero.lt(left_stay_stretch);
-        let left_stay_t_28 = T::select(left_stay_t_27, one, zero);
         let right_stay_e_x = knot_px - right_stay_world_px;
         let right_stay_e_y = knot_py - right_stay_world_py;
         let right_stay_e_z = knot_pz - right_stay_world_pz;
-        let right_stay_t = right_stay_e_x * right_stay_e_x;
-        let right_stay_t_2 = right_stay_e_y * right_stay_e_y;
-        let right_stay_t_3 = right_stay_e_z * right_stay_e_z;
-        let right_stay_t_4 = right_stay_t + right_stay_t_2;
-        let right_stay_t_5 = right_stay_t_3 + right_stay_t_4;
-        let right_stay_length = right_stay_t_5.sqrt();
-        let right_stay_t_6 = right_stay_length.max(tiny);
-        let right_stay_inverse_length = one / right_stay_t_6;
+        let right_stay_length = (right_stay_e_z * right_stay_e_z
+            + (right_stay_e_x * right_stay_e_x + right_stay_e_y * right_stay_e_y))
+            .sqrt();
+        let right_stay_inverse_length = one / right_stay_length.max(tiny);
         let right_stay_u_x = right_stay_e_x * right_stay_inverse_length;
         let right_stay_u_y = right_stay_e_y * right_stay_inverse_length;
         let right_stay_u_z = right_stay_e_z * right_stay_inverse_length;
         let right_stay_stretch = right_stay_length - right_stay_l;
-        let right_stay_t_7 = right_stay_stretch.max(zero);
-        let right_stay_tension = right_stay_k * right_stay_t_7;
-        let right_stay_t_8 = zero.le(right_stay_stretch);
-        let right_stay_t_9 = zero.lt(right_stay_l);
-        let right_stay_t_10 = right_stay_inverse_length * right_stay_tension;
-        let right_stay_t_11 = T::select(right_stay_t_9, right_stay_t_10, right_stay_k);
-        let right_stay_across = T::select(right_stay_t_8, right_stay_t_11, zero);
-        let right_stay_t_12 = T::select(right_stay_t_8, right_stay_k, zero);
-        let right_stay_along = right_stay_t_12 - right_stay_across;
+        let right_stay_tension = right_stay_k * right_stay_stretch.max(zero);
+        let right_stay_t = zero.le(right_stay_stretch);
+        let right_stay_across = T::select(
+            right_stay_t,
+            T::select(
+                zero.lt(right_stay_l),
+                right_stay_inverse_length * right_stay_tension,
+                right_stay_k,
+            ),
+            zero,
+        );
+        let right_stay_along = T::select(right_stay_t, right_stay_k, zero)
+            - right_stay_across;
         let right_stay_along_x = right_stay_u_x * right_stay_along;
         let right_stay_along_y = right_stay_u_y * right_stay_along;
         let right_stay_along_z = right_stay_u_z * right_stay_along;
-        let right_stay_t_13 = right_stay_u_x * right_stay_along_x;
         let right_stay_j_xy = right_stay_u_y * right_stay_along_x;
-        let right_stay_t_14 = right_stay_u_y * right_stay_along_y;
         let right_stay_j_xz = right_stay_u_z * right_stay_along_x;
         let right_stay_j_yz = right_stay_u_z * right_stay_along_y;
-        let right_stay_t_15 = right_stay_u_z * right_stay_along_z;
-        let right_stay_j_xx = right_stay_across + right_stay_t_13;
-        let right_stay_j_yy = right_stay_across + right_stay_t_14;
-        let right_stay_j_zz = right_stay_across + right_stay_t_15;
+        let right_stay_j_xx = right_stay_across + right_stay_u_x * right_stay_along_x;
+        let right_stay_j_yy = right_stay_across + right_stay_u_y * right_stay_along_y;
+        let right_stay_j_zz = right_stay_across + right_stay_u_z * right_stay_along_z;
         let right_stay_force_x = right_stay_u_x * right_stay_tension;
         let right_stay_force_y = right_stay_u_y * right_stay_tension;
         let right_stay_force_z = right_stay_u_z * right_stay_tension;
-        let right_stay_t_16 = left_stay_t_21 + right_stay_force_x;
-        let right_stay_t_17 = left_stay_t_22 + right_stay_force_y;
-        let right_stay_t_18 = left_stay_t_23 + right_stay_force_z;
-        let right_stay_t_19 = left_stay_j_xx + right_stay_j_xx;
-        let right_stay_t_20 = left_stay_j_xy + right_stay_j_xy;
-        let right_stay_t_21 = left_stay_j_xz + right_stay_j_xz;
-        let right_stay_t_22 = left_stay_j_yy + right_stay_j_yy;
-        let right_stay_t_23 = left_stay_j_yz + right_stay_j_yz;
-        let right_stay_t_24 = left_stay_j_zz + right_stay_j_zz;
-        let right_stay_t_25 = left_stay_tension + right_stay_tension;
-        let right_stay_t_26 = left_stay_t_5 + right_stay_length;
-        let right_stay_t_27 = right_stay_k * right_stay_t_26;
-        let right_stay_t_28 = T::select(right_stay_t_8, right_stay_t_27, zero);
-        let right_stay_t_29 = left_stay_t_26 + right_stay_t_28;
-        let right_stay_t_30 = zero.lt(right_stay_stretch);
-        let right_stay_t_31 = T::select(right_stay_t_30, one, zero);
-        let right_stay_t_32 = left_stay_t_28 + right_stay_t_31;
         let back_stay_e_x = knot_px - back_stay_world_px;
         let back_stay_e_y = knot_py - back_stay_world_py;
         let back_stay_e_z = knot_pz - back_stay_world_pz;
-        let back_stay_t = back_stay_e_x * back_stay_e_x;
-        let back_stay_t_2 = back_stay_e_y * back_stay_e_y;
-        let back_stay_t_3 = back_stay_e_z * back_stay_e_z;
-        let back_stay_t_4 = back_stay_t + back_stay_t_2;
-        let back_stay_t_5 = back_stay_t_3 + back_stay_t_4;
-        let back_stay_length = back_stay_t_5.sqrt();
-        let back_stay_t_6 = back_stay_length.max(tiny);
-        let back_stay_inverse_length = one / back_stay_t_6;
+        let back_stay_length = (back_stay_e_z * back_stay_e_z
+            + (back_stay_e_x * back_stay_e_x + back_stay_e_y * back_stay_e_y))
+            .sqrt();
+        let back_stay_inverse_length = one / back_stay_length.max(tiny);
         let back_stay_u_x = back_stay_e_x * back_stay_inverse_length;
         let back_stay_u_y = back_stay_e_y * back_stay_inverse_length;
         let back_stay_u_z = back_stay_e_z * back_stay_inverse_length;
         let back_stay_stretch = back_stay_length - back_stay_l;
-        let back_stay_t_7 = back_stay_stretch.max(zero);
-        let back_stay_tension = back_stay_k * back_stay_t_7;
-        let back_stay_t_8 = zero.le(back_stay_stretch);
-        let back_stay_t_9 = zero.lt(back_stay_l);
-        let back_stay_t_10 = back_stay_inverse_length * back_stay_tension;
-        let back_stay_t_11 = T::select(back_stay_t_9, back_stay_t_10, back_stay_k);
-        let back_stay_across = T::select(back_stay_t_8, back_stay_t_11, zero);
-        let back_stay_t_12 = T::select(back_stay_t_8, back_stay_k, zero);
-        let back_stay_along = back_stay_t_12 - back_stay_across;
+        let back_stay_tension = back_stay_k * back_stay_stretch.max(zero);
+        let back_stay_t = zero.le(back_stay_stretch);
+        let back_stay_across = T::select(
+            back_stay_t,
+            T::select(
+                zero.lt(back_stay_l),
+                back_stay_inverse_length * back_stay_tension,
+                back_stay_k,
+            ),
+            zero,
+        );
+        let back_stay_along = T::select(back_stay_t, back_stay_k, zero)
+            - back_stay_across;
         let back_stay_along_x = back_stay_u_x * back_stay_along;
         let back_stay_along_y = back_stay_u_y * back_stay_along;
         let back_stay_along_z = back_stay_u_z * back_stay_along;
-        let back_stay_t_13 = back_stay_u_x * back_stay_along_x;
         let back_stay_j_xy = back_stay_u_y * back_stay_along_x;
-        let back_stay_t_14 = back_stay_u_y * back_stay_along_y;
         let back_stay_j_xz = back_stay_u_z * back_stay_along_x;
         let back_stay_j_yz = back_stay_u_z * back_stay_along_y;
-        let back_stay_t_15 = back_stay_u_z * back_stay_along_z;
-        let back_stay_j_xx = back_stay_across + back_stay_t_13;
-        let back_stay_j_yy = back_stay_across + back_stay_t_14;
-        let back_stay_j_zz = back_stay_across + back_stay_t_15;
+        let back_stay_j_xx = back_stay_across + back_stay_u_x * back_stay_along_x;
+        let back_stay_j_yy = back_stay_across + back_stay_u_y * back_stay_along_y;
+        let back_stay_j_zz = back_stay_across + back_stay_u_z * back_stay_along_z;
         let back_stay_force_x = back_stay_u_x * back_stay_tension;
         let back_stay_force_y = back_stay_u_y * back_stay_tension;
         let back_stay_force_z = back_stay_u_z * back_stay_tension;
-        let back_stay_t_16 = right_stay_t_16 + back_stay_force_x;
-        let back_stay_t_17 = right_stay_t_17 + back_stay_force_y;
-        let back_stay_t_18 = right_stay_t_18 + back_stay_force_z;
-        let back_stay_t_19 = right_stay_t_19 + back_stay_j_xx;
-        let back_stay_t_20 = right_stay_t_20 + back_stay_j_xy;
-        let back_stay_t_21 = right_stay_t_21 + back_stay_j_xz;
-        let back_stay_t_22 = right_stay_t_22 + back_stay_j_yy;
-        let back_stay_t_23 = right_stay_t_23 + back_stay_j_yz;
-        let back_stay_t_24 = right_stay_t_24 + back_stay_j_zz;
-        let back_stay_t_25 = right_stay_t_25 + back_stay_tension;
-        let back_stay_t_26 = left_stay_t_5 + back_stay_length;
-        let back_stay_t_27 = back_stay_k * back_stay_t_26;
-        let back_stay_t_28 = T::select(back_stay_t_8, back_stay_t_27, zero);
-        let back_stay_t_29 = right_stay_t_29 + back_stay_t_28;
-        let back_stay_t_30 = zero.lt(back_stay_stretch);
-        let back_stay_t_31 = T::select(back_stay_t_30, one, zero);
-        let back_stay_t_32 = right_stay_t_32 + back_stay_t_31;
         let hanger_e_x = hanger_bob_px - knot_px;
         let hanger_e_y = hanger_bob_py - knot_py;
         let hanger_e_z = hanger_bob_pz - knot_pz;
-        let hanger_t = hanger_e_x * hanger_e_x;
-        let hanger_t_2 = hanger_e_y * hanger_e_y;
-        let hanger_t_3 = hanger_e_z * hanger_e_z;
-        let hanger_t_4 = hanger_t + hanger_t_2;
-        let hanger_t_5 = hanger_t_3 + hanger_t_4;
-        let hanger_length = hanger_t_5.sqrt();
-        let hanger_t_6 = hanger_length.max(tiny);
-        let hanger_inverse_length = one / hanger_t_6;
+        let hanger_length = (hanger_e_z * hanger_e_z
+            + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
+            .sqrt();
+        let hanger_inverse_length = one / hanger_length.max(tiny);
         let hanger_u_x = hanger_e_x * hanger_inverse_length;
         let hanger_u_y = hanger_e_y * hanger_inverse_length;
         let hanger_u_z = hanger_e_z * hanger_inverse_length;
         let hanger_stretch = hanger_length - hanger_l;
-        let hanger_t_7 = hanger_stretch.max(zero);
-        let hanger_tension = hanger_k * hanger_t_7;
-        let hanger_t_8 = zero.le(hanger_stretch);
-        let hanger_t_9 = zero.lt(hanger_l);
-        let hanger_t_10 = hanger_inverse_length * hanger_tension;
-        let hanger_t_11 = T::select(hanger_t_9, hanger_t_10, hanger_k);
-        let hanger_across = T::select(hanger_t_8, hanger_t_11, zero);
-        let hanger_t_12 = T::select(hanger_t_8, hanger_k, zero);
-        let hanger_along = hanger_t_12 - hanger_across;
+        let hanger_tension = hanger_k * hanger_stretch.max(zero);
+        let hanger_t = zero.le(hanger_stretch);
+        let hanger_across = T::select(
+            hanger_t,
+            T::select(
+                zero.lt(hanger_l),
+                hanger_inverse_length * hanger_tension,
+                hanger_k,
+            ),
+            zero,
+        );
+        let hanger_along = T::select(hanger_t, hanger_k, zero) - hanger_across;
         let hanger_along_x = hanger_u_x * hanger_along;
         let hanger_along_y = hanger_u_y * hanger_along;
         let hanger_along_z = hanger_u_z * hanger_along;
-        let hanger_t_13 = hanger_u_x * hanger_along_x;
         let hanger_j_xy = hanger_u_y * hanger_along_x;
-        let hanger_t_14 = hanger_u_y * hanger_along_y;
         let hanger_j_xz = hanger_u_z * hanger_along_x;
         let hanger_j_yz = hanger_u_z * hanger_along_y;
-        let hanger_t_15 = hanger_u_z * hanger_along_z;
-        let hanger_j_xx = hanger_across + hanger_t_13;
-        let hanger_j_yy = hanger_across + hanger_t_14;
-        let hanger_j_zz = hanger_across + hanger_t_15;
+        let hanger_j_xx = hanger_across + hanger_u_x * hanger_along_x;
+        let hanger_j_yy = hanger_across + hanger_u_y * hanger_along_y;
+        let hanger_j_zz = hanger_across + hanger_u_z * hanger_along_z;
         let hanger_force_x = hanger_u_x * hanger_tension;
         let hanger_force_y = hanger_u_y * hanger_tension;
         let hanger_force_z = hanger_u_z * hanger_tension;
-        let hanger_t_16 = back_stay_t_16 - hanger_force_x;
-        let hanger_t_17 = back_stay_t_17 - hanger_force_y;
-        let hanger_t_18 = back_stay_t_18 - hanger_force_z;
-        let hanger_t_19 = back_stay_t_19 + hanger_j_xx;
-        let hanger_t_20 = back_stay_t_20 + hanger_j_xy;
-        let hanger_t_21 = back_stay_t_21 + hanger_j_xz;
-        let hanger_t_22 = back_stay_t_22 + hanger_j_yy;
-        let hanger_t_23 = back_stay_t_23 + hanger_j_yz;
-        let hanger_t_24 = back_stay_t_24 + hanger_j_zz;
-        let hanger_t_25 = back_stay_t_25 + hanger_tension;
-        let hanger_t_26 = left_stay_t_5 + hanger_length;
-        let hanger_t_27 = hanger_k * hanger_t_26;
-        let hanger_t_28 = T::select(hanger_t_8, hanger_t_27, zero);
-        let hanger_t_29 = back_stay_t_29 + hanger_t_28;
-        let hanger_t_30 = zero.lt(hanger_stretch);
-        let hanger_t_31 = T::select(hanger_t_30, one, zero);
-        let hanger_t_32 = back_stay_t_32 + hanger_t_31;
+        let hanger_t_2 = left_stay_force_x - knot_load_x + right_stay_force_x
+            + back_stay_force_x - hanger_force_x;
+        let hanger_t_3 = left_stay_force_y - knot_load_y + right_stay_force_y
+            + back_stay_force_y - hanger_force_y;
+        let hanger_t_4 = left_stay_force_z - knot_load_z + right_stay_force_z
+            + back_stay_force_z - hanger_force_z;
+        let hanger_t_5 = left_stay_j_xx + right_stay_j_xx + back_stay_j_xx + hanger_j_xx;
+        let hanger_t_6 = left_stay_j_xy + right_stay_j_xy + back_stay_j_xy + hanger_j_xy;
+        let hanger_t_7 = left_stay_j_xz + right_stay_j_xz + back_stay_j_xz + hanger_j_xz;
+        let hanger_t_8 = left_stay_j_yy + right_stay_j_yy + back_stay_j_yy + hanger_j_yy;
+        let hanger_t_9 = left_stay_j_yz + right_stay_j_yz + back_stay_j_yz + hanger_j_yz;
+        let hanger_t_10 = left_stay_j_zz + right_stay_j_zz + back_stay_j_zz
+            + hanger_j_zz;
+        let hanger_t_11 = left_stay_tension + right_stay_tension + back_stay_tension
+            + hanger_tension;
+        let hanger_t_12 = T::select(
+            hanger_t,
+            hanger_k * (left_stay_t + hanger_length),
+            zero,
+        );
+        let hanger_t_13 = T::select(
+            left_stay_t_2,
+            left_stay_k * (left_stay_t + left_stay_length),
+            zero,
+        )
+            + T::select(
+                right_stay_t,
+                right_stay_k * (left_stay_t + right_stay_length),
+                zero,
+            )
+            + T::select(
+                back_stay_t,
+                back_stay_k * (left_stay_t + back_stay_length),
+                zero,
+            ) + hanger_t_12;
+        let hanger_t_14 = T::select(zero.lt(left_stay_stretch), one, zero)
+            + T::select(zero.lt(right_stay_stretch), one, zero)
+            + T::select(zero.lt(back_stay_stretch), one, zero)
+            + T::select(zero.lt(hanger_stretch), one, zero);
         *out = [
-            hanger_t_16,
-            hanger_t_17,
-            hanger_t_18,
-            hanger_t_19,
-            hanger_t_20,
-            hanger_t_21,
-            hanger_t_22,
-            hanger_t_23,
-            hanger_t_24,
-            hanger_t_25,
-            hanger_t_29,
-            hanger_t_32,
+            hanger_t_2,
+            hanger_t_3,
+            hanger_t_4,
+            hanger_t_5,
+            hanger_t_6,
+            hanger_t_7,
+            hanger_t_8,
+            hanger_t_9,
+            hanger_t_10,
+            hanger_t_11,
+            hanger_t_13,
+            hanger_t_14,
         ];
     }
     /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
@@ -459,28 +422,22 @@ const _: () = {
         let hanger_e_x = bob_x - knot_px;
         let hanger_e_y = bob_y - knot_py;
         let hanger_e_z = bob_z - knot_pz;
-        let hanger_t = hanger_e_x * hanger_e_x;
-        let hanger_t_2 = hanger_e_y * hanger_e_y;
-        let hanger_t_3 = hanger_e_z * hanger_e_z;
-        let hanger_t_4 = hanger_t + hanger_t_2;
-        let hanger_t_5 = hanger_t_3 + hanger_t_4;
-        let hanger_length = hanger_t_5.sqrt();
-        let hanger_t_6 = hanger_length.max(tiny);
-        let hanger_inverse_length = one / hanger_t_6;
+        let hanger_length = (hanger_e_z * hanger_e_z
+            + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
+            .sqrt();
+        let hanger_inverse_length = one / hanger_length.max(tiny);
         let hanger_u_x = hanger_e_x * hanger_inverse_length;
         let hanger_u_y = hanger_e_y * hanger_inverse_length;
         let hanger_u_z = hanger_e_z * hanger_inverse_length;
         let hanger_stretch = hanger_length - hanger_l;
-        let hanger_t_7 = hanger_stretch.max(zero);
-        let hanger_tension = hanger_k * hanger_t_7;
+        let hanger_tension = hanger_k * hanger_stretch.max(zero);
         let hanger_force_x = hanger_u_x * hanger_tension;
         let hanger_force_y = hanger_u_y * hanger_tension;
         let hanger_force_z = hanger_u_z * hanger_tension;
         let bob_t = hanger_force_x * minus_half;
         let bob_t_2 = hanger_force_y * minus_half;
-        let bob_t_3 = hanger_force_z * minus_half;
-        let bob_t_4 = c_m9_81 + bob_t_3;
-        *out = [bob_vx, bob_vy, bob_vz, bob_t, bob_t_2, bob_t_4];
+        let bob_t_3 = c_m9_81 + hanger_force_z * minus_half;
+        *out = [bob_vx, bob_vy, bob_vz, bob_t, bob_t_2, bob_t_3];
     }
     /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
     /// 3 [N], world axes; zero where the nodes are in equilibrium.
@@ -503,90 +460,69 @@ const _: () = {
         let half = T::from_f64(0.5);
         let c_0_2 = T::from_f64(0.2);
         let left_stay_e_x = knot_px - minus_one;
-        let left_stay_t = left_stay_e_x * left_stay_e_x;
-        let left_stay_t_2 = knot_py * knot_py;
-        let left_stay_t_3 = knot_pz * knot_pz;
-        let left_stay_t_4 = left_stay_t + left_stay_t_2;
-        let left_stay_t_5 = left_stay_t_3 + left_stay_t_4;
-        let left_stay_length = left_stay_t_5.sqrt();
-        let left_stay_t_6 = left_stay_length.max(tiny);
-        let left_stay_inverse_length = one / left_stay_t_6;
+        let left_stay_t = knot_pz * knot_pz;
+        let left_stay_length = (left_stay_t
+            + (left_stay_e_x * left_stay_e_x + knot_py * knot_py))
+            .sqrt();
+        let left_stay_inverse_length = one / left_stay_length.max(tiny);
         let left_stay_u_x = left_stay_e_x * left_stay_inverse_length;
         let left_stay_u_y = knot_py * left_stay_inverse_length;
         let left_stay_u_z = knot_pz * left_stay_inverse_length;
         let left_stay_stretch = left_stay_length - left_stay_l;
-        let left_stay_t_7 = left_stay_stretch.max(zero);
-        let left_stay_tension = left_stay_k * left_stay_t_7;
+        let left_stay_tension = left_stay_k * left_stay_stretch.max(zero);
         let left_stay_force_x = left_stay_u_x * left_stay_tension;
         let left_stay_force_y = left_stay_u_y * left_stay_tension;
         let left_stay_force_z = left_stay_u_z * left_stay_tension;
         let right_stay_e_x = knot_px - one;
         let right_stay_e_y = knot_py - half;
-        let right_stay_t = right_stay_e_x * right_stay_e_x;
-        let right_stay_t_2 = right_stay_e_y * right_stay_e_y;
-        let right_stay_t_3 = right_stay_t + right_stay_t_2;
-        let right_stay_t_4 = left_stay_t_3 + right_stay_t_3;
-        let right_stay_length = right_stay_t_4.sqrt();
-        let right_stay_t_5 = right_stay_length.max(tiny);
-        let right_stay_inverse_length = one / right_stay_t_5;
+        let right_stay_length = (left_stay_t
+            + (right_stay_e_x * right_stay_e_x + right_stay_e_y * right_stay_e_y))
+            .sqrt();
+        let right_stay_inverse_length = one / right_stay_length.max(tiny);
         let right_stay_u_x = right_stay_e_x * right_stay_inverse_length;
         let right_stay_u_y = right_stay_e_y * right_stay_inverse_length;
         let right_stay_u_z = knot_pz * right_stay_inverse_length;
         let right_stay_stretch = right_stay_length - right_stay_l;
-        let right_stay_t_6 = right_stay_stretch.max(zero);
-        let right_stay_tension = right_stay_k * right_stay_t_6;
+        let right_stay_tension = right_stay_k * right_stay_stretch.max(zero);
         let right_stay_force_x = right_stay_u_x * right_stay_tension;
         let right_stay_force_y = right_stay_u_y * right_stay_tension;
         let right_stay_force_z = right_stay_u_z * right_stay_tension;
-        let right_stay_t_7 = left_stay_force_x + right_stay_force_x;
-        let right_stay_t_8 = left_stay_force_y + right_stay_force_y;
-        let right_stay_t_9 = left_stay_force_z + right_stay_force_z;
         let back_stay_e_y = knot_py - minus_one;
         let back_stay_e_z = knot_pz - c_0_2;
-        let back_stay_t = knot_px * knot_px;
-        let back_stay_t_2 = back_stay_e_y * back_stay_e_y;
-        let back_stay_t_3 = back_stay_e_z * back_stay_e_z;
-        let back_stay_t_4 = back_stay_t + back_stay_t_2;
-        let back_stay_t_5 = back_stay_t_3 + back_stay_t_4;
-        let back_stay_length = back_stay_t_5.sqrt();
-        let back_stay_t_6 = back_stay_length.max(tiny);
-        let back_stay_inverse_length = one / back_stay_t_6;
+        let back_stay_length = (back_stay_e_z * back_stay_e_z
+            + (knot_px * knot_px + back_stay_e_y * back_stay_e_y))
+            .sqrt();
+        let back_stay_inverse_length = one / back_stay_length.max(tiny);
         let back_stay_u_x = knot_px * back_stay_inverse_length;
         let back_stay_u_y = back_stay_e_y * back_stay_inverse_length;
         let back_stay_u_z = back_stay_e_z * back_stay_inverse_length;
         let back_stay_stretch = back_stay_length - back_stay_l;
-        let back_stay_t_7 = back_stay_stretch.max(zero);
-        let back_stay_tension = back_stay_k * back_stay_t_7;
+        let back_stay_tension = back_stay_k * back_stay_stretch.max(zero);
         let back_stay_force_x = back_stay_u_x * back_stay_tension;
         let back_stay_force_y = back_stay_u_y * back_stay_tension;
         let back_stay_force_z = back_stay_u_z * back_stay_tension;
-        let back_stay_t_8 = right_stay_t_7 + back_stay_force_x;
-        let back_stay_t_9 = right_stay_t_8 + back_stay_force_y;
-        let back_stay_t_10 = right_stay_t_9 + back_stay_force_z;
         let hanger_e_x = bob_x - knot_px;
         let hanger_e_y = bob_y - knot_py;
         let hanger_e_z = bob_z - knot_pz;
-        let hanger_t = hanger_e_x * hanger_e_x;
-        let hanger_t_2 = hanger_e_y * hanger_e_y;
-        let hanger_t_3 = hanger_e_z * hanger_e_z;
-        let hanger_t_4 = hanger_t + hanger_t_2;
-        let hanger_t_5 = hanger_t_3 + hanger_t_4;
-        let hanger_length = hanger_t_5.sqrt();
-        let hanger_t_6 = hanger_length.max(tiny);
-        let hanger_inverse_length = one / hanger_t_6;
+        let hanger_length = (hanger_e_z * hanger_e_z
+            + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
+            .sqrt();
+        let hanger_inverse_length = one / hanger_length.max(tiny);
         let hanger_u_x = hanger_e_x * hanger_inverse_length;
         let hanger_u_y = hanger_e_y * hanger_inverse_length;
         let hanger_u_z = hanger_e_z * hanger_inverse_length;
         let hanger_stretch = hanger_length - hanger_l;
-        let hanger_t_7 = hanger_stretch.max(zero);
-        let hanger_tension = hanger_k * hanger_t_7;
+        let hanger_tension = hanger_k * hanger_stretch.max(zero);
         let hanger_force_x = hanger_u_x * hanger_tension;
         let hanger_force_y = hanger_u_y * hanger_tension;
         let hanger_force_z = hanger_u_z * hanger_tension;
-        let hanger_t_8 = hanger_force_x - back_stay_t_8;
-        let hanger_t_9 = hanger_force_y - back_stay_t_9;
-        let hanger_t_10 = hanger_force_z - back_stay_t_10;
-        *out = [hanger_t_8, hanger_t_9, hanger_t_10];
+        let hanger_t = hanger_force_x
+            - (left_stay_force_x + right_stay_force_x + back_stay_force_x);
+        let hanger_t_2 = hanger_force_y
+            - (left_stay_force_y + right_stay_force_y + back_stay_force_y);
+        let hanger_t_3 = hanger_force_z
+            - (left_stay_force_z + right_stay_force_z + back_stay_force_z);
+        *out = [hanger_t, hanger_t_2, hanger_t_3];
     }
     /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
     /// 4 lines × 2 [m, N], 0 stops × 2 [m, N or rad, N m], 0 events.
@@ -608,56 +544,46 @@ const _: () = {
         let half = T::from_f64(0.5);
         let c_0_2 = T::from_f64(0.2);
         let left_stay_e_x = knot_px - minus_one;
-        let left_stay_t = left_stay_e_x * left_stay_e_x;
-        let left_stay_t_2 = knot_py * knot_py;
-        let left_stay_t_3 = knot_pz * knot_pz;
-        let left_stay_t_4 = left_stay_t + left_stay_t_2;
-        let left_stay_t_5 = left_stay_t_3 + left_stay_t_4;
-        let left_stay_length = left_stay_t_5.sqrt();
+        let left_stay_t = knot_pz * knot_pz;
+        let left_stay_length = (left_stay_t
+            + (left_stay_e_x * left_stay_e_x + knot_py * knot_py))
+            .sqrt();
         let left_stay_stretch = left_stay_length - left_stay_l;
         let left_stay_pull = left_stay_k * left_stay_stretch;
-        let left_stay_t_6 = left_stay_length - c_0_6;
+        let left_stay_t_2 = left_stay_length - c_0_6;
         let right_stay_e_x = knot_px - one;
         let right_stay_e_y = knot_py - half;
-        let right_stay_t = right_stay_e_x * right_stay_e_x;
-        let right_stay_t_2 = right_stay_e_y * right_stay_e_y;
-        let right_stay_t_3 = right_stay_t + right_stay_t_2;
-        let right_stay_t_4 = left_stay_t_3 + right_stay_t_3;
-        let right_stay_length = right_stay_t_4.sqrt();
+        let right_stay_length = (left_stay_t
+            + (right_stay_e_x * right_stay_e_x + right_stay_e_y * right_stay_e_y))
+            .sqrt();
         let right_stay_stretch = right_stay_length - right_stay_l;
         let right_stay_pull = right_stay_k * right_stay_stretch;
-        let right_stay_t_5 = right_stay_length - c_0_6;
+        let right_stay_t = right_stay_length - c_0_6;
         let back_stay_e_y = knot_py - minus_one;
         let back_stay_e_z = knot_pz - c_0_2;
-        let back_stay_t = knot_px * knot_px;
-        let back_stay_t_2 = back_stay_e_y * back_stay_e_y;
-        let back_stay_t_3 = back_stay_e_z * back_stay_e_z;
-        let back_stay_t_4 = back_stay_t + back_stay_t_2;
-        let back_stay_t_5 = back_stay_t_3 + back_stay_t_4;
-        let back_stay_length = back_stay_t_5.sqrt();
+        let back_stay_length = (back_stay_e_z * back_stay_e_z
+            + (knot_px * knot_px + back_stay_e_y * back_stay_e_y))
+            .sqrt();
         let back_stay_stretch = back_stay_length - back_stay_l;
         let back_stay_pull = back_stay_k * back_stay_stretch;
-        let back_stay_t_6 = back_stay_length - c_0_6;
+        let back_stay_t = back_stay_length - c_0_6;
         let hanger_e_x = bob_x - knot_px;
         let hanger_e_y = bob_y - knot_py;
         let hanger_e_z = bob_z - knot_pz;
-        let hanger_t = hanger_e_x * hanger_e_x;
-        let hanger_t_2 = hanger_e_y * hanger_e_y;
-        let hanger_t_3 = hanger_e_z * hanger_e_z;
-        let hanger_t_4 = hanger_t + hanger_t_2;
-        let hanger_t_5 = hanger_t_3 + hanger_t_4;
-        let hanger_length = hanger_t_5.sqrt();
+        let hanger_length = (hanger_e_z * hanger_e_z
+            + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
+            .sqrt();
         let hanger_stretch = hanger_length - hanger_l;
         let hanger_pull = hanger_k * hanger_stretch;
-        let hanger_t_6 = hanger_length - half;
+        let hanger_t = hanger_length - half;
         *out = [
-            left_stay_t_6,
+            left_stay_t_2,
             left_stay_pull,
-            right_stay_t_5,
+            right_stay_t,
             right_stay_pull,
-            back_stay_t_6,
+            back_stay_t,
             back_stay_pull,
-            hanger_t_6,
+            hanger_t,
             hanger_pull,
         ];
     }
@@ -678,15 +604,11 @@ const _: () = {
         let hanger_e_x = bob_x - knot_px;
         let hanger_e_y = bob_y - knot_py;
         let hanger_e_z = bob_z - knot_pz;
-        let hanger_t = hanger_e_x * hanger_e_x;
-        let hanger_t_2 = hanger_e_y * hanger_e_y;
-        let hanger_t_3 = hanger_e_z * hanger_e_z;
-        let hanger_t_4 = hanger_t + hanger_t_2;
-        let hanger_t_5 = hanger_t_3 + hanger_t_4;
-        let hanger_length = hanger_t_5.sqrt();
+        let hanger_length = (hanger_e_z * hanger_e_z
+            + (hanger_e_x * hanger_e_x + hanger_e_y * hanger_e_y))
+            .sqrt();
         let hanger_stretch = hanger_length - hanger_l;
-        let hanger_t_6 = hanger_stretch.max(zero);
-        let hanger_tension = hanger_k * hanger_t_6;
+        let hanger_tension = hanger_k * hanger_stretch.max(zero);
         *out = [hanger_tension];
     }
     /// Mass matrix `M` in `M v̇ + h = f`.

@@ -225,52 +225,46 @@ const _: () = {
         let canopy_t_4 = canopy_qz * canopy_qz;
         let canopy_t_5 = canopy_qx + canopy_qx;
         let canopy_t_6 = canopy_qy + canopy_qy;
-        let canopy_t_7 = canopy_qz + canopy_qz;
-        let canopy_t_8 = canopy_qy * canopy_t_5;
-        let canopy_t_9 = canopy_qz * canopy_t_5;
-        let canopy_t_10 = canopy_qz * canopy_t_6;
-        let canopy_t_11 = canopy_qw * canopy_t_5;
-        let canopy_t_12 = canopy_qw * canopy_t_6;
-        let canopy_t_13 = canopy_qw * canopy_t_7;
-        let canopy_t_14 = canopy_t - canopy_t_2;
-        let canopy_t_15 = canopy_t_3 - canopy_t_4;
-        let canopy_t_16 = canopy_t + canopy_t_2;
-        let canopy_t_17 = canopy_t_3 + canopy_t_4;
-        let canopy_r11 = canopy_t_16 - canopy_t_17;
-        let canopy_r12 = canopy_t_8 - canopy_t_13;
-        let canopy_r13 = canopy_t_9 + canopy_t_12;
-        let canopy_r21 = canopy_t_8 + canopy_t_13;
-        let canopy_r22 = canopy_t_14 + canopy_t_15;
-        let canopy_r23 = canopy_t_10 - canopy_t_11;
-        let canopy_r31 = canopy_t_9 - canopy_t_12;
-        let canopy_r32 = canopy_t_10 + canopy_t_11;
-        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let canopy_t_7 = canopy_qy * canopy_t_5;
+        let canopy_t_8 = canopy_qz * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_6;
+        let canopy_t_10 = canopy_qw * canopy_t_5;
+        let canopy_t_11 = canopy_qw * canopy_t_6;
+        let canopy_t_12 = canopy_qw * (canopy_qz + canopy_qz);
+        let canopy_t_13 = canopy_t - canopy_t_2;
+        let canopy_t_14 = canopy_t_3 - canopy_t_4;
+        let canopy_r11 = canopy_t + canopy_t_2 - (canopy_t_3 + canopy_t_4);
+        let canopy_r12 = canopy_t_7 - canopy_t_12;
+        let canopy_r13 = canopy_t_8 + canopy_t_11;
+        let canopy_r21 = canopy_t_7 + canopy_t_12;
+        let canopy_r22 = canopy_t_13 + canopy_t_14;
+        let canopy_r23 = canopy_t_9 - canopy_t_10;
+        let canopy_r31 = canopy_t_8 - canopy_t_11;
+        let canopy_r32 = canopy_t_9 + canopy_t_10;
+        let canopy_r33 = canopy_t_13 - canopy_t_14;
         let capsule_t = capsule_qw * capsule_qw;
         let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
         let capsule_t_4 = capsule_qz * capsule_qz;
         let capsule_t_5 = capsule_qx + capsule_qx;
         let capsule_t_6 = capsule_qy + capsule_qy;
-        let capsule_t_7 = capsule_qz + capsule_qz;
-        let capsule_t_8 = capsule_qy * capsule_t_5;
-        let capsule_t_9 = capsule_qz * capsule_t_5;
-        let capsule_t_10 = capsule_qz * capsule_t_6;
-        let capsule_t_11 = capsule_qw * capsule_t_5;
-        let capsule_t_12 = capsule_qw * capsule_t_6;
-        let capsule_t_13 = capsule_qw * capsule_t_7;
-        let capsule_t_14 = capsule_t - capsule_t_2;
-        let capsule_t_15 = capsule_t_3 - capsule_t_4;
-        let capsule_t_16 = capsule_t + capsule_t_2;
-        let capsule_t_17 = capsule_t_3 + capsule_t_4;
-        let capsule_r11 = capsule_t_16 - capsule_t_17;
-        let capsule_r12 = capsule_t_8 - capsule_t_13;
-        let capsule_r13 = capsule_t_9 + capsule_t_12;
-        let capsule_r21 = capsule_t_8 + capsule_t_13;
-        let capsule_r22 = capsule_t_14 + capsule_t_15;
-        let capsule_r23 = capsule_t_10 - capsule_t_11;
-        let capsule_r31 = capsule_t_9 - capsule_t_12;
-        let capsule_r32 = capsule_t_10 + capsule_t_11;
-        let capsule_r33 = capsule_t_14 - capsule_t_15;
+        let capsule_t_7 = capsule_qy * capsule_t_5;
+        let capsule_t_8 = capsule_qz * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_6;
+        let capsule_t_10 = capsule_qw * capsule_t_5;
+        let capsule_t_11 = capsule_qw * capsule_t_6;
+        let capsule_t_12 = capsule_qw * (capsule_qz + capsule_qz);
+        let capsule_t_13 = capsule_t - capsule_t_2;
+        let capsule_t_14 = capsule_t_3 - capsule_t_4;
+        let capsule_r11 = capsule_t + capsule_t_2 - (capsule_t_3 + capsule_t_4);
+        let capsule_r12 = capsule_t_7 - capsule_t_12;
+        let capsule_r13 = capsule_t_8 + capsule_t_11;
+        let capsule_r21 = capsule_t_7 + capsule_t_12;
+        let capsule_r22 = capsule_t_13 + capsule_t_14;
+        let capsule_r23 = capsule_t_9 - capsule_t_10;
+        let capsule_r31 = capsule_t_8 - capsule_t_11;
+        let capsule_r32 = capsule_t_9 + capsule_t_10;
+        let capsule_r33 = capsule_t_13 - capsule_t_14;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -279,133 +273,67 @@ const _: () = {
         let riser_p_z = canopy_z + riser_arm_z;
         let riser_t = c_m9_5 * canopy_wy;
         let riser_t_2 = c_m9_5 * canopy_wx;
-        let riser_t_3 = canopy_r11 * riser_t;
-        let riser_t_4 = canopy_r21 * riser_t;
-        let riser_t_5 = canopy_r31 * riser_t;
-        let riser_t_6 = canopy_r12 * riser_t_2;
-        let riser_t_7 = riser_t_3 - riser_t_6;
-        let riser_t_8 = canopy_r22 * riser_t_2;
-        let riser_t_9 = riser_t_4 - riser_t_8;
-        let riser_t_10 = canopy_r32 * riser_t_2;
-        let riser_t_11 = riser_t_5 - riser_t_10;
-        let riser_v_x = canopy_vx + riser_t_7;
-        let riser_v_y = canopy_vy + riser_t_9;
-        let riser_v_z = canopy_vz + riser_t_11;
-        let leg_0_t = c_0_55 * capsule_r11;
-        let leg_0_t_2 = c_0_55 * capsule_r21;
-        let leg_0_t_3 = c_0_55 * capsule_r31;
-        let leg_0_t_4 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = leg_0_t + leg_0_t_4;
-        let leg_0_t_5 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = leg_0_t_2 + leg_0_t_5;
-        let leg_0_t_6 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = leg_0_t_3 + leg_0_t_6;
+        let riser_v_x = canopy_vx + (canopy_r11 * riser_t - canopy_r12 * riser_t_2);
+        let riser_v_y = canopy_vy + (canopy_r21 * riser_t - canopy_r22 * riser_t_2);
+        let riser_v_z = canopy_vz + (canopy_r31 * riser_t - canopy_r32 * riser_t_2);
+        let leg_0_t = c_1_23 * capsule_r13;
+        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_t;
+        let leg_0_t_2 = c_1_23 * capsule_r23;
+        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_t_2;
+        let leg_0_t_3 = c_1_23 * capsule_r33;
+        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_t_3;
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
-        let leg_0_t_7 = c_1_23 * capsule_wy;
-        let leg_0_t_8 = c_0_55 * capsule_wz;
-        let leg_0_t_9 = c_1_23 * capsule_wx;
-        let leg_0_t_10 = leg_0_t_8 - leg_0_t_9;
-        let leg_0_t_11 = c_0_55 * capsule_wy;
-        let leg_0_t_12 = capsule_r11 * leg_0_t_7;
-        let leg_0_t_13 = capsule_r21 * leg_0_t_7;
-        let leg_0_t_14 = capsule_r31 * leg_0_t_7;
-        let leg_0_t_15 = capsule_r12 * leg_0_t_10;
-        let leg_0_t_16 = leg_0_t_12 + leg_0_t_15;
-        let leg_0_t_17 = capsule_r22 * leg_0_t_10;
-        let leg_0_t_18 = leg_0_t_13 + leg_0_t_17;
-        let leg_0_t_19 = capsule_r32 * leg_0_t_10;
-        let leg_0_t_20 = leg_0_t_14 + leg_0_t_19;
-        let leg_0_t_21 = capsule_r13 * leg_0_t_11;
-        let leg_0_t_22 = leg_0_t_16 - leg_0_t_21;
-        let leg_0_t_23 = capsule_r23 * leg_0_t_11;
-        let leg_0_t_24 = leg_0_t_18 - leg_0_t_23;
-        let leg_0_t_25 = capsule_r33 * leg_0_t_11;
-        let leg_0_t_26 = leg_0_t_20 - leg_0_t_25;
-        let leg_0_v_x = capsule_vx + leg_0_t_22;
-        let leg_0_v_y = capsule_vy + leg_0_t_24;
-        let leg_0_v_z = capsule_vz + leg_0_t_26;
-        let leg_1_t = c * capsule_r11;
-        let leg_1_t_2 = c * capsule_r21;
-        let leg_1_t_3 = c * capsule_r31;
-        let leg_1_t_4 = c_2 * capsule_r12;
-        let leg_1_t_5 = leg_1_t + leg_1_t_4;
-        let leg_1_t_6 = c_2 * capsule_r22;
-        let leg_1_t_7 = leg_1_t_2 + leg_1_t_6;
-        let leg_1_t_8 = c_2 * capsule_r32;
-        let leg_1_t_9 = leg_1_t_3 + leg_1_t_8;
-        let leg_1_arm_x = leg_0_t_4 + leg_1_t_5;
-        let leg_1_arm_y = leg_0_t_5 + leg_1_t_7;
-        let leg_1_arm_z = leg_0_t_6 + leg_1_t_9;
+        let leg_0_t_4 = c_1_23 * capsule_wy;
+        let leg_0_t_5 = c_1_23 * capsule_wx;
+        let leg_0_t_6 = c_0_55 * capsule_wz - leg_0_t_5;
+        let leg_0_t_7 = c_0_55 * capsule_wy;
+        let leg_0_v_x = capsule_vx
+            + (capsule_r11 * leg_0_t_4 + capsule_r12 * leg_0_t_6
+                - capsule_r13 * leg_0_t_7);
+        let leg_0_v_y = capsule_vy
+            + (capsule_r21 * leg_0_t_4 + capsule_r22 * leg_0_t_6
+                - capsule_r23 * leg_0_t_7);
+        let leg_0_v_z = capsule_vz
+            + (capsule_r31 * leg_0_t_4 + capsule_r32 * leg_0_t_6
+                - capsule_r33 * leg_0_t_7);
+        let leg_1_arm_x = leg_0_t + (c * capsule_r11 + c_2 * capsule_r12);
+        let leg_1_arm_y = leg_0_t_2 + (c * capsule_r21 + c_2 * capsule_r22);
+        let leg_1_arm_z = leg_0_t_3 + (c * capsule_r31 + c_2 * capsule_r32);
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
-        let leg_1_t_10 = c_2 * capsule_wz;
-        let leg_1_t_11 = leg_0_t_7 - leg_1_t_10;
-        let leg_1_t_12 = c * capsule_wz;
-        let leg_1_t_13 = leg_1_t_12 - leg_0_t_9;
-        let leg_1_t_14 = c_2 * capsule_wx;
-        let leg_1_t_15 = c * capsule_wy;
-        let leg_1_t_16 = leg_1_t_14 - leg_1_t_15;
-        let leg_1_t_17 = capsule_r11 * leg_1_t_11;
-        let leg_1_t_18 = capsule_r21 * leg_1_t_11;
-        let leg_1_t_19 = capsule_r31 * leg_1_t_11;
-        let leg_1_t_20 = capsule_r12 * leg_1_t_13;
-        let leg_1_t_21 = leg_1_t_17 + leg_1_t_20;
-        let leg_1_t_22 = capsule_r22 * leg_1_t_13;
-        let leg_1_t_23 = leg_1_t_18 + leg_1_t_22;
-        let leg_1_t_24 = capsule_r32 * leg_1_t_13;
-        let leg_1_t_25 = leg_1_t_19 + leg_1_t_24;
-        let leg_1_t_26 = capsule_r13 * leg_1_t_16;
-        let leg_1_t_27 = leg_1_t_21 + leg_1_t_26;
-        let leg_1_t_28 = capsule_r23 * leg_1_t_16;
-        let leg_1_t_29 = leg_1_t_23 + leg_1_t_28;
-        let leg_1_t_30 = capsule_r33 * leg_1_t_16;
-        let leg_1_t_31 = leg_1_t_25 + leg_1_t_30;
-        let leg_1_v_x = capsule_vx + leg_1_t_27;
-        let leg_1_v_y = capsule_vy + leg_1_t_29;
-        let leg_1_v_z = capsule_vz + leg_1_t_31;
-        let leg_2_t = c_3 * capsule_r11;
-        let leg_2_t_2 = c_3 * capsule_r21;
-        let leg_2_t_3 = c_3 * capsule_r31;
-        let leg_2_t_4 = c_4 * capsule_r12;
-        let leg_2_t_5 = leg_2_t + leg_2_t_4;
-        let leg_2_t_6 = c_4 * capsule_r22;
-        let leg_2_t_7 = leg_2_t_2 + leg_2_t_6;
-        let leg_2_t_8 = c_4 * capsule_r32;
-        let leg_2_t_9 = leg_2_t_3 + leg_2_t_8;
-        let leg_2_arm_x = leg_0_t_4 + leg_2_t_5;
-        let leg_2_arm_y = leg_0_t_5 + leg_2_t_7;
-        let leg_2_arm_z = leg_0_t_6 + leg_2_t_9;
+        let leg_1_t = leg_0_t_4 - c_2 * capsule_wz;
+        let leg_1_t_2 = c * capsule_wz - leg_0_t_5;
+        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_v_x = capsule_vx
+            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
+                + capsule_r13 * leg_1_t_3);
+        let leg_1_v_y = capsule_vy
+            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
+                + capsule_r23 * leg_1_t_3);
+        let leg_1_v_z = capsule_vz
+            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
+                + capsule_r33 * leg_1_t_3);
+        let leg_2_arm_x = leg_0_t + (c_3 * capsule_r11 + c_4 * capsule_r12);
+        let leg_2_arm_y = leg_0_t_2 + (c_3 * capsule_r21 + c_4 * capsule_r22);
+        let leg_2_arm_z = leg_0_t_3 + (c_3 * capsule_r31 + c_4 * capsule_r32);
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
-        let leg_2_t_10 = c_4 * capsule_wz;
-        let leg_2_t_11 = leg_0_t_7 - leg_2_t_10;
-        let leg_2_t_12 = c_3 * capsule_wz;
-        let leg_2_t_13 = leg_2_t_12 - leg_0_t_9;
-        let leg_2_t_14 = c_4 * capsule_wx;
-        let leg_2_t_15 = c_3 * capsule_wy;
-        let leg_2_t_16 = leg_2_t_14 - leg_2_t_15;
-        let leg_2_t_17 = capsule_r11 * leg_2_t_11;
-        let leg_2_t_18 = capsule_r21 * leg_2_t_11;
-        let leg_2_t_19 = capsule_r31 * leg_2_t_11;
-        let leg_2_t_20 = capsule_r12 * leg_2_t_13;
-        let leg_2_t_21 = leg_2_t_17 + leg_2_t_20;
-        let leg_2_t_22 = capsule_r22 * leg_2_t_13;
-        let leg_2_t_23 = leg_2_t_18 + leg_2_t_22;
-        let leg_2_t_24 = capsule_r32 * leg_2_t_13;
-        let leg_2_t_25 = leg_2_t_19 + leg_2_t_24;
-        let leg_2_t_26 = capsule_r13 * leg_2_t_16;
-        let leg_2_t_27 = leg_2_t_21 + leg_2_t_26;
-        let leg_2_t_28 = capsule_r23 * leg_2_t_16;
-        let leg_2_t_29 = leg_2_t_23 + leg_2_t_28;
-        let leg_2_t_30 = capsule_r33 * leg_2_t_16;
-        let leg_2_t_31 = leg_2_t_25 + leg_2_t_30;
-        let leg_2_v_x = capsule_vx + leg_2_t_27;
-        let leg_2_v_y = capsule_vy + leg_2_t_29;
-        let leg_2_v_z = capsule_vz + leg_2_t_31;
+        let leg_2_t = leg_0_t_4 - c_4 * capsule_wz;
+        let leg_2_t_2 = c_3 * capsule_wz - leg_0_t_5;
+        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_v_x = capsule_vx
+            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
+                + capsule_r13 * leg_2_t_3);
+        let leg_2_v_y = capsule_vy
+            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
+                + capsule_r23 * leg_2_t_3);
+        let leg_2_v_z = capsule_vz
+            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
+                + capsule_r33 * leg_2_t_3);
         *out = [
             riser_p_x,
             riser_p_y,
@@ -504,52 +432,46 @@ const _: () = {
         let canopy_t_4 = canopy_qz * canopy_qz;
         let canopy_t_5 = canopy_qx + canopy_qx;
         let canopy_t_6 = canopy_qy + canopy_qy;
-        let canopy_t_7 = canopy_qz + canopy_qz;
-        let canopy_t_8 = canopy_qy * canopy_t_5;
-        let canopy_t_9 = canopy_qz * canopy_t_5;
-        let canopy_t_10 = canopy_qz * canopy_t_6;
-        let canopy_t_11 = canopy_qw * canopy_t_5;
-        let canopy_t_12 = canopy_qw * canopy_t_6;
-        let canopy_t_13 = canopy_qw * canopy_t_7;
-        let canopy_t_14 = canopy_t - canopy_t_2;
-        let canopy_t_15 = canopy_t_3 - canopy_t_4;
-        let canopy_t_16 = canopy_t + canopy_t_2;
-        let canopy_t_17 = canopy_t_3 + canopy_t_4;
-        let canopy_r11 = canopy_t_16 - canopy_t_17;
-        let canopy_r12 = canopy_t_8 - canopy_t_13;
-        let canopy_r13 = canopy_t_9 + canopy_t_12;
-        let canopy_r21 = canopy_t_8 + canopy_t_13;
-        let canopy_r22 = canopy_t_14 + canopy_t_15;
-        let canopy_r23 = canopy_t_10 - canopy_t_11;
-        let canopy_r31 = canopy_t_9 - canopy_t_12;
-        let canopy_r32 = canopy_t_10 + canopy_t_11;
-        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let canopy_t_7 = canopy_qy * canopy_t_5;
+        let canopy_t_8 = canopy_qz * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_6;
+        let canopy_t_10 = canopy_qw * canopy_t_5;
+        let canopy_t_11 = canopy_qw * canopy_t_6;
+        let canopy_t_12 = canopy_qw * (canopy_qz + canopy_qz);
+        let canopy_t_13 = canopy_t - canopy_t_2;
+        let canopy_t_14 = canopy_t_3 - canopy_t_4;
+        let canopy_r11 = canopy_t + canopy_t_2 - (canopy_t_3 + canopy_t_4);
+        let canopy_r12 = canopy_t_7 - canopy_t_12;
+        let canopy_r13 = canopy_t_8 + canopy_t_11;
+        let canopy_r21 = canopy_t_7 + canopy_t_12;
+        let canopy_r22 = canopy_t_13 + canopy_t_14;
+        let canopy_r23 = canopy_t_9 - canopy_t_10;
+        let canopy_r31 = canopy_t_8 - canopy_t_11;
+        let canopy_r32 = canopy_t_9 + canopy_t_10;
+        let canopy_r33 = canopy_t_13 - canopy_t_14;
         let capsule_t = capsule_qw * capsule_qw;
         let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
         let capsule_t_4 = capsule_qz * capsule_qz;
         let capsule_t_5 = capsule_qx + capsule_qx;
         let capsule_t_6 = capsule_qy + capsule_qy;
-        let capsule_t_7 = capsule_qz + capsule_qz;
-        let capsule_t_8 = capsule_qy * capsule_t_5;
-        let capsule_t_9 = capsule_qz * capsule_t_5;
-        let capsule_t_10 = capsule_qz * capsule_t_6;
-        let capsule_t_11 = capsule_qw * capsule_t_5;
-        let capsule_t_12 = capsule_qw * capsule_t_6;
-        let capsule_t_13 = capsule_qw * capsule_t_7;
-        let capsule_t_14 = capsule_t - capsule_t_2;
-        let capsule_t_15 = capsule_t_3 - capsule_t_4;
-        let capsule_t_16 = capsule_t + capsule_t_2;
-        let capsule_t_17 = capsule_t_3 + capsule_t_4;
-        let capsule_r11 = capsule_t_16 - capsule_t_17;
-        let capsule_r12 = capsule_t_8 - capsule_t_13;
-        let capsule_r13 = capsule_t_9 + capsule_t_12;
-        let capsule_r21 = capsule_t_8 + capsule_t_13;
-        let capsule_r22 = capsule_t_14 + capsule_t_15;
-        let capsule_r23 = capsule_t_10 - capsule_t_11;
-        let capsule_r31 = capsule_t_9 - capsule_t_12;
-        let capsule_r32 = capsule_t_10 + capsule_t_11;
-        let capsule_r33 = capsule_t_14 - capsule_t_15;
+        let capsule_t_7 = capsule_qy * capsule_t_5;
+        let capsule_t_8 = capsule_qz * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_6;
+        let capsule_t_10 = capsule_qw * capsule_t_5;
+        let capsule_t_11 = capsule_qw * capsule_t_6;
+        let capsule_t_12 = capsule_qw * (capsule_qz + capsule_qz);
+        let capsule_t_13 = capsule_t - capsule_t_2;
+        let capsule_t_14 = capsule_t_3 - capsule_t_4;
+        let capsule_r11 = capsule_t + capsule_t_2 - (capsule_t_3 + capsule_t_4);
+        let capsule_r12 = capsule_t_7 - capsule_t_12;
+        let capsule_r13 = capsule_t_8 + capsule_t_11;
+        let capsule_r21 = capsule_t_7 + capsule_t_12;
+        let capsule_r22 = capsule_t_13 + capsule_t_14;
+        let capsule_r23 = capsule_t_9 - capsule_t_10;
+        let capsule_r31 = capsule_t_8 - capsule_t_11;
+        let capsule_r32 = capsule_t_9 + capsule_t_10;
+        let capsule_r33 = capsule_t_13 - capsule_t_14;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -559,569 +481,315 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_t = riser_e_x * riser_e_x;
-        let riser_t_2 = riser_e_y * riser_e_y;
-        let riser_t_3 = riser_e_z * riser_e_z;
-        let riser_t_4 = riser_t + riser_t_2;
-        let riser_t_5 = riser_t_3 + riser_t_4;
-        let riser_length = riser_t_5.sqrt();
-        let riser_t_6 = riser_length.max(tiny);
-        let riser_inverse_length = one / riser_t_6;
+        let riser_length = (riser_e_z * riser_e_z
+            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+            .sqrt();
+        let riser_inverse_length = one / riser_length.max(tiny);
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
         let riser_stretch = riser_length - c_10;
-        let riser_t_7 = c_m9_5 * canopy_wy;
-        let riser_t_8 = c_m9_5 * canopy_wx;
-        let riser_t_9 = canopy_r11 * riser_t_7;
-        let riser_t_10 = canopy_r21 * riser_t_7;
-        let riser_t_11 = canopy_r31 * riser_t_7;
-        let riser_t_12 = canopy_r12 * riser_t_8;
-        let riser_t_13 = riser_t_9 - riser_t_12;
-        let riser_t_14 = canopy_r22 * riser_t_8;
-        let riser_t_15 = riser_t_10 - riser_t_14;
-        let riser_t_16 = canopy_r32 * riser_t_8;
-        let riser_t_17 = riser_t_11 - riser_t_16;
-        let riser_v_x = canopy_vx + riser_t_13;
-        let riser_v_y = canopy_vy + riser_t_15;
-        let riser_v_z = canopy_vz + riser_t_17;
-        let riser_t_18 = confluence_wx - riser_v_x;
-        let riser_t_19 = confluence_wy - riser_v_y;
-        let riser_t_20 = confluence_wz - riser_v_z;
-        let riser_t_21 = riser_u_x * riser_t_18;
-        let riser_t_22 = riser_u_y * riser_t_19;
-        let riser_t_23 = riser_u_z * riser_t_20;
-        let riser_t_24 = riser_t_21 + riser_t_22;
-        let riser_rate = riser_t_23 + riser_t_24;
-        let riser_t_25 = riser_k * riser_stretch;
-        let riser_t_26 = c_600 * riser_rate;
-        let riser_pull = riser_t_25 + riser_t_26;
-        let riser_t_27 = zero.lt(riser_stretch);
-        let riser_t_28 = riser_pull.max(zero);
-        let riser_t_29 = T::select(riser_t_27, riser_t_28, zero);
-        let riser_t_30 = zero.lt(riser_hold);
-        let riser_t_31 = riser_hold.lt(zero);
-        let riser_t_32 = T::select(riser_t_31, zero, riser_t_29);
-        let riser_tension = T::select(riser_t_30, riser_pull, riser_t_32);
+        let riser_t = c_m9_5 * canopy_wy;
+        let riser_t_2 = c_m9_5 * canopy_wx;
+        let riser_v_x = canopy_vx + (canopy_r11 * riser_t - canopy_r12 * riser_t_2);
+        let riser_v_y = canopy_vy + (canopy_r21 * riser_t - canopy_r22 * riser_t_2);
+        let riser_v_z = canopy_vz + (canopy_r31 * riser_t - canopy_r32 * riser_t_2);
+        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
+            + (riser_u_x * (confluence_wx - riser_v_x)
+                + riser_u_y * (confluence_wy - riser_v_y));
+        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+        let riser_tension = T::select(
+            zero.lt(riser_hold),
+            riser_pull,
+            T::select(
+                riser_hold.lt(zero),
+                zero,
+                T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
+            ),
+        );
         let riser_force_x = riser_u_x * riser_tension;
         let riser_force_y = riser_u_y * riser_tension;
         let riser_force_z = riser_u_z * riser_tension;
-        let riser_t_33 = riser_arm_y * riser_force_z;
-        let riser_t_34 = riser_arm_z * riser_force_y;
-        let riser_t_35 = riser_t_33 - riser_t_34;
-        let riser_t_36 = riser_arm_z * riser_force_x;
-        let riser_t_37 = riser_arm_x * riser_force_z;
-        let riser_t_38 = riser_t_36 - riser_t_37;
-        let riser_t_39 = riser_arm_x * riser_force_y;
-        let riser_t_40 = riser_arm_y * riser_force_x;
-        let riser_t_41 = riser_t_39 - riser_t_40;
-        let leg_0_t = c_0_55 * capsule_r11;
-        let leg_0_t_2 = c_0_55 * capsule_r21;
-        let leg_0_t_3 = c_0_55 * capsule_r31;
-        let leg_0_t_4 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = leg_0_t + leg_0_t_4;
-        let leg_0_t_5 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = leg_0_t_2 + leg_0_t_5;
-        let leg_0_t_6 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = leg_0_t_3 + leg_0_t_6;
+        let leg_0_t = c_1_23 * capsule_r13;
+        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_t;
+        let leg_0_t_2 = c_1_23 * capsule_r23;
+        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_t_2;
+        let leg_0_t_3 = c_1_23 * capsule_r33;
+        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_t_3;
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_t_7 = leg_0_e_x * leg_0_e_x;
-        let leg_0_t_8 = leg_0_e_y * leg_0_e_y;
-        let leg_0_t_9 = leg_0_e_z * leg_0_e_z;
-        let leg_0_t_10 = leg_0_t_7 + leg_0_t_8;
-        let leg_0_t_11 = leg_0_t_9 + leg_0_t_10;
-        let leg_0_length = leg_0_t_11.sqrt();
-        let leg_0_t_12 = leg_0_length.max(tiny);
-        let leg_0_inverse_length = one / leg_0_t_12;
+        let leg_0_length = (leg_0_e_z * leg_0_e_z
+            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+            .sqrt();
+        let leg_0_inverse_length = one / leg_0_length.max(tiny);
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_length - c_2_1;
-        let leg_0_t_13 = c_1_23 * capsule_wy;
-        let leg_0_t_14 = c_0_55 * capsule_wz;
-        let leg_0_t_15 = c_1_23 * capsule_wx;
-        let leg_0_t_16 = leg_0_t_14 - leg_0_t_15;
-        let leg_0_t_17 = c_0_55 * capsule_wy;
-        let leg_0_t_18 = capsule_r11 * leg_0_t_13;
-        let leg_0_t_19 = capsule_r21 * leg_0_t_13;
-        let leg_0_t_20 = capsule_r31 * leg_0_t_13;
-        let leg_0_t_21 = capsule_r12 * leg_0_t_16;
-        let leg_0_t_22 = leg_0_t_18 + leg_0_t_21;
-        let leg_0_t_23 = capsule_r22 * leg_0_t_16;
-        let leg_0_t_24 = leg_0_t_19 + leg_0_t_23;
-        let leg_0_t_25 = capsule_r32 * leg_0_t_16;
-        let leg_0_t_26 = leg_0_t_20 + leg_0_t_25;
-        let leg_0_t_27 = capsule_r13 * leg_0_t_17;
-        let leg_0_t_28 = leg_0_t_22 - leg_0_t_27;
-        let leg_0_t_29 = capsule_r23 * leg_0_t_17;
-        let leg_0_t_30 = leg_0_t_24 - leg_0_t_29;
-        let leg_0_t_31 = capsule_r33 * leg_0_t_17;
-        let leg_0_t_32 = leg_0_t_26 - leg_0_t_31;
-        let leg_0_v_x = capsule_vx + leg_0_t_28;
-        let leg_0_v_y = capsule_vy + leg_0_t_30;
-        let leg_0_v_z = capsule_vz + leg_0_t_32;
-        let leg_0_t_33 = confluence_wx - leg_0_v_x;
-        let leg_0_t_34 = confluence_wy - leg_0_v_y;
-        let leg_0_t_35 = confluence_wz - leg_0_v_z;
-        let leg_0_t_36 = leg_0_u_x * leg_0_t_33;
-        let leg_0_t_37 = leg_0_u_y * leg_0_t_34;
-        let leg_0_t_38 = leg_0_u_z * leg_0_t_35;
-        let leg_0_t_39 = leg_0_t_36 + leg_0_t_37;
-        let leg_0_rate = leg_0_t_38 + leg_0_t_39;
-        let leg_0_t_40 = c_47000 * leg_0_stretch;
-        let leg_0_t_41 = c_470 * leg_0_rate;
-        let leg_0_pull = leg_0_t_40 + leg_0_t_41;
-        let leg_0_t_42 = zero.lt(leg_0_stretch);
-        let leg_0_t_43 = leg_0_pull.max(zero);
-        let leg_0_t_44 = T::select(leg_0_t_42, leg_0_t_43, zero);
-        let leg_0_t_45 = zero.lt(leg_0_hold);
-        let leg_0_t_46 = leg_0_hold.lt(zero);
-        let leg_0_t_47 = T::select(leg_0_t_46, zero, leg_0_t_44);
-        let leg_0_tension = T::select(leg_0_t_45, leg_0_pull, leg_0_t_47);
+        let leg_0_t_4 = c_1_23 * capsule_wy;
+        let leg_0_t_5 = c_1_23 * capsule_wx;
+        let leg_0_t_6 = c_0_55 * capsule_wz - leg_0_t_5;
+        let leg_0_t_7 = c_0_55 * capsule_wy;
+        let leg_0_v_x = capsule_vx
+            + (capsule_r11 * leg_0_t_4 + capsule_r12 * leg_0_t_6
+                - capsule_r13 * leg_0_t_7);
+        let leg_0_v_y = capsule_vy
+            + (capsule_r21 * leg_0_t_4 + capsule_r22 * leg_0_t_6
+                - capsule_r23 * leg_0_t_7);
+        let leg_0_v_z = capsule_vz
+            + (capsule_r31 * leg_0_t_4 + capsule_r32 * leg_0_t_6
+                - capsule_r33 * leg_0_t_7);
+        let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
+            + (leg_0_u_x * (confluence_wx - leg_0_v_x)
+                + leg_0_u_y * (confluence_wy - leg_0_v_y));
+        let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+        let leg_0_tension = T::select(
+            zero.lt(leg_0_hold),
+            leg_0_pull,
+            T::select(
+                leg_0_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_0_stretch), leg_0_pull.max(zero), zero),
+            ),
+        );
         let leg_0_force_x = leg_0_u_x * leg_0_tension;
         let leg_0_force_y = leg_0_u_y * leg_0_tension;
         let leg_0_force_z = leg_0_u_z * leg_0_tension;
-        let leg_0_t_48 = leg_0_arm_y * leg_0_force_z;
-        let leg_0_t_49 = leg_0_arm_z * leg_0_force_y;
-        let leg_0_t_50 = leg_0_t_48 - leg_0_t_49;
-        let leg_0_t_51 = leg_0_arm_z * leg_0_force_x;
-        let leg_0_t_52 = leg_0_arm_x * leg_0_force_z;
-        let leg_0_t_53 = leg_0_t_51 - leg_0_t_52;
-        let leg_0_t_54 = leg_0_arm_x * leg_0_force_y;
-        let leg_0_t_55 = leg_0_arm_y * leg_0_force_x;
-        let leg_0_t_56 = leg_0_t_54 - leg_0_t_55;
-        let leg_1_t = c * capsule_r11;
-        let leg_1_t_2 = c * capsule_r21;
-        let leg_1_t_3 = c * capsule_r31;
-        let leg_1_t_4 = c_2 * capsule_r12;
-        let leg_1_t_5 = leg_1_t + leg_1_t_4;
-        let leg_1_t_6 = c_2 * capsule_r22;
-        let leg_1_t_7 = leg_1_t_2 + leg_1_t_6;
-        let leg_1_t_8 = c_2 * capsule_r32;
-        let leg_1_t_9 = leg_1_t_3 + leg_1_t_8;
-        let leg_1_arm_x = leg_0_t_4 + leg_1_t_5;
-        let leg_1_arm_y = leg_0_t_5 + leg_1_t_7;
-        let leg_1_arm_z = leg_0_t_6 + leg_1_t_9;
+        let leg_1_arm_x = leg_0_t + (c * capsule_r11 + c_2 * capsule_r12);
+        let leg_1_arm_y = leg_0_t_2 + (c * capsule_r21 + c_2 * capsule_r22);
+        let leg_1_arm_z = leg_0_t_3 + (c * capsule_r31 + c_2 * capsule_r32);
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_t_10 = leg_1_e_x * leg_1_e_x;
-        let leg_1_t_11 = leg_1_e_y * leg_1_e_y;
-        let leg_1_t_12 = leg_1_e_z * leg_1_e_z;
-        let leg_1_t_13 = leg_1_t_10 + leg_1_t_11;
-        let leg_1_t_14 = leg_1_t_12 + leg_1_t_13;
-        let leg_1_length = leg_1_t_14.sqrt();
-        let leg_1_t_15 = leg_1_length.max(tiny);
-        let leg_1_inverse_length = one / leg_1_t_15;
+        let leg_1_length = (leg_1_e_z * leg_1_e_z
+            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+            .sqrt();
+        let leg_1_inverse_length = one / leg_1_length.max(tiny);
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_t_16 = c_2 * capsule_wz;
-        let leg_1_t_17 = leg_0_t_13 - leg_1_t_16;
-        let leg_1_t_18 = c * capsule_wz;
-        let leg_1_t_19 = leg_1_t_18 - leg_0_t_15;
-        let leg_1_t_20 = c_2 * capsule_wx;
-        let leg_1_t_21 = c * capsule_wy;
-        let leg_1_t_22 = leg_1_t_20 - leg_1_t_21;
-        let leg_1_t_23 = capsule_r11 * leg_1_t_17;
-        let leg_1_t_24 = capsule_r21 * leg_1_t_17;
-        let leg_1_t_25 = capsule_r31 * leg_1_t_17;
-        let leg_1_t_26 = capsule_r12 * leg_1_t_19;
-        let leg_1_t_27 = leg_1_t_23 + leg_1_t_26;
-        let leg_1_t_28 = capsule_r22 * leg_1_t_19;
-        let leg_1_t_29 = leg_1_t_24 + leg_1_t_28;
-        let leg_1_t_30 = capsule_r32 * leg_1_t_19;
-        let leg_1_t_31 = leg_1_t_25 + leg_1_t_30;
-        let leg_1_t_32 = capsule_r13 * leg_1_t_22;
-        let leg_1_t_33 = leg_1_t_27 + leg_1_t_32;
-        let leg_1_t_34 = capsule_r23 * leg_1_t_22;
-        let leg_1_t_35 = leg_1_t_29 + leg_1_t_34;
-        let leg_1_t_36 = capsule_r33 * leg_1_t_22;
-        let leg_1_t_37 = leg_1_t_31 + leg_1_t_36;
-        let leg_1_v_x = capsule_vx + leg_1_t_33;
-        let leg_1_v_y = capsule_vy + leg_1_t_35;
-        let leg_1_v_z = capsule_vz + leg_1_t_37;
-        let leg_1_t_38 = confluence_wx - leg_1_v_x;
-        let leg_1_t_39 = confluence_wy - leg_1_v_y;
-        let leg_1_t_40 = confluence_wz - leg_1_v_z;
-        let leg_1_t_41 = leg_1_u_x * leg_1_t_38;
-        let leg_1_t_42 = leg_1_u_y * leg_1_t_39;
-        let leg_1_t_43 = leg_1_u_z * leg_1_t_40;
-        let leg_1_t_44 = leg_1_t_41 + leg_1_t_42;
-        let leg_1_rate = leg_1_t_43 + leg_1_t_44;
-        let leg_1_t_45 = c_47000 * leg_1_stretch;
-        let leg_1_t_46 = c_470 * leg_1_rate;
-        let leg_1_pull = leg_1_t_45 + leg_1_t_46;
-        let leg_1_t_47 = zero.lt(leg_1_stretch);
-        let leg_1_t_48 = leg_1_pull.max(zero);
-        let leg_1_t_49 = T::select(leg_1_t_47, leg_1_t_48, zero);
-        let leg_1_t_50 = zero.lt(leg_1_hold);
-        let leg_1_t_51 = leg_1_hold.lt(zero);
-        let leg_1_t_52 = T::select(leg_1_t_51, zero, leg_1_t_49);
-        let leg_1_tension = T::select(leg_1_t_50, leg_1_pull, leg_1_t_52);
+        let leg_1_t = leg_0_t_4 - c_2 * capsule_wz;
+        let leg_1_t_2 = c * capsule_wz - leg_0_t_5;
+        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_v_x = capsule_vx
+            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
+                + capsule_r13 * leg_1_t_3);
+        let leg_1_v_y = capsule_vy
+            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
+                + capsule_r23 * leg_1_t_3);
+        let leg_1_v_z = capsule_vz
+            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
+                + capsule_r33 * leg_1_t_3);
+        let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
+            + (leg_1_u_x * (confluence_wx - leg_1_v_x)
+                + leg_1_u_y * (confluence_wy - leg_1_v_y));
+        let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+        let leg_1_tension = T::select(
+            zero.lt(leg_1_hold),
+            leg_1_pull,
+            T::select(
+                leg_1_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_1_stretch), leg_1_pull.max(zero), zero),
+            ),
+        );
         let leg_1_force_x = leg_1_u_x * leg_1_tension;
         let leg_1_force_y = leg_1_u_y * leg_1_tension;
         let leg_1_force_z = leg_1_u_z * leg_1_tension;
-        let leg_1_t_53 = leg_0_force_x + leg_1_force_x;
-        let leg_1_t_54 = leg_0_force_y + leg_1_force_y;
-        let leg_1_t_55 = leg_0_force_z + leg_1_force_z;
-        let leg_1_t_56 = leg_1_arm_y * leg_1_force_z;
-        let leg_1_t_57 = leg_1_arm_z * leg_1_force_y;
-        let leg_1_t_58 = leg_1_t_56 - leg_1_t_57;
-        let leg_1_t_59 = leg_1_arm_z * leg_1_force_x;
-        let leg_1_t_60 = leg_1_arm_x * leg_1_force_z;
-        let leg_1_t_61 = leg_1_t_59 - leg_1_t_60;
-        let leg_1_t_62 = leg_1_arm_x * leg_1_force_y;
-        let leg_1_t_63 = leg_1_arm_y * leg_1_force_x;
-        let leg_1_t_64 = leg_1_t_62 - leg_1_t_63;
-        let leg_1_t_65 = leg_0_t_50 + leg_1_t_58;
-        let leg_1_t_66 = leg_0_t_53 + leg_1_t_61;
-        let leg_1_t_67 = leg_0_t_56 + leg_1_t_64;
-        let leg_2_t = c_3 * capsule_r11;
-        let leg_2_t_2 = c_3 * capsule_r21;
-        let leg_2_t_3 = c_3 * capsule_r31;
-        let leg_2_t_4 = c_4 * capsule_r12;
-        let leg_2_t_5 = leg_2_t + leg_2_t_4;
-        let leg_2_t_6 = c_4 * capsule_r22;
-        let leg_2_t_7 = leg_2_t_2 + leg_2_t_6;
-        let leg_2_t_8 = c_4 * capsule_r32;
-        let leg_2_t_9 = leg_2_t_3 + leg_2_t_8;
-        let leg_2_arm_x = leg_0_t_4 + leg_2_t_5;
-        let leg_2_arm_y = leg_0_t_5 + leg_2_t_7;
-        let leg_2_arm_z = leg_0_t_6 + leg_2_t_9;
+        let leg_2_arm_x = leg_0_t + (c_3 * capsule_r11 + c_4 * capsule_r12);
+        let leg_2_arm_y = leg_0_t_2 + (c_3 * capsule_r21 + c_4 * capsule_r22);
+        let leg_2_arm_z = leg_0_t_3 + (c_3 * capsule_r31 + c_4 * capsule_r32);
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_t_10 = leg_2_e_x * leg_2_e_x;
-        let leg_2_t_11 = leg_2_e_y * leg_2_e_y;
-        let leg_2_t_12 = leg_2_e_z * leg_2_e_z;
-        let leg_2_t_13 = leg_2_t_10 + leg_2_t_11;
-        let leg_2_t_14 = leg_2_t_12 + leg_2_t_13;
-        let leg_2_length = leg_2_t_14.sqrt();
-        let leg_2_t_15 = leg_2_length.max(tiny);
-        let leg_2_inverse_length = one / leg_2_t_15;
+        let leg_2_length = (leg_2_e_z * leg_2_e_z
+            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+            .sqrt();
+        let leg_2_inverse_length = one / leg_2_length.max(tiny);
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_t_16 = c_4 * capsule_wz;
-        let leg_2_t_17 = leg_0_t_13 - leg_2_t_16;
-        let leg_2_t_18 = c_3 * capsule_wz;
-        let leg_2_t_19 = leg_2_t_18 - leg_0_t_15;
-        let leg_2_t_20 = c_4 * capsule_wx;
-        let leg_2_t_21 = c_3 * capsule_wy;
-        let leg_2_t_22 = leg_2_t_20 - leg_2_t_21;
-        let leg_2_t_23 = capsule_r11 * leg_2_t_17;
-        let leg_2_t_24 = capsule_r21 * leg_2_t_17;
-        let leg_2_t_25 = capsule_r31 * leg_2_t_17;
-        let leg_2_t_26 = capsule_r12 * leg_2_t_19;
-        let leg_2_t_27 = leg_2_t_23 + leg_2_t_26;
-        let leg_2_t_28 = capsule_r22 * leg_2_t_19;
-        let leg_2_t_29 = leg_2_t_24 + leg_2_t_28;
-        let leg_2_t_30 = capsule_r32 * leg_2_t_19;
-        let leg_2_t_31 = leg_2_t_25 + leg_2_t_30;
-        let leg_2_t_32 = capsule_r13 * leg_2_t_22;
-        let leg_2_t_33 = leg_2_t_27 + leg_2_t_32;
-        let leg_2_t_34 = capsule_r23 * leg_2_t_22;
-        let leg_2_t_35 = leg_2_t_29 + leg_2_t_34;
-        let leg_2_t_36 = capsule_r33 * leg_2_t_22;
-        let leg_2_t_37 = leg_2_t_31 + leg_2_t_36;
-        let leg_2_v_x = capsule_vx + leg_2_t_33;
-        let leg_2_v_y = capsule_vy + leg_2_t_35;
-        let leg_2_v_z = capsule_vz + leg_2_t_37;
-        let leg_2_t_38 = confluence_wx - leg_2_v_x;
-        let leg_2_t_39 = confluence_wy - leg_2_v_y;
-        let leg_2_t_40 = confluence_wz - leg_2_v_z;
-        let leg_2_t_41 = leg_2_u_x * leg_2_t_38;
-        let leg_2_t_42 = leg_2_u_y * leg_2_t_39;
-        let leg_2_t_43 = leg_2_u_z * leg_2_t_40;
-        let leg_2_t_44 = leg_2_t_41 + leg_2_t_42;
-        let leg_2_rate = leg_2_t_43 + leg_2_t_44;
-        let leg_2_t_45 = c_47000 * leg_2_stretch;
-        let leg_2_t_46 = c_470 * leg_2_rate;
-        let leg_2_pull = leg_2_t_45 + leg_2_t_46;
-        let leg_2_t_47 = zero.lt(leg_2_stretch);
-        let leg_2_t_48 = leg_2_pull.max(zero);
-        let leg_2_t_49 = T::select(leg_2_t_47, leg_2_t_48, zero);
-        let leg_2_t_50 = zero.lt(leg_2_hold);
-        let leg_2_t_51 = leg_2_hold.lt(zero);
-        let leg_2_t_52 = T::select(leg_2_t_51, zero, leg_2_t_49);
-        let leg_2_tension = T::select(leg_2_t_50, leg_2_pull, leg_2_t_52);
+        let leg_2_t = leg_0_t_4 - c_4 * capsule_wz;
+        let leg_2_t_2 = c_3 * capsule_wz - leg_0_t_5;
+        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_v_x = capsule_vx
+            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
+                + capsule_r13 * leg_2_t_3);
+        let leg_2_v_y = capsule_vy
+            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
+                + capsule_r23 * leg_2_t_3);
+        let leg_2_v_z = capsule_vz
+            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
+                + capsule_r33 * leg_2_t_3);
+        let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
+            + (leg_2_u_x * (confluence_wx - leg_2_v_x)
+                + leg_2_u_y * (confluence_wy - leg_2_v_y));
+        let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+        let leg_2_tension = T::select(
+            zero.lt(leg_2_hold),
+            leg_2_pull,
+            T::select(
+                leg_2_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_2_stretch), leg_2_pull.max(zero), zero),
+            ),
+        );
         let leg_2_force_x = leg_2_u_x * leg_2_tension;
         let leg_2_force_y = leg_2_u_y * leg_2_tension;
         let leg_2_force_z = leg_2_u_z * leg_2_tension;
-        let leg_2_t_53 = leg_1_t_53 + leg_2_force_x;
-        let leg_2_t_54 = leg_1_t_54 + leg_2_force_y;
-        let leg_2_t_55 = leg_1_t_55 + leg_2_force_z;
-        let leg_2_t_56 = leg_2_arm_y * leg_2_force_z;
-        let leg_2_t_57 = leg_2_arm_z * leg_2_force_y;
-        let leg_2_t_58 = leg_2_t_56 - leg_2_t_57;
-        let leg_2_t_59 = leg_2_arm_z * leg_2_force_x;
-        let leg_2_t_60 = leg_2_arm_x * leg_2_force_z;
-        let leg_2_t_61 = leg_2_t_59 - leg_2_t_60;
-        let leg_2_t_62 = leg_2_arm_x * leg_2_force_y;
-        let leg_2_t_63 = leg_2_arm_y * leg_2_force_x;
-        let leg_2_t_64 = leg_2_t_62 - leg_2_t_63;
-        let leg_2_t_65 = leg_1_t_65 + leg_2_t_58;
-        let leg_2_t_66 = leg_1_t_66 + leg_2_t_61;
-        let leg_2_t_67 = leg_1_t_67 + leg_2_t_64;
         let drag_t = c_1_57 * canopy_wy;
         let drag_t_2 = c_1_57 * canopy_wx;
-        let drag_t_3 = canopy_r11 * drag_t;
-        let drag_t_4 = canopy_r21 * drag_t;
-        let drag_t_5 = canopy_r31 * drag_t;
-        let drag_t_6 = canopy_r12 * drag_t_2;
-        let drag_t_7 = drag_t_3 - drag_t_6;
-        let drag_t_8 = canopy_r22 * drag_t_2;
-        let drag_t_9 = drag_t_4 - drag_t_8;
-        let drag_t_10 = canopy_r32 * drag_t_2;
-        let drag_t_11 = drag_t_5 - drag_t_10;
-        let drag_v_x = canopy_vx + drag_t_7;
-        let drag_v_y = canopy_vy + drag_t_9;
-        let drag_v_z = canopy_vz + drag_t_11;
-        let drag_t_12 = drag_v_x - wind_x;
-        let drag_t_13 = drag_v_y - wind_y;
-        let drag_t_14 = drag_v_z - wind_z;
-        let drag_t_15 = drag_t_12 * drag_t_12;
-        let drag_t_16 = drag_t_13 * drag_t_13;
-        let drag_t_17 = drag_t_14 * drag_t_14;
-        let drag_t_18 = drag_t_15 + drag_t_16;
-        let drag_t_19 = drag_t_17 + drag_t_18;
-        let drag_t_20 = drag_t_19.sqrt();
-        let drag_t_21 = derived_1 * drag_t_20;
-        let drag_t_22 = drag_t_12 * drag_t_21;
-        let drag_t_23 = drag_t_13 * drag_t_21;
-        let drag_t_24 = drag_t_14 * drag_t_21;
+        let drag_v_x = canopy_vx + (canopy_r11 * drag_t - canopy_r12 * drag_t_2);
+        let drag_v_y = canopy_vy + (canopy_r21 * drag_t - canopy_r22 * drag_t_2);
+        let drag_v_z = canopy_vz + (canopy_r31 * drag_t - canopy_r32 * drag_t_2);
+        let drag_t_3 = drag_v_x - wind_x;
+        let drag_t_4 = drag_v_y - wind_y;
+        let drag_t_5 = drag_v_z - wind_z;
+        let drag_t_6 = derived_1
+            * (drag_t_5 * drag_t_5 + (drag_t_3 * drag_t_3 + drag_t_4 * drag_t_4)).sqrt();
+        let drag_t_7 = drag_t_3 * drag_t_6;
+        let drag_t_8 = drag_t_4 * drag_t_6;
+        let drag_t_9 = drag_t_5 * drag_t_6;
         let drag_arm_x = c_1_57 * canopy_r13;
         let drag_arm_y = c_1_57 * canopy_r23;
         let drag_arm_z = c_1_57 * canopy_r33;
-        let drag_t_25 = riser_force_x + drag_t_22;
-        let drag_t_26 = riser_force_y + drag_t_23;
-        let drag_t_27 = riser_force_z + drag_t_24;
-        let drag_t_28 = drag_t_24 * drag_arm_y;
-        let drag_t_29 = drag_t_23 * drag_arm_z;
-        let drag_t_30 = drag_t_28 - drag_t_29;
-        let drag_t_31 = drag_t_22 * drag_arm_z;
-        let drag_t_32 = drag_t_24 * drag_arm_x;
-        let drag_t_33 = drag_t_31 - drag_t_32;
-        let drag_t_34 = drag_t_23 * drag_arm_x;
-        let drag_t_35 = drag_t_22 * drag_arm_y;
-        let drag_t_36 = drag_t_34 - drag_t_35;
-        let drag_t_37 = riser_t_35 + drag_t_30;
-        let drag_t_38 = riser_t_38 + drag_t_33;
-        let drag_t_39 = riser_t_41 + drag_t_36;
-        let thruster_t = thruster_x + leg_2_t_53;
-        let thruster_t_2 = thruster_y + leg_2_t_54;
-        let thruster_t_3 = thruster_z + leg_2_t_55;
-        let thruster_t_4 = thruster_couple_x + leg_2_t_65;
-        let thruster_t_5 = thruster_couple_y + leg_2_t_66;
-        let thruster_t_6 = thruster_couple_z + leg_2_t_67;
-        let canopy_t_18 = canopy_wx * half;
-        let canopy_t_19 = canopy_wy * half;
-        let canopy_t_20 = canopy_wz * half;
-        let canopy_t_21 = canopy_qy * canopy_t_20;
-        let canopy_t_22 = canopy_qz * canopy_t_19;
-        let canopy_t_23 = canopy_t_21 - canopy_t_22;
-        let canopy_t_24 = canopy_qz * canopy_t_18;
-        let canopy_t_25 = canopy_qx * canopy_t_20;
-        let canopy_t_26 = canopy_t_24 - canopy_t_25;
-        let canopy_t_27 = canopy_qx * canopy_t_19;
-        let canopy_t_28 = canopy_qy * canopy_t_18;
-        let canopy_t_29 = canopy_t_27 - canopy_t_28;
-        let canopy_t_30 = canopy_qx * canopy_t_18;
-        let canopy_t_31 = canopy_qy * canopy_t_19;
-        let canopy_t_32 = canopy_t_30 + canopy_t_31;
-        let canopy_t_33 = canopy_qz * canopy_t_20;
-        let canopy_t_34 = canopy_t_32 + canopy_t_33;
-        let canopy_t_35 = -canopy_t_34;
-        let canopy_t_36 = canopy_qw * canopy_t_18;
-        let canopy_t_37 = canopy_t_23 + canopy_t_36;
-        let canopy_t_38 = canopy_qw * canopy_t_19;
-        let canopy_t_39 = canopy_t_26 + canopy_t_38;
-        let canopy_t_40 = canopy_qw * canopy_t_20;
-        let canopy_t_41 = canopy_t_29 + canopy_t_40;
-        let canopy_t_42 = c_0_0625 * drag_t_25;
-        let canopy_t_43 = c_0_0625 * drag_t_26;
-        let canopy_t_44 = c_0_0625 * drag_t_27;
+        let drag_t_10 = riser_arm_y * riser_force_z - riser_arm_z * riser_force_y
+            + (drag_t_9 * drag_arm_y - drag_t_8 * drag_arm_z);
+        let drag_t_11 = riser_arm_z * riser_force_x - riser_arm_x * riser_force_z
+            + (drag_t_7 * drag_arm_z - drag_t_9 * drag_arm_x);
+        let drag_t_12 = riser_arm_x * riser_force_y - riser_arm_y * riser_force_x
+            + (drag_t_8 * drag_arm_x - drag_t_7 * drag_arm_y);
+        let thruster_t = thruster_couple_x
+            + (leg_0_arm_y * leg_0_force_z - leg_0_arm_z * leg_0_force_y
+                + (leg_1_arm_y * leg_1_force_z - leg_1_arm_z * leg_1_force_y)
+                + (leg_2_arm_y * leg_2_force_z - leg_2_arm_z * leg_2_force_y));
+        let thruster_t_2 = thruster_couple_y
+            + (leg_0_arm_z * leg_0_force_x - leg_0_arm_x * leg_0_force_z
+                + (leg_1_arm_z * leg_1_force_x - leg_1_arm_x * leg_1_force_z)
+                + (leg_2_arm_z * leg_2_force_x - leg_2_arm_x * leg_2_force_z));
+        let thruster_t_3 = thruster_couple_z
+            + (leg_0_arm_x * leg_0_force_y - leg_0_arm_y * leg_0_force_x
+                + (leg_1_arm_x * leg_1_force_y - leg_1_arm_y * leg_1_force_x)
+                + (leg_2_arm_x * leg_2_force_y - leg_2_arm_y * leg_2_force_x));
+        let canopy_t_15 = canopy_wx * half;
+        let canopy_t_16 = canopy_wy * half;
+        let canopy_t_17 = canopy_wz * half;
+        let canopy_t_18 = -(canopy_qx * canopy_t_15 + canopy_qy * canopy_t_16
+            + canopy_qz * canopy_t_17);
+        let canopy_t_19 = canopy_qy * canopy_t_17 - canopy_qz * canopy_t_16
+            + canopy_qw * canopy_t_15;
+        let canopy_t_20 = canopy_qz * canopy_t_15 - canopy_qx * canopy_t_17
+            + canopy_qw * canopy_t_16;
+        let canopy_t_21 = canopy_qx * canopy_t_16 - canopy_qy * canopy_t_15
+            + canopy_qw * canopy_t_17;
         let canopy_d_z = canopy_z - c_5;
-        let canopy_t_45 = canopy_x * canopy_x;
-        let canopy_t_46 = canopy_y * canopy_y;
-        let canopy_t_47 = canopy_d_z * canopy_d_z;
-        let canopy_t_48 = canopy_t_45 + canopy_t_46;
-        let canopy_d_squared = canopy_t_47 + canopy_t_48;
+        let canopy_d_squared = canopy_d_z * canopy_d_z
+            + (canopy_x * canopy_x + canopy_y * canopy_y);
         let canopy_distance = canopy_d_squared.sqrt();
-        let canopy_t_49 = canopy_d_squared * canopy_distance;
-        let canopy_gravity = c_6 / canopy_t_49;
-        let canopy_t_50 = canopy_x * canopy_gravity;
-        let canopy_t_51 = canopy_y * canopy_gravity;
-        let canopy_t_52 = canopy_d_z * canopy_gravity;
-        let canopy_t_53 = canopy_t_42 - canopy_t_50;
-        let canopy_t_54 = canopy_t_43 - canopy_t_51;
-        let canopy_t_55 = canopy_t_44 - canopy_t_52;
-        let canopy_t_56 = canopy_r11 * drag_t_37;
-        let canopy_t_57 = canopy_r12 * drag_t_37;
-        let canopy_t_58 = canopy_r13 * drag_t_37;
-        let canopy_t_59 = canopy_r21 * drag_t_38;
-        let canopy_t_60 = canopy_t_56 + canopy_t_59;
-        let canopy_t_61 = canopy_r22 * drag_t_38;
-        let canopy_t_62 = canopy_t_57 + canopy_t_61;
-        let canopy_t_63 = canopy_r23 * drag_t_38;
-        let canopy_t_64 = canopy_t_58 + canopy_t_63;
-        let canopy_t_65 = canopy_r31 * drag_t_39;
-        let canopy_torque_x = canopy_t_60 + canopy_t_65;
-        let canopy_t_66 = canopy_r32 * drag_t_39;
-        let canopy_torque_y = canopy_t_62 + canopy_t_66;
-        let canopy_t_67 = canopy_r33 * drag_t_39;
-        let canopy_torque_z = canopy_t_64 + canopy_t_67;
-        let canopy_t_68 = c_60 * canopy_wx;
-        let canopy_t_69 = c_60 * canopy_wy;
-        let canopy_t_70 = c_90 * canopy_wz;
-        let canopy_t_71 = canopy_wy * canopy_t_70;
-        let canopy_t_72 = canopy_wz * canopy_t_69;
-        let canopy_gyro_x = canopy_t_71 - canopy_t_72;
-        let canopy_t_73 = canopy_wz * canopy_t_68;
-        let canopy_t_74 = canopy_wx * canopy_t_70;
-        let canopy_gyro_y = canopy_t_73 - canopy_t_74;
-        let canopy_t_75 = canopy_wx * canopy_t_69;
-        let canopy_t_76 = canopy_wy * canopy_t_68;
-        let canopy_gyro_z = canopy_t_75 - canopy_t_76;
-        let canopy_t_77 = canopy_torque_x - canopy_gyro_x;
-        let canopy_t_78 = canopy_torque_y - canopy_gyro_y;
-        let canopy_t_79 = canopy_torque_z - canopy_gyro_z;
-        let canopy_spin_x = c_7 * canopy_t_77;
-        let canopy_spin_y = c_7 * canopy_t_78;
-        let canopy_spin_z = c_8 * canopy_t_79;
-        let capsule_t_18 = capsule_wx * half;
-        let capsule_t_19 = capsule_wy * half;
-        let capsule_t_20 = capsule_wz * half;
-        let capsule_t_21 = capsule_qy * capsule_t_20;
-        let capsule_t_22 = capsule_qz * capsule_t_19;
-        let capsule_t_23 = capsule_t_21 - capsule_t_22;
-        let capsule_t_24 = capsule_qz * capsule_t_18;
-        let capsule_t_25 = capsule_qx * capsule_t_20;
-        let capsule_t_26 = capsule_t_24 - capsule_t_25;
-        let capsule_t_27 = capsule_qx * capsule_t_19;
-        let capsule_t_28 = capsule_qy * capsule_t_18;
-        let capsule_t_29 = capsule_t_27 - capsule_t_28;
-        let capsule_t_30 = capsule_qx * capsule_t_18;
-        let capsule_t_31 = capsule_qy * capsule_t_19;
-        let capsule_t_32 = capsule_t_30 + capsule_t_31;
-        let capsule_t_33 = capsule_qz * capsule_t_20;
-        let capsule_t_34 = capsule_t_32 + capsule_t_33;
-        let capsule_t_35 = -capsule_t_34;
-        let capsule_t_36 = capsule_qw * capsule_t_18;
-        let capsule_t_37 = capsule_t_23 + capsule_t_36;
-        let capsule_t_38 = capsule_qw * capsule_t_19;
-        let capsule_t_39 = capsule_t_26 + capsule_t_38;
-        let capsule_t_40 = capsule_qw * capsule_t_20;
-        let capsule_t_41 = capsule_t_29 + capsule_t_40;
-        let capsule_t_42 = capsule_inverse_mass * thruster_t;
-        let capsule_t_43 = capsule_inverse_mass * thruster_t_2;
-        let capsule_t_44 = capsule_inverse_mass * thruster_t_3;
+        let canopy_gravity = c_6 / (canopy_d_squared * canopy_distance);
+        let canopy_t_22 = c_0_0625 * (riser_force_x + drag_t_7)
+            - canopy_x * canopy_gravity;
+        let canopy_t_23 = c_0_0625 * (riser_force_y + drag_t_8)
+            - canopy_y * canopy_gravity;
+        let canopy_t_24 = c_0_0625 * (riser_force_z + drag_t_9)
+            - canopy_d_z * canopy_gravity;
+        let canopy_torque_x = canopy_r11 * drag_t_10 + canopy_r21 * drag_t_11
+            + canopy_r31 * drag_t_12;
+        let canopy_torque_y = canopy_r12 * drag_t_10 + canopy_r22 * drag_t_11
+            + canopy_r32 * drag_t_12;
+        let canopy_torque_z = canopy_r13 * drag_t_10 + canopy_r23 * drag_t_11
+            + canopy_r33 * drag_t_12;
+        let canopy_t_25 = c_60 * canopy_wx;
+        let canopy_t_26 = c_60 * canopy_wy;
+        let canopy_t_27 = c_90 * canopy_wz;
+        let canopy_gyro_x = canopy_wy * canopy_t_27 - canopy_wz * canopy_t_26;
+        let canopy_gyro_y = canopy_wz * canopy_t_25 - canopy_wx * canopy_t_27;
+        let canopy_gyro_z = canopy_wx * canopy_t_26 - canopy_wy * canopy_t_25;
+        let canopy_spin_x = c_7 * (canopy_torque_x - canopy_gyro_x);
+        let canopy_spin_y = c_7 * (canopy_torque_y - canopy_gyro_y);
+        let canopy_spin_z = c_8 * (canopy_torque_z - canopy_gyro_z);
+        let capsule_t_15 = capsule_wx * half;
+        let capsule_t_16 = capsule_wy * half;
+        let capsule_t_17 = capsule_wz * half;
+        let capsule_t_18 = -(capsule_qx * capsule_t_15 + capsule_qy * capsule_t_16
+            + capsule_qz * capsule_t_17);
+        let capsule_t_19 = capsule_qy * capsule_t_17 - capsule_qz * capsule_t_16
+            + capsule_qw * capsule_t_15;
+        let capsule_t_20 = capsule_qz * capsule_t_15 - capsule_qx * capsule_t_17
+            + capsule_qw * capsule_t_16;
+        let capsule_t_21 = capsule_qx * capsule_t_16 - capsule_qy * capsule_t_15
+            + capsule_qw * capsule_t_17;
         let capsule_d_z = capsule_z - c_5;
-        let capsule_t_45 = capsule_x * capsule_x;
-        let capsule_t_46 = capsule_y * capsule_y;
-        let capsule_t_47 = capsule_d_z * capsule_d_z;
-        let capsule_t_48 = capsule_t_45 + capsule_t_46;
-        let capsule_d_squared = capsule_t_47 + capsule_t_48;
+        let capsule_d_squared = capsule_d_z * capsule_d_z
+            + (capsule_x * capsule_x + capsule_y * capsule_y);
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_t_49 = capsule_d_squared * capsule_distance;
-        let capsule_gravity = c_6 / capsule_t_49;
-        let capsule_t_50 = capsule_x * capsule_gravity;
-        let capsule_t_51 = capsule_y * capsule_gravity;
-        let capsule_t_52 = capsule_d_z * capsule_gravity;
-        let capsule_t_53 = capsule_t_42 - capsule_t_50;
-        let capsule_t_54 = capsule_t_43 - capsule_t_51;
-        let capsule_t_55 = capsule_t_44 - capsule_t_52;
-        let capsule_t_56 = capsule_r11 * thruster_t_4;
-        let capsule_t_57 = capsule_r12 * thruster_t_4;
-        let capsule_t_58 = capsule_r13 * thruster_t_4;
-        let capsule_t_59 = capsule_r21 * thruster_t_5;
-        let capsule_t_60 = capsule_t_56 + capsule_t_59;
-        let capsule_t_61 = capsule_r22 * thruster_t_5;
-        let capsule_t_62 = capsule_t_57 + capsule_t_61;
-        let capsule_t_63 = capsule_r23 * thruster_t_5;
-        let capsule_t_64 = capsule_t_58 + capsule_t_63;
-        let capsule_t_65 = capsule_r31 * thruster_t_6;
-        let capsule_torque_x = capsule_t_60 + capsule_t_65;
-        let capsule_t_66 = capsule_r32 * thruster_t_6;
-        let capsule_torque_y = capsule_t_62 + capsule_t_66;
-        let capsule_t_67 = capsule_r33 * thruster_t_6;
-        let capsule_torque_z = capsule_t_64 + capsule_t_67;
-        let capsule_t_68 = c_300 * capsule_wx;
-        let capsule_t_69 = c_m1_5 * capsule_wx;
-        let capsule_t_70 = c_m1_5 * capsule_wy;
-        let capsule_t_71 = capsule_t_68 + capsule_t_70;
-        let capsule_t_72 = c_310 * capsule_wy;
-        let capsule_t_73 = capsule_t_69 + capsule_t_72;
-        let capsule_t_74 = two * capsule_wy;
-        let capsule_t_75 = two * capsule_wz;
-        let capsule_t_76 = capsule_t_73 + capsule_t_75;
-        let capsule_t_77 = c_420 * capsule_wz;
-        let capsule_t_78 = capsule_t_74 + capsule_t_77;
-        let capsule_t_79 = capsule_wy * capsule_t_78;
-        let capsule_t_80 = capsule_wz * capsule_t_76;
-        let capsule_gyro_x = capsule_t_79 - capsule_t_80;
-        let capsule_t_81 = capsule_wz * capsule_t_71;
-        let capsule_t_82 = capsule_wx * capsule_t_78;
-        let capsule_gyro_y = capsule_t_81 - capsule_t_82;
-        let capsule_t_83 = capsule_wx * capsule_t_76;
-        let capsule_t_84 = capsule_wy * capsule_t_71;
-        let capsule_gyro_z = capsule_t_83 - capsule_t_84;
-        let capsule_t_85 = capsule_torque_x - capsule_gyro_x;
-        let capsule_t_86 = capsule_torque_y - capsule_gyro_y;
-        let capsule_t_87 = capsule_torque_z - capsule_gyro_z;
-        let capsule_t_88 = c_9 * capsule_t_85;
-        let capsule_t_89 = c_11 * capsule_t_85;
-        let capsule_t_90 = c_12 * capsule_t_85;
-        let capsule_t_91 = c_11 * capsule_t_86;
-        let capsule_t_92 = capsule_t_88 + capsule_t_91;
-        let capsule_t_93 = c_13 * capsule_t_86;
-        let capsule_t_94 = capsule_t_89 + capsule_t_93;
-        let capsule_t_95 = c_14 * capsule_t_86;
-        let capsule_t_96 = capsule_t_90 + capsule_t_95;
-        let capsule_t_97 = c_12 * capsule_t_87;
-        let capsule_spin_x = capsule_t_92 + capsule_t_97;
-        let capsule_t_98 = c_14 * capsule_t_87;
-        let capsule_spin_y = capsule_t_94 + capsule_t_98;
-        let capsule_t_99 = c_15 * capsule_t_87;
-        let capsule_spin_z = capsule_t_96 + capsule_t_99;
+        let capsule_gravity = c_6 / (capsule_d_squared * capsule_distance);
+        let capsule_t_22 = capsule_inverse_mass
+            * (thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x))
+            - capsule_x * capsule_gravity;
+        let capsule_t_23 = capsule_inverse_mass
+            * (thruster_y + (leg_0_force_y + leg_1_force_y + leg_2_force_y))
+            - capsule_y * capsule_gravity;
+        let capsule_t_24 = capsule_inverse_mass
+            * (thruster_z + (leg_0_force_z + leg_1_force_z + leg_2_force_z))
+            - capsule_d_z * capsule_gravity;
+        let capsule_torque_x = capsule_r11 * thruster_t + capsule_r21 * thruster_t_2
+            + capsule_r31 * thruster_t_3;
+        let capsule_torque_y = capsule_r12 * thruster_t + capsule_r22 * thruster_t_2
+            + capsule_r32 * thruster_t_3;
+        let capsule_torque_z = capsule_r13 * thruster_t + capsule_r23 * thruster_t_2
+            + capsule_r33 * thruster_t_3;
+        let capsule_t_25 = c_300 * capsule_wx + c_m1_5 * capsule_wy;
+        let capsule_t_26 = c_m1_5 * capsule_wx + c_310 * capsule_wy + two * capsule_wz;
+        let capsule_t_27 = two * capsule_wy + c_420 * capsule_wz;
+        let capsule_gyro_x = capsule_wy * capsule_t_27 - capsule_wz * capsule_t_26;
+        let capsule_gyro_y = capsule_wz * capsule_t_25 - capsule_wx * capsule_t_27;
+        let capsule_gyro_z = capsule_wx * capsule_t_26 - capsule_wy * capsule_t_25;
+        let capsule_t_28 = capsule_torque_x - capsule_gyro_x;
+        let capsule_t_29 = capsule_torque_y - capsule_gyro_y;
+        let capsule_t_30 = capsule_torque_z - capsule_gyro_z;
+        let capsule_spin_x = c_9 * capsule_t_28 + c_11 * capsule_t_29
+            + c_12 * capsule_t_30;
+        let capsule_spin_y = c_11 * capsule_t_28 + c_13 * capsule_t_29
+            + c_14 * capsule_t_30;
+        let capsule_spin_z = c_12 * capsule_t_28 + c_14 * capsule_t_29
+            + c_15 * capsule_t_30;
         *out = [
             canopy_vx,
             canopy_vy,
             canopy_vz,
-            canopy_t_35,
-            canopy_t_37,
-            canopy_t_39,
-            canopy_t_41,
+            canopy_t_18,
+            canopy_t_19,
+            canopy_t_20,
+            canopy_t_21,
             capsule_vx,
             capsule_vy,
             capsule_vz,
-            capsule_t_35,
-            capsule_t_37,
-            capsule_t_39,
-            capsule_t_41,
-            canopy_t_53,
-            canopy_t_54,
-            canopy_t_55,
+            capsule_t_18,
+            capsule_t_19,
+            capsule_t_20,
+            capsule_t_21,
+            canopy_t_22,
+            canopy_t_23,
+            canopy_t_24,
             canopy_spin_x,
             canopy_spin_y,
             canopy_spin_z,
-            capsule_t_53,
-            capsule_t_54,
-            capsule_t_55,
+            capsule_t_22,
+            capsule_t_23,
+            capsule_t_24,
             capsule_spin_x,
             capsule_spin_y,
             capsule_spin_z,
@@ -1173,52 +841,46 @@ const _: () = {
         let canopy_t_4 = canopy_qz * canopy_qz;
         let canopy_t_5 = canopy_qx + canopy_qx;
         let canopy_t_6 = canopy_qy + canopy_qy;
-        let canopy_t_7 = canopy_qz + canopy_qz;
-        let canopy_t_8 = canopy_qy * canopy_t_5;
-        let canopy_t_9 = canopy_qz * canopy_t_5;
-        let canopy_t_10 = canopy_qz * canopy_t_6;
-        let canopy_t_11 = canopy_qw * canopy_t_5;
-        let canopy_t_12 = canopy_qw * canopy_t_6;
-        let canopy_t_13 = canopy_qw * canopy_t_7;
-        let canopy_t_14 = canopy_t - canopy_t_2;
-        let canopy_t_15 = canopy_t_3 - canopy_t_4;
-        let canopy_t_16 = canopy_t + canopy_t_2;
-        let canopy_t_17 = canopy_t_3 + canopy_t_4;
-        let canopy_r11 = canopy_t_16 - canopy_t_17;
-        let canopy_r12 = canopy_t_8 - canopy_t_13;
-        let canopy_r13 = canopy_t_9 + canopy_t_12;
-        let canopy_r21 = canopy_t_8 + canopy_t_13;
-        let canopy_r22 = canopy_t_14 + canopy_t_15;
-        let canopy_r23 = canopy_t_10 - canopy_t_11;
-        let canopy_r31 = canopy_t_9 - canopy_t_12;
-        let canopy_r32 = canopy_t_10 + canopy_t_11;
-        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let canopy_t_7 = canopy_qy * canopy_t_5;
+        let canopy_t_8 = canopy_qz * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_6;
+        let canopy_t_10 = canopy_qw * canopy_t_5;
+        let canopy_t_11 = canopy_qw * canopy_t_6;
+        let canopy_t_12 = canopy_qw * (canopy_qz + canopy_qz);
+        let canopy_t_13 = canopy_t - canopy_t_2;
+        let canopy_t_14 = canopy_t_3 - canopy_t_4;
+        let canopy_r11 = canopy_t + canopy_t_2 - (canopy_t_3 + canopy_t_4);
+        let canopy_r12 = canopy_t_7 - canopy_t_12;
+        let canopy_r13 = canopy_t_8 + canopy_t_11;
+        let canopy_r21 = canopy_t_7 + canopy_t_12;
+        let canopy_r22 = canopy_t_13 + canopy_t_14;
+        let canopy_r23 = canopy_t_9 - canopy_t_10;
+        let canopy_r31 = canopy_t_8 - canopy_t_11;
+        let canopy_r32 = canopy_t_9 + canopy_t_10;
+        let canopy_r33 = canopy_t_13 - canopy_t_14;
         let capsule_t = capsule_qw * capsule_qw;
         let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
         let capsule_t_4 = capsule_qz * capsule_qz;
         let capsule_t_5 = capsule_qx + capsule_qx;
         let capsule_t_6 = capsule_qy + capsule_qy;
-        let capsule_t_7 = capsule_qz + capsule_qz;
-        let capsule_t_8 = capsule_qy * capsule_t_5;
-        let capsule_t_9 = capsule_qz * capsule_t_5;
-        let capsule_t_10 = capsule_qz * capsule_t_6;
-        let capsule_t_11 = capsule_qw * capsule_t_5;
-        let capsule_t_12 = capsule_qw * capsule_t_6;
-        let capsule_t_13 = capsule_qw * capsule_t_7;
-        let capsule_t_14 = capsule_t - capsule_t_2;
-        let capsule_t_15 = capsule_t_3 - capsule_t_4;
-        let capsule_t_16 = capsule_t + capsule_t_2;
-        let capsule_t_17 = capsule_t_3 + capsule_t_4;
-        let capsule_r11 = capsule_t_16 - capsule_t_17;
-        let capsule_r12 = capsule_t_8 - capsule_t_13;
-        let capsule_r13 = capsule_t_9 + capsule_t_12;
-        let capsule_r21 = capsule_t_8 + capsule_t_13;
-        let capsule_r22 = capsule_t_14 + capsule_t_15;
-        let capsule_r23 = capsule_t_10 - capsule_t_11;
-        let capsule_r31 = capsule_t_9 - capsule_t_12;
-        let capsule_r32 = capsule_t_10 + capsule_t_11;
-        let capsule_r33 = capsule_t_14 - capsule_t_15;
+        let capsule_t_7 = capsule_qy * capsule_t_5;
+        let capsule_t_8 = capsule_qz * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_6;
+        let capsule_t_10 = capsule_qw * capsule_t_5;
+        let capsule_t_11 = capsule_qw * capsule_t_6;
+        let capsule_t_12 = capsule_qw * (capsule_qz + capsule_qz);
+        let capsule_t_13 = capsule_t - capsule_t_2;
+        let capsule_t_14 = capsule_t_3 - capsule_t_4;
+        let capsule_r11 = capsule_t + capsule_t_2 - (capsule_t_3 + capsule_t_4);
+        let capsule_r12 = capsule_t_7 - capsule_t_12;
+        let capsule_r13 = capsule_t_8 + capsule_t_11;
+        let capsule_r21 = capsule_t_7 + capsule_t_12;
+        let capsule_r22 = capsule_t_13 + capsule_t_14;
+        let capsule_r23 = capsule_t_9 - capsule_t_10;
+        let capsule_r31 = capsule_t_8 - capsule_t_11;
+        let capsule_r32 = capsule_t_9 + capsule_t_10;
+        let capsule_r33 = capsule_t_13 - capsule_t_14;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -1228,289 +890,178 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_t = riser_e_x * riser_e_x;
-        let riser_t_2 = riser_e_y * riser_e_y;
-        let riser_t_3 = riser_e_z * riser_e_z;
-        let riser_t_4 = riser_t + riser_t_2;
-        let riser_t_5 = riser_t_3 + riser_t_4;
-        let riser_length = riser_t_5.sqrt();
-        let riser_t_6 = riser_length.max(tiny);
-        let riser_inverse_length = one / riser_t_6;
+        let riser_length = (riser_e_z * riser_e_z
+            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+            .sqrt();
+        let riser_inverse_length = one / riser_length.max(tiny);
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
         let riser_stretch = riser_length - c_10;
-        let riser_t_7 = c_m9_5 * canopy_wy;
-        let riser_t_8 = c_m9_5 * canopy_wx;
-        let riser_t_9 = canopy_r11 * riser_t_7;
-        let riser_t_10 = canopy_r21 * riser_t_7;
-        let riser_t_11 = canopy_r31 * riser_t_7;
-        let riser_t_12 = canopy_r12 * riser_t_8;
-        let riser_t_13 = riser_t_9 - riser_t_12;
-        let riser_t_14 = canopy_r22 * riser_t_8;
-        let riser_t_15 = riser_t_10 - riser_t_14;
-        let riser_t_16 = canopy_r32 * riser_t_8;
-        let riser_t_17 = riser_t_11 - riser_t_16;
-        let riser_v_x = canopy_vx + riser_t_13;
-        let riser_v_y = canopy_vy + riser_t_15;
-        let riser_v_z = canopy_vz + riser_t_17;
-        let riser_t_18 = confluence_wx - riser_v_x;
-        let riser_t_19 = confluence_wy - riser_v_y;
-        let riser_t_20 = confluence_wz - riser_v_z;
-        let riser_t_21 = riser_u_x * riser_t_18;
-        let riser_t_22 = riser_u_y * riser_t_19;
-        let riser_t_23 = riser_u_z * riser_t_20;
-        let riser_t_24 = riser_t_21 + riser_t_22;
-        let riser_rate = riser_t_23 + riser_t_24;
-        let riser_t_25 = riser_k * riser_stretch;
-        let riser_t_26 = c_600 * riser_rate;
-        let riser_pull = riser_t_25 + riser_t_26;
-        let riser_t_27 = zero.lt(riser_stretch);
-        let riser_t_28 = riser_pull.max(zero);
-        let riser_t_29 = T::select(riser_t_27, riser_t_28, zero);
-        let riser_t_30 = zero.lt(riser_hold);
-        let riser_t_31 = riser_hold.lt(zero);
-        let riser_t_32 = T::select(riser_t_31, zero, riser_t_29);
-        let riser_tension = T::select(riser_t_30, riser_pull, riser_t_32);
+        let riser_t = c_m9_5 * canopy_wy;
+        let riser_t_2 = c_m9_5 * canopy_wx;
+        let riser_v_x = canopy_vx + (canopy_r11 * riser_t - canopy_r12 * riser_t_2);
+        let riser_v_y = canopy_vy + (canopy_r21 * riser_t - canopy_r22 * riser_t_2);
+        let riser_v_z = canopy_vz + (canopy_r31 * riser_t - canopy_r32 * riser_t_2);
+        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
+            + (riser_u_x * (confluence_wx - riser_v_x)
+                + riser_u_y * (confluence_wy - riser_v_y));
+        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+        let riser_tension = T::select(
+            zero.lt(riser_hold),
+            riser_pull,
+            T::select(
+                riser_hold.lt(zero),
+                zero,
+                T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
+            ),
+        );
         let riser_force_x = riser_u_x * riser_tension;
         let riser_force_y = riser_u_y * riser_tension;
         let riser_force_z = riser_u_z * riser_tension;
-        let leg_0_t = c_0_55 * capsule_r11;
-        let leg_0_t_2 = c_0_55 * capsule_r21;
-        let leg_0_t_3 = c_0_55 * capsule_r31;
-        let leg_0_t_4 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = leg_0_t + leg_0_t_4;
-        let leg_0_t_5 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = leg_0_t_2 + leg_0_t_5;
-        let leg_0_t_6 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = leg_0_t_3 + leg_0_t_6;
+        let leg_0_t = c_1_23 * capsule_r13;
+        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_t;
+        let leg_0_t_2 = c_1_23 * capsule_r23;
+        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_t_2;
+        let leg_0_t_3 = c_1_23 * capsule_r33;
+        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_t_3;
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_t_7 = leg_0_e_x * leg_0_e_x;
-        let leg_0_t_8 = leg_0_e_y * leg_0_e_y;
-        let leg_0_t_9 = leg_0_e_z * leg_0_e_z;
-        let leg_0_t_10 = leg_0_t_7 + leg_0_t_8;
-        let leg_0_t_11 = leg_0_t_9 + leg_0_t_10;
-        let leg_0_length = leg_0_t_11.sqrt();
-        let leg_0_t_12 = leg_0_length.max(tiny);
-        let leg_0_inverse_length = one / leg_0_t_12;
+        let leg_0_length = (leg_0_e_z * leg_0_e_z
+            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+            .sqrt();
+        let leg_0_inverse_length = one / leg_0_length.max(tiny);
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_length - c_2_1;
-        let leg_0_t_13 = c_1_23 * capsule_wy;
-        let leg_0_t_14 = c_0_55 * capsule_wz;
-        let leg_0_t_15 = c_1_23 * capsule_wx;
-        let leg_0_t_16 = leg_0_t_14 - leg_0_t_15;
-        let leg_0_t_17 = c_0_55 * capsule_wy;
-        let leg_0_t_18 = capsule_r11 * leg_0_t_13;
-        let leg_0_t_19 = capsule_r21 * leg_0_t_13;
-        let leg_0_t_20 = capsule_r31 * leg_0_t_13;
-        let leg_0_t_21 = capsule_r12 * leg_0_t_16;
-        let leg_0_t_22 = leg_0_t_18 + leg_0_t_21;
-        let leg_0_t_23 = capsule_r22 * leg_0_t_16;
-        let leg_0_t_24 = leg_0_t_19 + leg_0_t_23;
-        let leg_0_t_25 = capsule_r32 * leg_0_t_16;
-        let leg_0_t_26 = leg_0_t_20 + leg_0_t_25;
-        let leg_0_t_27 = capsule_r13 * leg_0_t_17;
-        let leg_0_t_28 = leg_0_t_22 - leg_0_t_27;
-        let leg_0_t_29 = capsule_r23 * leg_0_t_17;
-        let leg_0_t_30 = leg_0_t_24 - leg_0_t_29;
-        let leg_0_t_31 = capsule_r33 * leg_0_t_17;
-        let leg_0_t_32 = leg_0_t_26 - leg_0_t_31;
-        let leg_0_v_x = capsule_vx + leg_0_t_28;
-        let leg_0_v_y = capsule_vy + leg_0_t_30;
-        let leg_0_v_z = capsule_vz + leg_0_t_32;
-        let leg_0_t_33 = confluence_wx - leg_0_v_x;
-        let leg_0_t_34 = confluence_wy - leg_0_v_y;
-        let leg_0_t_35 = confluence_wz - leg_0_v_z;
-        let leg_0_t_36 = leg_0_u_x * leg_0_t_33;
-        let leg_0_t_37 = leg_0_u_y * leg_0_t_34;
-        let leg_0_t_38 = leg_0_u_z * leg_0_t_35;
-        let leg_0_t_39 = leg_0_t_36 + leg_0_t_37;
-        let leg_0_rate = leg_0_t_38 + leg_0_t_39;
-        let leg_0_t_40 = c_47000 * leg_0_stretch;
-        let leg_0_t_41 = c_470 * leg_0_rate;
-        let leg_0_pull = leg_0_t_40 + leg_0_t_41;
-        let leg_0_t_42 = zero.lt(leg_0_stretch);
-        let leg_0_t_43 = leg_0_pull.max(zero);
-        let leg_0_t_44 = T::select(leg_0_t_42, leg_0_t_43, zero);
-        let leg_0_t_45 = zero.lt(leg_0_hold);
-        let leg_0_t_46 = leg_0_hold.lt(zero);
-        let leg_0_t_47 = T::select(leg_0_t_46, zero, leg_0_t_44);
-        let leg_0_tension = T::select(leg_0_t_45, leg_0_pull, leg_0_t_47);
+        let leg_0_t_4 = c_1_23 * capsule_wy;
+        let leg_0_t_5 = c_1_23 * capsule_wx;
+        let leg_0_t_6 = c_0_55 * capsule_wz - leg_0_t_5;
+        let leg_0_t_7 = c_0_55 * capsule_wy;
+        let leg_0_v_x = capsule_vx
+            + (capsule_r11 * leg_0_t_4 + capsule_r12 * leg_0_t_6
+                - capsule_r13 * leg_0_t_7);
+        let leg_0_v_y = capsule_vy
+            + (capsule_r21 * leg_0_t_4 + capsule_r22 * leg_0_t_6
+                - capsule_r23 * leg_0_t_7);
+        let leg_0_v_z = capsule_vz
+            + (capsule_r31 * leg_0_t_4 + capsule_r32 * leg_0_t_6
+                - capsule_r33 * leg_0_t_7);
+        let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
+            + (leg_0_u_x * (confluence_wx - leg_0_v_x)
+                + leg_0_u_y * (confluence_wy - leg_0_v_y));
+        let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+        let leg_0_tension = T::select(
+            zero.lt(leg_0_hold),
+            leg_0_pull,
+            T::select(
+                leg_0_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_0_stretch), leg_0_pull.max(zero), zero),
+            ),
+        );
         let leg_0_force_x = leg_0_u_x * leg_0_tension;
         let leg_0_force_y = leg_0_u_y * leg_0_tension;
         let leg_0_force_z = leg_0_u_z * leg_0_tension;
-        let leg_0_t_48 = riser_force_x + leg_0_force_x;
-        let leg_0_t_49 = riser_force_y + leg_0_force_y;
-        let leg_0_t_50 = riser_force_z + leg_0_force_z;
-        let leg_1_t = c * capsule_r11;
-        let leg_1_t_2 = c * capsule_r21;
-        let leg_1_t_3 = c * capsule_r31;
-        let leg_1_t_4 = c_2 * capsule_r12;
-        let leg_1_t_5 = leg_1_t + leg_1_t_4;
-        let leg_1_t_6 = c_2 * capsule_r22;
-        let leg_1_t_7 = leg_1_t_2 + leg_1_t_6;
-        let leg_1_t_8 = c_2 * capsule_r32;
-        let leg_1_t_9 = leg_1_t_3 + leg_1_t_8;
-        let leg_1_arm_x = leg_0_t_4 + leg_1_t_5;
-        let leg_1_arm_y = leg_0_t_5 + leg_1_t_7;
-        let leg_1_arm_z = leg_0_t_6 + leg_1_t_9;
+        let leg_1_arm_x = leg_0_t + (c * capsule_r11 + c_2 * capsule_r12);
+        let leg_1_arm_y = leg_0_t_2 + (c * capsule_r21 + c_2 * capsule_r22);
+        let leg_1_arm_z = leg_0_t_3 + (c * capsule_r31 + c_2 * capsule_r32);
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_t_10 = leg_1_e_x * leg_1_e_x;
-        let leg_1_t_11 = leg_1_e_y * leg_1_e_y;
-        let leg_1_t_12 = leg_1_e_z * leg_1_e_z;
-        let leg_1_t_13 = leg_1_t_10 + leg_1_t_11;
-        let leg_1_t_14 = leg_1_t_12 + leg_1_t_13;
-        let leg_1_length = leg_1_t_14.sqrt();
-        let leg_1_t_15 = leg_1_length.max(tiny);
-        let leg_1_inverse_length = one / leg_1_t_15;
+        let leg_1_length = (leg_1_e_z * leg_1_e_z
+            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+            .sqrt();
+        let leg_1_inverse_length = one / leg_1_length.max(tiny);
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_t_16 = c_2 * capsule_wz;
-        let leg_1_t_17 = leg_0_t_13 - leg_1_t_16;
-        let leg_1_t_18 = c * capsule_wz;
-        let leg_1_t_19 = leg_1_t_18 - leg_0_t_15;
-        let leg_1_t_20 = c_2 * capsule_wx;
-        let leg_1_t_21 = c * capsule_wy;
-        let leg_1_t_22 = leg_1_t_20 - leg_1_t_21;
-        let leg_1_t_23 = capsule_r11 * leg_1_t_17;
-        let leg_1_t_24 = capsule_r21 * leg_1_t_17;
-        let leg_1_t_25 = capsule_r31 * leg_1_t_17;
-        let leg_1_t_26 = capsule_r12 * leg_1_t_19;
-        let leg_1_t_27 = leg_1_t_23 + leg_1_t_26;
-        let leg_1_t_28 = capsule_r22 * leg_1_t_19;
-        let leg_1_t_29 = leg_1_t_24 + leg_1_t_28;
-        let leg_1_t_30 = capsule_r32 * leg_1_t_19;
-        let leg_1_t_31 = leg_1_t_25 + leg_1_t_30;
-        let leg_1_t_32 = capsule_r13 * leg_1_t_22;
-        let leg_1_t_33 = leg_1_t_27 + leg_1_t_32;
-        let leg_1_t_34 = capsule_r23 * leg_1_t_22;
-        let leg_1_t_35 = leg_1_t_29 + leg_1_t_34;
-        let leg_1_t_36 = capsule_r33 * leg_1_t_22;
-        let leg_1_t_37 = leg_1_t_31 + leg_1_t_36;
-        let leg_1_v_x = capsule_vx + leg_1_t_33;
-        let leg_1_v_y = capsule_vy + leg_1_t_35;
-        let leg_1_v_z = capsule_vz + leg_1_t_37;
-        let leg_1_t_38 = confluence_wx - leg_1_v_x;
-        let leg_1_t_39 = confluence_wy - leg_1_v_y;
-        let leg_1_t_40 = confluence_wz - leg_1_v_z;
-        let leg_1_t_41 = leg_1_u_x * leg_1_t_38;
-        let leg_1_t_42 = leg_1_u_y * leg_1_t_39;
-        let leg_1_t_43 = leg_1_u_z * leg_1_t_40;
-        let leg_1_t_44 = leg_1_t_41 + leg_1_t_42;
-        let leg_1_rate = leg_1_t_43 + leg_1_t_44;
-        let leg_1_t_45 = c_47000 * leg_1_stretch;
-        let leg_1_t_46 = c_470 * leg_1_rate;
-        let leg_1_pull = leg_1_t_45 + leg_1_t_46;
-        let leg_1_t_47 = zero.lt(leg_1_stretch);
-        let leg_1_t_48 = leg_1_pull.max(zero);
-        let leg_1_t_49 = T::select(leg_1_t_47, leg_1_t_48, zero);
-        let leg_1_t_50 = zero.lt(leg_1_hold);
-        let leg_1_t_51 = leg_1_hold.lt(zero);
-        let leg_1_t_52 = T::select(leg_1_t_51, zero, leg_1_t_49);
-        let leg_1_tension = T::select(leg_1_t_50, leg_1_pull, leg_1_t_52);
+        let leg_1_t = leg_0_t_4 - c_2 * capsule_wz;
+        let leg_1_t_2 = c * capsule_wz - leg_0_t_5;
+        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_v_x = capsule_vx
+            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
+                + capsule_r13 * leg_1_t_3);
+        let leg_1_v_y = capsule_vy
+            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
+                + capsule_r23 * leg_1_t_3);
+        let leg_1_v_z = capsule_vz
+            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
+                + capsule_r33 * leg_1_t_3);
+        let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
+            + (leg_1_u_x * (confluence_wx - leg_1_v_x)
+                + leg_1_u_y * (confluence_wy - leg_1_v_y));
+        let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+        let leg_1_tension = T::select(
+            zero.lt(leg_1_hold),
+            leg_1_pull,
+            T::select(
+                leg_1_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_1_stretch), leg_1_pull.max(zero), zero),
+            ),
+        );
         let leg_1_force_x = leg_1_u_x * leg_1_tension;
         let leg_1_force_y = leg_1_u_y * leg_1_tension;
         let leg_1_force_z = leg_1_u_z * leg_1_tension;
-        let leg_1_t_53 = leg_0_t_48 + leg_1_force_x;
-        let leg_1_t_54 = leg_0_t_49 + leg_1_force_y;
-        let leg_1_t_55 = leg_0_t_50 + leg_1_force_z;
-        let leg_2_t = c_3 * capsule_r11;
-        let leg_2_t_2 = c_3 * capsule_r21;
-        let leg_2_t_3 = c_3 * capsule_r31;
-        let leg_2_t_4 = c_4 * capsule_r12;
-        let leg_2_t_5 = leg_2_t + leg_2_t_4;
-        let leg_2_t_6 = c_4 * capsule_r22;
-        let leg_2_t_7 = leg_2_t_2 + leg_2_t_6;
-        let leg_2_t_8 = c_4 * capsule_r32;
-        let leg_2_t_9 = leg_2_t_3 + leg_2_t_8;
-        let leg_2_arm_x = leg_0_t_4 + leg_2_t_5;
-        let leg_2_arm_y = leg_0_t_5 + leg_2_t_7;
-        let leg_2_arm_z = leg_0_t_6 + leg_2_t_9;
+        let leg_2_arm_x = leg_0_t + (c_3 * capsule_r11 + c_4 * capsule_r12);
+        let leg_2_arm_y = leg_0_t_2 + (c_3 * capsule_r21 + c_4 * capsule_r22);
+        let leg_2_arm_z = leg_0_t_3 + (c_3 * capsule_r31 + c_4 * capsule_r32);
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_t_10 = leg_2_e_x * leg_2_e_x;
-        let leg_2_t_11 = leg_2_e_y * leg_2_e_y;
-        let leg_2_t_12 = leg_2_e_z * leg_2_e_z;
-        let leg_2_t_13 = leg_2_t_10 + leg_2_t_11;
-        let leg_2_t_14 = leg_2_t_12 + leg_2_t_13;
-        let leg_2_length = leg_2_t_14.sqrt();
-        let leg_2_t_15 = leg_2_length.max(tiny);
-        let leg_2_inverse_length = one / leg_2_t_15;
+        let leg_2_length = (leg_2_e_z * leg_2_e_z
+            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+            .sqrt();
+        let leg_2_inverse_length = one / leg_2_length.max(tiny);
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_t_16 = c_4 * capsule_wz;
-        let leg_2_t_17 = leg_0_t_13 - leg_2_t_16;
-        let leg_2_t_18 = c_3 * capsule_wz;
-        let leg_2_t_19 = leg_2_t_18 - leg_0_t_15;
-        let leg_2_t_20 = c_4 * capsule_wx;
-        let leg_2_t_21 = c_3 * capsule_wy;
-        let leg_2_t_22 = leg_2_t_20 - leg_2_t_21;
-        let leg_2_t_23 = capsule_r11 * leg_2_t_17;
-        let leg_2_t_24 = capsule_r21 * leg_2_t_17;
-        let leg_2_t_25 = capsule_r31 * leg_2_t_17;
-        let leg_2_t_26 = capsule_r12 * leg_2_t_19;
-        let leg_2_t_27 = leg_2_t_23 + leg_2_t_26;
-        let leg_2_t_28 = capsule_r22 * leg_2_t_19;
-        let leg_2_t_29 = leg_2_t_24 + leg_2_t_28;
-        let leg_2_t_30 = capsule_r32 * leg_2_t_19;
-        let leg_2_t_31 = leg_2_t_25 + leg_2_t_30;
-        let leg_2_t_32 = capsule_r13 * leg_2_t_22;
-        let leg_2_t_33 = leg_2_t_27 + leg_2_t_32;
-        let leg_2_t_34 = capsule_r23 * leg_2_t_22;
-        let leg_2_t_35 = leg_2_t_29 + leg_2_t_34;
-        let leg_2_t_36 = capsule_r33 * leg_2_t_22;
-        let leg_2_t_37 = leg_2_t_31 + leg_2_t_36;
-        let leg_2_v_x = capsule_vx + leg_2_t_33;
-        let leg_2_v_y = capsule_vy + leg_2_t_35;
-        let leg_2_v_z = capsule_vz + leg_2_t_37;
-        let leg_2_t_38 = confluence_wx - leg_2_v_x;
-        let leg_2_t_39 = confluence_wy - leg_2_v_y;
-        let leg_2_t_40 = confluence_wz - leg_2_v_z;
-        let leg_2_t_41 = leg_2_u_x * leg_2_t_38;
-        let leg_2_t_42 = leg_2_u_y * leg_2_t_39;
-        let leg_2_t_43 = leg_2_u_z * leg_2_t_40;
-        let leg_2_t_44 = leg_2_t_41 + leg_2_t_42;
-        let leg_2_rate = leg_2_t_43 + leg_2_t_44;
-        let leg_2_t_45 = c_47000 * leg_2_stretch;
-        let leg_2_t_46 = c_470 * leg_2_rate;
-        let leg_2_pull = leg_2_t_45 + leg_2_t_46;
-        let leg_2_t_47 = zero.lt(leg_2_stretch);
-        let leg_2_t_48 = leg_2_pull.max(zero);
-        let leg_2_t_49 = T::select(leg_2_t_47, leg_2_t_48, zero);
-        let leg_2_t_50 = zero.lt(leg_2_hold);
-        let leg_2_t_51 = leg_2_hold.lt(zero);
-        let leg_2_t_52 = T::select(leg_2_t_51, zero, leg_2_t_49);
-        let leg_2_tension = T::select(leg_2_t_50, leg_2_pull, leg_2_t_52);
+        let leg_2_t = leg_0_t_4 - c_4 * capsule_wz;
+        let leg_2_t_2 = c_3 * capsule_wz - leg_0_t_5;
+        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_v_x = capsule_vx
+            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
+                + capsule_r13 * leg_2_t_3);
+        let leg_2_v_y = capsule_vy
+            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
+                + capsule_r23 * leg_2_t_3);
+        let leg_2_v_z = capsule_vz
+            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
+                + capsule_r33 * leg_2_t_3);
+        let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
+            + (leg_2_u_x * (confluence_wx - leg_2_v_x)
+                + leg_2_u_y * (confluence_wy - leg_2_v_y));
+        let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+        let leg_2_tension = T::select(
+            zero.lt(leg_2_hold),
+            leg_2_pull,
+            T::select(
+                leg_2_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_2_stretch), leg_2_pull.max(zero), zero),
+            ),
+        );
         let leg_2_force_x = leg_2_u_x * leg_2_tension;
         let leg_2_force_y = leg_2_u_y * leg_2_tension;
         let leg_2_force_z = leg_2_u_z * leg_2_tension;
-        let leg_2_t_53 = leg_1_t_53 + leg_2_force_x;
-        let leg_2_t_54 = -leg_2_t_53;
-        let leg_2_t_55 = leg_1_t_54 + leg_2_force_y;
-        let leg_2_t_56 = -leg_2_t_55;
-        let leg_2_t_57 = leg_1_t_55 + leg_2_force_z;
-        let leg_2_t_58 = -leg_2_t_57;
-        *out = [leg_2_t_54, leg_2_t_56, leg_2_t_58];
+        let leg_2_t_4 = -(riser_force_x + leg_0_force_x + leg_1_force_x + leg_2_force_x);
+        let leg_2_t_5 = -(riser_force_y + leg_0_force_y + leg_1_force_y + leg_2_force_y);
+        let leg_2_t_6 = -(riser_force_z + leg_0_force_z + leg_1_force_z + leg_2_force_z);
+        *out = [leg_2_t_4, leg_2_t_5, leg_2_t_6];
     }
     /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
     /// 4 lines × 2 [m, N], 0 stops × 2 [m, N or rad, N m], 1 events.
@@ -1555,52 +1106,46 @@ const _: () = {
         let canopy_t_4 = canopy_qz * canopy_qz;
         let canopy_t_5 = canopy_qx + canopy_qx;
         let canopy_t_6 = canopy_qy + canopy_qy;
-        let canopy_t_7 = canopy_qz + canopy_qz;
-        let canopy_t_8 = canopy_qy * canopy_t_5;
-        let canopy_t_9 = canopy_qz * canopy_t_5;
-        let canopy_t_10 = canopy_qz * canopy_t_6;
-        let canopy_t_11 = canopy_qw * canopy_t_5;
-        let canopy_t_12 = canopy_qw * canopy_t_6;
-        let canopy_t_13 = canopy_qw * canopy_t_7;
-        let canopy_t_14 = canopy_t - canopy_t_2;
-        let canopy_t_15 = canopy_t_3 - canopy_t_4;
-        let canopy_t_16 = canopy_t + canopy_t_2;
-        let canopy_t_17 = canopy_t_3 + canopy_t_4;
-        let canopy_r11 = canopy_t_16 - canopy_t_17;
-        let canopy_r12 = canopy_t_8 - canopy_t_13;
-        let canopy_r13 = canopy_t_9 + canopy_t_12;
-        let canopy_r21 = canopy_t_8 + canopy_t_13;
-        let canopy_r22 = canopy_t_14 + canopy_t_15;
-        let canopy_r23 = canopy_t_10 - canopy_t_11;
-        let canopy_r31 = canopy_t_9 - canopy_t_12;
-        let canopy_r32 = canopy_t_10 + canopy_t_11;
-        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let canopy_t_7 = canopy_qy * canopy_t_5;
+        let canopy_t_8 = canopy_qz * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_6;
+        let canopy_t_10 = canopy_qw * canopy_t_5;
+        let canopy_t_11 = canopy_qw * canopy_t_6;
+        let canopy_t_12 = canopy_qw * (canopy_qz + canopy_qz);
+        let canopy_t_13 = canopy_t - canopy_t_2;
+        let canopy_t_14 = canopy_t_3 - canopy_t_4;
+        let canopy_r11 = canopy_t + canopy_t_2 - (canopy_t_3 + canopy_t_4);
+        let canopy_r12 = canopy_t_7 - canopy_t_12;
+        let canopy_r13 = canopy_t_8 + canopy_t_11;
+        let canopy_r21 = canopy_t_7 + canopy_t_12;
+        let canopy_r22 = canopy_t_13 + canopy_t_14;
+        let canopy_r23 = canopy_t_9 - canopy_t_10;
+        let canopy_r31 = canopy_t_8 - canopy_t_11;
+        let canopy_r32 = canopy_t_9 + canopy_t_10;
+        let canopy_r33 = canopy_t_13 - canopy_t_14;
         let capsule_t = capsule_qw * capsule_qw;
         let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
         let capsule_t_4 = capsule_qz * capsule_qz;
         let capsule_t_5 = capsule_qx + capsule_qx;
         let capsule_t_6 = capsule_qy + capsule_qy;
-        let capsule_t_7 = capsule_qz + capsule_qz;
-        let capsule_t_8 = capsule_qy * capsule_t_5;
-        let capsule_t_9 = capsule_qz * capsule_t_5;
-        let capsule_t_10 = capsule_qz * capsule_t_6;
-        let capsule_t_11 = capsule_qw * capsule_t_5;
-        let capsule_t_12 = capsule_qw * capsule_t_6;
-        let capsule_t_13 = capsule_qw * capsule_t_7;
-        let capsule_t_14 = capsule_t - capsule_t_2;
-        let capsule_t_15 = capsule_t_3 - capsule_t_4;
-        let capsule_t_16 = capsule_t + capsule_t_2;
-        let capsule_t_17 = capsule_t_3 + capsule_t_4;
-        let capsule_r11 = capsule_t_16 - capsule_t_17;
-        let capsule_r12 = capsule_t_8 - capsule_t_13;
-        let capsule_r13 = capsule_t_9 + capsule_t_12;
-        let capsule_r21 = capsule_t_8 + capsule_t_13;
-        let capsule_r22 = capsule_t_14 + capsule_t_15;
-        let capsule_r23 = capsule_t_10 - capsule_t_11;
-        let capsule_r31 = capsule_t_9 - capsule_t_12;
-        let capsule_r32 = capsule_t_10 + capsule_t_11;
-        let capsule_r33 = capsule_t_14 - capsule_t_15;
+        let capsule_t_7 = capsule_qy * capsule_t_5;
+        let capsule_t_8 = capsule_qz * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_6;
+        let capsule_t_10 = capsule_qw * capsule_t_5;
+        let capsule_t_11 = capsule_qw * capsule_t_6;
+        let capsule_t_12 = capsule_qw * (capsule_qz + capsule_qz);
+        let capsule_t_13 = capsule_t - capsule_t_2;
+        let capsule_t_14 = capsule_t_3 - capsule_t_4;
+        let capsule_r11 = capsule_t + capsule_t_2 - (capsule_t_3 + capsule_t_4);
+        let capsule_r12 = capsule_t_7 - capsule_t_12;
+        let capsule_r13 = capsule_t_8 + capsule_t_11;
+        let capsule_r21 = capsule_t_7 + capsule_t_12;
+        let capsule_r22 = capsule_t_13 + capsule_t_14;
+        let capsule_r23 = capsule_t_9 - capsule_t_10;
+        let capsule_r31 = capsule_t_8 - capsule_t_11;
+        let capsule_r32 = capsule_t_9 + capsule_t_10;
+        let capsule_r33 = capsule_t_13 - capsule_t_14;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -1610,243 +1155,135 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_t = riser_e_x * riser_e_x;
-        let riser_t_2 = riser_e_y * riser_e_y;
-        let riser_t_3 = riser_e_z * riser_e_z;
-        let riser_t_4 = riser_t + riser_t_2;
-        let riser_t_5 = riser_t_3 + riser_t_4;
-        let riser_length = riser_t_5.sqrt();
-        let riser_t_6 = riser_length.max(tiny);
-        let riser_inverse_length = one / riser_t_6;
+        let riser_length = (riser_e_z * riser_e_z
+            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+            .sqrt();
+        let riser_inverse_length = one / riser_length.max(tiny);
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
         let riser_stretch = riser_length - c_10;
-        let riser_t_7 = c_m9_5 * canopy_wy;
-        let riser_t_8 = c_m9_5 * canopy_wx;
-        let riser_t_9 = canopy_r11 * riser_t_7;
-        let riser_t_10 = canopy_r21 * riser_t_7;
-        let riser_t_11 = canopy_r31 * riser_t_7;
-        let riser_t_12 = canopy_r12 * riser_t_8;
-        let riser_t_13 = riser_t_9 - riser_t_12;
-        let riser_t_14 = canopy_r22 * riser_t_8;
-        let riser_t_15 = riser_t_10 - riser_t_14;
-        let riser_t_16 = canopy_r32 * riser_t_8;
-        let riser_t_17 = riser_t_11 - riser_t_16;
-        let riser_v_x = canopy_vx + riser_t_13;
-        let riser_v_y = canopy_vy + riser_t_15;
-        let riser_v_z = canopy_vz + riser_t_17;
-        let riser_t_18 = confluence_wx - riser_v_x;
-        let riser_t_19 = confluence_wy - riser_v_y;
-        let riser_t_20 = confluence_wz - riser_v_z;
-        let riser_t_21 = riser_u_x * riser_t_18;
-        let riser_t_22 = riser_u_y * riser_t_19;
-        let riser_t_23 = riser_u_z * riser_t_20;
-        let riser_t_24 = riser_t_21 + riser_t_22;
-        let riser_rate = riser_t_23 + riser_t_24;
-        let riser_t_25 = riser_k * riser_stretch;
-        let riser_t_26 = c_600 * riser_rate;
-        let riser_pull = riser_t_25 + riser_t_26;
-        let riser_t_27 = zero.lt(riser_stretch);
-        let riser_t_28 = riser_pull.max(zero);
-        let riser_t_29 = T::select(riser_t_27, riser_t_28, zero);
-        let riser_t_30 = zero.lt(riser_hold);
-        let riser_t_31 = riser_hold.lt(zero);
-        let riser_t_32 = T::select(riser_t_31, zero, riser_t_29);
-        let riser_tension = T::select(riser_t_30, riser_pull, riser_t_32);
-        let leg_0_t = c_0_55 * capsule_r11;
-        let leg_0_t_2 = c_0_55 * capsule_r21;
-        let leg_0_t_3 = c_0_55 * capsule_r31;
-        let leg_0_t_4 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = leg_0_t + leg_0_t_4;
-        let leg_0_t_5 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = leg_0_t_2 + leg_0_t_5;
-        let leg_0_t_6 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = leg_0_t_3 + leg_0_t_6;
+        let riser_t = c_m9_5 * canopy_wy;
+        let riser_t_2 = c_m9_5 * canopy_wx;
+        let riser_v_x = canopy_vx + (canopy_r11 * riser_t - canopy_r12 * riser_t_2);
+        let riser_v_y = canopy_vy + (canopy_r21 * riser_t - canopy_r22 * riser_t_2);
+        let riser_v_z = canopy_vz + (canopy_r31 * riser_t - canopy_r32 * riser_t_2);
+        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
+            + (riser_u_x * (confluence_wx - riser_v_x)
+                + riser_u_y * (confluence_wy - riser_v_y));
+        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+        let riser_tension = T::select(
+            zero.lt(riser_hold),
+            riser_pull,
+            T::select(
+                riser_hold.lt(zero),
+                zero,
+                T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
+            ),
+        );
+        let leg_0_t = c_1_23 * capsule_r13;
+        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_t;
+        let leg_0_t_2 = c_1_23 * capsule_r23;
+        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_t_2;
+        let leg_0_t_3 = c_1_23 * capsule_r33;
+        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_t_3;
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_t_7 = leg_0_e_x * leg_0_e_x;
-        let leg_0_t_8 = leg_0_e_y * leg_0_e_y;
-        let leg_0_t_9 = leg_0_e_z * leg_0_e_z;
-        let leg_0_t_10 = leg_0_t_7 + leg_0_t_8;
-        let leg_0_t_11 = leg_0_t_9 + leg_0_t_10;
-        let leg_0_length = leg_0_t_11.sqrt();
-        let leg_0_t_12 = leg_0_length.max(tiny);
-        let leg_0_inverse_length = one / leg_0_t_12;
+        let leg_0_length = (leg_0_e_z * leg_0_e_z
+            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+            .sqrt();
+        let leg_0_inverse_length = one / leg_0_length.max(tiny);
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_length - c_2_1;
-        let leg_0_t_13 = c_1_23 * capsule_wy;
-        let leg_0_t_14 = c_0_55 * capsule_wz;
-        let leg_0_t_15 = c_1_23 * capsule_wx;
-        let leg_0_t_16 = leg_0_t_14 - leg_0_t_15;
-        let leg_0_t_17 = c_0_55 * capsule_wy;
-        let leg_0_t_18 = capsule_r11 * leg_0_t_13;
-        let leg_0_t_19 = capsule_r21 * leg_0_t_13;
-        let leg_0_t_20 = capsule_r31 * leg_0_t_13;
-        let leg_0_t_21 = capsule_r12 * leg_0_t_16;
-        let leg_0_t_22 = leg_0_t_18 + leg_0_t_21;
-        let leg_0_t_23 = capsule_r22 * leg_0_t_16;
-        let leg_0_t_24 = leg_0_t_19 + leg_0_t_23;
-        let leg_0_t_25 = capsule_r32 * leg_0_t_16;
-        let leg_0_t_26 = leg_0_t_20 + leg_0_t_25;
-        let leg_0_t_27 = capsule_r13 * leg_0_t_17;
-        let leg_0_t_28 = leg_0_t_22 - leg_0_t_27;
-        let leg_0_t_29 = capsule_r23 * leg_0_t_17;
-        let leg_0_t_30 = leg_0_t_24 - leg_0_t_29;
-        let leg_0_t_31 = capsule_r33 * leg_0_t_17;
-        let leg_0_t_32 = leg_0_t_26 - leg_0_t_31;
-        let leg_0_v_x = capsule_vx + leg_0_t_28;
-        let leg_0_v_y = capsule_vy + leg_0_t_30;
-        let leg_0_v_z = capsule_vz + leg_0_t_32;
-        let leg_0_t_33 = confluence_wx - leg_0_v_x;
-        let leg_0_t_34 = confluence_wy - leg_0_v_y;
-        let leg_0_t_35 = confluence_wz - leg_0_v_z;
-        let leg_0_t_36 = leg_0_u_x * leg_0_t_33;
-        let leg_0_t_37 = leg_0_u_y * leg_0_t_34;
-        let leg_0_t_38 = leg_0_u_z * leg_0_t_35;
-        let leg_0_t_39 = leg_0_t_36 + leg_0_t_37;
-        let leg_0_rate = leg_0_t_38 + leg_0_t_39;
-        let leg_0_t_40 = c_47000 * leg_0_stretch;
-        let leg_0_t_41 = c_470 * leg_0_rate;
-        let leg_0_pull = leg_0_t_40 + leg_0_t_41;
-        let leg_1_t = c * capsule_r11;
-        let leg_1_t_2 = c * capsule_r21;
-        let leg_1_t_3 = c * capsule_r31;
-        let leg_1_t_4 = c_2 * capsule_r12;
-        let leg_1_t_5 = leg_1_t + leg_1_t_4;
-        let leg_1_t_6 = c_2 * capsule_r22;
-        let leg_1_t_7 = leg_1_t_2 + leg_1_t_6;
-        let leg_1_t_8 = c_2 * capsule_r32;
-        let leg_1_t_9 = leg_1_t_3 + leg_1_t_8;
-        let leg_1_arm_x = leg_0_t_4 + leg_1_t_5;
-        let leg_1_arm_y = leg_0_t_5 + leg_1_t_7;
-        let leg_1_arm_z = leg_0_t_6 + leg_1_t_9;
+        let leg_0_t_4 = c_1_23 * capsule_wy;
+        let leg_0_t_5 = c_1_23 * capsule_wx;
+        let leg_0_t_6 = c_0_55 * capsule_wz - leg_0_t_5;
+        let leg_0_t_7 = c_0_55 * capsule_wy;
+        let leg_0_v_x = capsule_vx
+            + (capsule_r11 * leg_0_t_4 + capsule_r12 * leg_0_t_6
+                - capsule_r13 * leg_0_t_7);
+        let leg_0_v_y = capsule_vy
+            + (capsule_r21 * leg_0_t_4 + capsule_r22 * leg_0_t_6
+                - capsule_r23 * leg_0_t_7);
+        let leg_0_v_z = capsule_vz
+            + (capsule_r31 * leg_0_t_4 + capsule_r32 * leg_0_t_6
+                - capsule_r33 * leg_0_t_7);
+        let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
+            + (leg_0_u_x * (confluence_wx - leg_0_v_x)
+                + leg_0_u_y * (confluence_wy - leg_0_v_y));
+        let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+        let leg_1_arm_x = leg_0_t + (c * capsule_r11 + c_2 * capsule_r12);
+        let leg_1_arm_y = leg_0_t_2 + (c * capsule_r21 + c_2 * capsule_r22);
+        let leg_1_arm_z = leg_0_t_3 + (c * capsule_r31 + c_2 * capsule_r32);
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_t_10 = leg_1_e_x * leg_1_e_x;
-        let leg_1_t_11 = leg_1_e_y * leg_1_e_y;
-        let leg_1_t_12 = leg_1_e_z * leg_1_e_z;
-        let leg_1_t_13 = leg_1_t_10 + leg_1_t_11;
-        let leg_1_t_14 = leg_1_t_12 + leg_1_t_13;
-        let leg_1_length = leg_1_t_14.sqrt();
-        let leg_1_t_15 = leg_1_length.max(tiny);
-        let leg_1_inverse_length = one / leg_1_t_15;
+        let leg_1_length = (leg_1_e_z * leg_1_e_z
+            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+            .sqrt();
+        let leg_1_inverse_length = one / leg_1_length.max(tiny);
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_t_16 = c_2 * capsule_wz;
-        let leg_1_t_17 = leg_0_t_13 - leg_1_t_16;
-        let leg_1_t_18 = c * capsule_wz;
-        let leg_1_t_19 = leg_1_t_18 - leg_0_t_15;
-        let leg_1_t_20 = c_2 * capsule_wx;
-        let leg_1_t_21 = c * capsule_wy;
-        let leg_1_t_22 = leg_1_t_20 - leg_1_t_21;
-        let leg_1_t_23 = capsule_r11 * leg_1_t_17;
-        let leg_1_t_24 = capsule_r21 * leg_1_t_17;
-        let leg_1_t_25 = capsule_r31 * leg_1_t_17;
-        let leg_1_t_26 = capsule_r12 * leg_1_t_19;
-        let leg_1_t_27 = leg_1_t_23 + leg_1_t_26;
-        let leg_1_t_28 = capsule_r22 * leg_1_t_19;
-        let leg_1_t_29 = leg_1_t_24 + leg_1_t_28;
-        let leg_1_t_30 = capsule_r32 * leg_1_t_19;
-        let leg_1_t_31 = leg_1_t_25 + leg_1_t_30;
-        let leg_1_t_32 = capsule_r13 * leg_1_t_22;
-        let leg_1_t_33 = leg_1_t_27 + leg_1_t_32;
-        let leg_1_t_34 = capsule_r23 * leg_1_t_22;
-        let leg_1_t_35 = leg_1_t_29 + leg_1_t_34;
-        let leg_1_t_36 = capsule_r33 * leg_1_t_22;
-        let leg_1_t_37 = leg_1_t_31 + leg_1_t_36;
-        let leg_1_v_x = capsule_vx + leg_1_t_33;
-        let leg_1_v_y = capsule_vy + leg_1_t_35;
-        let leg_1_v_z = capsule_vz + leg_1_t_37;
-        let leg_1_t_38 = confluence_wx - leg_1_v_x;
-        let leg_1_t_39 = confluence_wy - leg_1_v_y;
-        let leg_1_t_40 = confluence_wz - leg_1_v_z;
-        let leg_1_t_41 = leg_1_u_x * leg_1_t_38;
-        let leg_1_t_42 = leg_1_u_y * leg_1_t_39;
-        let leg_1_t_43 = leg_1_u_z * leg_1_t_40;
-        let leg_1_t_44 = leg_1_t_41 + leg_1_t_42;
-        let leg_1_rate = leg_1_t_43 + leg_1_t_44;
-        let leg_1_t_45 = c_47000 * leg_1_stretch;
-        let leg_1_t_46 = c_470 * leg_1_rate;
-        let leg_1_pull = leg_1_t_45 + leg_1_t_46;
-        let leg_2_t = c_3 * capsule_r11;
-        let leg_2_t_2 = c_3 * capsule_r21;
-        let leg_2_t_3 = c_3 * capsule_r31;
-        let leg_2_t_4 = c_4 * capsule_r12;
-        let leg_2_t_5 = leg_2_t + leg_2_t_4;
-        let leg_2_t_6 = c_4 * capsule_r22;
-        let leg_2_t_7 = leg_2_t_2 + leg_2_t_6;
-        let leg_2_t_8 = c_4 * capsule_r32;
-        let leg_2_t_9 = leg_2_t_3 + leg_2_t_8;
-        let leg_2_arm_x = leg_0_t_4 + leg_2_t_5;
-        let leg_2_arm_y = leg_0_t_5 + leg_2_t_7;
-        let leg_2_arm_z = leg_0_t_6 + leg_2_t_9;
+        let leg_1_t = leg_0_t_4 - c_2 * capsule_wz;
+        let leg_1_t_2 = c * capsule_wz - leg_0_t_5;
+        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_v_x = capsule_vx
+            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
+                + capsule_r13 * leg_1_t_3);
+        let leg_1_v_y = capsule_vy
+            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
+                + capsule_r23 * leg_1_t_3);
+        let leg_1_v_z = capsule_vz
+            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
+                + capsule_r33 * leg_1_t_3);
+        let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
+            + (leg_1_u_x * (confluence_wx - leg_1_v_x)
+                + leg_1_u_y * (confluence_wy - leg_1_v_y));
+        let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+        let leg_2_arm_x = leg_0_t + (c_3 * capsule_r11 + c_4 * capsule_r12);
+        let leg_2_arm_y = leg_0_t_2 + (c_3 * capsule_r21 + c_4 * capsule_r22);
+        let leg_2_arm_z = leg_0_t_3 + (c_3 * capsule_r31 + c_4 * capsule_r32);
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_t_10 = leg_2_e_x * leg_2_e_x;
-        let leg_2_t_11 = leg_2_e_y * leg_2_e_y;
-        let leg_2_t_12 = leg_2_e_z * leg_2_e_z;
-        let leg_2_t_13 = leg_2_t_10 + leg_2_t_11;
-        let leg_2_t_14 = leg_2_t_12 + leg_2_t_13;
-        let leg_2_length = leg_2_t_14.sqrt();
-        let leg_2_t_15 = leg_2_length.max(tiny);
-        let leg_2_inverse_length = one / leg_2_t_15;
+        let leg_2_length = (leg_2_e_z * leg_2_e_z
+            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+            .sqrt();
+        let leg_2_inverse_length = one / leg_2_length.max(tiny);
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_t_16 = c_4 * capsule_wz;
-        let leg_2_t_17 = leg_0_t_13 - leg_2_t_16;
-        let leg_2_t_18 = c_3 * capsule_wz;
-        let leg_2_t_19 = leg_2_t_18 - leg_0_t_15;
-        let leg_2_t_20 = c_4 * capsule_wx;
-        let leg_2_t_21 = c_3 * capsule_wy;
-        let leg_2_t_22 = leg_2_t_20 - leg_2_t_21;
-        let leg_2_t_23 = capsule_r11 * leg_2_t_17;
-        let leg_2_t_24 = capsule_r21 * leg_2_t_17;
-        let leg_2_t_25 = capsule_r31 * leg_2_t_17;
-        let leg_2_t_26 = capsule_r12 * leg_2_t_19;
-        let leg_2_t_27 = leg_2_t_23 + leg_2_t_26;
-        let leg_2_t_28 = capsule_r22 * leg_2_t_19;
-        let leg_2_t_29 = leg_2_t_24 + leg_2_t_28;
-        let leg_2_t_30 = capsule_r32 * leg_2_t_19;
-        let leg_2_t_31 = leg_2_t_25 + leg_2_t_30;
-        let leg_2_t_32 = capsule_r13 * leg_2_t_22;
-        let leg_2_t_33 = leg_2_t_27 + leg_2_t_32;
-        let leg_2_t_34 = capsule_r23 * leg_2_t_22;
-        let leg_2_t_35 = leg_2_t_29 + leg_2_t_34;
-        let leg_2_t_36 = capsule_r33 * leg_2_t_22;
-        let leg_2_t_37 = leg_2_t_31 + leg_2_t_36;
-        let leg_2_v_x = capsule_vx + leg_2_t_33;
-        let leg_2_v_y = capsule_vy + leg_2_t_35;
-        let leg_2_v_z = capsule_vz + leg_2_t_37;
-        let leg_2_t_38 = confluence_wx - leg_2_v_x;
-        let leg_2_t_39 = confluence_wy - leg_2_v_y;
-        let leg_2_t_40 = confluence_wz - leg_2_v_z;
-        let leg_2_t_41 = leg_2_u_x * leg_2_t_38;
-        let leg_2_t_42 = leg_2_u_y * leg_2_t_39;
-        let leg_2_t_43 = leg_2_u_z * leg_2_t_40;
-        let leg_2_t_44 = leg_2_t_41 + leg_2_t_42;
-        let leg_2_rate = leg_2_t_43 + leg_2_t_44;
-        let leg_2_t_45 = c_47000 * leg_2_stretch;
-        let leg_2_t_46 = c_470 * leg_2_rate;
-        let leg_2_pull = leg_2_t_45 + leg_2_t_46;
+        let leg_2_t = leg_0_t_4 - c_4 * capsule_wz;
+        let leg_2_t_2 = c_3 * capsule_wz - leg_0_t_5;
+        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_v_x = capsule_vx
+            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
+                + capsule_r13 * leg_2_t_3);
+        let leg_2_v_y = capsule_vy
+            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
+                + capsule_r23 * leg_2_t_3);
+        let leg_2_v_z = capsule_vz
+            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
+                + capsule_r33 * leg_2_t_3);
+        let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
+            + (leg_2_u_x * (confluence_wx - leg_2_v_x)
+                + leg_2_u_y * (confluence_wy - leg_2_v_y));
+        let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
         *out = [
             riser_stretch,
             riser_pull,
@@ -1892,41 +1329,29 @@ const _: () = {
         let canopy_t_4 = canopy_qz * canopy_qz;
         let canopy_t_5 = canopy_qx + canopy_qx;
         let canopy_t_6 = canopy_qy + canopy_qy;
-        let canopy_t_7 = canopy_qz + canopy_qz;
-        let canopy_t_8 = canopy_qy * canopy_t_5;
-        let canopy_t_9 = canopy_qz * canopy_t_5;
-        let canopy_t_10 = canopy_qz * canopy_t_6;
-        let canopy_t_11 = canopy_qw * canopy_t_5;
-        let canopy_t_12 = canopy_qw * canopy_t_6;
-        let canopy_t_13 = canopy_qw * canopy_t_7;
-        let canopy_t_14 = canopy_t - canopy_t_2;
-        let canopy_t_15 = canopy_t_3 - canopy_t_4;
-        let canopy_t_16 = canopy_t + canopy_t_2;
-        let canopy_t_17 = canopy_t_3 + canopy_t_4;
-        let canopy_r11 = canopy_t_16 - canopy_t_17;
-        let canopy_r12 = canopy_t_8 - canopy_t_13;
-        let canopy_r13 = canopy_t_9 + canopy_t_12;
-        let canopy_r21 = canopy_t_8 + canopy_t_13;
-        let canopy_r22 = canopy_t_14 + canopy_t_15;
-        let canopy_r23 = canopy_t_10 - canopy_t_11;
-        let canopy_r31 = canopy_t_9 - canopy_t_12;
-        let canopy_r32 = canopy_t_10 + canopy_t_11;
-        let canopy_r33 = canopy_t_14 - canopy_t_15;
-        let capsule_t = capsule_qw * capsule_qw;
-        let capsule_t_2 = capsule_qx * capsule_qx;
-        let capsule_t_3 = capsule_qy * capsule_qy;
-        let capsule_t_4 = capsule_qz * capsule_qz;
-        let capsule_t_5 = capsule_qx + capsule_qx;
-        let capsule_t_6 = capsule_qy + capsule_qy;
-        let capsule_t_7 = capsule_qz * capsule_t_5;
-        let capsule_t_8 = capsule_qz * capsule_t_6;
-        let capsule_t_9 = capsule_qw * capsule_t_5;
-        let capsule_t_10 = capsule_qw * capsule_t_6;
-        let capsule_t_11 = capsule_t - capsule_t_2;
-        let capsule_t_12 = capsule_t_3 - capsule_t_4;
-        let capsule_r13 = capsule_t_7 + capsule_t_10;
-        let capsule_r23 = capsule_t_8 - capsule_t_9;
-        let capsule_r33 = capsule_t_11 - capsule_t_12;
+        let canopy_t_7 = canopy_qy * canopy_t_5;
+        let canopy_t_8 = canopy_qz * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_6;
+        let canopy_t_10 = canopy_qw * canopy_t_5;
+        let canopy_t_11 = canopy_qw * canopy_t_6;
+        let canopy_t_12 = canopy_qw * (canopy_qz + canopy_qz);
+        let canopy_t_13 = canopy_t - canopy_t_2;
+        let canopy_t_14 = canopy_t_3 - canopy_t_4;
+        let canopy_r11 = canopy_t + canopy_t_2 - (canopy_t_3 + canopy_t_4);
+        let canopy_r12 = canopy_t_7 - canopy_t_12;
+        let canopy_r13 = canopy_t_8 + canopy_t_11;
+        let canopy_r21 = canopy_t_7 + canopy_t_12;
+        let canopy_r22 = canopy_t_13 + canopy_t_14;
+        let canopy_r23 = canopy_t_9 - canopy_t_10;
+        let canopy_r31 = canopy_t_8 - canopy_t_11;
+        let canopy_r32 = canopy_t_9 + canopy_t_10;
+        let canopy_r33 = canopy_t_13 - canopy_t_14;
+        let capsule_t = capsule_qx + capsule_qx;
+        let capsule_t_2 = capsule_qy + capsule_qy;
+        let capsule_r13 = capsule_qz * capsule_t + capsule_qw * capsule_t_2;
+        let capsule_r23 = capsule_qz * capsule_t_2 - capsule_qw * capsule_t;
+        let capsule_r33 = capsule_qw * capsule_qw - capsule_qx * capsule_qx
+            - (capsule_qy * capsule_qy - capsule_qz * capsule_qz);
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -1936,56 +1361,36 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_t = riser_e_x * riser_e_x;
-        let riser_t_2 = riser_e_y * riser_e_y;
-        let riser_t_3 = riser_e_z * riser_e_z;
-        let riser_t_4 = riser_t + riser_t_2;
-        let riser_t_5 = riser_t_3 + riser_t_4;
-        let riser_length = riser_t_5.sqrt();
-        let riser_t_6 = riser_length.max(tiny);
-        let riser_inverse_length = one / riser_t_6;
+        let riser_length = (riser_e_z * riser_e_z
+            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+            .sqrt();
+        let riser_inverse_length = one / riser_length.max(tiny);
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
         let riser_stretch = riser_length - c_10;
-        let riser_t_7 = c_m9_5 * canopy_wy;
-        let riser_t_8 = c_m9_5 * canopy_wx;
-        let riser_t_9 = canopy_r11 * riser_t_7;
-        let riser_t_10 = canopy_r21 * riser_t_7;
-        let riser_t_11 = canopy_r31 * riser_t_7;
-        let riser_t_12 = canopy_r12 * riser_t_8;
-        let riser_t_13 = riser_t_9 - riser_t_12;
-        let riser_t_14 = canopy_r22 * riser_t_8;
-        let riser_t_15 = riser_t_10 - riser_t_14;
-        let riser_t_16 = canopy_r32 * riser_t_8;
-        let riser_t_17 = riser_t_11 - riser_t_16;
-        let riser_v_x = canopy_vx + riser_t_13;
-        let riser_v_y = canopy_vy + riser_t_15;
-        let riser_v_z = canopy_vz + riser_t_17;
-        let riser_t_18 = confluence_wx - riser_v_x;
-        let riser_t_19 = confluence_wy - riser_v_y;
-        let riser_t_20 = confluence_wz - riser_v_z;
-        let riser_t_21 = riser_u_x * riser_t_18;
-        let riser_t_22 = riser_u_y * riser_t_19;
-        let riser_t_23 = riser_u_z * riser_t_20;
-        let riser_t_24 = riser_t_21 + riser_t_22;
-        let riser_rate = riser_t_23 + riser_t_24;
-        let riser_t_25 = riser_k * riser_stretch;
-        let riser_t_26 = c_600 * riser_rate;
-        let riser_pull = riser_t_25 + riser_t_26;
-        let riser_t_27 = zero.lt(riser_stretch);
-        let riser_t_28 = riser_pull.max(zero);
-        let riser_t_29 = T::select(riser_t_27, riser_t_28, zero);
-        let riser_t_30 = zero.lt(riser_hold);
-        let riser_t_31 = riser_hold.lt(zero);
-        let riser_t_32 = T::select(riser_t_31, zero, riser_t_29);
-        let riser_tension = T::select(riser_t_30, riser_pull, riser_t_32);
-        let tilt_t = capsule_r23 * capsule_r23;
-        let tilt_t_2 = capsule_r13 * capsule_r13;
-        let tilt_t_3 = tilt_t + tilt_t_2;
-        let tilt_t_4 = tilt_t_3.sqrt();
-        let tilt_t_5 = tilt_t_4.atan2(capsule_r33);
-        *out = [riser_tension, tilt_t_5];
+        let riser_t = c_m9_5 * canopy_wy;
+        let riser_t_2 = c_m9_5 * canopy_wx;
+        let riser_v_x = canopy_vx + (canopy_r11 * riser_t - canopy_r12 * riser_t_2);
+        let riser_v_y = canopy_vy + (canopy_r21 * riser_t - canopy_r22 * riser_t_2);
+        let riser_v_z = canopy_vz + (canopy_r31 * riser_t - canopy_r32 * riser_t_2);
+        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
+            + (riser_u_x * (confluence_wx - riser_v_x)
+                + riser_u_y * (confluence_wy - riser_v_y));
+        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+        let riser_tension = T::select(
+            zero.lt(riser_hold),
+            riser_pull,
+            T::select(
+                riser_hold.lt(zero),
+                zero,
+                T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
+            ),
+        );
+        let tilt_t = (capsule_r23 * capsule_r23 + capsule_r13 * capsule_r13)
+            .sqrt()
+            .atan2(capsule_r33);
+        *out = [riser_tension, tilt_t];
     }
     /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
     /// 6 [J, J, J, W, W, W].
@@ -2049,139 +1454,79 @@ const _: () = {
         let canopy_t_4 = canopy_qz * canopy_qz;
         let canopy_t_5 = canopy_qx + canopy_qx;
         let canopy_t_6 = canopy_qy + canopy_qy;
-        let canopy_t_7 = canopy_qz + canopy_qz;
-        let canopy_t_8 = canopy_qy * canopy_t_5;
-        let canopy_t_9 = canopy_qz * canopy_t_5;
-        let canopy_t_10 = canopy_qz * canopy_t_6;
-        let canopy_t_11 = canopy_qw * canopy_t_5;
-        let canopy_t_12 = canopy_qw * canopy_t_6;
-        let canopy_t_13 = canopy_qw * canopy_t_7;
-        let canopy_t_14 = canopy_t - canopy_t_2;
-        let canopy_t_15 = canopy_t_3 - canopy_t_4;
-        let canopy_t_16 = canopy_t + canopy_t_2;
-        let canopy_t_17 = canopy_t_3 + canopy_t_4;
-        let canopy_r11 = canopy_t_16 - canopy_t_17;
-        let canopy_r12 = canopy_t_8 - canopy_t_13;
-        let canopy_r13 = canopy_t_9 + canopy_t_12;
-        let canopy_r21 = canopy_t_8 + canopy_t_13;
-        let canopy_r22 = canopy_t_14 + canopy_t_15;
-        let canopy_r23 = canopy_t_10 - canopy_t_11;
-        let canopy_r31 = canopy_t_9 - canopy_t_12;
-        let canopy_r32 = canopy_t_10 + canopy_t_11;
-        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let canopy_t_7 = canopy_qy * canopy_t_5;
+        let canopy_t_8 = canopy_qz * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_6;
+        let canopy_t_10 = canopy_qw * canopy_t_5;
+        let canopy_t_11 = canopy_qw * canopy_t_6;
+        let canopy_t_12 = canopy_qw * (canopy_qz + canopy_qz);
+        let canopy_t_13 = canopy_t - canopy_t_2;
+        let canopy_t_14 = canopy_t_3 - canopy_t_4;
+        let canopy_r11 = canopy_t + canopy_t_2 - (canopy_t_3 + canopy_t_4);
+        let canopy_r12 = canopy_t_7 - canopy_t_12;
+        let canopy_r13 = canopy_t_8 + canopy_t_11;
+        let canopy_r21 = canopy_t_7 + canopy_t_12;
+        let canopy_r22 = canopy_t_13 + canopy_t_14;
+        let canopy_r23 = canopy_t_9 - canopy_t_10;
+        let canopy_r31 = canopy_t_8 - canopy_t_11;
+        let canopy_r32 = canopy_t_9 + canopy_t_10;
+        let canopy_r33 = canopy_t_13 - canopy_t_14;
         let capsule_t = capsule_qw * capsule_qw;
         let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
         let capsule_t_4 = capsule_qz * capsule_qz;
         let capsule_t_5 = capsule_qx + capsule_qx;
         let capsule_t_6 = capsule_qy + capsule_qy;
-        let capsule_t_7 = capsule_qz + capsule_qz;
-        let capsule_t_8 = capsule_qy * capsule_t_5;
-        let capsule_t_9 = capsule_qz * capsule_t_5;
-        let capsule_t_10 = capsule_qz * capsule_t_6;
-        let capsule_t_11 = capsule_qw * capsule_t_5;
-        let capsule_t_12 = capsule_qw * capsule_t_6;
-        let capsule_t_13 = capsule_qw * capsule_t_7;
-        let capsule_t_14 = capsule_t - capsule_t_2;
-        let capsule_t_15 = capsule_t_3 - capsule_t_4;
-        let capsule_t_16 = capsule_t + capsule_t_2;
-        let capsule_t_17 = capsule_t_3 + capsule_t_4;
-        let capsule_r11 = capsule_t_16 - capsule_t_17;
-        let capsule_r12 = capsule_t_8 - capsule_t_13;
-        let capsule_r13 = capsule_t_9 + capsule_t_12;
-        let capsule_r21 = capsule_t_8 + capsule_t_13;
-        let capsule_r22 = capsule_t_14 + capsule_t_15;
-        let capsule_r23 = capsule_t_10 - capsule_t_11;
-        let capsule_r31 = capsule_t_9 - capsule_t_12;
-        let capsule_r32 = capsule_t_10 + capsule_t_11;
-        let capsule_r33 = capsule_t_14 - capsule_t_15;
-        let capsule_t_18 = capsule_wx * capsule_r11;
-        let capsule_t_19 = capsule_wx * capsule_r21;
-        let capsule_t_20 = capsule_wx * capsule_r31;
-        let capsule_t_21 = capsule_wy * capsule_r12;
-        let capsule_t_22 = capsule_t_18 + capsule_t_21;
-        let capsule_t_23 = capsule_wy * capsule_r22;
-        let capsule_t_24 = capsule_t_19 + capsule_t_23;
-        let capsule_t_25 = capsule_wy * capsule_r32;
-        let capsule_t_26 = capsule_t_20 + capsule_t_25;
-        let capsule_t_27 = capsule_wz * capsule_r13;
-        let capsule_w_x = capsule_t_22 + capsule_t_27;
-        let capsule_t_28 = capsule_wz * capsule_r23;
-        let capsule_w_y = capsule_t_24 + capsule_t_28;
-        let capsule_t_29 = capsule_wz * capsule_r33;
-        let capsule_w_z = capsule_t_26 + capsule_t_29;
-        let canopy_t_18 = c_60 * canopy_wx;
-        let canopy_t_19 = c_60 * canopy_wy;
-        let canopy_t_20 = c_90 * canopy_wz;
-        let canopy_t_21 = canopy_wx * canopy_t_18;
-        let canopy_t_22 = canopy_wy * canopy_t_19;
-        let canopy_t_23 = canopy_wz * canopy_t_20;
-        let canopy_t_24 = canopy_t_21 + canopy_t_22;
-        let canopy_t_25 = canopy_t_23 + canopy_t_24;
-        let canopy_t_26 = canopy_vx * canopy_vx;
-        let canopy_t_27 = canopy_vy * canopy_vy;
-        let canopy_t_28 = canopy_vz * canopy_vz;
-        let canopy_t_29 = canopy_t_26 + canopy_t_27;
-        let canopy_t_30 = canopy_t_28 + canopy_t_29;
-        let canopy_t_31 = c_16 * canopy_t_30;
-        let canopy_t_32 = canopy_t_25 + canopy_t_31;
-        let canopy_t_33 = half * canopy_t_32;
+        let capsule_t_7 = capsule_qy * capsule_t_5;
+        let capsule_t_8 = capsule_qz * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_6;
+        let capsule_t_10 = capsule_qw * capsule_t_5;
+        let capsule_t_11 = capsule_qw * capsule_t_6;
+        let capsule_t_12 = capsule_qw * (capsule_qz + capsule_qz);
+        let capsule_t_13 = capsule_t - capsule_t_2;
+        let capsule_t_14 = capsule_t_3 - capsule_t_4;
+        let capsule_r11 = capsule_t + capsule_t_2 - (capsule_t_3 + capsule_t_4);
+        let capsule_r12 = capsule_t_7 - capsule_t_12;
+        let capsule_r13 = capsule_t_8 + capsule_t_11;
+        let capsule_r21 = capsule_t_7 + capsule_t_12;
+        let capsule_r22 = capsule_t_13 + capsule_t_14;
+        let capsule_r23 = capsule_t_9 - capsule_t_10;
+        let capsule_r31 = capsule_t_8 - capsule_t_11;
+        let capsule_r32 = capsule_t_9 + capsule_t_10;
+        let capsule_r33 = capsule_t_13 - capsule_t_14;
+        let capsule_w_x = capsule_wx * capsule_r11 + capsule_wy * capsule_r12
+            + capsule_wz * capsule_r13;
+        let capsule_w_y = capsule_wx * capsule_r21 + capsule_wy * capsule_r22
+            + capsule_wz * capsule_r23;
+        let capsule_w_z = capsule_wx * capsule_r31 + capsule_wy * capsule_r32
+            + capsule_wz * capsule_r33;
+        let canopy_t_15 = c_16
+            * (canopy_vz * canopy_vz + (canopy_vx * canopy_vx + canopy_vy * canopy_vy));
         let canopy_d_z = canopy_z - c;
-        let canopy_t_34 = canopy_x * canopy_x;
-        let canopy_t_35 = canopy_y * canopy_y;
-        let canopy_t_36 = canopy_d_z * canopy_d_z;
-        let canopy_t_37 = canopy_t_34 + canopy_t_35;
-        let canopy_d_squared = canopy_t_36 + canopy_t_37;
+        let canopy_t_16 = canopy_x * canopy_x + canopy_y * canopy_y;
+        let canopy_d_squared = canopy_d_z * canopy_d_z + canopy_t_16;
         let canopy_distance = canopy_d_squared.sqrt();
-        let canopy_t_38 = canopy_z - c_2;
-        let canopy_t_39 = canopy_z * canopy_t_38;
-        let canopy_t_40 = canopy_t_37 + canopy_t_39;
-        let canopy_t_41 = canopy_distance * c_3;
-        let canopy_t_42 = canopy_distance + c_3;
-        let canopy_t_43 = canopy_t_41 * canopy_t_42;
-        let canopy_t_44 = canopy_t_40 / canopy_t_43;
-        let canopy_t_45 = c_4 * canopy_t_44;
-        let capsule_t_30 = c_300 * capsule_wx;
-        let capsule_t_31 = c_m1_5 * capsule_wx;
-        let capsule_t_32 = c_m1_5 * capsule_wy;
-        let capsule_t_33 = capsule_t_30 + capsule_t_32;
-        let capsule_t_34 = c_310 * capsule_wy;
-        let capsule_t_35 = capsule_t_31 + capsule_t_34;
-        let capsule_t_36 = two * capsule_wy;
-        let capsule_t_37 = two * capsule_wz;
-        let capsule_t_38 = capsule_t_35 + capsule_t_37;
-        let capsule_t_39 = c_420 * capsule_wz;
-        let capsule_t_40 = capsule_t_36 + capsule_t_39;
-        let capsule_t_41 = capsule_wx * capsule_t_33;
-        let capsule_t_42 = capsule_wy * capsule_t_38;
-        let capsule_t_43 = capsule_wz * capsule_t_40;
-        let capsule_t_44 = capsule_t_41 + capsule_t_42;
-        let capsule_t_45 = capsule_t_43 + capsule_t_44;
-        let capsule_t_46 = capsule_vx * capsule_vx;
-        let capsule_t_47 = capsule_vy * capsule_vy;
-        let capsule_t_48 = capsule_vz * capsule_vz;
-        let capsule_t_49 = capsule_t_46 + capsule_t_47;
-        let capsule_t_50 = capsule_t_48 + capsule_t_49;
-        let capsule_t_51 = m_cap * capsule_t_50;
-        let capsule_t_52 = capsule_t_45 + capsule_t_51;
-        let capsule_t_53 = half * capsule_t_52;
-        let capsule_t_54 = canopy_t_33 + capsule_t_53;
+        let capsule_t_15 = capsule_wx * (c_300 * capsule_wx + c_m1_5 * capsule_wy)
+            + capsule_wy * (c_m1_5 * capsule_wx + c_310 * capsule_wy + two * capsule_wz);
+        let capsule_t_16 = capsule_wz * (two * capsule_wy + c_420 * capsule_wz)
+            + capsule_t_15
+            + m_cap
+                * (capsule_vz * capsule_vz
+                    + (capsule_vx * capsule_vx + capsule_vy * capsule_vy));
+        let capsule_t_17 = half
+            * (canopy_wz * (c_90 * canopy_wz)
+                + (canopy_wx * (c_60 * canopy_wx) + canopy_wy * (c_60 * canopy_wy))
+                + canopy_t_15) + half * capsule_t_16;
         let capsule_d_z = capsule_z - c;
-        let capsule_t_55 = capsule_x * capsule_x;
-        let capsule_t_56 = capsule_y * capsule_y;
-        let capsule_t_57 = capsule_d_z * capsule_d_z;
-        let capsule_t_58 = capsule_t_55 + capsule_t_56;
-        let capsule_d_squared = capsule_t_57 + capsule_t_58;
+        let capsule_t_18 = capsule_x * capsule_x + capsule_y * capsule_y;
+        let capsule_d_squared = capsule_d_z * capsule_d_z + capsule_t_18;
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_t_59 = capsule_z - c_2;
-        let capsule_t_60 = capsule_z * capsule_t_59;
-        let capsule_t_61 = capsule_t_58 + capsule_t_60;
-        let capsule_t_62 = capsule_distance * c_3;
-        let capsule_t_63 = capsule_distance + c_3;
-        let capsule_t_64 = capsule_t_62 * capsule_t_63;
-        let capsule_t_65 = capsule_t_61 / capsule_t_64;
-        let capsule_t_66 = derived_2 * capsule_t_65;
-        let capsule_t_67 = canopy_t_45 + capsule_t_66;
+        let capsule_t_19 = derived_2
+            * ((capsule_t_18 + capsule_z * (capsule_z - c_2))
+                / (capsule_distance * c_3 * (capsule_distance + c_3)));
+        let capsule_t_20 = c_4
+            * ((canopy_t_16 + canopy_z * (canopy_z - c_2))
+                / (canopy_distance * c_3 * (canopy_distance + c_3))) + capsule_t_19;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -2191,344 +1536,196 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_t = riser_e_x * riser_e_x;
-        let riser_t_2 = riser_e_y * riser_e_y;
-        let riser_t_3 = riser_e_z * riser_e_z;
-        let riser_t_4 = riser_t + riser_t_2;
-        let riser_t_5 = riser_t_3 + riser_t_4;
-        let riser_length = riser_t_5.sqrt();
-        let riser_t_6 = riser_length.max(tiny);
-        let riser_inverse_length = one / riser_t_6;
+        let riser_length = (riser_e_z * riser_e_z
+            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+            .sqrt();
+        let riser_inverse_length = one / riser_length.max(tiny);
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
         let riser_stretch = riser_length - c_10;
-        let riser_t_7 = c_m9_5 * canopy_wy;
-        let riser_t_8 = c_m9_5 * canopy_wx;
-        let riser_t_9 = canopy_r11 * riser_t_7;
-        let riser_t_10 = canopy_r21 * riser_t_7;
-        let riser_t_11 = canopy_r31 * riser_t_7;
-        let riser_t_12 = canopy_r12 * riser_t_8;
-        let riser_t_13 = riser_t_9 - riser_t_12;
-        let riser_t_14 = canopy_r22 * riser_t_8;
-        let riser_t_15 = riser_t_10 - riser_t_14;
-        let riser_t_16 = canopy_r32 * riser_t_8;
-        let riser_t_17 = riser_t_11 - riser_t_16;
-        let riser_v_x = canopy_vx + riser_t_13;
-        let riser_v_y = canopy_vy + riser_t_15;
-        let riser_v_z = canopy_vz + riser_t_17;
-        let riser_t_18 = confluence_wx - riser_v_x;
-        let riser_t_19 = confluence_wy - riser_v_y;
-        let riser_t_20 = confluence_wz - riser_v_z;
-        let riser_t_21 = riser_u_x * riser_t_18;
-        let riser_t_22 = riser_u_y * riser_t_19;
-        let riser_t_23 = riser_u_z * riser_t_20;
-        let riser_t_24 = riser_t_21 + riser_t_22;
-        let riser_rate = riser_t_23 + riser_t_24;
-        let riser_t_25 = riser_k * riser_stretch;
-        let riser_t_26 = c_600 * riser_rate;
-        let riser_pull = riser_t_25 + riser_t_26;
-        let riser_t_27 = zero.lt(riser_stretch);
-        let riser_t_28 = riser_pull.max(zero);
-        let riser_t_29 = T::select(riser_t_27, riser_t_28, zero);
-        let riser_t_30 = zero.lt(riser_hold);
-        let riser_t_31 = riser_hold.lt(zero);
-        let riser_t_32 = T::select(riser_t_31, zero, riser_t_29);
-        let riser_tension = T::select(riser_t_30, riser_pull, riser_t_32);
-        let riser_t_33 = riser_stretch.max(zero);
-        let riser_t_34 = riser_t_33 * riser_t_33;
-        let riser_t_35 = riser_k * riser_t_34;
-        let riser_t_36 = half * riser_t_35;
-        let riser_t_37 = riser_k * riser_t_33;
-        let riser_t_38 = riser_tension - riser_t_37;
-        let riser_t_39 = riser_rate * riser_t_38;
-        let leg_0_t = c_0_55 * capsule_r11;
-        let leg_0_t_2 = c_0_55 * capsule_r21;
-        let leg_0_t_3 = c_0_55 * capsule_r31;
-        let leg_0_t_4 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = leg_0_t + leg_0_t_4;
-        let leg_0_t_5 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = leg_0_t_2 + leg_0_t_5;
-        let leg_0_t_6 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = leg_0_t_3 + leg_0_t_6;
+        let riser_t = c_m9_5 * canopy_wy;
+        let riser_t_2 = c_m9_5 * canopy_wx;
+        let riser_v_x = canopy_vx + (canopy_r11 * riser_t - canopy_r12 * riser_t_2);
+        let riser_v_y = canopy_vy + (canopy_r21 * riser_t - canopy_r22 * riser_t_2);
+        let riser_v_z = canopy_vz + (canopy_r31 * riser_t - canopy_r32 * riser_t_2);
+        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
+            + (riser_u_x * (confluence_wx - riser_v_x)
+                + riser_u_y * (confluence_wy - riser_v_y));
+        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+        let riser_tension = T::select(
+            zero.lt(riser_hold),
+            riser_pull,
+            T::select(
+                riser_hold.lt(zero),
+                zero,
+                T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
+            ),
+        );
+        let riser_t_3 = riser_stretch.max(zero);
+        let leg_0_t = c_1_23 * capsule_r13;
+        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_t;
+        let leg_0_t_2 = c_1_23 * capsule_r23;
+        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_t_2;
+        let leg_0_t_3 = c_1_23 * capsule_r33;
+        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_t_3;
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_t_7 = leg_0_e_x * leg_0_e_x;
-        let leg_0_t_8 = leg_0_e_y * leg_0_e_y;
-        let leg_0_t_9 = leg_0_e_z * leg_0_e_z;
-        let leg_0_t_10 = leg_0_t_7 + leg_0_t_8;
-        let leg_0_t_11 = leg_0_t_9 + leg_0_t_10;
-        let leg_0_length = leg_0_t_11.sqrt();
-        let leg_0_t_12 = leg_0_length.max(tiny);
-        let leg_0_inverse_length = one / leg_0_t_12;
+        let leg_0_length = (leg_0_e_z * leg_0_e_z
+            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+            .sqrt();
+        let leg_0_inverse_length = one / leg_0_length.max(tiny);
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_length - c_2_1;
-        let leg_0_t_13 = c_1_23 * capsule_wy;
-        let leg_0_t_14 = c_0_55 * capsule_wz;
-        let leg_0_t_15 = c_1_23 * capsule_wx;
-        let leg_0_t_16 = leg_0_t_14 - leg_0_t_15;
-        let leg_0_t_17 = c_0_55 * capsule_wy;
-        let leg_0_t_18 = capsule_r11 * leg_0_t_13;
-        let leg_0_t_19 = capsule_r21 * leg_0_t_13;
-        let leg_0_t_20 = capsule_r31 * leg_0_t_13;
-        let leg_0_t_21 = capsule_r12 * leg_0_t_16;
-        let leg_0_t_22 = leg_0_t_18 + leg_0_t_21;
-        let leg_0_t_23 = capsule_r22 * leg_0_t_16;
-        let leg_0_t_24 = leg_0_t_19 + leg_0_t_23;
-        let leg_0_t_25 = capsule_r32 * leg_0_t_16;
-        let leg_0_t_26 = leg_0_t_20 + leg_0_t_25;
-        let leg_0_t_27 = capsule_r13 * leg_0_t_17;
-        let leg_0_t_28 = leg_0_t_22 - leg_0_t_27;
-        let leg_0_t_29 = capsule_r23 * leg_0_t_17;
-        let leg_0_t_30 = leg_0_t_24 - leg_0_t_29;
-        let leg_0_t_31 = capsule_r33 * leg_0_t_17;
-        let leg_0_t_32 = leg_0_t_26 - leg_0_t_31;
-        let leg_0_v_x = capsule_vx + leg_0_t_28;
-        let leg_0_v_y = capsule_vy + leg_0_t_30;
-        let leg_0_v_z = capsule_vz + leg_0_t_32;
-        let leg_0_t_33 = confluence_wx - leg_0_v_x;
-        let leg_0_t_34 = confluence_wy - leg_0_v_y;
-        let leg_0_t_35 = confluence_wz - leg_0_v_z;
-        let leg_0_t_36 = leg_0_u_x * leg_0_t_33;
-        let leg_0_t_37 = leg_0_u_y * leg_0_t_34;
-        let leg_0_t_38 = leg_0_u_z * leg_0_t_35;
-        let leg_0_t_39 = leg_0_t_36 + leg_0_t_37;
-        let leg_0_rate = leg_0_t_38 + leg_0_t_39;
-        let leg_0_t_40 = c_47000 * leg_0_stretch;
-        let leg_0_t_41 = c_470 * leg_0_rate;
-        let leg_0_pull = leg_0_t_40 + leg_0_t_41;
-        let leg_0_t_42 = zero.lt(leg_0_stretch);
-        let leg_0_t_43 = leg_0_pull.max(zero);
-        let leg_0_t_44 = T::select(leg_0_t_42, leg_0_t_43, zero);
-        let leg_0_t_45 = zero.lt(leg_0_hold);
-        let leg_0_t_46 = leg_0_hold.lt(zero);
-        let leg_0_t_47 = T::select(leg_0_t_46, zero, leg_0_t_44);
-        let leg_0_tension = T::select(leg_0_t_45, leg_0_pull, leg_0_t_47);
-        let leg_0_t_48 = leg_0_stretch.max(zero);
-        let leg_0_t_49 = leg_0_t_48 * leg_0_t_48;
-        let leg_0_t_50 = c_47000 * leg_0_t_49;
-        let leg_0_t_51 = half * leg_0_t_50;
-        let leg_0_t_52 = riser_t_36 + leg_0_t_51;
-        let leg_0_t_53 = c_47000 * leg_0_t_48;
-        let leg_0_t_54 = leg_0_tension - leg_0_t_53;
-        let leg_0_t_55 = leg_0_rate * leg_0_t_54;
-        let leg_0_t_56 = riser_t_39 + leg_0_t_55;
-        let leg_1_t = c_5 * capsule_r11;
-        let leg_1_t_2 = c_5 * capsule_r21;
-        let leg_1_t_3 = c_5 * capsule_r31;
-        let leg_1_t_4 = c_6 * capsule_r12;
-        let leg_1_t_5 = leg_1_t + leg_1_t_4;
-        let leg_1_t_6 = c_6 * capsule_r22;
-        let leg_1_t_7 = leg_1_t_2 + leg_1_t_6;
-        let leg_1_t_8 = c_6 * capsule_r32;
-        let leg_1_t_9 = leg_1_t_3 + leg_1_t_8;
-        let leg_1_arm_x = leg_0_t_4 + leg_1_t_5;
-        let leg_1_arm_y = leg_0_t_5 + leg_1_t_7;
-        let leg_1_arm_z = leg_0_t_6 + leg_1_t_9;
+        let leg_0_t_4 = c_1_23 * capsule_wy;
+        let leg_0_t_5 = c_1_23 * capsule_wx;
+        let leg_0_t_6 = c_0_55 * capsule_wz - leg_0_t_5;
+        let leg_0_t_7 = c_0_55 * capsule_wy;
+        let leg_0_v_x = capsule_vx
+            + (capsule_r11 * leg_0_t_4 + capsule_r12 * leg_0_t_6
+                - capsule_r13 * leg_0_t_7);
+        let leg_0_v_y = capsule_vy
+            + (capsule_r21 * leg_0_t_4 + capsule_r22 * leg_0_t_6
+                - capsule_r23 * leg_0_t_7);
+        let leg_0_v_z = capsule_vz
+            + (capsule_r31 * leg_0_t_4 + capsule_r32 * leg_0_t_6
+                - capsule_r33 * leg_0_t_7);
+        let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
+            + (leg_0_u_x * (confluence_wx - leg_0_v_x)
+                + leg_0_u_y * (confluence_wy - leg_0_v_y));
+        let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+        let leg_0_tension = T::select(
+            zero.lt(leg_0_hold),
+            leg_0_pull,
+            T::select(
+                leg_0_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_0_stretch), leg_0_pull.max(zero), zero),
+            ),
+        );
+        let leg_0_t_8 = leg_0_stretch.max(zero);
+        let leg_1_arm_x = leg_0_t + (c_5 * capsule_r11 + c_6 * capsule_r12);
+        let leg_1_arm_y = leg_0_t_2 + (c_5 * capsule_r21 + c_6 * capsule_r22);
+        let leg_1_arm_z = leg_0_t_3 + (c_5 * capsule_r31 + c_6 * capsule_r32);
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_t_10 = leg_1_e_x * leg_1_e_x;
-        let leg_1_t_11 = leg_1_e_y * leg_1_e_y;
-        let leg_1_t_12 = leg_1_e_z * leg_1_e_z;
-        let leg_1_t_13 = leg_1_t_10 + leg_1_t_11;
-        let leg_1_t_14 = leg_1_t_12 + leg_1_t_13;
-        let leg_1_length = leg_1_t_14.sqrt();
-        let leg_1_t_15 = leg_1_length.max(tiny);
-        let leg_1_inverse_length = one / leg_1_t_15;
+        let leg_1_length = (leg_1_e_z * leg_1_e_z
+            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+            .sqrt();
+        let leg_1_inverse_length = one / leg_1_length.max(tiny);
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_t_16 = c_6 * capsule_wz;
-        let leg_1_t_17 = leg_0_t_13 - leg_1_t_16;
-        let leg_1_t_18 = c_5 * capsule_wz;
-        let leg_1_t_19 = leg_1_t_18 - leg_0_t_15;
-        let leg_1_t_20 = c_6 * capsule_wx;
-        let leg_1_t_21 = c_5 * capsule_wy;
-        let leg_1_t_22 = leg_1_t_20 - leg_1_t_21;
-        let leg_1_t_23 = capsule_r11 * leg_1_t_17;
-        let leg_1_t_24 = capsule_r21 * leg_1_t_17;
-        let leg_1_t_25 = capsule_r31 * leg_1_t_17;
-        let leg_1_t_26 = capsule_r12 * leg_1_t_19;
-        let leg_1_t_27 = leg_1_t_23 + leg_1_t_26;
-        let leg_1_t_28 = capsule_r22 * leg_1_t_19;
-        let leg_1_t_29 = leg_1_t_24 + leg_1_t_28;
-        let leg_1_t_30 = capsule_r32 * leg_1_t_19;
-        let leg_1_t_31 = leg_1_t_25 + leg_1_t_30;
-        let leg_1_t_32 = capsule_r13 * leg_1_t_22;
-        let leg_1_t_33 = leg_1_t_27 + leg_1_t_32;
-        let leg_1_t_34 = capsule_r23 * leg_1_t_22;
-        let leg_1_t_35 = leg_1_t_29 + leg_1_t_34;
-        let leg_1_t_36 = capsule_r33 * leg_1_t_22;
-        let leg_1_t_37 = leg_1_t_31 + leg_1_t_36;
-        let leg_1_v_x = capsule_vx + leg_1_t_33;
-        let leg_1_v_y = capsule_vy + leg_1_t_35;
-        let leg_1_v_z = capsule_vz + leg_1_t_37;
-        let leg_1_t_38 = confluence_wx - leg_1_v_x;
-        let leg_1_t_39 = confluence_wy - leg_1_v_y;
-        let leg_1_t_40 = confluence_wz - leg_1_v_z;
-        let leg_1_t_41 = leg_1_u_x * leg_1_t_38;
-        let leg_1_t_42 = leg_1_u_y * leg_1_t_39;
-        let leg_1_t_43 = leg_1_u_z * leg_1_t_40;
-        let leg_1_t_44 = leg_1_t_41 + leg_1_t_42;
-        let leg_1_rate = leg_1_t_43 + leg_1_t_44;
-        let leg_1_t_45 = c_47000 * leg_1_stretch;
-        let leg_1_t_46 = c_470 * leg_1_rate;
-        let leg_1_pull = leg_1_t_45 + leg_1_t_46;
-        let leg_1_t_47 = zero.lt(leg_1_stretch);
-        let leg_1_t_48 = leg_1_pull.max(zero);
-        let leg_1_t_49 = T::select(leg_1_t_47, leg_1_t_48, zero);
-        let leg_1_t_50 = zero.lt(leg_1_hold);
-        let leg_1_t_51 = leg_1_hold.lt(zero);
-        let leg_1_t_52 = T::select(leg_1_t_51, zero, leg_1_t_49);
-        let leg_1_tension = T::select(leg_1_t_50, leg_1_pull, leg_1_t_52);
-        let leg_1_t_53 = leg_1_stretch.max(zero);
-        let leg_1_t_54 = leg_1_t_53 * leg_1_t_53;
-        let leg_1_t_55 = c_47000 * leg_1_t_54;
-        let leg_1_t_56 = half * leg_1_t_55;
-        let leg_1_t_57 = leg_0_t_52 + leg_1_t_56;
-        let leg_1_t_58 = c_47000 * leg_1_t_53;
-        let leg_1_t_59 = leg_1_tension - leg_1_t_58;
-        let leg_1_t_60 = leg_1_rate * leg_1_t_59;
-        let leg_1_t_61 = leg_0_t_56 + leg_1_t_60;
-        let leg_2_t = c_7 * capsule_r11;
-        let leg_2_t_2 = c_7 * capsule_r21;
-        let leg_2_t_3 = c_7 * capsule_r31;
-        let leg_2_t_4 = c_8 * capsule_r12;
-        let leg_2_t_5 = leg_2_t + leg_2_t_4;
-        let leg_2_t_6 = c_8 * capsule_r22;
-        let leg_2_t_7 = leg_2_t_2 + leg_2_t_6;
-        let leg_2_t_8 = c_8 * capsule_r32;
-        let leg_2_t_9 = leg_2_t_3 + leg_2_t_8;
-        let leg_2_arm_x = leg_0_t_4 + leg_2_t_5;
-        let leg_2_arm_y = leg_0_t_5 + leg_2_t_7;
-        let leg_2_arm_z = leg_0_t_6 + leg_2_t_9;
+        let leg_1_t = leg_0_t_4 - c_6 * capsule_wz;
+        let leg_1_t_2 = c_5 * capsule_wz - leg_0_t_5;
+        let leg_1_t_3 = c_6 * capsule_wx - c_5 * capsule_wy;
+        let leg_1_v_x = capsule_vx
+            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
+                + capsule_r13 * leg_1_t_3);
+        let leg_1_v_y = capsule_vy
+            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
+                + capsule_r23 * leg_1_t_3);
+        let leg_1_v_z = capsule_vz
+            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
+                + capsule_r33 * leg_1_t_3);
+        let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
+            + (leg_1_u_x * (confluence_wx - leg_1_v_x)
+                + leg_1_u_y * (confluence_wy - leg_1_v_y));
+        let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+        let leg_1_tension = T::select(
+            zero.lt(leg_1_hold),
+            leg_1_pull,
+            T::select(
+                leg_1_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_1_stretch), leg_1_pull.max(zero), zero),
+            ),
+        );
+        let leg_1_t_4 = leg_1_stretch.max(zero);
+        let leg_2_arm_x = leg_0_t + (c_7 * capsule_r11 + c_8 * capsule_r12);
+        let leg_2_arm_y = leg_0_t_2 + (c_7 * capsule_r21 + c_8 * capsule_r22);
+        let leg_2_arm_z = leg_0_t_3 + (c_7 * capsule_r31 + c_8 * capsule_r32);
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_t_10 = leg_2_e_x * leg_2_e_x;
-        let leg_2_t_11 = leg_2_e_y * leg_2_e_y;
-        let leg_2_t_12 = leg_2_e_z * leg_2_e_z;
-        let leg_2_t_13 = leg_2_t_10 + leg_2_t_11;
-        let leg_2_t_14 = leg_2_t_12 + leg_2_t_13;
-        let leg_2_length = leg_2_t_14.sqrt();
-        let leg_2_t_15 = leg_2_length.max(tiny);
-        let leg_2_inverse_length = one / leg_2_t_15;
+        let leg_2_length = (leg_2_e_z * leg_2_e_z
+            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+            .sqrt();
+        let leg_2_inverse_length = one / leg_2_length.max(tiny);
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_t_16 = c_8 * capsule_wz;
-        let leg_2_t_17 = leg_0_t_13 - leg_2_t_16;
-        let leg_2_t_18 = c_7 * capsule_wz;
-        let leg_2_t_19 = leg_2_t_18 - leg_0_t_15;
-        let leg_2_t_20 = c_8 * capsule_wx;
-        let leg_2_t_21 = c_7 * capsule_wy;
-        let leg_2_t_22 = leg_2_t_20 - leg_2_t_21;
-        let leg_2_t_23 = capsule_r11 * leg_2_t_17;
-        let leg_2_t_24 = capsule_r21 * leg_2_t_17;
-        let leg_2_t_25 = capsule_r31 * leg_2_t_17;
-        let leg_2_t_26 = capsule_r12 * leg_2_t_19;
-        let leg_2_t_27 = leg_2_t_23 + leg_2_t_26;
-        let leg_2_t_28 = capsule_r22 * leg_2_t_19;
-        let leg_2_t_29 = leg_2_t_24 + leg_2_t_28;
-        let leg_2_t_30 = capsule_r32 * leg_2_t_19;
-        let leg_2_t_31 = leg_2_t_25 + leg_2_t_30;
-        let leg_2_t_32 = capsule_r13 * leg_2_t_22;
-        let leg_2_t_33 = leg_2_t_27 + leg_2_t_32;
-        let leg_2_t_34 = capsule_r23 * leg_2_t_22;
-        let leg_2_t_35 = leg_2_t_29 + leg_2_t_34;
-        let leg_2_t_36 = capsule_r33 * leg_2_t_22;
-        let leg_2_t_37 = leg_2_t_31 + leg_2_t_36;
-        let leg_2_v_x = capsule_vx + leg_2_t_33;
-        let leg_2_v_y = capsule_vy + leg_2_t_35;
-        let leg_2_v_z = capsule_vz + leg_2_t_37;
-        let leg_2_t_38 = confluence_wx - leg_2_v_x;
-        let leg_2_t_39 = confluence_wy - leg_2_v_y;
-        let leg_2_t_40 = confluence_wz - leg_2_v_z;
-        let leg_2_t_41 = leg_2_u_x * leg_2_t_38;
-        let leg_2_t_42 = leg_2_u_y * leg_2_t_39;
-        let leg_2_t_43 = leg_2_u_z * leg_2_t_40;
-        let leg_2_t_44 = leg_2_t_41 + leg_2_t_42;
-        let leg_2_rate = leg_2_t_43 + leg_2_t_44;
-        let leg_2_t_45 = c_47000 * leg_2_stretch;
-        let leg_2_t_46 = c_470 * leg_2_rate;
-        let leg_2_pull = leg_2_t_45 + leg_2_t_46;
-        let leg_2_t_47 = zero.lt(leg_2_stretch);
-        let leg_2_t_48 = leg_2_pull.max(zero);
-        let leg_2_t_49 = T::select(leg_2_t_47, leg_2_t_48, zero);
-        let leg_2_t_50 = zero.lt(leg_2_hold);
-        let leg_2_t_51 = leg_2_hold.lt(zero);
-        let leg_2_t_52 = T::select(leg_2_t_51, zero, leg_2_t_49);
-        let leg_2_tension = T::select(leg_2_t_50, leg_2_pull, leg_2_t_52);
-        let leg_2_t_53 = leg_2_stretch.max(zero);
-        let leg_2_t_54 = leg_2_t_53 * leg_2_t_53;
-        let leg_2_t_55 = c_47000 * leg_2_t_54;
-        let leg_2_t_56 = half * leg_2_t_55;
-        let leg_2_t_57 = leg_1_t_57 + leg_2_t_56;
-        let leg_2_t_58 = c_47000 * leg_2_t_53;
-        let leg_2_t_59 = leg_2_tension - leg_2_t_58;
-        let leg_2_t_60 = leg_2_rate * leg_2_t_59;
-        let leg_2_t_61 = leg_1_t_61 + leg_2_t_60;
-        let leg_2_t_62 = -leg_2_t_61;
-        let leg_2_t_63 = c_1_57 * canopy_wy;
-        let leg_2_t_64 = c_1_57 * canopy_wx;
-        let leg_2_t_65 = canopy_r11 * leg_2_t_63;
-        let leg_2_t_66 = canopy_r21 * leg_2_t_63;
-        let leg_2_t_67 = canopy_r31 * leg_2_t_63;
-        let leg_2_t_68 = canopy_r12 * leg_2_t_64;
-        let leg_2_t_69 = leg_2_t_65 - leg_2_t_68;
-        let leg_2_t_70 = canopy_r22 * leg_2_t_64;
-        let leg_2_t_71 = leg_2_t_66 - leg_2_t_70;
-        let leg_2_t_72 = canopy_r32 * leg_2_t_64;
-        let leg_2_t_73 = leg_2_t_67 - leg_2_t_72;
-        let leg_2_v_x_2 = canopy_vx + leg_2_t_69;
-        let leg_2_v_y_2 = canopy_vy + leg_2_t_71;
-        let leg_2_v_z_2 = canopy_vz + leg_2_t_73;
+        let leg_2_t = leg_0_t_4 - c_8 * capsule_wz;
+        let leg_2_t_2 = c_7 * capsule_wz - leg_0_t_5;
+        let leg_2_t_3 = c_8 * capsule_wx - c_7 * capsule_wy;
+        let leg_2_v_x = capsule_vx
+            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
+                + capsule_r13 * leg_2_t_3);
+        let leg_2_v_y = capsule_vy
+            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
+                + capsule_r23 * leg_2_t_3);
+        let leg_2_v_z = capsule_vz
+            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
+                + capsule_r33 * leg_2_t_3);
+        let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
+            + (leg_2_u_x * (confluence_wx - leg_2_v_x)
+                + leg_2_u_y * (confluence_wy - leg_2_v_y));
+        let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+        let leg_2_tension = T::select(
+            zero.lt(leg_2_hold),
+            leg_2_pull,
+            T::select(
+                leg_2_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_2_stretch), leg_2_pull.max(zero), zero),
+            ),
+        );
+        let leg_2_t_4 = leg_2_stretch.max(zero);
+        let leg_2_t_5 = half * (c_47000 * (leg_2_t_4 * leg_2_t_4));
+        let leg_2_t_6 = half * (riser_k * (riser_t_3 * riser_t_3))
+            + half * (c_47000 * (leg_0_t_8 * leg_0_t_8))
+            + half * (c_47000 * (leg_1_t_4 * leg_1_t_4)) + leg_2_t_5;
+        let leg_2_t_7 = leg_2_rate * (leg_2_tension - c_47000 * leg_2_t_4);
+        let leg_2_t_8 = riser_rate * (riser_tension - riser_k * riser_t_3)
+            + leg_0_rate * (leg_0_tension - c_47000 * leg_0_t_8)
+            + leg_1_rate * (leg_1_tension - c_47000 * leg_1_t_4) + leg_2_t_7;
+        let leg_2_t_9 = -leg_2_t_8;
+        let leg_2_t_10 = c_1_57 * canopy_wy;
+        let leg_2_t_11 = c_1_57 * canopy_wx;
+        let leg_2_v_x_2 = canopy_vx
+            + (canopy_r11 * leg_2_t_10 - canopy_r12 * leg_2_t_11);
+        let leg_2_v_y_2 = canopy_vy
+            + (canopy_r21 * leg_2_t_10 - canopy_r22 * leg_2_t_11);
+        let leg_2_v_z_2 = canopy_vz
+            + (canopy_r31 * leg_2_t_10 - canopy_r32 * leg_2_t_11);
         let drag_t = leg_2_v_x_2 - wind_x;
         let drag_t_2 = leg_2_v_y_2 - wind_y;
         let drag_t_3 = leg_2_v_z_2 - wind_z;
-        let drag_t_4 = drag_t * drag_t;
-        let drag_t_5 = drag_t_2 * drag_t_2;
-        let drag_t_6 = drag_t_3 * drag_t_3;
-        let drag_t_7 = drag_t_4 + drag_t_5;
-        let drag_t_8 = drag_t_6 + drag_t_7;
-        let drag_t_9 = drag_t_8.sqrt();
-        let drag_t_10 = derived_1 * drag_t_9;
-        let drag_t_11 = drag_t * drag_t_10;
-        let drag_t_12 = drag_t_2 * drag_t_10;
-        let drag_t_13 = drag_t_3 * drag_t_10;
-        let drag_t_14 = leg_2_v_x_2 * drag_t_11;
-        let drag_t_15 = leg_2_v_y_2 * drag_t_12;
-        let drag_t_16 = leg_2_v_z_2 * drag_t_13;
-        let drag_t_17 = drag_t_14 + drag_t_15;
-        let drag_t_18 = drag_t_16 + drag_t_17;
-        let thruster_t = capsule_vx * thruster_x;
-        let thruster_t_2 = capsule_vy * thruster_y;
-        let thruster_t_3 = capsule_vz * thruster_z;
-        let thruster_t_4 = thruster_t + thruster_t_2;
-        let thruster_t_5 = thruster_t_3 + thruster_t_4;
-        let thruster_t_6 = drag_t_18 + thruster_t_5;
-        let thruster_t_7 = thruster_couple_x * capsule_w_x;
-        let thruster_t_8 = thruster_couple_y * capsule_w_y;
-        let thruster_t_9 = thruster_couple_z * capsule_w_z;
-        let thruster_t_10 = thruster_t_7 + thruster_t_8;
-        let thruster_t_11 = thruster_t_9 + thruster_t_10;
-        let thruster_t_12 = thruster_t_6 + thruster_t_11;
-        *out = [capsule_t_54, capsule_t_67, leg_2_t_57, thruster_t_12, leg_2_t_62, zero];
+        let drag_t_4 = derived_1
+            * (drag_t_3 * drag_t_3 + (drag_t * drag_t + drag_t_2 * drag_t_2)).sqrt();
+        let thruster_t = capsule_vz * thruster_z
+            + (capsule_vx * thruster_x + capsule_vy * thruster_y);
+        let thruster_t_2 = thruster_couple_z * capsule_w_z
+            + (thruster_couple_x * capsule_w_x + thruster_couple_y * capsule_w_y);
+        let thruster_t_3 = leg_2_v_z_2 * (drag_t_3 * drag_t_4)
+            + (leg_2_v_x_2 * (drag_t * drag_t_4) + leg_2_v_y_2 * (drag_t_2 * drag_t_4))
+            + thruster_t + thruster_t_2;
+        *out = [capsule_t_17, capsule_t_20, leg_2_t_6, thruster_t_3, leg_2_t_9, zero];
     }
     /// Mass matrix `M` in `M v̇ + h = f`.
     /// 12×12 [kg, kg m²], row by row, structural non-zeros only.
@@ -2587,80 +1784,43 @@ const _: () = {
         let two = T::from_f64(2.0);
         let c_420 = T::from_f64(420.0);
         let canopy_d_z = canopy_z - c;
-        let canopy_t = canopy_x * canopy_x;
-        let canopy_t_2 = canopy_y * canopy_y;
-        let canopy_t_3 = canopy_d_z * canopy_d_z;
-        let canopy_t_4 = canopy_t + canopy_t_2;
-        let canopy_d_squared = canopy_t_3 + canopy_t_4;
+        let canopy_d_squared = canopy_d_z * canopy_d_z
+            + (canopy_x * canopy_x + canopy_y * canopy_y);
         let canopy_distance = canopy_d_squared.sqrt();
-        let canopy_t_5 = canopy_d_squared * canopy_distance;
-        let canopy_gravity = c_2 / canopy_t_5;
-        let canopy_t_6 = canopy_x * canopy_gravity;
-        let canopy_t_7 = canopy_y * canopy_gravity;
-        let canopy_t_8 = canopy_d_z * canopy_gravity;
-        let canopy_t_9 = canopy_t_6 * c_m16;
-        let canopy_t_10 = -canopy_t_9;
-        let canopy_t_11 = canopy_t_7 * c_m16;
-        let canopy_t_12 = -canopy_t_11;
-        let canopy_t_13 = canopy_t_8 * c_m16;
-        let canopy_t_14 = -canopy_t_13;
-        let canopy_t_15 = c_60 * canopy_wx;
-        let canopy_t_16 = c_60 * canopy_wy;
-        let canopy_t_17 = c_90 * canopy_wz;
-        let canopy_t_18 = canopy_wy * canopy_t_17;
-        let canopy_t_19 = canopy_wz * canopy_t_16;
-        let canopy_gyro_x = canopy_t_18 - canopy_t_19;
-        let canopy_t_20 = canopy_wz * canopy_t_15;
-        let canopy_t_21 = canopy_wx * canopy_t_17;
-        let canopy_gyro_y = canopy_t_20 - canopy_t_21;
-        let canopy_t_22 = canopy_wx * canopy_t_16;
-        let canopy_t_23 = canopy_wy * canopy_t_15;
-        let canopy_gyro_z = canopy_t_22 - canopy_t_23;
+        let canopy_gravity = c_2 / (canopy_d_squared * canopy_distance);
+        let canopy_t = -(canopy_x * canopy_gravity * c_m16);
+        let canopy_t_2 = -(canopy_y * canopy_gravity * c_m16);
+        let canopy_t_3 = -(canopy_d_z * canopy_gravity * c_m16);
+        let canopy_t_4 = c_60 * canopy_wx;
+        let canopy_t_5 = c_60 * canopy_wy;
+        let canopy_t_6 = c_90 * canopy_wz;
+        let canopy_gyro_x = canopy_wy * canopy_t_6 - canopy_wz * canopy_t_5;
+        let canopy_gyro_y = canopy_wz * canopy_t_4 - canopy_wx * canopy_t_6;
+        let canopy_gyro_z = canopy_wx * canopy_t_5 - canopy_wy * canopy_t_4;
         let capsule_d_z = capsule_z - c;
-        let capsule_t = capsule_x * capsule_x;
-        let capsule_t_2 = capsule_y * capsule_y;
-        let capsule_t_3 = capsule_d_z * capsule_d_z;
-        let capsule_t_4 = capsule_t + capsule_t_2;
-        let capsule_d_squared = capsule_t_3 + capsule_t_4;
+        let capsule_d_squared = capsule_d_z * capsule_d_z
+            + (capsule_x * capsule_x + capsule_y * capsule_y);
         let capsule_distance = capsule_d_squared.sqrt();
-        let capsule_t_5 = capsule_d_squared * capsule_distance;
-        let capsule_gravity = c_2 / capsule_t_5;
-        let capsule_t_6 = capsule_x * capsule_gravity;
-        let capsule_t_7 = capsule_y * capsule_gravity;
-        let capsule_t_8 = capsule_d_z * capsule_gravity;
-        let capsule_t_9 = m_cap * capsule_t_6;
-        let capsule_t_10 = m_cap * capsule_t_7;
-        let capsule_t_11 = m_cap * capsule_t_8;
-        let capsule_t_12 = c_300 * capsule_wx;
-        let capsule_t_13 = c_m1_5 * capsule_wx;
-        let capsule_t_14 = c_m1_5 * capsule_wy;
-        let capsule_t_15 = capsule_t_12 + capsule_t_14;
-        let capsule_t_16 = c_310 * capsule_wy;
-        let capsule_t_17 = capsule_t_13 + capsule_t_16;
-        let capsule_t_18 = two * capsule_wy;
-        let capsule_t_19 = two * capsule_wz;
-        let capsule_t_20 = capsule_t_17 + capsule_t_19;
-        let capsule_t_21 = c_420 * capsule_wz;
-        let capsule_t_22 = capsule_t_18 + capsule_t_21;
-        let capsule_t_23 = capsule_wy * capsule_t_22;
-        let capsule_t_24 = capsule_wz * capsule_t_20;
-        let capsule_gyro_x = capsule_t_23 - capsule_t_24;
-        let capsule_t_25 = capsule_wz * capsule_t_15;
-        let capsule_t_26 = capsule_wx * capsule_t_22;
-        let capsule_gyro_y = capsule_t_25 - capsule_t_26;
-        let capsule_t_27 = capsule_wx * capsule_t_20;
-        let capsule_t_28 = capsule_wy * capsule_t_15;
-        let capsule_gyro_z = capsule_t_27 - capsule_t_28;
+        let capsule_gravity = c_2 / (capsule_d_squared * capsule_distance);
+        let capsule_t = m_cap * (capsule_x * capsule_gravity);
+        let capsule_t_2 = m_cap * (capsule_y * capsule_gravity);
+        let capsule_t_3 = m_cap * (capsule_d_z * capsule_gravity);
+        let capsule_t_4 = c_300 * capsule_wx + c_m1_5 * capsule_wy;
+        let capsule_t_5 = c_m1_5 * capsule_wx + c_310 * capsule_wy + two * capsule_wz;
+        let capsule_t_6 = two * capsule_wy + c_420 * capsule_wz;
+        let capsule_gyro_x = capsule_wy * capsule_t_6 - capsule_wz * capsule_t_5;
+        let capsule_gyro_y = capsule_wz * capsule_t_4 - capsule_wx * capsule_t_6;
+        let capsule_gyro_z = capsule_wx * capsule_t_5 - capsule_wy * capsule_t_4;
         *out = [
-            canopy_t_10,
-            canopy_t_12,
-            canopy_t_14,
+            canopy_t,
+            canopy_t_2,
+            canopy_t_3,
             canopy_gyro_x,
             canopy_gyro_y,
             canopy_gyro_z,
-            capsule_t_9,
-            capsule_t_10,
-            capsule_t_11,
+            capsule_t,
+            capsule_t_2,
+            capsule_t_3,
             capsule_gyro_x,
             capsule_gyro_y,
             capsule_gyro_z,
@@ -2715,52 +1875,46 @@ const _: () = {
         let canopy_t_4 = canopy_qz * canopy_qz;
         let canopy_t_5 = canopy_qx + canopy_qx;
         let canopy_t_6 = canopy_qy + canopy_qy;
-        let canopy_t_7 = canopy_qz + canopy_qz;
-        let canopy_t_8 = canopy_qy * canopy_t_5;
-        let canopy_t_9 = canopy_qz * canopy_t_5;
-        let canopy_t_10 = canopy_qz * canopy_t_6;
-        let canopy_t_11 = canopy_qw * canopy_t_5;
-        let canopy_t_12 = canopy_qw * canopy_t_6;
-        let canopy_t_13 = canopy_qw * canopy_t_7;
-        let canopy_t_14 = canopy_t - canopy_t_2;
-        let canopy_t_15 = canopy_t_3 - canopy_t_4;
-        let canopy_t_16 = canopy_t + canopy_t_2;
-        let canopy_t_17 = canopy_t_3 + canopy_t_4;
-        let canopy_r11 = canopy_t_16 - canopy_t_17;
-        let canopy_r12 = canopy_t_8 - canopy_t_13;
-        let canopy_r13 = canopy_t_9 + canopy_t_12;
-        let canopy_r21 = canopy_t_8 + canopy_t_13;
-        let canopy_r22 = canopy_t_14 + canopy_t_15;
-        let canopy_r23 = canopy_t_10 - canopy_t_11;
-        let canopy_r31 = canopy_t_9 - canopy_t_12;
-        let canopy_r32 = canopy_t_10 + canopy_t_11;
-        let canopy_r33 = canopy_t_14 - canopy_t_15;
+        let canopy_t_7 = canopy_qy * canopy_t_5;
+        let canopy_t_8 = canopy_qz * canopy_t_5;
+        let canopy_t_9 = canopy_qz * canopy_t_6;
+        let canopy_t_10 = canopy_qw * canopy_t_5;
+        let canopy_t_11 = canopy_qw * canopy_t_6;
+        let canopy_t_12 = canopy_qw * (canopy_qz + canopy_qz);
+        let canopy_t_13 = canopy_t - canopy_t_2;
+        let canopy_t_14 = canopy_t_3 - canopy_t_4;
+        let canopy_r11 = canopy_t + canopy_t_2 - (canopy_t_3 + canopy_t_4);
+        let canopy_r12 = canopy_t_7 - canopy_t_12;
+        let canopy_r13 = canopy_t_8 + canopy_t_11;
+        let canopy_r21 = canopy_t_7 + canopy_t_12;
+        let canopy_r22 = canopy_t_13 + canopy_t_14;
+        let canopy_r23 = canopy_t_9 - canopy_t_10;
+        let canopy_r31 = canopy_t_8 - canopy_t_11;
+        let canopy_r32 = canopy_t_9 + canopy_t_10;
+        let canopy_r33 = canopy_t_13 - canopy_t_14;
         let capsule_t = capsule_qw * capsule_qw;
         let capsule_t_2 = capsule_qx * capsule_qx;
         let capsule_t_3 = capsule_qy * capsule_qy;
         let capsule_t_4 = capsule_qz * capsule_qz;
         let capsule_t_5 = capsule_qx + capsule_qx;
         let capsule_t_6 = capsule_qy + capsule_qy;
-        let capsule_t_7 = capsule_qz + capsule_qz;
-        let capsule_t_8 = capsule_qy * capsule_t_5;
-        let capsule_t_9 = capsule_qz * capsule_t_5;
-        let capsule_t_10 = capsule_qz * capsule_t_6;
-        let capsule_t_11 = capsule_qw * capsule_t_5;
-        let capsule_t_12 = capsule_qw * capsule_t_6;
-        let capsule_t_13 = capsule_qw * capsule_t_7;
-        let capsule_t_14 = capsule_t - capsule_t_2;
-        let capsule_t_15 = capsule_t_3 - capsule_t_4;
-        let capsule_t_16 = capsule_t + capsule_t_2;
-        let capsule_t_17 = capsule_t_3 + capsule_t_4;
-        let capsule_r11 = capsule_t_16 - capsule_t_17;
-        let capsule_r12 = capsule_t_8 - capsule_t_13;
-        let capsule_r13 = capsule_t_9 + capsule_t_12;
-        let capsule_r21 = capsule_t_8 + capsule_t_13;
-        let capsule_r22 = capsule_t_14 + capsule_t_15;
-        let capsule_r23 = capsule_t_10 - capsule_t_11;
-        let capsule_r31 = capsule_t_9 - capsule_t_12;
-        let capsule_r32 = capsule_t_10 + capsule_t_11;
-        let capsule_r33 = capsule_t_14 - capsule_t_15;
+        let capsule_t_7 = capsule_qy * capsule_t_5;
+        let capsule_t_8 = capsule_qz * capsule_t_5;
+        let capsule_t_9 = capsule_qz * capsule_t_6;
+        let capsule_t_10 = capsule_qw * capsule_t_5;
+        let capsule_t_11 = capsule_qw * capsule_t_6;
+        let capsule_t_12 = capsule_qw * (capsule_qz + capsule_qz);
+        let capsule_t_13 = capsule_t - capsule_t_2;
+        let capsule_t_14 = capsule_t_3 - capsule_t_4;
+        let capsule_r11 = capsule_t + capsule_t_2 - (capsule_t_3 + capsule_t_4);
+        let capsule_r12 = capsule_t_7 - capsule_t_12;
+        let capsule_r13 = capsule_t_8 + capsule_t_11;
+        let capsule_r21 = capsule_t_7 + capsule_t_12;
+        let capsule_r22 = capsule_t_13 + capsule_t_14;
+        let capsule_r23 = capsule_t_9 - capsule_t_10;
+        let capsule_r31 = capsule_t_8 - capsule_t_11;
+        let capsule_r32 = capsule_t_9 + capsule_t_10;
+        let capsule_r33 = capsule_t_13 - capsule_t_14;
         let riser_arm_x = c_m9_5 * canopy_r13;
         let riser_arm_y = c_m9_5 * canopy_r23;
         let riser_arm_z = c_m9_5 * canopy_r33;
@@ -2770,409 +1924,230 @@ const _: () = {
         let riser_e_x = confluence_x - riser_p_x;
         let riser_e_y = confluence_y - riser_p_y;
         let riser_e_z = confluence_z - riser_p_z;
-        let riser_t = riser_e_x * riser_e_x;
-        let riser_t_2 = riser_e_y * riser_e_y;
-        let riser_t_3 = riser_e_z * riser_e_z;
-        let riser_t_4 = riser_t + riser_t_2;
-        let riser_t_5 = riser_t_3 + riser_t_4;
-        let riser_length = riser_t_5.sqrt();
-        let riser_t_6 = riser_length.max(tiny);
-        let riser_inverse_length = one / riser_t_6;
+        let riser_length = (riser_e_z * riser_e_z
+            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+            .sqrt();
+        let riser_inverse_length = one / riser_length.max(tiny);
         let riser_u_x = riser_e_x * riser_inverse_length;
         let riser_u_y = riser_e_y * riser_inverse_length;
         let riser_u_z = riser_e_z * riser_inverse_length;
         let riser_stretch = riser_length - c_10;
-        let riser_t_7 = c_m9_5 * canopy_wy;
-        let riser_t_8 = c_m9_5 * canopy_wx;
-        let riser_t_9 = canopy_r11 * riser_t_7;
-        let riser_t_10 = canopy_r21 * riser_t_7;
-        let riser_t_11 = canopy_r31 * riser_t_7;
-        let riser_t_12 = canopy_r12 * riser_t_8;
-        let riser_t_13 = riser_t_9 - riser_t_12;
-        let riser_t_14 = canopy_r22 * riser_t_8;
-        let riser_t_15 = riser_t_10 - riser_t_14;
-        let riser_t_16 = canopy_r32 * riser_t_8;
-        let riser_t_17 = riser_t_11 - riser_t_16;
-        let riser_v_x = canopy_vx + riser_t_13;
-        let riser_v_y = canopy_vy + riser_t_15;
-        let riser_v_z = canopy_vz + riser_t_17;
-        let riser_t_18 = confluence_wx - riser_v_x;
-        let riser_t_19 = confluence_wy - riser_v_y;
-        let riser_t_20 = confluence_wz - riser_v_z;
-        let riser_t_21 = riser_u_x * riser_t_18;
-        let riser_t_22 = riser_u_y * riser_t_19;
-        let riser_t_23 = riser_u_z * riser_t_20;
-        let riser_t_24 = riser_t_21 + riser_t_22;
-        let riser_rate = riser_t_23 + riser_t_24;
-        let riser_t_25 = riser_k * riser_stretch;
-        let riser_t_26 = c_600 * riser_rate;
-        let riser_pull = riser_t_25 + riser_t_26;
-        let riser_t_27 = zero.lt(riser_stretch);
-        let riser_t_28 = riser_pull.max(zero);
-        let riser_t_29 = T::select(riser_t_27, riser_t_28, zero);
-        let riser_t_30 = zero.lt(riser_hold);
-        let riser_t_31 = riser_hold.lt(zero);
-        let riser_t_32 = T::select(riser_t_31, zero, riser_t_29);
-        let riser_tension = T::select(riser_t_30, riser_pull, riser_t_32);
+        let riser_t = c_m9_5 * canopy_wy;
+        let riser_t_2 = c_m9_5 * canopy_wx;
+        let riser_v_x = canopy_vx + (canopy_r11 * riser_t - canopy_r12 * riser_t_2);
+        let riser_v_y = canopy_vy + (canopy_r21 * riser_t - canopy_r22 * riser_t_2);
+        let riser_v_z = canopy_vz + (canopy_r31 * riser_t - canopy_r32 * riser_t_2);
+        let riser_rate = riser_u_z * (confluence_wz - riser_v_z)
+            + (riser_u_x * (confluence_wx - riser_v_x)
+                + riser_u_y * (confluence_wy - riser_v_y));
+        let riser_pull = riser_k * riser_stretch + c_600 * riser_rate;
+        let riser_tension = T::select(
+            zero.lt(riser_hold),
+            riser_pull,
+            T::select(
+                riser_hold.lt(zero),
+                zero,
+                T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
+            ),
+        );
         let riser_force_x = riser_u_x * riser_tension;
         let riser_force_y = riser_u_y * riser_tension;
         let riser_force_z = riser_u_z * riser_tension;
-        let riser_t_33 = riser_arm_y * riser_force_z;
-        let riser_t_34 = riser_arm_z * riser_force_y;
-        let riser_t_35 = riser_t_33 - riser_t_34;
-        let riser_t_36 = riser_arm_z * riser_force_x;
-        let riser_t_37 = riser_arm_x * riser_force_z;
-        let riser_t_38 = riser_t_36 - riser_t_37;
-        let riser_t_39 = riser_arm_x * riser_force_y;
-        let riser_t_40 = riser_arm_y * riser_force_x;
-        let riser_t_41 = riser_t_39 - riser_t_40;
-        let leg_0_t = c_0_55 * capsule_r11;
-        let leg_0_t_2 = c_0_55 * capsule_r21;
-        let leg_0_t_3 = c_0_55 * capsule_r31;
-        let leg_0_t_4 = c_1_23 * capsule_r13;
-        let leg_0_arm_x = leg_0_t + leg_0_t_4;
-        let leg_0_t_5 = c_1_23 * capsule_r23;
-        let leg_0_arm_y = leg_0_t_2 + leg_0_t_5;
-        let leg_0_t_6 = c_1_23 * capsule_r33;
-        let leg_0_arm_z = leg_0_t_3 + leg_0_t_6;
+        let leg_0_t = c_1_23 * capsule_r13;
+        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_t;
+        let leg_0_t_2 = c_1_23 * capsule_r23;
+        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_t_2;
+        let leg_0_t_3 = c_1_23 * capsule_r33;
+        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_t_3;
         let leg_0_p_x = capsule_x + leg_0_arm_x;
         let leg_0_p_y = capsule_y + leg_0_arm_y;
         let leg_0_p_z = capsule_z + leg_0_arm_z;
         let leg_0_e_x = confluence_x - leg_0_p_x;
         let leg_0_e_y = confluence_y - leg_0_p_y;
         let leg_0_e_z = confluence_z - leg_0_p_z;
-        let leg_0_t_7 = leg_0_e_x * leg_0_e_x;
-        let leg_0_t_8 = leg_0_e_y * leg_0_e_y;
-        let leg_0_t_9 = leg_0_e_z * leg_0_e_z;
-        let leg_0_t_10 = leg_0_t_7 + leg_0_t_8;
-        let leg_0_t_11 = leg_0_t_9 + leg_0_t_10;
-        let leg_0_length = leg_0_t_11.sqrt();
-        let leg_0_t_12 = leg_0_length.max(tiny);
-        let leg_0_inverse_length = one / leg_0_t_12;
+        let leg_0_length = (leg_0_e_z * leg_0_e_z
+            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+            .sqrt();
+        let leg_0_inverse_length = one / leg_0_length.max(tiny);
         let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
         let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
         let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
         let leg_0_stretch = leg_0_length - c_2_1;
-        let leg_0_t_13 = c_1_23 * capsule_wy;
-        let leg_0_t_14 = c_0_55 * capsule_wz;
-        let leg_0_t_15 = c_1_23 * capsule_wx;
-        let leg_0_t_16 = leg_0_t_14 - leg_0_t_15;
-        let leg_0_t_17 = c_0_55 * capsule_wy;
-        let leg_0_t_18 = capsule_r11 * leg_0_t_13;
-        let leg_0_t_19 = capsule_r21 * leg_0_t_13;
-        let leg_0_t_20 = capsule_r31 * leg_0_t_13;
-        let leg_0_t_21 = capsule_r12 * leg_0_t_16;
-        let leg_0_t_22 = leg_0_t_18 + leg_0_t_21;
-        let leg_0_t_23 = capsule_r22 * leg_0_t_16;
-        let leg_0_t_24 = leg_0_t_19 + leg_0_t_23;
-        let leg_0_t_25 = capsule_r32 * leg_0_t_16;
-        let leg_0_t_26 = leg_0_t_20 + leg_0_t_25;
-        let leg_0_t_27 = capsule_r13 * leg_0_t_17;
-        let leg_0_t_28 = leg_0_t_22 - leg_0_t_27;
-        let leg_0_t_29 = capsule_r23 * leg_0_t_17;
-        let leg_0_t_30 = leg_0_t_24 - leg_0_t_29;
-        let leg_0_t_31 = capsule_r33 * leg_0_t_17;
-        let leg_0_t_32 = leg_0_t_26 - leg_0_t_31;
-        let leg_0_v_x = capsule_vx + leg_0_t_28;
-        let leg_0_v_y = capsule_vy + leg_0_t_30;
-        let leg_0_v_z = capsule_vz + leg_0_t_32;
-        let leg_0_t_33 = confluence_wx - leg_0_v_x;
-        let leg_0_t_34 = confluence_wy - leg_0_v_y;
-        let leg_0_t_35 = confluence_wz - leg_0_v_z;
-        let leg_0_t_36 = leg_0_u_x * leg_0_t_33;
-        let leg_0_t_37 = leg_0_u_y * leg_0_t_34;
-        let leg_0_t_38 = leg_0_u_z * leg_0_t_35;
-        let leg_0_t_39 = leg_0_t_36 + leg_0_t_37;
-        let leg_0_rate = leg_0_t_38 + leg_0_t_39;
-        let leg_0_t_40 = c_47000 * leg_0_stretch;
-        let leg_0_t_41 = c_470 * leg_0_rate;
-        let leg_0_pull = leg_0_t_40 + leg_0_t_41;
-        let leg_0_t_42 = zero.lt(leg_0_stretch);
-        let leg_0_t_43 = leg_0_pull.max(zero);
-        let leg_0_t_44 = T::select(leg_0_t_42, leg_0_t_43, zero);
-        let leg_0_t_45 = zero.lt(leg_0_hold);
-        let leg_0_t_46 = leg_0_hold.lt(zero);
-        let leg_0_t_47 = T::select(leg_0_t_46, zero, leg_0_t_44);
-        let leg_0_tension = T::select(leg_0_t_45, leg_0_pull, leg_0_t_47);
+        let leg_0_t_4 = c_1_23 * capsule_wy;
+        let leg_0_t_5 = c_1_23 * capsule_wx;
+        let leg_0_t_6 = c_0_55 * capsule_wz - leg_0_t_5;
+        let leg_0_t_7 = c_0_55 * capsule_wy;
+        let leg_0_v_x = capsule_vx
+            + (capsule_r11 * leg_0_t_4 + capsule_r12 * leg_0_t_6
+                - capsule_r13 * leg_0_t_7);
+        let leg_0_v_y = capsule_vy
+            + (capsule_r21 * leg_0_t_4 + capsule_r22 * leg_0_t_6
+                - capsule_r23 * leg_0_t_7);
+        let leg_0_v_z = capsule_vz
+            + (capsule_r31 * leg_0_t_4 + capsule_r32 * leg_0_t_6
+                - capsule_r33 * leg_0_t_7);
+        let leg_0_rate = leg_0_u_z * (confluence_wz - leg_0_v_z)
+            + (leg_0_u_x * (confluence_wx - leg_0_v_x)
+                + leg_0_u_y * (confluence_wy - leg_0_v_y));
+        let leg_0_pull = c_47000 * leg_0_stretch + c_470 * leg_0_rate;
+        let leg_0_tension = T::select(
+            zero.lt(leg_0_hold),
+            leg_0_pull,
+            T::select(
+                leg_0_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_0_stretch), leg_0_pull.max(zero), zero),
+            ),
+        );
         let leg_0_force_x = leg_0_u_x * leg_0_tension;
         let leg_0_force_y = leg_0_u_y * leg_0_tension;
         let leg_0_force_z = leg_0_u_z * leg_0_tension;
-        let leg_0_t_48 = leg_0_arm_y * leg_0_force_z;
-        let leg_0_t_49 = leg_0_arm_z * leg_0_force_y;
-        let leg_0_t_50 = leg_0_t_48 - leg_0_t_49;
-        let leg_0_t_51 = leg_0_arm_z * leg_0_force_x;
-        let leg_0_t_52 = leg_0_arm_x * leg_0_force_z;
-        let leg_0_t_53 = leg_0_t_51 - leg_0_t_52;
-        let leg_0_t_54 = leg_0_arm_x * leg_0_force_y;
-        let leg_0_t_55 = leg_0_arm_y * leg_0_force_x;
-        let leg_0_t_56 = leg_0_t_54 - leg_0_t_55;
-        let leg_1_t = c * capsule_r11;
-        let leg_1_t_2 = c * capsule_r21;
-        let leg_1_t_3 = c * capsule_r31;
-        let leg_1_t_4 = c_2 * capsule_r12;
-        let leg_1_t_5 = leg_1_t + leg_1_t_4;
-        let leg_1_t_6 = c_2 * capsule_r22;
-        let leg_1_t_7 = leg_1_t_2 + leg_1_t_6;
-        let leg_1_t_8 = c_2 * capsule_r32;
-        let leg_1_t_9 = leg_1_t_3 + leg_1_t_8;
-        let leg_1_arm_x = leg_0_t_4 + leg_1_t_5;
-        let leg_1_arm_y = leg_0_t_5 + leg_1_t_7;
-        let leg_1_arm_z = leg_0_t_6 + leg_1_t_9;
+        let leg_1_arm_x = leg_0_t + (c * capsule_r11 + c_2 * capsule_r12);
+        let leg_1_arm_y = leg_0_t_2 + (c * capsule_r21 + c_2 * capsule_r22);
+        let leg_1_arm_z = leg_0_t_3 + (c * capsule_r31 + c_2 * capsule_r32);
         let leg_1_p_x = capsule_x + leg_1_arm_x;
         let leg_1_p_y = capsule_y + leg_1_arm_y;
         let leg_1_p_z = capsule_z + leg_1_arm_z;
         let leg_1_e_x = confluence_x - leg_1_p_x;
         let leg_1_e_y = confluence_y - leg_1_p_y;
         let leg_1_e_z = confluence_z - leg_1_p_z;
-        let leg_1_t_10 = leg_1_e_x * leg_1_e_x;
-        let leg_1_t_11 = leg_1_e_y * leg_1_e_y;
-        let leg_1_t_12 = leg_1_e_z * leg_1_e_z;
-        let leg_1_t_13 = leg_1_t_10 + leg_1_t_11;
-        let leg_1_t_14 = leg_1_t_12 + leg_1_t_13;
-        let leg_1_length = leg_1_t_14.sqrt();
-        let leg_1_t_15 = leg_1_length.max(tiny);
-        let leg_1_inverse_length = one / leg_1_t_15;
+        let leg_1_length = (leg_1_e_z * leg_1_e_z
+            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+            .sqrt();
+        let leg_1_inverse_length = one / leg_1_length.max(tiny);
         let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
         let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
         let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
         let leg_1_stretch = leg_1_length - c_2_1;
-        let leg_1_t_16 = c_2 * capsule_wz;
-        let leg_1_t_17 = leg_0_t_13 - leg_1_t_16;
-        let leg_1_t_18 = c * capsule_wz;
-        let leg_1_t_19 = leg_1_t_18 - leg_0_t_15;
-        let leg_1_t_20 = c_2 * capsule_wx;
-        let leg_1_t_21 = c * capsule_wy;
-        let leg_1_t_22 = leg_1_t_20 - leg_1_t_21;
-        let leg_1_t_23 = capsule_r11 * leg_1_t_17;
-        let leg_1_t_24 = capsule_r21 * leg_1_t_17;
-        let leg_1_t_25 = capsule_r31 * leg_1_t_17;
-        let leg_1_t_26 = capsule_r12 * leg_1_t_19;
-        let leg_1_t_27 = leg_1_t_23 + leg_1_t_26;
-        let leg_1_t_28 = capsule_r22 * leg_1_t_19;
-        let leg_1_t_29 = leg_1_t_24 + leg_1_t_28;
-        let leg_1_t_30 = capsule_r32 * leg_1_t_19;
-        let leg_1_t_31 = leg_1_t_25 + leg_1_t_30;
-        let leg_1_t_32 = capsule_r13 * leg_1_t_22;
-        let leg_1_t_33 = leg_1_t_27 + leg_1_t_32;
-        let leg_1_t_34 = capsule_r23 * leg_1_t_22;
-        let leg_1_t_35 = leg_1_t_29 + leg_1_t_34;
-        let leg_1_t_36 = capsule_r33 * leg_1_t_22;
-        let leg_1_t_37 = leg_1_t_31 + leg_1_t_36;
-        let leg_1_v_x = capsule_vx + leg_1_t_33;
-        let leg_1_v_y = capsule_vy + leg_1_t_35;
-        let leg_1_v_z = capsule_vz + leg_1_t_37;
-        let leg_1_t_38 = confluence_wx - leg_1_v_x;
-        let leg_1_t_39 = confluence_wy - leg_1_v_y;
-        let leg_1_t_40 = confluence_wz - leg_1_v_z;
-        let leg_1_t_41 = leg_1_u_x * leg_1_t_38;
-        let leg_1_t_42 = leg_1_u_y * leg_1_t_39;
-        let leg_1_t_43 = leg_1_u_z * leg_1_t_40;
-        let leg_1_t_44 = leg_1_t_41 + leg_1_t_42;
-        let leg_1_rate = leg_1_t_43 + leg_1_t_44;
-        let leg_1_t_45 = c_47000 * leg_1_stretch;
-        let leg_1_t_46 = c_470 * leg_1_rate;
-        let leg_1_pull = leg_1_t_45 + leg_1_t_46;
-        let leg_1_t_47 = zero.lt(leg_1_stretch);
-        let leg_1_t_48 = leg_1_pull.max(zero);
-        let leg_1_t_49 = T::select(leg_1_t_47, leg_1_t_48, zero);
-        let leg_1_t_50 = zero.lt(leg_1_hold);
-        let leg_1_t_51 = leg_1_hold.lt(zero);
-        let leg_1_t_52 = T::select(leg_1_t_51, zero, leg_1_t_49);
-        let leg_1_tension = T::select(leg_1_t_50, leg_1_pull, leg_1_t_52);
+        let leg_1_t = leg_0_t_4 - c_2 * capsule_wz;
+        let leg_1_t_2 = c * capsule_wz - leg_0_t_5;
+        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_v_x = capsule_vx
+            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
+                + capsule_r13 * leg_1_t_3);
+        let leg_1_v_y = capsule_vy
+            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
+                + capsule_r23 * leg_1_t_3);
+        let leg_1_v_z = capsule_vz
+            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
+                + capsule_r33 * leg_1_t_3);
+        let leg_1_rate = leg_1_u_z * (confluence_wz - leg_1_v_z)
+            + (leg_1_u_x * (confluence_wx - leg_1_v_x)
+                + leg_1_u_y * (confluence_wy - leg_1_v_y));
+        let leg_1_pull = c_47000 * leg_1_stretch + c_470 * leg_1_rate;
+        let leg_1_tension = T::select(
+            zero.lt(leg_1_hold),
+            leg_1_pull,
+            T::select(
+                leg_1_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_1_stretch), leg_1_pull.max(zero), zero),
+            ),
+        );
         let leg_1_force_x = leg_1_u_x * leg_1_tension;
         let leg_1_force_y = leg_1_u_y * leg_1_tension;
         let leg_1_force_z = leg_1_u_z * leg_1_tension;
-        let leg_1_t_53 = leg_0_force_x + leg_1_force_x;
-        let leg_1_t_54 = leg_0_force_y + leg_1_force_y;
-        let leg_1_t_55 = leg_0_force_z + leg_1_force_z;
-        let leg_1_t_56 = leg_1_arm_y * leg_1_force_z;
-        let leg_1_t_57 = leg_1_arm_z * leg_1_force_y;
-        let leg_1_t_58 = leg_1_t_56 - leg_1_t_57;
-        let leg_1_t_59 = leg_1_arm_z * leg_1_force_x;
-        let leg_1_t_60 = leg_1_arm_x * leg_1_force_z;
-        let leg_1_t_61 = leg_1_t_59 - leg_1_t_60;
-        let leg_1_t_62 = leg_1_arm_x * leg_1_force_y;
-        let leg_1_t_63 = leg_1_arm_y * leg_1_force_x;
-        let leg_1_t_64 = leg_1_t_62 - leg_1_t_63;
-        let leg_1_t_65 = leg_0_t_50 + leg_1_t_58;
-        let leg_1_t_66 = leg_0_t_53 + leg_1_t_61;
-        let leg_1_t_67 = leg_0_t_56 + leg_1_t_64;
-        let leg_2_t = c_3 * capsule_r11;
-        let leg_2_t_2 = c_3 * capsule_r21;
-        let leg_2_t_3 = c_3 * capsule_r31;
-        let leg_2_t_4 = c_4 * capsule_r12;
-        let leg_2_t_5 = leg_2_t + leg_2_t_4;
-        let leg_2_t_6 = c_4 * capsule_r22;
-        let leg_2_t_7 = leg_2_t_2 + leg_2_t_6;
-        let leg_2_t_8 = c_4 * capsule_r32;
-        let leg_2_t_9 = leg_2_t_3 + leg_2_t_8;
-        let leg_2_arm_x = leg_0_t_4 + leg_2_t_5;
-        let leg_2_arm_y = leg_0_t_5 + leg_2_t_7;
-        let leg_2_arm_z = leg_0_t_6 + leg_2_t_9;
+        let leg_2_arm_x = leg_0_t + (c_3 * capsule_r11 + c_4 * capsule_r12);
+        let leg_2_arm_y = leg_0_t_2 + (c_3 * capsule_r21 + c_4 * capsule_r22);
+        let leg_2_arm_z = leg_0_t_3 + (c_3 * capsule_r31 + c_4 * capsule_r32);
         let leg_2_p_x = capsule_x + leg_2_arm_x;
         let leg_2_p_y = capsule_y + leg_2_arm_y;
         let leg_2_p_z = capsule_z + leg_2_arm_z;
         let leg_2_e_x = confluence_x - leg_2_p_x;
         let leg_2_e_y = confluence_y - leg_2_p_y;
         let leg_2_e_z = confluence_z - leg_2_p_z;
-        let leg_2_t_10 = leg_2_e_x * leg_2_e_x;
-        let leg_2_t_11 = leg_2_e_y * leg_2_e_y;
-        let leg_2_t_12 = leg_2_e_z * leg_2_e_z;
-        let leg_2_t_13 = leg_2_t_10 + leg_2_t_11;
-        let leg_2_t_14 = leg_2_t_12 + leg_2_t_13;
-        let leg_2_length = leg_2_t_14.sqrt();
-        let leg_2_t_15 = leg_2_length.max(tiny);
-        let leg_2_inverse_length = one / leg_2_t_15;
+        let leg_2_length = (leg_2_e_z * leg_2_e_z
+            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+            .sqrt();
+        let leg_2_inverse_length = one / leg_2_length.max(tiny);
         let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
         let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
         let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
         let leg_2_stretch = leg_2_length - c_2_1;
-        let leg_2_t_16 = c_4 * capsule_wz;
-        let leg_2_t_17 = leg_0_t_13 - leg_2_t_16;
-        let leg_2_t_18 = c_3 * capsule_wz;
-        let leg_2_t_19 = leg_2_t_18 - leg_0_t_15;
-        let leg_2_t_20 = c_4 * capsule_wx;
-        let leg_2_t_21 = c_3 * capsule_wy;
-        let leg_2_t_22 = leg_2_t_20 - leg_2_t_21;
-        let leg_2_t_23 = capsule_r11 * leg_2_t_17;
-        let leg_2_t_24 = capsule_r21 * leg_2_t_17;
-        let leg_2_t_25 = capsule_r31 * leg_2_t_17;
-        let leg_2_t_26 = capsule_r12 * leg_2_t_19;
-        let leg_2_t_27 = leg_2_t_23 + leg_2_t_26;
-        let leg_2_t_28 = capsule_r22 * leg_2_t_19;
-        let leg_2_t_29 = leg_2_t_24 + leg_2_t_28;
-        let leg_2_t_30 = capsule_r32 * leg_2_t_19;
-        let leg_2_t_31 = leg_2_t_25 + leg_2_t_30;
-        let leg_2_t_32 = capsule_r13 * leg_2_t_22;
-        let leg_2_t_33 = leg_2_t_27 + leg_2_t_32;
-        let leg_2_t_34 = capsule_r23 * leg_2_t_22;
-        let leg_2_t_35 = leg_2_t_29 + leg_2_t_34;
-        let leg_2_t_36 = capsule_r33 * leg_2_t_22;
-        let leg_2_t_37 = leg_2_t_31 + leg_2_t_36;
-        let leg_2_v_x = capsule_vx + leg_2_t_33;
-        let leg_2_v_y = capsule_vy + leg_2_t_35;
-        let leg_2_v_z = capsule_vz + leg_2_t_37;
-        let leg_2_t_38 = confluence_wx - leg_2_v_x;
-        let leg_2_t_39 = confluence_wy - leg_2_v_y;
-        let leg_2_t_40 = confluence_wz - leg_2_v_z;
-        let leg_2_t_41 = leg_2_u_x * leg_2_t_38;
-        let leg_2_t_42 = leg_2_u_y * leg_2_t_39;
-        let leg_2_t_43 = leg_2_u_z * leg_2_t_40;
-        let leg_2_t_44 = leg_2_t_41 + leg_2_t_42;
-        let leg_2_rate = leg_2_t_43 + leg_2_t_44;
-        let leg_2_t_45 = c_47000 * leg_2_stretch;
-        let leg_2_t_46 = c_470 * leg_2_rate;
-        let leg_2_pull = leg_2_t_45 + leg_2_t_46;
-        let leg_2_t_47 = zero.lt(leg_2_stretch);
-        let leg_2_t_48 = leg_2_pull.max(zero);
-        let leg_2_t_49 = T::select(leg_2_t_47, leg_2_t_48, zero);
-        let leg_2_t_50 = zero.lt(leg_2_hold);
-        let leg_2_t_51 = leg_2_hold.lt(zero);
-        let leg_2_t_52 = T::select(leg_2_t_51, zero, leg_2_t_49);
-        let leg_2_tension = T::select(leg_2_t_50, leg_2_pull, leg_2_t_52);
+        let leg_2_t = leg_0_t_4 - c_4 * capsule_wz;
+        let leg_2_t_2 = c_3 * capsule_wz - leg_0_t_5;
+        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_v_x = capsule_vx
+            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
+                + capsule_r13 * leg_2_t_3);
+        let leg_2_v_y = capsule_vy
+            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
+                + capsule_r23 * leg_2_t_3);
+        let leg_2_v_z = capsule_vz
+            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
+                + capsule_r33 * leg_2_t_3);
+        let leg_2_rate = leg_2_u_z * (confluence_wz - leg_2_v_z)
+            + (leg_2_u_x * (confluence_wx - leg_2_v_x)
+                + leg_2_u_y * (confluence_wy - leg_2_v_y));
+        let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+        let leg_2_tension = T::select(
+            zero.lt(leg_2_hold),
+            leg_2_pull,
+            T::select(
+                leg_2_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_2_stretch), leg_2_pull.max(zero), zero),
+            ),
+        );
         let leg_2_force_x = leg_2_u_x * leg_2_tension;
         let leg_2_force_y = leg_2_u_y * leg_2_tension;
         let leg_2_force_z = leg_2_u_z * leg_2_tension;
-        let leg_2_t_53 = leg_1_t_53 + leg_2_force_x;
-        let leg_2_t_54 = leg_1_t_54 + leg_2_force_y;
-        let leg_2_t_55 = leg_1_t_55 + leg_2_force_z;
-        let leg_2_t_56 = leg_2_arm_y * leg_2_force_z;
-        let leg_2_t_57 = leg_2_arm_z * leg_2_force_y;
-        let leg_2_t_58 = leg_2_t_56 - leg_2_t_57;
-        let leg_2_t_59 = leg_2_arm_z * leg_2_force_x;
-        let leg_2_t_60 = leg_2_arm_x * leg_2_force_z;
-        let leg_2_t_61 = leg_2_t_59 - leg_2_t_60;
-        let leg_2_t_62 = leg_2_arm_x * leg_2_force_y;
-        let leg_2_t_63 = leg_2_arm_y * leg_2_force_x;
-        let leg_2_t_64 = leg_2_t_62 - leg_2_t_63;
-        let leg_2_t_65 = leg_1_t_65 + leg_2_t_58;
-        let leg_2_t_66 = leg_1_t_66 + leg_2_t_61;
-        let leg_2_t_67 = leg_1_t_67 + leg_2_t_64;
         let drag_t = c_1_57 * canopy_wy;
         let drag_t_2 = c_1_57 * canopy_wx;
-        let drag_t_3 = canopy_r11 * drag_t;
-        let drag_t_4 = canopy_r21 * drag_t;
-        let drag_t_5 = canopy_r31 * drag_t;
-        let drag_t_6 = canopy_r12 * drag_t_2;
-        let drag_t_7 = drag_t_3 - drag_t_6;
-        let drag_t_8 = canopy_r22 * drag_t_2;
-        let drag_t_9 = drag_t_4 - drag_t_8;
-        let drag_t_10 = canopy_r32 * drag_t_2;
-        let drag_t_11 = drag_t_5 - drag_t_10;
-        let drag_v_x = canopy_vx + drag_t_7;
-        let drag_v_y = canopy_vy + drag_t_9;
-        let drag_v_z = canopy_vz + drag_t_11;
-        let drag_t_12 = drag_v_x - wind_x;
-        let drag_t_13 = drag_v_y - wind_y;
-        let drag_t_14 = drag_v_z - wind_z;
-        let drag_t_15 = drag_t_12 * drag_t_12;
-        let drag_t_16 = drag_t_13 * drag_t_13;
-        let drag_t_17 = drag_t_14 * drag_t_14;
-        let drag_t_18 = drag_t_15 + drag_t_16;
-        let drag_t_19 = drag_t_17 + drag_t_18;
-        let drag_t_20 = drag_t_19.sqrt();
-        let drag_t_21 = derived_1 * drag_t_20;
-        let drag_t_22 = drag_t_12 * drag_t_21;
-        let drag_t_23 = drag_t_13 * drag_t_21;
-        let drag_t_24 = drag_t_14 * drag_t_21;
+        let drag_v_x = canopy_vx + (canopy_r11 * drag_t - canopy_r12 * drag_t_2);
+        let drag_v_y = canopy_vy + (canopy_r21 * drag_t - canopy_r22 * drag_t_2);
+        let drag_v_z = canopy_vz + (canopy_r31 * drag_t - canopy_r32 * drag_t_2);
+        let drag_t_3 = drag_v_x - wind_x;
+        let drag_t_4 = drag_v_y - wind_y;
+        let drag_t_5 = drag_v_z - wind_z;
+        let drag_t_6 = derived_1
+            * (drag_t_5 * drag_t_5 + (drag_t_3 * drag_t_3 + drag_t_4 * drag_t_4)).sqrt();
+        let drag_t_7 = drag_t_3 * drag_t_6;
+        let drag_t_8 = drag_t_4 * drag_t_6;
+        let drag_t_9 = drag_t_5 * drag_t_6;
         let drag_arm_x = c_1_57 * canopy_r13;
         let drag_arm_y = c_1_57 * canopy_r23;
         let drag_arm_z = c_1_57 * canopy_r33;
-        let drag_t_25 = riser_force_x + drag_t_22;
-        let drag_t_26 = riser_force_y + drag_t_23;
-        let drag_t_27 = riser_force_z + drag_t_24;
-        let drag_t_28 = drag_t_24 * drag_arm_y;
-        let drag_t_29 = drag_t_23 * drag_arm_z;
-        let drag_t_30 = drag_t_28 - drag_t_29;
-        let drag_t_31 = drag_t_22 * drag_arm_z;
-        let drag_t_32 = drag_t_24 * drag_arm_x;
-        let drag_t_33 = drag_t_31 - drag_t_32;
-        let drag_t_34 = drag_t_23 * drag_arm_x;
-        let drag_t_35 = drag_t_22 * drag_arm_y;
-        let drag_t_36 = drag_t_34 - drag_t_35;
-        let drag_t_37 = riser_t_35 + drag_t_30;
-        let drag_t_38 = riser_t_38 + drag_t_33;
-        let drag_t_39 = riser_t_41 + drag_t_36;
-        let thruster_t = thruster_x + leg_2_t_53;
-        let thruster_t_2 = thruster_y + leg_2_t_54;
-        let thruster_t_3 = thruster_z + leg_2_t_55;
-        let thruster_t_4 = thruster_couple_x + leg_2_t_65;
-        let thruster_t_5 = thruster_couple_y + leg_2_t_66;
-        let thruster_t_6 = thruster_couple_z + leg_2_t_67;
-        let canopy_t_18 = canopy_r11 * drag_t_37;
-        let canopy_t_19 = canopy_r12 * drag_t_37;
-        let canopy_t_20 = canopy_r13 * drag_t_37;
-        let canopy_t_21 = canopy_r21 * drag_t_38;
-        let canopy_t_22 = canopy_t_18 + canopy_t_21;
-        let canopy_t_23 = canopy_r22 * drag_t_38;
-        let canopy_t_24 = canopy_t_19 + canopy_t_23;
-        let canopy_t_25 = canopy_r23 * drag_t_38;
-        let canopy_t_26 = canopy_t_20 + canopy_t_25;
-        let canopy_t_27 = canopy_r31 * drag_t_39;
-        let canopy_torque_x = canopy_t_22 + canopy_t_27;
-        let canopy_t_28 = canopy_r32 * drag_t_39;
-        let canopy_torque_y = canopy_t_24 + canopy_t_28;
-        let canopy_t_29 = canopy_r33 * drag_t_39;
-        let canopy_torque_z = canopy_t_26 + canopy_t_29;
-        let capsule_t_18 = capsule_r11 * thruster_t_4;
-        let capsule_t_19 = capsule_r12 * thruster_t_4;
-        let capsule_t_20 = capsule_r13 * thruster_t_4;
-        let capsule_t_21 = capsule_r21 * thruster_t_5;
-        let capsule_t_22 = capsule_t_18 + capsule_t_21;
-        let capsule_t_23 = capsule_r22 * thruster_t_5;
-        let capsule_t_24 = capsule_t_19 + capsule_t_23;
-        let capsule_t_25 = capsule_r23 * thruster_t_5;
-        let capsule_t_26 = capsule_t_20 + capsule_t_25;
-        let capsule_t_27 = capsule_r31 * thruster_t_6;
-        let capsule_torque_x = capsule_t_22 + capsule_t_27;
-        let capsule_t_28 = capsule_r32 * thruster_t_6;
-        let capsule_torque_y = capsule_t_24 + capsule_t_28;
-        let capsule_t_29 = capsule_r33 * thruster_t_6;
-        let capsule_torque_z = capsule_t_26 + capsule_t_29;
+        let drag_t_10 = riser_force_x + drag_t_7;
+        let drag_t_11 = riser_force_y + drag_t_8;
+        let drag_t_12 = riser_force_z + drag_t_9;
+        let drag_t_13 = riser_arm_y * riser_force_z - riser_arm_z * riser_force_y
+            + (drag_t_9 * drag_arm_y - drag_t_8 * drag_arm_z);
+        let drag_t_14 = riser_arm_z * riser_force_x - riser_arm_x * riser_force_z
+            + (drag_t_7 * drag_arm_z - drag_t_9 * drag_arm_x);
+        let drag_t_15 = riser_arm_x * riser_force_y - riser_arm_y * riser_force_x
+            + (drag_t_8 * drag_arm_x - drag_t_7 * drag_arm_y);
+        let thruster_t = thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x);
+        let thruster_t_2 = thruster_y + (leg_0_force_y + leg_1_force_y + leg_2_force_y);
+        let thruster_t_3 = thruster_z + (leg_0_force_z + leg_1_force_z + leg_2_force_z);
+        let thruster_t_4 = thruster_couple_x
+            + (leg_0_arm_y * leg_0_force_z - leg_0_arm_z * leg_0_force_y
+                + (leg_1_arm_y * leg_1_force_z - leg_1_arm_z * leg_1_force_y)
+                + (leg_2_arm_y * leg_2_force_z - leg_2_arm_z * leg_2_force_y));
+        let thruster_t_5 = thruster_couple_y
+            + (leg_0_arm_z * leg_0_force_x - leg_0_arm_x * leg_0_force_z
+                + (leg_1_arm_z * leg_1_force_x - leg_1_arm_x * leg_1_force_z)
+                + (leg_2_arm_z * leg_2_force_x - leg_2_arm_x * leg_2_force_z));
+        let thruster_t_6 = thruster_couple_z
+            + (leg_0_arm_x * leg_0_force_y - leg_0_arm_y * leg_0_force_x
+                + (leg_1_arm_x * leg_1_force_y - leg_1_arm_y * leg_1_force_x)
+                + (leg_2_arm_x * leg_2_force_y - leg_2_arm_y * leg_2_force_x));
+        let canopy_torque_x = canopy_r11 * drag_t_13 + canopy_r21 * drag_t_14
+            + canopy_r31 * drag_t_15;
+        let canopy_torque_y = canopy_r12 * drag_t_13 + canopy_r22 * drag_t_14
+            + canopy_r32 * drag_t_15;
+        let canopy_torque_z = canopy_r13 * drag_t_13 + canopy_r23 * drag_t_14
+            + canopy_r33 * drag_t_15;
+        let capsule_torque_x = capsule_r11 * thruster_t_4 + capsule_r21 * thruster_t_5
+            + capsule_r31 * thruster_t_6;
+        let capsule_torque_y = capsule_r12 * thruster_t_4 + capsule_r22 * thruster_t_5
+            + capsule_r32 * thruster_t_6;
+        let capsule_torque_z = capsule_r13 * thruster_t_4 + capsule_r23 * thruster_t_5
+            + capsule_r33 * thruster_t_6;
         *out = [
-            drag_t_25,
-            drag_t_26,
-            drag_t_27,
+            drag_t_10,
+            drag_t_11,
+            drag_t_12,
             canopy_torque_x,
             canopy_torque_y,
             canopy_torque_z,
@@ -3208,66 +2183,40 @@ const _: () = {
         let canopy_t = canopy_wx * half;
         let canopy_t_2 = canopy_wy * half;
         let canopy_t_3 = canopy_wz * half;
-        let canopy_t_4 = canopy_qy * canopy_t_3;
-        let canopy_t_5 = canopy_qz * canopy_t_2;
-        let canopy_t_6 = canopy_t_4 - canopy_t_5;
-        let canopy_t_7 = canopy_qz * canopy_t;
-        let canopy_t_8 = canopy_qx * canopy_t_3;
-        let canopy_t_9 = canopy_t_7 - canopy_t_8;
-        let canopy_t_10 = canopy_qx * canopy_t_2;
-        let canopy_t_11 = canopy_qy * canopy_t;
-        let canopy_t_12 = canopy_t_10 - canopy_t_11;
-        let canopy_t_13 = canopy_qx * canopy_t;
-        let canopy_t_14 = canopy_qy * canopy_t_2;
-        let canopy_t_15 = canopy_t_13 + canopy_t_14;
-        let canopy_t_16 = canopy_qz * canopy_t_3;
-        let canopy_t_17 = canopy_t_15 + canopy_t_16;
-        let canopy_t_18 = -canopy_t_17;
-        let canopy_t_19 = canopy_qw * canopy_t;
-        let canopy_t_20 = canopy_t_6 + canopy_t_19;
-        let canopy_t_21 = canopy_qw * canopy_t_2;
-        let canopy_t_22 = canopy_t_9 + canopy_t_21;
-        let canopy_t_23 = canopy_qw * canopy_t_3;
-        let canopy_t_24 = canopy_t_12 + canopy_t_23;
+        let canopy_t_4 = -(canopy_qx * canopy_t + canopy_qy * canopy_t_2
+            + canopy_qz * canopy_t_3);
+        let canopy_t_5 = canopy_qy * canopy_t_3 - canopy_qz * canopy_t_2
+            + canopy_qw * canopy_t;
+        let canopy_t_6 = canopy_qz * canopy_t - canopy_qx * canopy_t_3
+            + canopy_qw * canopy_t_2;
+        let canopy_t_7 = canopy_qx * canopy_t_2 - canopy_qy * canopy_t
+            + canopy_qw * canopy_t_3;
         let capsule_t = capsule_wx * half;
         let capsule_t_2 = capsule_wy * half;
         let capsule_t_3 = capsule_wz * half;
-        let capsule_t_4 = capsule_qy * capsule_t_3;
-        let capsule_t_5 = capsule_qz * capsule_t_2;
-        let capsule_t_6 = capsule_t_4 - capsule_t_5;
-        let capsule_t_7 = capsule_qz * capsule_t;
-        let capsule_t_8 = capsule_qx * capsule_t_3;
-        let capsule_t_9 = capsule_t_7 - capsule_t_8;
-        let capsule_t_10 = capsule_qx * capsule_t_2;
-        let capsule_t_11 = capsule_qy * capsule_t;
-        let capsule_t_12 = capsule_t_10 - capsule_t_11;
-        let capsule_t_13 = capsule_qx * capsule_t;
-        let capsule_t_14 = capsule_qy * capsule_t_2;
-        let capsule_t_15 = capsule_t_13 + capsule_t_14;
-        let capsule_t_16 = capsule_qz * capsule_t_3;
-        let capsule_t_17 = capsule_t_15 + capsule_t_16;
-        let capsule_t_18 = -capsule_t_17;
-        let capsule_t_19 = capsule_qw * capsule_t;
-        let capsule_t_20 = capsule_t_6 + capsule_t_19;
-        let capsule_t_21 = capsule_qw * capsule_t_2;
-        let capsule_t_22 = capsule_t_9 + capsule_t_21;
-        let capsule_t_23 = capsule_qw * capsule_t_3;
-        let capsule_t_24 = capsule_t_12 + capsule_t_23;
+        let capsule_t_4 = -(capsule_qx * capsule_t + capsule_qy * capsule_t_2
+            + capsule_qz * capsule_t_3);
+        let capsule_t_5 = capsule_qy * capsule_t_3 - capsule_qz * capsule_t_2
+            + capsule_qw * capsule_t;
+        let capsule_t_6 = capsule_qz * capsule_t - capsule_qx * capsule_t_3
+            + capsule_qw * capsule_t_2;
+        let capsule_t_7 = capsule_qx * capsule_t_2 - capsule_qy * capsule_t
+            + capsule_qw * capsule_t_3;
         *out = [
             canopy_vx,
             canopy_vy,
             canopy_vz,
-            canopy_t_18,
-            canopy_t_20,
-            canopy_t_22,
-            canopy_t_24,
+            canopy_t_4,
+            canopy_t_5,
+            canopy_t_6,
+            canopy_t_7,
             capsule_vx,
             capsule_vy,
             capsule_vz,
-            capsule_t_18,
-            capsule_t_20,
-            capsule_t_22,
-            capsule_t_24,
+            capsule_t_4,
+            capsule_t_5,
+            capsule_t_6,
+            capsule_t_7,
         ];
     }
     impl<T: ::mbd_runtime::Real> Parachute<T> {
