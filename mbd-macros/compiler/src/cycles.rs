@@ -66,11 +66,15 @@ fn rounds(list: &[(usize, Vec<usize>)], period: usize) -> usize {
         else {
             return false;
         };
-        let even = index < 2 * period
-            || list
-                .get(index - 2 * period)
-                .is_some_and(|(_, earlier)| steps(was, at) == steps(earlier, was));
-        key == before && at.len() == was.len() && even
+        if key != before || at.len() != was.len() {
+            return false;
+        }
+        let Some((_, earlier)) = index.checked_sub(2 * period).and_then(|i| list.get(i)) else {
+            return true;
+        };
+        let mut steps = earlier.iter().zip(was).zip(at);
+        at.len() == earlier.len()
+            && steps.all(|((&a, &b), &c)| c.wrapping_sub(b) == b.wrapping_sub(a))
     };
     let last = (period..list.len())
         .take_while(|&index| alike(index))

@@ -199,7 +199,14 @@ mod tests {
                 outputs
             })
         });
-        let program = Program::build(&graph, None, &outputs, 3, &order, &HashMap::new());
+        let program = Program::build(
+            &graph,
+            None,
+            &outputs,
+            3,
+            &order,
+            &crate::program::Places::default(),
+        );
         let at = At {
             time: 0.0,
             state: &x,

@@ -1,7 +1,5 @@
 //! The equations of a scene: its laws run on symbols, quantity by quantity, and put in order as programs.
 
-use std::collections::HashMap;
-
 use mbd_scene::laws::{self, Numbers, Scratch};
 use mbd_scene::{At, Cost, Layout, Quantity, Redundancy, Scene, Variable};
 use num_traits::Zero;
@@ -10,7 +8,7 @@ use crate::differentiate::{By, jacobian};
 use crate::expression::{Expr, Graph, Node, Slot, Term, recorded, session};
 use crate::names;
 use crate::operation::Op;
-use crate::program::{Operand, Program};
+use crate::program::{Operand, Places, Program};
 
 /// The equations of one scene.
 #[derive(Clone, Debug)]
@@ -55,12 +53,12 @@ impl Equations {
         let ((constants, traced), graph) = session(|| trace(scene, &layout, wanted));
         let derived = derived(&graph, &traced);
         let outputs: Vec<(usize, Expr)> = derived.iter().copied().enumerate().collect();
-        let places: HashMap<Expr, usize> = derived.iter().copied().zip(0..).collect();
+        let places = Places::new(&graph, &derived);
         let asked: Vec<Term> = traced.iter().fold(constants, |mut all, quantity| {
             all.extend(&quantity.order);
             all
         });
-        let nothing = HashMap::new();
+        let nothing = Places::default();
         let kinematics = traced
             .iter()
             .find(|t| t.what == Quantity::Derivative)
@@ -101,7 +99,7 @@ impl Equations {
     #[must_use]
     pub fn none(scene: &Scene) -> Self {
         let graph = Graph::default();
-        let derived = Program::build(&graph, None, &[], 0, &[], &HashMap::new());
+        let derived = Program::build(&graph, None, &[], 0, &[], &Places::default());
         let layout = Layout::keeping(scene, Redundancy::default());
         Equations {
             derived,
@@ -273,7 +271,9 @@ fn derived(graph: &Graph, traced: &[Traced]) -> Vec<Expr> {
             }
             // A mask is no number: it is compared again where it is used.
             if graph.is_live(expr) || matches!(op, Op::Compare(..)) {
-                open.extend(op.arguments());
+                for argument in op.arguments() {
+                    open.push(argument);
+                }
             } else {
                 found.push(expr);
             }

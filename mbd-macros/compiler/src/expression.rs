@@ -11,7 +11,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 use mbd_scene::Real;
 use num_traits::{One, Zero};
 
-use crate::hash::Map;
+use crate::hash::{Found, Map};
 use crate::operation::{Binary, Comparison, Op, Unary};
 
 /// A number that enters an evaluation from outside.
@@ -64,7 +64,7 @@ pub enum Node {
 #[derive(Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    found: Map<Node, Expr>,
+    found: Found,
     names: Map<Expr, &'static str>,
     /// Whether a term depends on anything but constants and parameters.
     live: Vec<bool>,
@@ -189,23 +189,19 @@ impl Graph {
 
     /// The term of this node: an earlier one if there is one.
     pub(crate) fn add_node(&mut self, node: Node) -> Expr {
-        let expr = match self.found.get(&node) {
-            Some(&expr) => expr,
-            None => {
-                let expr = Expr(self.nodes.len() as u32);
-                let live = match node {
-                    Node::Constant(_) | Node::Truth(_) | Node::Slot(Slot::Param(_)) => false,
-                    Node::Slot(_) => true,
-                    Node::Apply(op) => op.arguments().any(|a| self.is_live(a)),
-                };
-                self.nodes.push(node);
-                self.live.push(live);
-                self.epochs.push(0);
-                self.found.insert(node, expr);
-                expr
-            }
-        };
-        let seen = &mut self.epochs[expr.0 as usize];
+        let index = self.found.place(code(node));
+        let expr = Expr(index as u32);
+        if index == self.nodes.len() {
+            let live = match node {
+                Node::Constant(_) | Node::Truth(_) | Node::Slot(Slot::Param(_)) => false,
+                Node::Slot(_) => true,
+                Node::Apply(op) => op.arguments().any(|a| self.is_live(a)),
+            };
+            self.nodes.push(node);
+            self.live.push(live);
+            self.epochs.push(0);
+        }
+        let seen = &mut self.epochs[index];
         if *seen != self.epoch {
             *seen = self.epoch;
             self.order.push(Term {
@@ -214,6 +210,39 @@ impl Graph {
             });
         }
         expr
+    }
+}
+
+/// A node as two words, different for different nodes.
+fn code(node: Node) -> [u64; 2] {
+    let kinds = |node: u64, kind: u64| node | kind << 8;
+    let pair =
+        |kind: u64, a: Expr, b: Expr| [kinds(3, kind) | u64::from(a.0) << 32, u64::from(b.0)];
+    match node {
+        Node::Constant(bits) => [0, bits],
+        Node::Truth(value) => [1, u64::from(value)],
+        Node::Slot(slot) => {
+            let (kind, index) = match slot {
+                Slot::Time => (0, 0),
+                Slot::State(index) => (1, index),
+                Slot::Node(index) => (2, index),
+                Slot::Effective(index) => (3, index),
+                Slot::Hold(index) => (4, index),
+                Slot::Ends(index) => (5, index),
+                Slot::Input(index) => (6, index),
+                Slot::Row(index) => (7, index),
+                Slot::Param(index) => (8, index),
+                Slot::Derived(index) => (9, index),
+            };
+            [kinds(2, kind), index as u64]
+        }
+        Node::Apply(Op::Unary(kind, a)) => pair(kind as u64, a, Expr(0)),
+        Node::Apply(Op::Binary(kind, a, b)) => pair(16 + kind as u64, a, b),
+        Node::Apply(Op::Compare(kind, a, b)) => pair(32 + kind as u64, a, b),
+        Node::Apply(Op::Select(mask, a, b)) => {
+            let [first, second] = pair(48, mask, a);
+            [first, second | u64::from(b.0) << 32]
+        }
     }
 }
 

@@ -1,20 +1,29 @@
-//! Hashing for tables that only this program fills: nobody attacks them, and expansions pay for every look-up.
+//! Hashing for tables that only this program fills: nobody attacks them, and expansions pay for every look-up, mostly in macros that nobody
+//! optimises.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
+/// A hash after one more word.
+#[inline]
+#[must_use]
+pub fn mixed(hash: u64, word: u64) -> u64 {
+    // The odd number nearest to 2⁶⁴ / golden ratio. A product mixes into the highest bits, tables look at the lowest.
+    let product = (hash ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    product ^ product >> 32
+}
+
 /// A hash table with [`Mixer`].
 pub type Map<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
 
-/// Multiplies and rotates, word by word; the same on every run.
+/// Mixes word by word; the same on every run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mixer(u64);
 
 impl Mixer {
     #[inline]
     fn mix(&mut self, word: u64) {
-        // The odd number nearest to 2⁶⁴ / golden ratio.
-        self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = mixed(self.0, word);
     }
 }
 
@@ -50,7 +59,69 @@ impl Hasher for Mixer {
     }
     #[inline]
     fn finish(&self) -> u64 {
-        // The table looks at the lowest bits first, the product mixes into the highest.
-        self.0.rotate_left(26)
+        self.0
+    }
+}
+
+/// Pairs of words in the order in which they were first asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Found {
+    pairs: Vec<[u64; 2]>,
+    /// Open addressing: one more than the place in `pairs`, zero where there is none. A power of two, at least twice as long as `pairs`.
+    cells: Vec<u32>,
+}
+
+impl Found {
+    /// The place of a pair in the order of first asking; a new one gets the next place.
+    pub fn place(&mut self, pair: [u64; 2]) -> usize {
+        if self.cells.len() < 2 * (self.pairs.len() + 1) {
+            self.grow();
+        }
+        let (pairs, cells) = (self.pairs.as_slice(), self.cells.as_mut_slice());
+        let last = cells.len() - 1;
+        let mut cell = hash(pair) as usize & last;
+        while cells[cell] != 0 {
+            let place = cells[cell] as usize - 1;
+            let known = &pairs[place];
+            if known[0] == pair[0] && known[1] == pair[1] {
+                return place;
+            }
+            cell = (cell + 1) & last;
+        }
+        self.pairs.push(pair);
+        cells[cell] = self.pairs.len() as u32;
+        self.pairs.len() - 1
+    }
+
+    fn grow(&mut self) {
+        let last = (4 * self.pairs.len()).next_power_of_two().max(1024) - 1;
+        let mut cells = vec![0; last + 1];
+        for (place, &pair) in self.pairs.iter().enumerate() {
+            let mut cell = hash(pair) as usize & last;
+            while cells[cell] != 0 {
+                cell = (cell + 1) & last;
+            }
+            cells[cell] = place as u32 + 1;
+        }
+        self.cells = cells;
+    }
+}
+
+fn hash(pair: [u64; 2]) -> u64 {
+    mixed(mixed(0, pair[0]), pair[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_keeps_the_place_at_which_it_was_first_asked_for() {
+        let mut found = Found::default();
+        let pair = |index: u64| [index % 7, index << 40];
+        for index in 0..5000 {
+            assert_eq!(found.place(pair(index)), index as usize);
+            assert_eq!(found.place(pair(index / 2)), index as usize / 2);
+        }
     }
 }

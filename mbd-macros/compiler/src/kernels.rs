@@ -11,10 +11,8 @@ use mbd_scene::{Layout, PointSlots};
 use crate::cycles::{Cycle, Item, cycles};
 use crate::equations::Equations;
 use crate::expression::Slot;
-use crate::hash::Map;
 use crate::lists::{Arguments, Group};
-use crate::operation::Op;
-use crate::outline::{Local, Piece, outline};
+use crate::outline::{Piece, Shapes, outline};
 use crate::program::{Operand, Program, Register};
 
 /// The kernels of all programs of a model.
@@ -63,16 +61,16 @@ pub struct Driver {
     pub copies: Vec<Cycle>,
 }
 
-type Shape = (Vec<Op<Local>>, Vec<usize>, Vec<Window>);
-
 impl Kernels {
     /// Cuts the programs of a model and recognises what is alike.
     #[must_use]
     pub fn of(equations: &Equations) -> Self {
         let programs: Vec<&Program> = equations.every_program().collect();
+        let layout = &equations.layout;
         let mut sharing = Sharing {
             equations,
-            found: Map::default(),
+            owners: (0..layout.nx()).map(|i| owner(layout, i)).collect(),
+            shapes: Shapes::default(),
             kernels: Vec::new(),
             numbers: Vec::new(),
         };
@@ -112,7 +110,9 @@ impl Kernels {
 
 struct Sharing<'a> {
     equations: &'a Equations,
-    found: Map<Shape, usize>,
+    /// What each number of the state belongs to.
+    owners: Vec<usize>,
+    shapes: Shapes,
     kernels: Vec<Kernel>,
     /// Per kernel, the known numbers of its first piece.
     numbers: Vec<Vec<Operand>>,
@@ -181,24 +181,33 @@ impl Sharing<'_> {
     ) -> usize {
         let constants = piece.constants.iter();
         let numbers: Vec<Operand> = constants.map(|&c| program.operand(c)).collect();
-        let shape = (piece.pattern.clone(), piece.results.clone(), windows);
-        if let Some(&known) = self.found.get(&shape)
-            && let (Some(kernel), Some(earlier)) =
-                (self.kernels.get_mut(known), self.numbers.get(known))
+        // Windows by their number and lengths, then the piece: each says where it ends.
+        let mut shape = vec![windows.len() as u32];
+        for window in &windows {
+            shape.push(window.len as u32);
+            shape.push(window.given.len() as u32);
+            for &(place, given) in &window.given {
+                shape.push(place as u32);
+                shape.push(given as u32);
+            }
+        }
+        shape.extend_from_slice(&piece.shape);
+        let (known, new) = self.shapes.of(&shape);
+        if new {
+            self.kernels.push(Kernel {
+                first: place,
+                windows,
+                users: 1,
+                tabled: false,
+            });
+            self.numbers.push(numbers);
+        } else if let (Some(kernel), Some(earlier)) =
+            (self.kernels.get_mut(known), self.numbers.get(known))
         {
             kernel.users += 1;
             kernel.tabled |= *earlier != numbers;
-            return known;
         }
-        self.kernels.push(Kernel {
-            first: place,
-            windows: shape.2.clone(),
-            users: 1,
-            tabled: false,
-        });
-        self.numbers.push(numbers);
-        self.found.insert(shape, self.kernels.len() - 1);
-        self.kernels.len() - 1
+        known
     }
 
     /// What a number of a list belongs to, counted within the list.
@@ -206,7 +215,7 @@ impl Sharing<'_> {
         let layout = &self.equations.layout;
         match slot {
             Slot::Time => 0,
-            Slot::State(i) => owner(layout, i),
+            Slot::State(i) => self.owners.get(i).copied().unwrap_or_default(),
             Slot::Node(i) => i / 3,
             Slot::Effective(i) => i / 2,
             Slot::Ends(i) => i / 6,

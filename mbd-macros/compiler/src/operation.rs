@@ -65,12 +65,12 @@ pub enum Op<R> {
 impl<R: Copy> Op<R> {
     /// Its arguments, in order.
     pub fn arguments(self) -> impl Iterator<Item = R> {
-        let (a, b, c) = match self {
-            Op::Unary(_, a) => (a, None, None),
-            Op::Binary(_, a, b) | Op::Compare(_, a, b) => (a, Some(b), None),
-            Op::Select(a, b, c) => (a, Some(b), Some(c)),
+        let (all, count) = match self {
+            Op::Unary(_, a) => ([a, a, a], 1),
+            Op::Binary(_, a, b) | Op::Compare(_, a, b) => ([a, b, b], 2),
+            Op::Select(a, b, c) => ([a, b, c], 3),
         };
-        [Some(a), b, c].into_iter().flatten()
+        Few { all, count, at: 0 }
     }
 
     /// The same operation on other arguments.
@@ -81,6 +81,26 @@ impl<R: Copy> Op<R> {
             Op::Compare(kind, a, b) => Op::Compare(kind, to(a), to(b)),
             Op::Select(mask, a, b) => Op::Select(to(mask), to(a), to(b)),
         }
+    }
+}
+
+/// One to three things: much cheaper than a chain of iterators where nobody optimises.
+struct Few<R> {
+    all: [R; 3],
+    count: usize,
+    at: usize,
+}
+
+impl<R: Copy> Iterator for Few<R> {
+    type Item = R;
+
+    #[inline]
+    fn next(&mut self) -> Option<R> {
+        if self.at == self.count {
+            return None;
+        }
+        self.at += 1;
+        Some(self.all[self.at - 1])
     }
 }
 

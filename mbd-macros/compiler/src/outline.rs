@@ -9,9 +9,9 @@ use std::ops::Range;
 
 use mbd_scene::Quantity;
 
-use crate::hash::Map;
+use crate::hash::{Map, mixed};
 use crate::operation::Op;
-use crate::program::{Operand, Program, Register};
+use crate::program::{Program, Register};
 
 /// A program of at most this many operations stays one function, the fastest there is while it fits.
 pub const FLAT: usize = 1000;
@@ -35,6 +35,8 @@ pub struct Piece {
     pub constants: Vec<Register>,
     /// Its instructions whose values are used later, as places in `instructions`: first those that go to the result, by their place there.
     pub results: Vec<usize>,
+    /// What it does and which of it is used later in a few words: equal for pieces alike.
+    pub shape: Vec<u32>,
 }
 
 /// An argument of an operation of a piece.
@@ -56,12 +58,14 @@ pub fn outline(program: &Program) -> Option<Vec<Piece>> {
         return None;
     }
     let pieces = cut(program);
-    let mut known = HashSet::new();
-    let distinct: usize = pieces
-        .iter()
-        .filter(|piece| known.insert((&piece.pattern, &piece.results)))
-        .map(|piece| piece.instructions.len())
-        .sum();
+    let mut shapes = Shapes::default();
+    let mut distinct = 0;
+    for piece in &pieces {
+        let (_, new) = shapes.of(&piece.shape);
+        if new {
+            distinct += piece.instructions.len();
+        }
+    }
     (count > FLAT || 2 * distinct <= count).then_some(pieces)
 }
 
@@ -88,29 +92,23 @@ fn is_hot(program: &Program) -> bool {
 }
 
 fn cut(program: &Program) -> Vec<Piece> {
-    let cutter = Cutter::new(program);
+    let mut cutter = Cutter::new(program);
     let runs = runs(program);
-    let mut alone: Vec<Option<Piece>> = runs
-        .iter()
-        .map(|run| Some(cutter.measure(run.clone())))
-        .collect();
-    let mut counts: Map<Key, usize> = Map::default();
-    let key = |piece: &Option<Piece>| {
-        piece
-            .as_ref()
-            .map(|p| (p.pattern.clone(), p.results.clone()))
-    };
-    for key in alone.iter().filter_map(key) {
-        *counts.entry(key).or_default() += 1;
+    let mut alone: Vec<Option<Piece>> = Vec::with_capacity(runs.len());
+    let mut shapes = Shapes::default();
+    let mut kinds = Vec::with_capacity(runs.len());
+    let mut counts: Vec<usize> = Vec::new();
+    for run in &runs {
+        let piece = cutter.measure(run.clone());
+        let (kind, new) = shapes.of(&piece.shape);
+        if new {
+            counts.push(0);
+        }
+        counts[kind] += 1;
+        kinds.push(kind);
+        alone.push(Some(piece));
     }
-    let alike: Vec<bool> = alone
-        .iter()
-        .map(|piece| {
-            key(piece)
-                .and_then(|key| counts.get(&key))
-                .is_some_and(|&count| count > 1)
-        })
-        .collect();
+    let alike: Vec<bool> = kinds.iter().map(|&kind| counts[kind] > 1).collect();
     // Runs from one number to another that make one piece.
     let mut groups: Vec<Range<usize>> = Vec::new();
     let (mut open, mut length) = (0, 0);
@@ -137,7 +135,26 @@ fn cut(program: &Program) -> Vec<Piece> {
     groups.into_iter().filter_map(piece).collect()
 }
 
-type Key = (Vec<Op<Local>>, Vec<usize>);
+/// The shapes of pieces, counted.
+#[derive(Default)]
+pub struct Shapes(Map<u64, Vec<(Vec<u32>, usize)>>, usize);
+
+impl Shapes {
+    /// The number of a shape in the order of their first occurrence, and whether this is that.
+    pub fn of(&mut self, shape: &[u32]) -> (usize, bool) {
+        let mut hash = shape.len() as u64;
+        for &word in shape {
+            hash = mixed(hash, u64::from(word));
+        }
+        let same = self.0.entry(hash).or_default();
+        if let Some(&(_, number)) = same.iter().find(|(known, _)| known == shape) {
+            return (number, false);
+        }
+        same.push((shape.to_vec(), self.1));
+        self.1 += 1;
+        (self.1 - 1, true)
+    }
+}
 
 /// Runs of instructions that belong to one thing, none longer than [`LONGEST`].
 fn runs(program: &Program) -> Vec<Vec<usize>> {
@@ -169,16 +186,22 @@ struct Cutter<'a> {
     /// Per instruction, the last instruction that uses it; the number of instructions if a result does.
     uses: Vec<usize>,
     /// Per instruction, its first place in the result.
-    places: Map<usize, usize>,
+    places: Vec<usize>,
+    /// Per register, the piece that last used it and what it is there.
+    local: Vec<(u32, Local)>,
+    /// How many pieces were measured.
+    measured: u32,
+    /// Whether it compares at all.
+    has_masks: bool,
 }
 
 impl<'a> Cutter<'a> {
     fn new(program: &'a Program) -> Self {
         let first = program.constants.len() + program.slots.len();
-        let mut places = Map::default();
+        let mut places = vec![usize::MAX; program.instructions.len()];
         for &(place, register) in &program.outputs {
             if let Some(value) = register.index().checked_sub(first) {
-                places.entry(value).or_insert(place);
+                places[value] = places[value].min(place);
             }
         }
         Cutter {
@@ -186,6 +209,12 @@ impl<'a> Cutter<'a> {
             first,
             uses: last_uses(program, first),
             places,
+            local: vec![(0, Local::Value(0)); program.registers()],
+            measured: 0,
+            has_masks: program
+                .instructions
+                .iter()
+                .any(|i| matches!(i.op, Op::Compare(..))),
         }
     }
 
@@ -194,51 +223,62 @@ impl<'a> Cutter<'a> {
     }
 
     /// What a piece takes and gives, and its pattern. Masks from outside are added to its instructions.
-    fn measure(&self, cut: Vec<usize>) -> Piece {
+    fn measure(&mut self, cut: Vec<usize>) -> Piece {
         let end = cut.last().copied().unwrap_or_default();
         let start = cut.first().copied().unwrap_or_default();
         let mut instructions = Vec::with_capacity(cut.len());
         let mut copied = HashSet::new();
         for &index in &cut {
-            self.copy_masks(index, start, &mut copied, &mut instructions);
+            if self.has_masks {
+                self.copy_masks(index, start, &mut copied, &mut instructions);
+            }
             instructions.push(index);
         }
-        let local: Map<usize, usize> = instructions.iter().copied().zip(0..).collect();
-        let (mut given, mut constants): (Vec<Register>, Vec<Register>) = (Vec::new(), Vec::new());
-        let (mut given_at, mut constant_at) = (Map::default(), Map::default());
-        let mut enter = |register: Register| {
-            let value = register.index().checked_sub(self.first);
-            if let Some(&value) = value.and_then(|value| local.get(&value)) {
-                return Local::Value(value);
+        self.measured += 1;
+        let (piece, known) = (self.measured, self.program.constants.len());
+        let (given, constants) = (&mut Vec::new(), &mut Vec::new());
+        let (mut pattern, mut shape) = (Vec::with_capacity(cut.len()), Vec::new());
+        for (place, &index) in instructions.iter().enumerate() {
+            let local = self.local.as_mut_slice();
+            let op = self.program.instructions[index].op.map(|register| {
+                let entry = &mut local[register.index()];
+                if entry.0 != piece {
+                    let number = if register.index() < known {
+                        constants.push(register);
+                        Local::Constant(constants.len() - 1)
+                    } else {
+                        given.push(register);
+                        Local::Given(given.len() - 1)
+                    };
+                    *entry = (piece, number);
+                }
+                entry.1
+            });
+            local[self.first + index] = (piece, Local::Value(place));
+            write(op, &mut shape);
+            pattern.push(op);
+        }
+        let mut results: Vec<usize> = Vec::new();
+        for &index in &cut {
+            if self.uses[index] > end && !self.is_mask(index) {
+                results.push(index);
             }
-            if matches!(self.program.operand(register), Operand::Constant(_)) {
-                return Local::Constant(*constant_at.entry(register).or_insert_with(|| {
-                    constants.push(register);
-                    constants.len() - 1
-                }));
+        }
+        results.sort_by_key(|&index| self.places[index]);
+        shape.push(u32::MAX);
+        for result in &mut results {
+            if let (_, Local::Value(place)) = self.local[self.first + *result] {
+                *result = place;
             }
-            Local::Given(*given_at.entry(register).or_insert_with(|| {
-                given.push(register);
-                given.len() - 1
-            }))
-        };
-        let pattern = instructions
-            .iter()
-            .map(|&index| self.program.instructions[index].op.map(&mut enter))
-            .collect();
-        let mut results: Vec<usize> = cut
-            .iter()
-            .copied()
-            .filter(|&index| self.uses[index] > end && !self.is_mask(index))
-            .collect();
-        results.sort_by_key(|index| self.places.get(index).copied().unwrap_or(usize::MAX));
-        let results = results.iter().map(|index| local[index]).collect();
+            shape.push(*result as u32);
+        }
         Piece {
             instructions,
             pattern,
-            given,
-            constants,
+            given: std::mem::take(given),
+            constants: std::mem::take(constants),
             results,
+            shape,
         }
     }
 
@@ -262,14 +302,48 @@ impl<'a> Cutter<'a> {
     }
 }
 
+/// An operation of a piece as words, different for different operations.
+fn write(op: Op<Local>, words: &mut Vec<u32>) {
+    let word = |local: Local| match local {
+        Local::Value(index) => index as u32,
+        Local::Given(index) => 1 << 30 | index as u32,
+        Local::Constant(index) => 2 << 30 | index as u32,
+    };
+    // The kind says how many words follow; the operations end with a word that is no kind.
+    match op {
+        Op::Unary(kind, a) => {
+            words.push(kind as u32);
+            words.push(word(a));
+        }
+        Op::Binary(kind, a, b) => {
+            words.push(16 + kind as u32);
+            words.push(word(a));
+            words.push(word(b));
+        }
+        Op::Compare(kind, a, b) => {
+            words.push(32 + kind as u32);
+            words.push(word(a));
+            words.push(word(b));
+        }
+        Op::Select(mask, a, b) => {
+            words.push(48);
+            words.push(word(mask));
+            words.push(word(a));
+            words.push(word(b));
+        }
+    }
+}
+
 /// Per instruction, the last instruction that uses it; the number of instructions if a result does.
 fn last_uses(program: &Program, first: usize) -> Vec<usize> {
     let count = program.instructions.len();
     let mut uses = vec![0; count];
+    let last = uses.as_mut_slice();
     for (index, instruction) in program.instructions.iter().enumerate() {
         for argument in instruction.op.arguments() {
-            if let Some(value) = argument.index().checked_sub(first) {
-                uses[value] = index;
+            let register = argument.index();
+            if register >= first {
+                last[register - first] = index;
             }
         }
     }

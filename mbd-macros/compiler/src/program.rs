@@ -1,7 +1,5 @@
 //! A program: the terms of one quantity in the order they are computed, one operation each, nothing that is not needed.
 
-use std::collections::HashMap;
-
 use mbd_scene::{Cost, Quantity};
 
 use crate::expression::{Expr, Graph, Node, Slot, Term};
@@ -154,7 +152,7 @@ impl Program {
         outputs: &[(usize, Expr)],
         len: usize,
         order: &[Term],
-        derived: &HashMap<Expr, usize>,
+        derived: &Places,
     ) -> Self {
         let scheduled = schedule(graph, outputs, order, derived);
         let mut constants: Vec<Expr> = Vec::new();
@@ -172,35 +170,42 @@ impl Program {
         };
         for term in &scheduled {
             if let Node::Apply(op) = graph.node(term.expr) {
-                op.arguments().for_each(&mut enter);
+                for argument in op.arguments() {
+                    enter(argument);
+                }
             }
         }
         outputs.iter().for_each(|&(_, expr)| enter(expr));
         slots.sort_unstable_by_key(|(slot, _)| *slot);
 
-        let mut registers = vec![Register::default(); graph.len()];
-        let file = constants
-            .iter()
-            .copied()
-            .chain(slots.iter().map(|(_, expr)| *expr))
-            .chain(scheduled.iter().map(|term| term.expr));
-        for (index, expr) in file.enumerate() {
-            registers[expr.index()] = Register(index as u32);
+        let mut file = vec![0_u32; graph.len()];
+        let mut count = 0;
+        for &expr in &constants {
+            file[expr.index()] = count;
+            count += 1;
         }
-        let instructions: Vec<Instruction> = scheduled
-            .iter()
-            .filter_map(|term| match graph.node(term.expr) {
-                Node::Apply(op) => Some(Instruction {
-                    op: op.map(|a| registers[a.index()]),
+        for &(_, expr) in &slots {
+            file[expr.index()] = count;
+            count += 1;
+        }
+        for term in &scheduled {
+            file[term.expr.index()] = count;
+            count += 1;
+        }
+        let registers = file.as_slice();
+        let mut instructions = Vec::with_capacity(scheduled.len());
+        for term in &scheduled {
+            if let Node::Apply(op) = graph.node(term.expr) {
+                instructions.push(Instruction {
+                    op: op.map(|a| Register(registers[a.index()])),
                     name: graph.name(term.expr),
                     section: term.section,
-                }),
-                _ => None,
-            })
-            .collect();
+                });
+            }
+        }
         let mut outputs: Vec<(usize, Register)> = outputs
             .iter()
-            .map(|&(place, expr)| (place, registers[expr.index()]))
+            .map(|&(place, expr)| (place, Register(registers[expr.index()])))
             .collect();
         outputs.sort_unstable();
         Program {
@@ -262,18 +267,41 @@ impl Program {
     }
 }
 
+/// The place of each term of the parameters alone among them.
+#[derive(Default)]
+pub struct Places(Vec<u32>);
+
+impl Places {
+    /// Those of terms in their order.
+    #[must_use]
+    pub fn new(graph: &Graph, derived: &[Expr]) -> Self {
+        let mut places = vec![0; graph.len()];
+        for (index, expr) in derived.iter().enumerate() {
+            places[expr.index()] = index as u32 + 1;
+        }
+        Places(places)
+    }
+
+    fn of(&self, expr: Expr) -> Option<usize> {
+        match self.0.get(expr.index()) {
+            None | Some(0) => None,
+            Some(&place) => Some(place as usize - 1),
+        }
+    }
+}
+
 enum Leaf {
     Constant,
     Slot(Slot),
 }
 
 /// What a term is when it need not be computed here.
-fn leaf(graph: &Graph, expr: Expr, derived: &HashMap<Expr, usize>) -> Option<Leaf> {
+fn leaf(graph: &Graph, expr: Expr, derived: &Places) -> Option<Leaf> {
     match graph.node(expr) {
         Node::Constant(_) => Some(Leaf::Constant),
         Node::Slot(slot) => Some(Leaf::Slot(slot)),
         Node::Truth(_) => None,
-        Node::Apply(_) => derived.get(&expr).map(|&i| Leaf::Slot(Slot::Derived(i))),
+        Node::Apply(_) => derived.of(expr).map(|i| Leaf::Slot(Slot::Derived(i))),
     }
 }
 
@@ -282,33 +310,39 @@ fn schedule(
     graph: &Graph,
     outputs: &[(usize, Expr)],
     order: &[Term],
-    derived: &HashMap<Expr, usize>,
+    derived: &Places,
 ) -> Vec<Term> {
     let needed = needed(graph, outputs, derived);
     let mut sections = vec![0; graph.len()];
     for term in order {
         sections[term.expr.index()] = term.section;
     }
-    let mut placed = vec![false; graph.len()];
-    let mut scheduled = Vec::new();
+    // What must be computed and is not placed yet.
+    let mut missing = needed;
+    let (missing, sections) = (missing.as_mut_slice(), sections.as_slice());
+    let mut scheduled = Vec::with_capacity(order.len());
+    let mut open = Vec::new();
     let asked = order.iter().map(|term| term.expr);
     for root in asked.chain(outputs.iter().map(|&(_, expr)| expr)) {
-        if !needed[root.index()] {
+        if !missing[root.index()] {
             continue;
         }
-        let mut open = vec![root];
+        open.push(root);
         while let Some(&expr) = open.last() {
-            if placed[expr.index()] {
+            if !missing[expr.index()] {
                 open.pop();
                 continue;
             }
             let before = open.len();
             if let Node::Apply(op) = graph.node(expr) {
-                let waiting = |a: &Expr| needed[a.index()] && !placed[a.index()];
-                open.extend(op.arguments().filter(waiting));
+                for argument in op.arguments() {
+                    if missing[argument.index()] {
+                        open.push(argument);
+                    }
+                }
             }
             if open.len() == before {
-                placed[expr.index()] = true;
+                missing[expr.index()] = false;
                 let section = sections[expr.index()];
                 scheduled.push(Term { expr, section });
                 open.pop();
@@ -319,16 +353,22 @@ fn schedule(
 }
 
 /// Which terms must be computed: operations that the outputs reach without passing a derived term.
-fn needed(graph: &Graph, outputs: &[(usize, Expr)], derived: &HashMap<Expr, usize>) -> Vec<bool> {
+fn needed(graph: &Graph, outputs: &[(usize, Expr)], derived: &Places) -> Vec<bool> {
     let mut needed = vec![false; graph.len()];
+    let known = needed.as_mut_slice();
     let mut open: Vec<Expr> = outputs.iter().map(|&(_, expr)| expr).collect();
     while let Some(expr) = open.pop() {
+        if known[expr.index()] {
+            continue;
+        }
         let Node::Apply(op) = graph.node(expr) else {
             continue;
         };
-        if !needed[expr.index()] && !derived.contains_key(&expr) {
-            needed[expr.index()] = true;
-            open.extend(op.arguments());
+        if derived.of(expr).is_none() {
+            known[expr.index()] = true;
+            for argument in op.arguments() {
+                open.push(argument);
+            }
         }
     }
     needed

@@ -1,6 +1,7 @@
 //! Mutated declarations: whatever is written, reading ends soon, never panics, and a failure has a place.
 
 use mbd_compiler::{Location, Reading, read_text, read_tokens};
+use mbd_scene::{Layout, Redundancy};
 
 /// A small generator (xorshift64*), so that a failing case can be repeated from its number.
 struct Dice(u64);
@@ -140,8 +141,11 @@ fn check(reading: &Reading, text: &str) {
         }
         assert!(!message.text.is_empty());
     }
-    // The skeleton is laid out for the interface that is emitted after errors.
-    let layout = mbd_scene::Layout::new(&reading.skeleton);
+    // A scene is laid out for its equations, which looks for rows that repeat others; after errors the skeleton for the interface alone.
+    let layout = match &reading.scene {
+        Some(scene) => Layout::new(scene),
+        None => Layout::keeping(&reading.skeleton, Redundancy::default()),
+    };
     assert!(layout.nx() <= 200_000);
 }
 
@@ -163,7 +167,7 @@ fn read_mutated(seed: u64, count: usize) -> usize {
     let declarations = declarations();
     let mut dice = Dice(seed);
     let mut read = 0;
-    for _ in 0..count {
+    for number in 0..count {
         let mut pieces = declarations[dice.below(declarations.len())].clone();
         for _ in 0..=dice.below(4) {
             mutate(&mut pieces, &mut dice, &declarations);
@@ -173,6 +177,11 @@ fn read_mutated(seed: u64, count: usize) -> usize {
         let reading = read_text(&text);
         assert!(begin.elapsed().as_secs_f64() < 5.0, "slow:\n{text}");
         check(&reading, &text);
+        if number % 20 == 0 {
+            // Whatever is left of a declaration, the search for repeated rows ends.
+            let found = Layout::new(&reading.skeleton).redundancy;
+            assert!(found.repeats.len() <= reading.skeleton.joints.len());
+        }
         read += usize::from(reading.scene.is_some());
     }
     read

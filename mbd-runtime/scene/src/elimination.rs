@@ -258,27 +258,33 @@ impl Graph {
     /// Eliminates each body that a joint carries together with that joint, the carried before their carriers, and the rest by cost.
     /// `carriers`: per node the joint node that carries it. None if there are no such bodies.
     fn run_articulated(mut self, carriers: &[Option<usize>]) -> Option<(Vec<usize>, usize)> {
-        let riding: Vec<usize> = carriers.iter().copied().flatten().collect();
+        let mut riding = vec![false; self.parts.len()];
+        for &joint in carriers.iter().flatten() {
+            riding[joint] = true;
+        }
+        let pairs: Vec<(usize, usize)> = carriers
+            .iter()
+            .enumerate()
+            .filter_map(|(node, &joint)| Some((node, joint?)))
+            .collect();
         let (mut order, mut cost) = (Vec::new(), 0);
         loop {
-            let carries = |graph: &Graph, node: usize| {
-                let outboard = carriers
-                    .iter()
-                    .enumerate()
-                    .filter_map(|(n, &j)| Some((n, j?)));
-                outboard.into_iter().any(|(n, joint)| {
-                    n != node && !graph.gone[n] && graph.neighbours[joint].contains(&node)
-                })
-            };
+            // What still carries something waits.
+            let mut carries = vec![false; self.parts.len()];
+            for &(carried, joint) in pairs.iter().filter(|&&(carried, _)| !self.gone[carried]) {
+                for &node in self.neighbours[joint].iter().filter(|&&n| n != carried) {
+                    carries[node] = true;
+                }
+            }
             let price = |graph: &Graph, node: usize| match carriers[node] {
                 Some(joint) => graph.pair_cost(node, joint),
                 None => graph.cost(node),
             };
             let next = (0..self.parts.len())
-                .filter(|&node| !self.gone[node] && !riding.contains(&node))
+                .filter(|&node| !self.gone[node] && !riding[node])
                 .filter(|&node| match self.is_joint(node) {
                     true => self.ready(node),
-                    false => !carries(&self, node),
+                    false => !carries[node],
                 })
                 .min_by_key(|&node| price(&self, node));
             let Some(node) = next else { break };
@@ -290,7 +296,7 @@ impl Graph {
                 order.push(joint);
             }
         }
-        (!riding.is_empty() && order.len() == self.parts.len()).then_some((order, cost))
+        (!pairs.is_empty() && order.len() == self.parts.len()).then_some((order, cost))
     }
 
     /// Eliminates everything, always the ready node of the smallest key; the order and its cost.
