@@ -11,7 +11,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 use mbd_scene::Real;
 use num_traits::{One, Zero};
 
-use crate::hash::{Found, Map};
+use crate::hash::Found;
 use crate::operation::{Binary, Comparison, Op, Unary};
 
 /// A number that enters an evaluation from outside.
@@ -60,12 +60,13 @@ pub enum Node {
     Apply(Op<Expr>),
 }
 
-/// All terms of a trace, in the order of their creation.
-#[derive(Debug, Default)]
+/// All terms of a trace, in the order of their creation; the first is the number zero.
+#[derive(Debug)]
 pub struct Graph {
     nodes: Vec<Node>,
     found: Found,
-    names: Map<Expr, &'static str>,
+    /// The name a law gave to each term.
+    names: Vec<Option<&'static str>>,
     /// Whether a term depends on anything but constants and parameters.
     live: Vec<bool>,
     /// The last epoch in which a term was asked for.
@@ -109,6 +110,25 @@ pub fn recorded<R>(body: impl FnOnce() -> R) -> (R, Vec<Term>) {
     (result, with(|graph| std::mem::take(&mut graph.order)))
 }
 
+impl Default for Graph {
+    fn default() -> Self {
+        let mut graph = Graph {
+            nodes: Vec::new(),
+            found: Found::default(),
+            names: Vec::new(),
+            live: Vec::new(),
+            epochs: Vec::new(),
+            epoch: 0,
+            order: Vec::new(),
+            sections: Vec::new(),
+            section_of: HashMap::new(),
+            section: 0,
+        };
+        graph.number(0.0);
+        graph
+    }
+}
+
 impl Graph {
     fn begin(&mut self) {
         self.epoch += 1;
@@ -135,7 +155,7 @@ impl Graph {
     /// The name a law gave to a term.
     #[must_use]
     pub fn name(&self, expr: Expr) -> Option<&'static str> {
-        self.names.get(&expr).copied()
+        self.names[expr.0 as usize]
     }
 
     /// Whether a term depends on anything but constants and parameters.
@@ -198,6 +218,7 @@ impl Graph {
                 Node::Apply(op) => op.arguments().any(|a| self.is_live(a)),
             };
             self.nodes.push(node);
+            self.names.push(None);
             self.live.push(live);
             self.epochs.push(0);
         }
@@ -265,10 +286,10 @@ impl Expr {
         self.0 as usize
     }
 
-    /// Whether this is the number zero.
+    /// Whether this is the number zero: the first term of every graph, asked for more often than anything.
     #[must_use]
     pub fn is_structural_zero(self) -> bool {
-        self.node() == Node::Constant(0)
+        self.0 == 0
     }
 
     /// The symbol of a mask of this graph, for the differentiation of a select.
@@ -374,7 +395,7 @@ impl Real for Expr {
     fn label(self, name: &'static str) -> Self {
         with(|graph| {
             if matches!(graph.node(self), Node::Apply(_)) {
-                graph.names.entry(self).or_insert(name);
+                graph.names[self.index()].get_or_insert(name);
             }
         });
         self
