@@ -1,6 +1,6 @@
 //! The largest declaration of this repository: 64 rods on hinges, let go from a slant, for one second.
 //!
-//! `cargo run --release -p models --example long_chain`. `.ci/run` builds it without optimisation, where rustc fails on functions of some
+//! `cargo run --release -p mbd-runtime --example long_chain`. `.ci/run` runs it without optimisation, where rustc fails on functions of some
 //! thousand terms: kernels keep them short.
 
 use std::time::Instant;

@@ -1,0 +1,20 @@
+//! Joints: one binary, because each would compile the generic solver, the interpreter and the simulation again.
+//!
+//! `cargo test -p tests --test joints contract` runs one of the files.
+
+mod contract;
+mod coordinates;
+mod counts;
+mod equivalents;
+mod interface;
+mod ladder;
+mod loads;
+mod masses;
+mod mechanisms;
+mod orders;
+mod redundant;
+mod reference;
+mod run;
+mod singular;
+mod told;
+mod trees;
