@@ -1,10 +1,12 @@
 //! Emission: equations become Rust that reads like a document.
 //!
 //! - `function` writes one program as one function, `kernel` a long one as calls of kernels that many share, `terms` what they compute.
-//! - `interface` writes parameters, state, outputs and loads, `methods` the typed methods, `model` the struct and the trait.
+//! - `interface` writes parameters, state, outputs and loads, `methods` the typed methods, `model` the struct, `execution` the
+//!   trait.
 //! - `explain` says in words what was made.
 
 mod context;
+mod execution;
 mod explain;
 mod function;
 mod interface;

@@ -1,10 +1,11 @@
-//! The model itself: its struct, constants, typed methods, and the trait that makes it one of three.
+//! The model itself: its struct, constants and construction.
 
 use mbd_scene::{Cost, Packed, Quantity};
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::context::{Context, docs};
+use super::execution;
 use super::explain;
 use super::function::function;
 use super::interface::gather;
@@ -90,7 +91,7 @@ fn hidden(context: &Context) -> TokenStream {
         constants(context),
         construction(context),
         methods(context),
-        implementation(context),
+        execution::implementation(context),
     );
     quote! {
         #parts
@@ -309,150 +310,5 @@ fn construction(context: &Context) -> TokenStream {
             }
             #inputs
         }
-    }
-}
-
-/// `impl Model`.
-fn implementation(context: &Context) -> TokenStream {
-    let (name, used, float, t) = (
-        context.named(""),
-        context.used(),
-        context.float(),
-        context.scalar(),
-    );
-    let equations = context.equations;
-    let (zero, work) = (context.zero(), whole(context.kernels.work()));
-    let programs = equations.programs.iter().enumerate();
-    let arms = programs.filter(|(_, (_, p))| !p.outputs.is_empty()).map(|(index, (what, program))| {
-        let reads = Arguments::of(program, &equations.layout);
-        let pattern = quantity_path(*what);
-        let function = format_ident!("{}", quantity::name(&equations.scene, &equations.layout, *what));
-        let passed: Vec<TokenStream> = reads.0.iter().map(|&group| passed(group)).collect();
-        let call = context.call(index, &function, &passed, Some(quote!(work)), &quote!(out));
-        let state = [Group::Q, Group::V, Group::Z].iter().any(|&g| reads.reads(g));
-        let mut names = Vec::new();
-        let mut values = Vec::new();
-        if state {
-            names.push(quote!((q, v, z)));
-            values.push(quote!(::mbd_runtime::__private::split(at.state)));
-        }
-        for group in [Group::Nodes, Group::Effective, Group::Hold, Group::Ends, Group::Inputs, Group::Rows] {
-            if reads.reads(group) {
-                let list = format_ident!("{}", group.name());
-                names.push(quote!(#list));
-                values.push(quote!(::mbd_runtime::__private::fixed(at.#list)));
-            }
-        }
-        // The lengths of lists that are not read follow from the sizes of this model.
-        let sizes = state.then(|| {
-            let layout = &equations.layout;
-            let (nq, nv, nz) = (whole(layout.nq), whole(layout.nv), whole(layout.nz));
-            quote! {
-                let q: &[#t; #nq] = q;
-                let v: &[#t; #nv] = v;
-                let z: &[#t; #nz] = z;
-            }
-        });
-        quote! {
-            #pattern => {
-                if let (#(::core::option::Option::Some(#names),)* ::core::option::Option::Some(out)) =
-                    (#(#values,)* ::mbd_runtime::__private::fixed_mut(out))
-                {
-                    #sizes
-                    #call
-                }
-            }
-        }
-    });
-    let not_emitted = equations
-        .layout
-        .quantities()
-        .into_iter()
-        .filter(|&what| equations.program(what).is_none())
-        .map(quantity_path)
-        .collect::<Vec<_>>();
-    let not_emitted = (!not_emitted.is_empty()).then(|| {
-        let nan = if context.settings.generic {
-            quote!(T::from_f64(f64::NAN))
-        } else {
-            quote!(f64::NAN)
-        };
-        // Loud, not silently zero.
-        quote!(#(#not_emitted)|* => out.fill(#nan),)
-    });
-    quote! {
-        impl #float ::mbd_runtime::Model<#t> for #name #used {
-            /// What the kernels hand on; carries nothing from call to call.
-            type Work = ::std::vec::Vec<#t>;
-
-            fn work(&self) -> Self::Work {
-                ::std::vec![#zero; #work]
-            }
-            fn scene(&self) -> &::mbd_runtime::scene::Scene {
-                &self.parts.scene
-            }
-            fn layout(&self) -> &::mbd_runtime::Layout {
-                &self.parts.layout
-            }
-            fn params(&self) -> &[#t] {
-                &self.values
-            }
-            fn lines(&self) -> &[::mbd_runtime::scene::laws::LineNumbers<#t>] {
-                &self.parts.lines
-            }
-            fn evaluate(
-                &self,
-                what: ::mbd_runtime::Quantity,
-                at: &::mbd_runtime::At<'_, #t>,
-                work: &mut Self::Work,
-                out: &mut [#t],
-            ) {
-                match what {
-                    #(#arms)*
-                    #not_emitted
-                    _ => {}
-                }
-            }
-        }
-    }
-}
-
-/// How the trait's method passes a list on.
-fn passed(group: Group) -> TokenStream {
-    let list = format_ident!("{}", group.name());
-    match group {
-        Group::Time => quote!(at.time),
-        Group::Params => quote!(&self.values),
-        Group::Derived => quote!(&self.derived),
-        _ => quote!(#list),
-    }
-}
-
-/// The pattern of a quantity.
-fn quantity_path(what: Quantity) -> TokenStream {
-    let simple = |name: &str| {
-        let name = format_ident!("{name}");
-        quote!(::mbd_runtime::Quantity::#name)
-    };
-    match what {
-        Quantity::Equilibrium(k) | Quantity::NodeByAnchor(k) | Quantity::CondensedStiffness(k) => {
-            let k = whole(k);
-            let name = match what {
-                Quantity::Equilibrium(_) => simple("Equilibrium"),
-                Quantity::NodeByAnchor(_) => simple("NodeByAnchor"),
-                _ => simple("CondensedStiffness"),
-            };
-            quote!(#name(#k))
-        }
-        Quantity::Partial(of, by) => {
-            let (of, by) = (format_ident!("{of:?}"), format_ident!("{by:?}"));
-            quote! {
-                ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::#of,
-                    ::mbd_runtime::scene::Variable::#by,
-                )
-            }
-        }
-        other => simple(&format!("{other:?}")),
     }
 }
