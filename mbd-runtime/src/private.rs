@@ -216,6 +216,18 @@ pub fn rounds_with<T, const N: usize, const K: usize>(
         .all(|row| part(work, next(&mut places, steps), row))
 }
 
+/// Takes every result from its place in a working list; `false` where the list is too short.
+#[inline(always)]
+pub fn take<T: Copy, const N: usize>(work: &[T], out: &mut [T; N], places: &[usize; N]) -> bool {
+    for (out, &place) in out.iter_mut().zip(places) {
+        let Some(&value) = work.get(place) else {
+            return false;
+        };
+        *out = value;
+    }
+    true
+}
+
 /// Rounds of stretches to copy: how often; how many numbers, first place and step in the result, first place and step in the working list.
 pub type Copies = (usize, &'static [(usize, (usize, isize), (usize, isize))]);
 

@@ -10,8 +10,8 @@ use super::literal::{digits, number_text};
 use super::naming::kernel_names;
 use super::terms::{Terms, lets};
 use crate::cycles::{Cycle, Item};
-use crate::equations::{Equations, is_matrix};
-use crate::kernels::{Driver, Kernel, Kernels};
+use crate::equations::Equations;
+use crate::kernels::{Driver, Kernel, Kernels, Results};
 use crate::lists::Group;
 use crate::outline::Piece;
 use crate::program::{Operand, Program, Register};
@@ -166,16 +166,27 @@ pub fn driver(
     }
     steps.end();
     out.push_str(&steps.text);
-    let only = match program.what.is_some_and(is_matrix) {
-        true => "Structural non-zeros",
-        false => "Results",
+    results(&driver.results, out);
+    out.push_str("}\n");
+}
+
+/// Hands the results over.
+fn results(results: &Results, out: &mut String) {
+    let stretches = match results {
+        Results::All(places) => {
+            document(out, " Places of the results in `work`.");
+            out.push_str("const RESULTS: &[usize; ");
+            digits(out, places.len());
+            out.push_str(&format!("] = &{places:?};\n"));
+            out.push_str("::mbd_runtime::__private::take(work, out, RESULTS)\n");
+            return;
+        }
+        Results::Some(stretches) => stretches,
     };
-    document(
-        out,
-        &format!(" {only}: rounds of (count, (place in `out`, step), (place in `work`, step))."),
-    );
+    let doc = " Structural non-zeros: rounds of (count, (place in `out`, step), (place in `work`, step)).";
+    document(out, doc);
     out.push_str("const RESULTS: &[::mbd_runtime::__private::Copies] = &[");
-    for cycle in &driver.copies {
+    for cycle in stretches {
         out.push_str(&format!("({}, &[", cycle.rounds));
         for item in &cycle.items {
             out.push_str(&format!("({}", item.key));
@@ -186,7 +197,7 @@ pub fn driver(
         }
         out.push_str("]), ");
     }
-    out.push_str("];\n::mbd_runtime::__private::copy(work, out, RESULTS)\n}\n");
+    out.push_str("];\n::mbd_runtime::__private::copy(work, out, RESULTS)\n");
 }
 
 fn constant(program: &Program, register: Register) -> Option<f64> {
