@@ -19,10 +19,24 @@ use crate::list::largest;
 use crate::options::Stabilise;
 use crate::system::{External, System};
 
-/// Iterations of (1) in a step; two are usual.
-const STEP_ITERATIONS: u32 = 8;
-/// Iterations of (1) at the start.
-const START_ITERATIONS: u32 = 20;
+/// How hard (1) is tried.
+#[derive(Clone, Copy)]
+struct Effort {
+    /// Iterations.
+    most: u32,
+    /// Whether rows are looked at again even where theory says that nothing is left of them.
+    careful: bool,
+}
+/// In a step; one iteration or two are usual.
+const STEP: Effort = Effort {
+    most: 8,
+    careful: false,
+};
+/// At the start, where rows may contradict each other.
+const START: Effort = Effort {
+    most: 20,
+    careful: true,
+};
 /// The largest turn of one iteration [rad]: beyond it the rows are nothing like their linear part.
 const LARGEST_TURN: f64 = 0.7;
 /// Rows that a step leaves this far from zero, in scene lengths, have come apart.
@@ -82,7 +96,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             return Ok(());
         }
         let state = state.get_mut(..self.nx).unwrap_or_default();
-        let norm = self.project_positions(time, state, STEP_ITERATIONS)?;
+        let norm = self.project_positions(time, state, STEP)?;
         if norm > (APART * self.projection.length).max(self.rounding(state)) {
             return Err(StepError::JointsApart {
                 time,
@@ -95,7 +109,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// The same for a state beside a step, whatever keeps the run on its joints; also where they are far apart.
     pub(crate) fn put_on_joints(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
-        self.project_positions(time, state, START_ITERATIONS)?;
+        self.project_positions(time, state, START)?;
         self.project_velocities(time, state)
     }
 
@@ -105,11 +119,11 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         if !self.projection.any() {
             return self.check_plane(time, state);
         }
-        let mut norm = self.project_positions(time, state, START_ITERATIONS)?;
+        let mut norm = self.project_positions(time, state, START)?;
         if !self.holds(norm, state) && self.model.layout().redundancy.lost() > 0 {
             // With these parameters the rows that were left out may ask for more than the others.
             self.choose_always();
-            norm = self.project_positions(time, state, START_ITERATIONS)?;
+            norm = self.project_positions(time, state, START)?;
         }
         if !self.holds(norm, state) {
             return Err(StepError::InconsistentStart {
@@ -205,10 +219,10 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         &mut self,
         time: f64,
         state: &mut [T],
-        most: u32,
+        effort: Effort,
     ) -> Result<f64, StepError> {
         let mut before = f64::INFINITY;
-        for _ in 0..most {
+        for _ in 0..effort.most {
             let norm = self.read_rows(Quantity::Constraint, time, state);
             let settled = norm <= 4.0 * T::EPSILON.to_f64() * self.size(state);
             // At the level of rounding another move gains nothing.
@@ -218,17 +232,18 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             before = norm;
             self.correct(time, state)?;
             self.displace(state);
-            if self.leaves_nothing() {
+            if !effort.careful && self.leaves_nothing(norm) {
                 return Ok(norm * T::EPSILON.to_f64().sqrt());
             }
         }
         Ok(self.read_rows(Quantity::Constraint, time, state))
     }
 
-    /// Whether the last move was so small that what it leaves of Φ, its square over the length of the scene, is lost in rounding.
-    fn leaves_nothing(&self) -> bool {
+    /// Whether rows of size `norm` and the move that took them out are so small that what it leaves, its square over the length of the
+    /// scene, is lost in rounding.
+    fn leaves_nothing(&self, norm: f64) -> bool {
         let part = self.projection.length.min(1.0) * T::EPSILON.to_f64().sqrt();
-        !self.solves_chosen() && largest(self.projection.moves()) <= part
+        !self.solves_chosen() && norm.max(largest(self.projection.moves())) <= part
     }
 
     /// Applies (2), twice where the first leaves something.
