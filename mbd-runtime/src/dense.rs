@@ -15,10 +15,9 @@
 //! [Φ_v   0] [−λ] = [  γ  ]     by elimination with row exchange, not scaled, residuals of the solution in twice the digits        (4)
 //! ```
 
+mod lead;
 mod regularised;
 
-/// Part of a row that must be new for it to be chosen: a pivot of its square.
-pub(crate) const NEW: f64 = 1e-5;
 /// Corrections of a solution of (4).
 const CORRECTIONS: usize = 3;
 
@@ -27,6 +26,8 @@ const CORRECTIONS: usize = 3;
 pub(crate) struct Dense {
     nv: usize,
     nc: usize,
+    /// Part of a row that must be new for it to be chosen: a pivot of its square.
+    pub new_from: f64,
     /// M (n_v × n_v).
     pub mass: Vec<f64>,
     /// For every speed the mass of the part it moves.
@@ -56,11 +57,12 @@ pub(crate) struct Dense {
 }
 
 impl Dense {
-    pub(crate) fn new(nv: usize, nc: usize) -> Self {
+    pub(crate) fn new(nv: usize, nc: usize, new_from: f64) -> Self {
         let size = nv + nc;
         Dense {
             nv,
             nc,
+            new_from,
             mass: vec![0.0; nv * nv],
             weights: vec![1.0; nv],
             jacobian: vec![0.0; nc * nv],
@@ -186,7 +188,7 @@ impl Dense {
                 let [before, after] = self.reduce(row, chosen.len());
                 let new = if before > 0.0 { after / before } else { 0.0 };
                 // The first of those that are as good.
-                if new > NEW && best.is_none_or(|(_, most)| new > 1.25 * most) {
+                if new > self.new_from && best.is_none_or(|(_, most)| new > 1.25 * most) {
                     best = Some((row, new));
                 }
             }
@@ -200,7 +202,7 @@ impl Dense {
     /// Whether rows that were chosen are still independent.
     pub(crate) fn are_independent(&mut self, chosen: &[usize]) -> bool {
         self.factor_lengths();
-        self.span(chosen) > NEW
+        self.span(chosen) > self.new_from
     }
 
     /// Factorises (1) for rows that were chosen.
@@ -252,18 +254,6 @@ impl Dense {
             self.multipliers[row] =
                 (self.along[i] - known.sum::<f64>()) / self.mix[i * self.nc + i];
         }
-    }
-
-    /// v̇ = M⁻¹ (f − h + Φ_vᵀ λ) into `force` for given multipliers.
-    pub(crate) fn push(&mut self, multipliers: &[f64]) {
-        self.factor_mass();
-        for (row, multiplier) in self.jacobian.chunks_exact(self.nv).zip(multipliers) {
-            let pushed = self.force.iter_mut().zip(row);
-            pushed.for_each(|(force, column)| *force += multiplier * column);
-        }
-        Self::forward(&self.lower, &mut self.force);
-        Self::backward(&self.lower, &mut self.force);
-        self.multipliers.copy_from_slice(multipliers);
     }
 
     /// The largest |Φ_v v̇ − γ| of all rows over the largest terms, with and without rows, after [`Dense::accelerate`]; NaN where a number is.
@@ -424,7 +414,7 @@ mod tests {
 
     /// A body of mass 2 and one of mass 3 that two rows tie to each other, one of them twice.
     pub(super) fn pair() -> Dense {
-        let mut dense = Dense::new(2, 2);
+        let mut dense = Dense::new(2, 2, 1e-5);
         dense.mass = vec![2.0, 0.0, 0.0, 3.0];
         dense.weights = vec![2.0, 3.0];
         dense.jacobian = vec![1.0, -1.0, 2.0, -2.0];

@@ -62,6 +62,8 @@ pub enum Source {
     State(String),
     /// The position or velocity of an equilibrium point, by name.
     Node(String),
+    /// The rows of a joint, by name: what prescribes its motion has no value.
+    Joint(String),
 }
 
 /// Why a step shrank below what time can resolve.
@@ -222,6 +224,12 @@ impl StepError {
                 source: Source::Load(name),
                 ..
             } => format!("look at what `{name}` returns at this time and state"),
+            StepError::NonFinite {
+                source: Source::Joint(_),
+                ..
+            } => {
+                "look for a time at which its motor, or a frame of the world that moves it, has no value".into()
+            }
             StepError::NonFinite { .. } => {
                 "take a smaller step; if it stays, look for a division by zero or a root of a negative number in a load".into()
             }
@@ -272,6 +280,9 @@ impl fmt::Display for StepError {
                     Source::Load(name) => write!(f, "`{name}` is not a finite number"),
                     Source::State(name) => write!(f, "the rate of `{name}` is not a finite number"),
                     Source::Node(name) => write!(f, "the point `{name}` is not at a finite place"),
+                    Source::Joint(name) => {
+                        write!(f, "the rows of joint `{name}` are not finite numbers")
+                    }
                 }
             }
             StepError::NoEquilibrium {

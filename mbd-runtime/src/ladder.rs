@@ -1,7 +1,7 @@
 //! The ladder behind the emitted solver of rows, climbed at step boundaries only and held for a whole step.
 //!
 //! 1. The rows kept in the declaration, in the emitted elimination.
-//! 2. Where other rows leave less than 1e-10 to the pivot of one of them: rows chosen anew at the start of the step, by what is new in
+//! 2. Where other rows leave less than 1e-10 (in f32 5e-3) to the pivot of one of them: rows chosen anew at the start of the step, by what is new in
 //!    each, solved without structure; in passing such a state, with the multipliers they tend to there (`beside`). Stages of the step
 //!    that are regular again keep the emitted rows, unless one of them fails.
 //! 3. Where masses differ so much that the emitted elimination loses digits: the whole matrix with row exchange.
@@ -25,7 +25,12 @@ mod weigh;
 
 /// Part left to a pivot below which its row counts as dependent on others; more where the scalar has fewer digits.
 const MARGIN: f64 = 1e-10;
-/// What a solution without all rows may leave of a row, relative.
+/// What rounding ε of a state may cost accelerations in passing a state where rows lose rank, relative. It costs them ε over the margin: closer
+/// than that, what they tend to from farther away (`beside`) is better. In f32 that is good to ε^(4/7) = 1e-4; in f64 [`MARGIN`] is wider.
+const PASSING: f64 = 2.5e-5;
+/// The same where rows stay near such a state and nothing better is known.
+const LASTING: f64 = 2e-2;
+/// What a solution without all rows may leave of a row, relative, at least.
 const LEFT: f64 = 1e-3;
 /// What a regularised stage may leave of a row, relative: inside a step rows disagree by the step times the rate of the motion.
 const LEFT_INSIDE: f64 = 3e-2;
@@ -86,6 +91,8 @@ pub(crate) struct Ladder {
     regularised: bool,
     /// Whether rows have lost rank for longer than an instant.
     lasting: bool,
+    /// Distance over which a motion changes [m], once it was asked for.
+    reach: Option<f64>,
     /// Room for h.
     bias: Vec<f64>,
     /// Room for rows chosen in a projection.
@@ -99,6 +106,14 @@ pub(crate) struct Ladder {
 impl Ladder {
     fn held(&self) -> &Held {
         if self.at_end { &self.next } else { &self.now }
+    }
+
+    fn held_mut(&mut self) -> &mut Held {
+        if self.at_end {
+            &mut self.next
+        } else {
+            &mut self.now
+        }
     }
 
     /// A trial step begins.
@@ -133,7 +148,27 @@ impl Ladder {
 impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     /// Whether the last factor of the emitted elimination can be trusted.
     pub(crate) fn is_regular(&self) -> bool {
-        self.ladder.margin >= MARGIN.max(50.0 * T::EPSILON.to_f64())
+        self.ladder.margin >= self.trusted_from(self.ladder.lasting)
+    }
+
+    /// The margin from which on the emitted elimination is trusted, near a state that is passed or that lasts.
+    fn trusted_from(&self, lasting: bool) -> f64 {
+        let cost = if lasting { LASTING } else { PASSING };
+        MARGIN.max(T::EPSILON.to_f64() / cost)
+    }
+
+    /// Rows that were left out have come apart: from here on as many as can be are taken. False if they are already.
+    #[cold]
+    pub(crate) fn takes_more_rows(&mut self) -> bool {
+        let more = !self.ladder.lasting && self.trusted_from(true) < self.trusted_from(false);
+        self.ladder.lasting |= more;
+        more
+    }
+
+    /// Part of a row that is new in rows that are independent.
+    pub(crate) fn new_from(&self) -> f64 {
+        let lasting = self.ladder.lasting || self.solves_chosen();
+        self.trusted_from(lasting).sqrt()
     }
 
     /// Whether the rung of the run solves without the emitted elimination.
@@ -160,11 +195,11 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             size.partial_cmp(&(NEAR * change)),
             Some(std::cmp::Ordering::Greater)
         );
-        if self.is_regular() {
+        if self.ladder.margin >= self.trusted_from(false) {
             self.ladder.lasting = false;
-            if self.ladder.base == Rung::Emitted {
-                return;
-            }
+        }
+        if self.is_regular() && self.ladder.base == Rung::Emitted {
+            return;
         }
         self.pick_anew(time, state);
     }
@@ -256,7 +291,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             dense,
             ..
         } = &mut self.ladder;
-        let held = if *at_end { next } else { now };
+        let held = if *at_end { &*next } else { &*now };
         if !dense.are_independent(&held.rows) {
             let left = dense.accelerate_regularised(T::EPSILON.to_f64());
             // A state that is not finite is found by those who read the rates.
@@ -271,11 +306,14 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         } else {
             dense.factor(&held.rows);
             dense.accelerate(&held.rows);
-            // Speeds that the rows allow at an instant need not belong to any motion.
-            if dense.left() > LEFT {
+            // As many as there ever are: nothing is left open.
+            if self.ladder.held().rows.len() < self.model.layout().rank() {
+                self.tend(time, state);
+            }
+            // Speeds that the rows allow at an instant need not belong to any motion; rows left out for what little is new in them disagree.
+            if self.ladder.dense.left() > LEFT.max(0.5 * self.trusted_from(false).sqrt()) {
                 return Err(self.singular(time, state));
             }
-            self.tend(time, state);
         }
         let rates = rates.iter_mut().skip(self.model.layout().nq);
         for (rate, found) in rates.zip(&self.ladder.dense.force) {
@@ -304,11 +342,13 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     /// Reads M and Φ_v.
     fn read_dense(&mut self, time: f64, state: &[T]) {
         let layout = self.model.layout();
+        let new_from = self.new_from();
         if self.ladder.dense.mass.is_empty() {
-            self.ladder.dense = Dense::new(layout.nv, layout.nc);
+            self.ladder.dense = Dense::new(layout.nv, layout.nc, new_from);
             self.ladder.bias = vec![0.0; layout.nv];
         }
         let mut dense = std::mem::take(&mut self.ladder.dense);
+        dense.new_from = new_from;
         self.by_laws(Quantity::MassMatrix, time, state, &mut dense.mass);
         let jacobian = &mut dense.jacobian;
         self.by_laws(Quantity::ConstraintJacobian, time, state, jacobian);

@@ -14,7 +14,7 @@ use mbd_scene::{AngularVelocity, At, Float, Model, PointSlots, Quantity};
 
 use crate::columns::joint_name;
 use crate::dependence::{Dependence, NEW, dependent};
-use crate::error::StepError;
+use crate::error::{Source, StepError};
 use crate::list::largest;
 use crate::options::Stabilise;
 use crate::system::{External, System};
@@ -96,8 +96,12 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             return Ok(());
         }
         let state = state.get_mut(..self.nx).unwrap_or_default();
-        let norm = self.project_positions(time, state, STEP)?;
-        if norm > (APART * self.projection.length).max(self.rounding(state)) {
+        let mut norm = self.project_positions(time, state, STEP)?;
+        let allowed = (APART * self.projection.length).max(self.rounding(state));
+        if norm > allowed && self.takes_more_rows() {
+            norm = self.project_positions(time, state, STEP)?;
+        }
+        if norm > allowed {
             return Err(StepError::JointsApart {
                 time,
                 norm,
@@ -201,12 +205,9 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         if !self.projection.any() || state.iter().any(|x| !x.is_finite()) {
             return None;
         }
-        // A prescribed motion may have no value at this time: then it is not the rows that fail.
-        if !self
-            .read_rows(Quantity::ConstraintBias, time, state)
-            .is_finite()
-        {
-            return None;
+        let bias = self.read_rows(Quantity::ConstraintBias, time, state);
+        if !bias.is_finite() {
+            return Some(self.rows_not_finite(time));
         }
         match self.follows(time, state) {
             Some(_) => None,
@@ -243,7 +244,12 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     /// scene, is lost in rounding.
     fn leaves_nothing(&self, norm: f64) -> bool {
         let part = self.projection.length.min(1.0) * T::EPSILON.to_f64().sqrt();
-        !self.solves_chosen() && norm.max(largest(self.projection.moves())) <= part
+        self.moves_all() && norm.max(largest(self.projection.moves())) <= part
+    }
+
+    /// Whether the last move was solved with all independent rows: those left out of it may ask for more.
+    fn moves_all(&self) -> bool {
+        !self.solves_chosen() && self.is_regular()
     }
 
     /// Applies (2), twice where the first leaves something.
@@ -261,7 +267,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
                 *speed += *more;
             }
             // (2) is linear: only what the solve itself lost is left.
-            if !self.solves_chosen() && norm <= T::EPSILON.to_f64().sqrt() * fastest {
+            if self.moves_all() && norm <= T::EPSILON.to_f64().sqrt() * fastest {
                 break;
             }
         }
@@ -402,11 +408,15 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         let mut jacobian = vec![0.0; layout.len(Quantity::ConstraintJacobian)];
         self.by_laws(Quantity::ConstraintJacobian, time, state, &mut jacobian);
         let norm = self.read_rows(Quantity::Constraint, time, state);
+        if !norm.is_finite() {
+            return self.rows_not_finite(time);
+        }
+        let new_from = NEW.max(ROUNDED * T::EPSILON.to_f64());
         let Dependence {
             rank,
             rows,
             contradiction,
-        } = dependent(&jacobian, layout.nv, &self.projection.rows, NEW);
+        } = dependent(&jacobian, layout.nv, &self.projection.rows, new_from);
         if contradiction > 0.1 * norm && !self.holds(norm, state) {
             return StepError::InconsistentStart {
                 norm,
@@ -426,6 +436,16 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             joints: involved
                 .map(|(joint, _)| joint_name(scene, joint).to_owned())
                 .collect(),
+        }
+    }
+
+    /// A prescribed motion may have no value at a time: names the joint of the rows that were read last.
+    #[cold]
+    fn rows_not_finite(&self, time: f64) -> StepError {
+        let joint = self.worst_joints().into_iter().next();
+        StepError::NonFinite {
+            time,
+            source: Source::Joint(joint.map_or_else(String::new, |(name, _)| name)),
         }
     }
 

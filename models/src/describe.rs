@@ -1,6 +1,6 @@
 //! What a scene contains, as tables: for `mbd check` and for the first page of a report.
 
-use mbd_compiler::{Equations, immovable};
+use mbd_compiler::Equations;
 use mbd_runtime::scene::laws::Numbers;
 use mbd_runtime::scene::{
     Clamp, Cost, Difference, Differentiated, Gravity, Layout, LineKind, NodeModel, Place,
@@ -45,7 +45,6 @@ pub fn counts(scene: &Scene) -> Table {
     }
     let told = layout.redundancy.sentences(scene);
     let notes = [freedoms(scene, &layout)].into_iter().chain(told);
-    let notes = notes.chain(immovable(scene, &layout));
     let gravity = format!("gravity: {}", gravity(&scene.gravity));
     notes.chain([gravity]).fold(table, Table::note)
 }

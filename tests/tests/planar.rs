@@ -251,6 +251,35 @@ fn frames_that_disagree_out_of_the_plane_are_told_at_the_start() {
 }
 
 #[test]
+fn joints_that_hold_nothing_in_the_plane_leave_a_free_body_and_its_numbers_finite() {
+    let scene = read(
+        "model Loose { planar: xy; gravity: [0.0, -9.81, 0.0] m/s^2;
+            body disc { mass: 2 kg, inertia: diag(0.1, 0.1, 0.2) kg*m^2, frame rim at [0.3, 0.0, 0.0] m }
+            joint floor: planar from world to disc.rim { axis: z }
+            joint sheet: point_on_plane from world to disc.com { axis: z }
+            joint level: constant_angle from world to disc.com { axes: [z, x], angle: 90 deg }
+            output push = disc.rim.position; }",
+    );
+    let layout = Layout::new(&scene);
+    assert_eq!((layout.nc, layout.freedoms(), layout.nv), (0, 3, 3));
+    let generic = Generic::with_defaults(scene.clone()).expect("defaults");
+    let mut simulation = Simulation::new(&generic, Options::tsit5(1e-12)).expect("options");
+    simulation
+        .set_state(0.0, &[0.1, 0.2, 0.3, 1.0, 4.0, 2.0])
+        .expect("a state");
+    simulation.run(0.5).expect("a run");
+    let want = [
+        0.6,
+        0.2 + 2.0 - 0.125 * 9.81,
+        1.3,
+        1.0,
+        4.0 - 0.5 * 9.81,
+        2.0,
+    ];
+    assert_close(simulation.state(), &want, 0.0, 1e-11, "thrown disc");
+}
+
+#[test]
 fn a_planar_scene_is_the_same_from_toml() {
     for plane in PLANES {
         let scene = FOUR_BAR.scene(plane, "");

@@ -4,23 +4,32 @@
 //! Rows that lose rank for an instant leave some multipliers open there, but not before and after it, and λ runs through:
 //!
 //! ```text
-//! λ̄(δ) = ½ (λ(t + δ) + λ(t − δ)),   λ(t) = (4 λ̄(δ) − λ̄(2δ))/3 + O(δ⁴)                         (1)
+//! λ̄(δ) = ½ (λ(t + δ) + λ(t − δ)),   λ(t) = (4 λ̄(δ) − λ̄(2δ))/3 + O(δ⁴),   v̇ likewise             (1)
 //! x(t ± δ) = x ± δ ẋ, put on the joints; ẋ by rows chosen at x                                  (2)
 //! ```
 //!
-//! What the chosen rows get wrong of v̇ lies along the rows that were not chosen, and putting the speeds on the joints takes it out. Nothing
-//! is found where rows lose rank for longer, or where nothing moves: there the multipliers have no value.
+//! What the chosen rows get wrong of v̇ lies along the rows that were not chosen, and putting the speeds on the joints takes it out. v̇ runs
+//! through also where a multiplier grows without bound. Nothing is found where rows lose rank for longer, or where nothing moves: there
+//! the multipliers have no value.
 //! Source: derived. Rejected: the smallest multipliers at x, which differ from those before and after by a finite amount.
 
-use mbd_scene::{Float, Model, Quantity};
+use mbd_scene::laws::Numbers;
+use mbd_scene::{Float, Model, Place, PointSlots, Quantity};
 
-use crate::dense::NEW;
 use crate::dependence::dependent;
 use crate::system::{External, System};
 
 /// The power of the rounding unit ε that δ is, over the time in which the fastest point crosses the scene, as it goes or from rest: what
-/// rounding leaves grows with ε/δ³, what (1) neglects with δ⁴.
+/// rounding leaves of λ grows with ε/δ³, what (1) neglects with δ⁴.
 const POWER: f64 = 1.0 / 7.0;
+/// Times δ that are tried where rows lose rank also beside the state.
+const WIDER: [f64; 3] = [1.0, 2.0, 4.0];
+
+/// What multipliers and accelerations tend to.
+struct Beside {
+    multipliers: Vec<f64>,
+    accelerations: Vec<f64>,
+}
 
 impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     /// Takes the accelerations to what they tend to on the way through a state where rows lose rank: rows chosen there leave open how fast
@@ -30,17 +39,30 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             return;
         }
         let chosen = self.ladder.dense.clone();
-        match self.multipliers_beside(time, state, &chosen.force) {
-            Some(multipliers) => {
-                self.read_dense(time, state);
-                self.read_right(time, state);
-                self.ladder.dense.push(&multipliers);
+        let found = self.beside(time, state, &chosen.force);
+        self.ladder.dense = chosen;
+        let mut rows = std::mem::take(&mut self.ladder.held_mut().rows);
+        match found {
+            Some(beside) => {
+                let layout = self.model.layout();
+                let speeds = state.iter().skip(layout.nq).take(layout.nv);
+                let speeds: Vec<f64> = speeds.map(|v| v.to_f64()).collect();
+                let dense = &mut self.ladder.dense;
+                dense.lead(&rows, &beside.accelerations, &speeds);
+                dense.multipliers.copy_from_slice(&beside.multipliers);
             }
             None => {
+                // Rows that are nearly dependent for good are all that holds here: fewer of them can be left out.
                 self.ladder.lasting = true;
-                self.ladder.dense = chosen;
+                self.read_dense(time, state);
+                self.read_right(time, state);
+                let dense = &mut self.ladder.dense;
+                dense.choose(&mut rows);
+                dense.factor(&rows);
+                dense.accelerate(&rows);
             }
         }
+        self.ladder.held_mut().rows = rows;
     }
 
     /// Energy and power of the stage that was evaluated last, where its multipliers are not those of the emitted elimination.
@@ -52,8 +74,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         if self.ladder.regularised {
             let forced = self.ladder.dense.force.clone();
             found = self
-                .multipliers_beside(time, state, &forced)
-                .unwrap_or(found);
+                .beside(time, state, &forced)
+                .map_or(found, |beside| beside.multipliers);
         }
         let mut energy = self.energy;
         self.by_multipliers(Quantity::Energy, (time, state), &found, &mut energy);
@@ -88,7 +110,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         let multipliers = dense.multipliers.clone();
         let mut determined = multipliers.clone();
         let forced = dense.force.clone();
-        let found = dependent(&dense.jacobian, layout.nv, &dense.right, NEW);
+        let new_from = dense.new_from;
+        let found = dependent(&dense.jacobian, layout.nv, &dense.right, new_from);
         for slots in &layout.joints {
             let own = slots.row..slots.row + slots.len;
             if found.rows.iter().any(|row| own.contains(row)) {
@@ -97,15 +120,15 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             }
         }
         self.ladder.spare = rows;
-        match self.multipliers_beside(time, state, &forced) {
-            Some(limit) => [limit.clone(), limit],
+        match self.beside(time, state, &forced) {
+            Some(Beside { multipliers, .. }) => [multipliers.clone(), multipliers],
             None => [multipliers, determined],
         }
     }
 
-    /// λ by (1), for accelerations `forced` by rows chosen at the state; `None` where it tends to nothing.
+    /// λ and v̇ by (1), for accelerations `forced` by rows chosen at the state; `None` where they tend to nothing.
     #[cold]
-    fn multipliers_beside(&mut self, time: f64, state: &[T], forced: &[f64]) -> Option<Vec<f64>> {
+    fn beside(&mut self, time: f64, state: &[T], forced: &[f64]) -> Option<Beside> {
         let layout = self.model.layout();
         // Forces at equilibrium points do not follow a state that is only looked at.
         if self.solves_chosen() || !layout.nodes.is_empty() {
@@ -116,41 +139,92 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         for (rate, forced) in rates.iter_mut().skip(layout.nq).zip(forced) {
             *rate = *forced;
         }
-        let length = self.projection.length;
-        let (positions, speeds) = rates.split_at(layout.nq.min(rates.len()));
-        let most = |list: &[f64]| list.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let crossing = (length / most(positions)).min((length / most(speeds)).sqrt());
-        let step = T::EPSILON.to_f64().powf(POWER) * crossing;
+        let speeds = state.iter().skip(layout.nq).map(|v| v.to_f64());
+        let speed = self.crossings(&speeds.collect::<Vec<f64>>());
+        let bend = self.crossings(rates.get(layout.nq..).unwrap_or_default());
+        let step = T::EPSILON.to_f64().powf(POWER) / speed.max(bend.sqrt());
         if !step.is_finite() || rates.iter().any(|rate| !rate.is_finite()) {
             return None;
         }
         let (margin, inputs) = (self.ladder.margin, self.inputs.clone());
-        let mean = |list: &mut Self, step: f64| {
-            let mut sum = vec![0.0; layout.nc];
-            for step in [step, -step] {
-                let one = list.multipliers_after(time, step, state, &rates)?;
-                sum.iter_mut().zip(&one).for_each(|(s, x)| *s += 0.5 * x);
-            }
-            Some(sum)
-        };
-        let means = [mean(self, step), mean(self, 2.0 * step)];
+        let found = WIDER
+            .into_iter()
+            .find_map(|wider| self.limit(time, wider * step, state, &rates));
         self.ladder.margin = margin;
         self.inputs = inputs;
-        let [Some(near), Some(far)] = means else {
-            return None;
-        };
-        let both = near.iter().zip(&far);
-        Some(both.map(|(near, far)| (4.0 * near - far) / 3.0).collect())
+        found
     }
 
-    /// λ at (2).
-    fn multipliers_after(
-        &mut self,
-        time: f64,
-        step: f64,
-        state: &[T],
-        rates: &[f64],
-    ) -> Option<Vec<f64>> {
+    /// (1) for one δ; `None` where rows lose rank beside the state, too.
+    fn limit(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<Beside> {
+        let layout = self.model.layout();
+        let (near, far) = (4.0 / 6.0, -1.0 / 6.0);
+        let mut sum = Beside {
+            multipliers: vec![0.0; layout.nc],
+            accelerations: vec![0.0; layout.nv],
+        };
+        for (step, weight) in [
+            (step, near),
+            (-step, near),
+            (2.0 * step, far),
+            (-2.0 * step, far),
+        ] {
+            let one = self.after(time, step, state, rates)?;
+            let add = |sum: &mut [f64], one: &[f64]| {
+                sum.iter_mut().zip(one).for_each(|(s, x)| *s += weight * x);
+            };
+            add(&mut sum.multipliers, &one.multipliers);
+            add(&mut sum.accelerations, &one.accelerations);
+        }
+        Some(sum)
+    }
+
+    /// The largest of speeds over the reach of the joints and of angular speeds over a radian [1/s]; of accelerations likewise [1/s²].
+    fn crossings(&mut self, speeds: &[f64]) -> f64 {
+        let (layout, reach) = (self.model.layout(), self.reach());
+        let moves = layout.directions.moves().len();
+        let mut most: f64 = 0.0;
+        let bodies = layout
+            .bodies
+            .iter()
+            .map(|slots| (slots.v, layout.directions.speeds()));
+        let points = layout.points.iter().filter_map(|slots| match slots {
+            PointSlots::Mass(slots) => Some((slots.v, moves)),
+            PointSlots::Node(_) => None,
+        });
+        for (at, count) in bodies.chain(points) {
+            let own = speeds.iter().skip(at).take(count).enumerate();
+            for (index, speed) in own {
+                let over = if index < moves { reach } else { 1.0 };
+                most = most.max(speed.abs() / over);
+            }
+        }
+        most
+    }
+
+    /// Twice the largest distance of a joint's frame from the centre of mass of its body; without one the length of the scene [m].
+    fn reach(&mut self) -> f64 {
+        let (model, length) = (self.model, self.projection.length);
+        *self.ladder.reach.get_or_insert_with(|| {
+            let numbers = Numbers::new(model.scene(), model.params());
+            let ends = model.scene().joints.iter();
+            let ends = ends.flat_map(|joint| [joint.parent, joint.child]);
+            let reach = ends.map(|place| match place {
+                Place::Body(body, frame) => {
+                    let frames = numbers.bodies.get(body).map(|body| &body.frames);
+                    let frame = frames.and_then(|frames| frames.get(frame));
+                    frame.map_or(0.0, |frame| frame.position.map(|x| x.to_f64()).norm())
+                }
+                Place::World(_) | Place::Point(_) => 0.0,
+            });
+            let reach = reach.fold(0.0, f64::max);
+            if reach > 0.0 { 2.0 * reach } else { length }
+        })
+    }
+
+    /// λ and v̇ at (2).
+    fn after(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<Beside> {
+        let layout = self.model.layout();
         let time = time + step;
         let moved = state.iter().zip(rates);
         let mut moved: Vec<T> = moved
@@ -161,9 +235,17 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         self.put_on_joints(time, &mut moved).ok()?;
         self.ladder.margin = f64::NAN;
         self.measure(time, &moved);
-        let mut multipliers = vec![0.0; self.model.layout().nc];
+        let mut multipliers = vec![0.0; layout.nc];
         self.by_laws(Quantity::Multipliers, time, &moved, &mut multipliers);
-        let found = self.is_regular() && multipliers.iter().all(|x| x.is_finite());
-        found.then_some(multipliers)
+        let mut accelerations = vec![0.0; layout.len(Quantity::Derivative)];
+        self.by_laws(Quantity::Derivative, time, &moved, &mut accelerations);
+        accelerations.drain(..layout.nq.min(accelerations.len()));
+        accelerations.truncate(layout.nv);
+        let mut all = multipliers.iter().chain(&accelerations);
+        let found = self.is_regular() && all.all(|x| x.is_finite());
+        found.then_some(Beside {
+            multipliers,
+            accelerations,
+        })
     }
 }

@@ -31,6 +31,12 @@ const WRITTEN: &[Written] = &[
         text: include_str!("../../scenes/swing.mbd"),
         is_toml: false,
     },
+    Written {
+        name: "linkage",
+        what: "Four-bar with a weight on a line, everything in a plane. A scene as text.",
+        text: include_str!("../../scenes/linkage.mbd"),
+        is_toml: false,
+    },
 ];
 
 /// A ready scene.

@@ -25,7 +25,7 @@ use run::RunArgs;
 #[command(
     name = "mbd",
     version,
-    after_help = "Exit codes: 0 ok, 1 usage, 2 model or params invalid, 3 some cases failed, 4 run aborted."
+    after_help = "Exit codes: 0 ok, 1 usage, 2 model or params invalid, 4 run aborted."
 )]
 struct Cli {
     #[command(subcommand)]

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use mbd_compiler::{Message, Reading, read_text, read_toml, write_toml};
+use mbd_compiler::{Message, Reading, immovable, read_text, read_toml, write_toml};
+use mbd_runtime::Layout;
 use mbd_runtime::scene::Scene;
 use models::run::{Settings, split};
 use models::scenes::{self, Fly};
@@ -72,6 +73,12 @@ impl SceneFile {
         let read = if is_toml { read_toml } else { read_text };
         let (reading, settings) = (read(&scene), Settings::read(&run));
         let mut mistakes = told(&reading.errors, name);
+        let scene = reading.scene.as_ref();
+        mistakes.extend(
+            scene
+                .and_then(|scene| immovable(scene, &Layout::new(scene)))
+                .map(|text| format!("{name}: {text}")),
+        );
         if let Err(text) = &settings {
             mistakes.push(format!("{name}: {}", text.trim_end()));
         }

@@ -261,3 +261,165 @@ fn check_tells_bodies_nodes_and_operations() {
     .unwrap();
     assert!(expanded.contains("struct DropParams"));
 }
+
+/// A four-bar with a fifth hinge across it, in space or in a plane, as a declaration.
+const LOCKED: &str = "model Locked { planar: xz; gravity: none; world { frame far at [2, 0, 0] m }
+    body left { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame root at [0, 0, -0.5] m, frame tip at [0, 0, 0.5] m }
+    body right { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame root at [0, 0, -0.7] m, frame tip at [0, 0, 0.7] m }
+    joint a: hinge from world to left.root { axis: y }
+    joint b: hinge from left.tip to right.tip { axis: y }
+    joint close: hinge from world.far to right.root { axis: y } }
+[run]
+until = \"1 s\"
+";
+
+#[test]
+fn a_scene_that_cannot_move_is_refused_by_every_command_in_the_words_of_the_macro() {
+    let folder = Folder::new("locked");
+    let (scene, settings) = LOCKED.split_once("[run]").unwrap();
+    let read = mbd_compiler::read_text(scene).scene.unwrap();
+    let toml = format!("{}\n[run]{settings}", mbd_compiler::write_toml(&read));
+    let out = folder.0.join("out").display().to_string();
+    for file in [
+        folder.file("locked.mbd", LOCKED),
+        folder.file("locked.toml", &toml),
+    ] {
+        for command in ["check", "expand", "convert", "run"] {
+            let flags: &[&str] = if command == "run" {
+                &["--out", &out]
+            } else {
+                &[]
+            };
+            let error = run(&[&[command, &file][..], flags].concat()).unwrap_err();
+            assert_eq!(error.code(), 2);
+            assert!(
+                error.to_string().contains("model `Locked` cannot move: the 6 rows of its joints hold all 6 speeds; take a joint away"),
+                "{command} {file}: {error}"
+            );
+        }
+    }
+    assert!(!folder.0.join("out").exists());
+}
+
+#[test]
+fn a_motor_that_has_nothing_to_drive_is_refused_by_every_command() {
+    let folder = Folder::new("idle");
+    let driven = |axis: &str| format!("{{ axis: {axis}, motor: 1 rad/s * time }}");
+    let text = format!(
+        "model Idle {{ planar: xy; gravity: none; body a {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+           joint one: hinge from world to a.com {}
+           joint two: hinge from world to a.com {} }}",
+        driven("z"),
+        driven("z")
+    );
+    let file = folder.file("idle.mbd", &text);
+    for command in ["check", "expand", "convert", "run"] {
+        let error = run(&[command, &file]).unwrap_err();
+        assert_eq!(error.code(), 2);
+        assert!(
+            error.to_string().contains("`two` cannot drive its `angle`"),
+            "{command}: {error}"
+        );
+    }
+}
+
+/// A planar four-bar as text and how it is run.
+const PLANAR: &str = include_str!("../../scenes/linkage.mbd");
+
+#[test]
+fn a_planar_scene_is_checked_expanded_converted_and_run_and_its_drawing_looks_along_the_normal() {
+    let folder = Folder::new("planar");
+    let text = folder.file("linkage.mbd", PLANAR);
+    let toml = folder.file("linkage.toml", &run(&["convert", &text]).unwrap());
+    let histories = [&text, &toml].map(|file| {
+        let told = run(&["check", file]).unwrap();
+        for word in ["freedoms (Grübler): 3·3 + 2·1 − 8 = 3", "Scene Linkage"] {
+            assert!(told.contains(word), "{word}\n{told}");
+        }
+        assert!(
+            run(&["expand", file])
+                .unwrap()
+                .contains("struct LinkageState")
+        );
+        let out = folder.0.join("out").display().to_string();
+        run(&["run", file, "--out", &out, "--until", "0.5 s"]).unwrap();
+        let drawing = std::fs::read_to_string(folder.0.join("out/mechanism.svg")).unwrap();
+        assert!(drawing.contains("the mechanism, xz plane"));
+        assert!(!folder.0.join("out/mechanism_2.svg").exists());
+        std::fs::read_to_string(folder.0.join("out/history.csv")).unwrap()
+    });
+    assert_eq!(histories[0], histories[1]);
+    let head = histories[0].lines().next().unwrap();
+    for column in ["crank.x", "crank.z", "crank.angle", "weight.z"] {
+        assert!(head.contains(column), "{column}: {head}");
+    }
+    for absent in ["crank.y", "crank.qw", "weight.y", "crank.omega_body_x"] {
+        assert!(!head.contains(absent), "{absent}: {head}");
+    }
+}
+
+#[test]
+fn settings_that_no_run_can_hold_are_refused_before_it() {
+    let folder = Folder::new("settings");
+    for (setting, what) in [
+        ("every = \"1e-300 s\"", "`every`: asks for"),
+        ("every = \"0 s\"", "`every`: must be positive"),
+        ("until = \"-1 s\"", "`until`: must be positive"),
+        ("until = nan", "`until`: give it a finite value"),
+        (
+            "tolerance = \"1 s\"",
+            "`tolerance`: `1 s` has the wrong unit",
+        ),
+    ] {
+        let key = setting.split(' ').next().unwrap();
+        let lines = PLANAR.lines().filter(|line| !line.starts_with(key));
+        let text = lines.collect::<Vec<_>>().join("\n");
+        let text = text.replace("[run]", &format!("[run]\n{setting}"));
+        let error = run(&["run", &folder.file("linkage.mbd", &text)]).unwrap_err();
+        assert_eq!(error.code(), 2, "{error}");
+        assert!(error.to_string().contains(what), "{setting}: {error}");
+    }
+}
+
+#[test]
+fn a_motor_without_a_value_is_named_as_the_cause() {
+    let folder = Folder::new("nan_motor");
+    let text = "model M { planar: xz; gravity: none;
+          body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame one at [0, 0, 0.5] m }
+          joint pin: hinge from world to a.one { axis: y, motor: sqrt(0.5 - time * 1 rad/s) } }
+        [run]\nuntil = \"2 s\"\nstep = \"10 ms\"\n";
+    let out = folder.0.join("out").display().to_string();
+    for (text, time) in [
+        (text.to_owned(), "at 0.5"),
+        (text.replace("0.5 - time", "-0.5 - time"), "at 0.0"),
+    ] {
+        let error = run(&["run", &folder.file("m.mbd", &text), "--out", &out]).unwrap_err();
+        let told = error.to_string();
+        println!("{told}");
+        assert_eq!(error.code(), 4);
+        assert!(
+            told.contains("`pin`") && told.contains("motor") && told.contains(time),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn a_coordinate_that_a_plane_does_not_have_is_told_with_those_it_has() {
+    let folder = Folder::new("plane_start");
+    for (wrong, right) in [
+        ("crank.y = \"1 m\"", "crank.x"),
+        ("crank.qw = 1.0", "crank.angle"),
+        ("crank.omega_body_y = \"1 rad/s\"", "omega"),
+        ("weight.y = \"1 m\"", "weight.x"),
+    ] {
+        let text = PLANAR.replace("[run.start]", &format!("[run.start]\n{wrong}"));
+        let file = folder.file("linkage.mbd", &text);
+        let error = run(&["run", &file]).unwrap_err();
+        let told = error.to_string();
+        assert_eq!(error.code(), 2, "{told}");
+        let name = wrong.split(" =").next().unwrap();
+        println!("{told}");
+        assert!(told.contains(name) && told.contains(right), "{told}");
+    }
+}

@@ -1,9 +1,9 @@
-//! The mechanism of a run at several instants, drawn in the plane in which it extends most.
+//! The mechanism of a run at several instants, drawn in the plane in which it extends most; a planar scene in its own.
 
 use mbd_runtime::Trajectory;
 use mbd_runtime::nalgebra::{Matrix3, Vector3};
 use mbd_runtime::scene::laws::{Numbers, ground, rotation};
-use mbd_runtime::scene::{Place, PointKind, Scene};
+use mbd_runtime::scene::{Place, Plane, PointKind, Scene};
 
 use super::plan::Plan;
 use crate::report::{Drawing, Shape};
@@ -70,7 +70,7 @@ pub fn drawings(scene: &Scene, plan: &Plan, trajectory: &Trajectory) -> Vec<Draw
     let mut paths = stage.paths(first..=last);
     let travels = about_itself(&mut instants, &mut paths);
     let depth = extents(&instants, &paths);
-    let Some([across, up, deep]) = views(depth) else {
+    let Some([across, up, deep]) = views(depth, scene.planar) else {
         return Vec::new();
     };
     let times: Vec<String> = rows
@@ -93,7 +93,7 @@ pub fn drawings(scene: &Scene, plan: &Plan, trajectory: &Trajectory) -> Vec<Draw
         times.join(", ")
     );
     let mut planes = vec![[across, up]];
-    if depth[deep] > DEEP * depth[across].max(depth[up]) {
+    if scene.planar.is_none() && depth[deep] > DEEP * depth[across].max(depth[up]) {
         planes.push([deep, up]);
     }
     planes
@@ -347,14 +347,15 @@ fn extents(instants: &[Vec<Part>], paths: &[(String, Vec<Vector3<f64>>)]) -> Vec
     bounds(all).map_or_else(Vector3::zeros, |(low, high)| high - low)
 }
 
-/// The axes across, up and into the plane of largest extent; up is z where it is in the plane, else y. `None` where nothing extends.
-fn views(extents: Vector3<f64>) -> Option<[usize; 3]> {
+/// The axes across, up and into the plane of largest extent, or of a planar scene; up is z where it is in the plane, else y. `None` where
+/// nothing extends.
+fn views(extents: Vector3<f64>, plane: Option<Plane>) -> Option<[usize; 3]> {
     let (deep, least) = extents.argmin();
-    // Of equal extents the plane with z upwards is taken.
-    let deep = if extents[1] <= least * (1.0 + 1e-9) {
-        1
-    } else {
-        deep
+    let deep = match plane {
+        Some(plane) => plane.normal(),
+        // Of equal extents the plane with z upwards is taken.
+        None if extents[1] <= least * (1.0 + 1e-9) => 1,
+        None => deep,
     };
     let plane = match deep {
         0 => [1, 2],
@@ -362,4 +363,27 @@ fn views(extents: Vector3<f64>) -> Option<[usize; 3]> {
         _ => [0, 1],
     };
     (extents.max() > 0.0).then_some([plane[0], plane[1], deep])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_planar_scene_is_seen_along_its_normal_whatever_extends_in_it() {
+        for (plane, want) in [
+            (Plane::Xy, [0, 1, 2]),
+            (Plane::Yz, [1, 2, 0]),
+            (Plane::Xz, [0, 2, 1]),
+        ] {
+            for axis in (0..3).filter(|&axis| axis != plane.normal()) {
+                // A weight that falls along one axis.
+                let mut extents = Vector3::zeros();
+                extents[axis] = 2.0;
+                assert_eq!(views(extents, Some(plane)), Some(want));
+            }
+        }
+        assert_eq!(views(Vector3::new(1.0, 2.0, 0.0), None), Some([0, 1, 2]));
+        assert_eq!(views(Vector3::zeros(), Some(Plane::Xz)), None);
+    }
 }

@@ -58,6 +58,8 @@ fn wrong(setting: impl Into<String>, text: impl Into<String>) -> PlanError {
 
 /// A step that is taken when neither step nor tolerance is given and the scene needs fixed steps [s].
 const STEP: f64 = 1e-3;
+/// The most rows of a history.
+const ROWS: f64 = 1e7;
 /// The relative tolerance of adaptive steps when nothing is given.
 const TOLERANCE: f64 = 1e-8;
 
@@ -78,6 +80,11 @@ impl Plan {
                 "say when the run ends: `until = \"10 s\"` under [run], or `--until 10`",
             )
         })?;
+        let every = seconds("every", &settings.every)?;
+        if let Some(rows) = every.map(|every| until / every).filter(|rows| *rows > ROWS) {
+            let text = format!("asks for {rows:.1e} rows of history; at most {ROWS:.0e} fit");
+            return Err(wrong("every", text));
+        }
         let (state, nodes) = start(scene, &layout, &settings.start)?;
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants
@@ -89,7 +96,7 @@ impl Plan {
             figures: figures(scene, &settings.figures)?,
             until,
             options: options(scene, &layout, settings)?,
-            every: seconds("every", &settings.every)?,
+            every,
             params: params(scene, &settings.params)?,
             state,
             nodes,
@@ -394,10 +401,25 @@ fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, Pla
 
 fn unknown<'a>(setting: &str, name: &str, known: impl Iterator<Item = &'a str>) -> PlanError {
     let known: Vec<&str> = known.collect();
+    // Of a thing that is there, everything it has.
+    let owner = name.rsplit_once('.').map(|(owner, _)| format!("{owner}."));
+    let own = known.iter().copied();
+    let own: Vec<&str> = own
+        .filter(|known| owner.as_ref().is_some_and(|owner| known.starts_with(owner)))
+        .collect();
     let text = match nearest(name, known.iter().copied()) {
-        Some(near) => format!("this scene has no `{name}`; did you mean `{near}`?"),
-        None if known.is_empty() => format!("this scene has no `{name}`, nor any other here"),
-        None => format!("this scene has no `{name}`; it has {}", known.join(", ")),
+        _ if known.is_empty() => format!("this scene has no `{name}`, nor any other here"),
+        Some(near) if own.is_empty() => {
+            format!("this scene has no `{name}`; did you mean `{near}`?")
+        }
+        Some(near) => format!(
+            "this scene has no `{name}`; did you mean `{near}`? it has {}",
+            own.join(", ")
+        ),
+        None => {
+            let list = if own.is_empty() { known } else { own };
+            format!("this scene has no `{name}`; it has {}", list.join(", "))
+        }
     };
     wrong(setting, text)
 }

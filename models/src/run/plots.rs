@@ -85,7 +85,17 @@ pub fn groups<'a>(scene: &Scene, plan: &Plan, trajectory: &'a Trajectory) -> Vec
     };
     for (owner, axis, columns) in histories(scene, trajectory.names()) {
         let title = format!("{owner} {axis}");
-        let columns: Vec<&Name> = columns.into_iter().filter(|name| !shown(name)).collect();
+        let mut columns: Vec<&Name> = columns.into_iter().filter(|name| !shown(name)).collect();
+        if scene.planar.is_some() {
+            // What a vector has across the plane is no curve.
+            let zero = |name: &&Name| {
+                let column = trajectory.column(&name.name).unwrap_or_default();
+                column.iter().all(|x| *x == 0.0)
+            };
+            if !columns.iter().all(zero) {
+                columns.retain(|name| !zero(name));
+            }
+        }
         if !columns.is_empty() {
             let axis = if axis.is_empty() { owner } else { axis };
             groups.push(Group::of(title.trim(), axis, &columns, trajectory));

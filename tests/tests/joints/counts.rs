@@ -2,8 +2,9 @@
 
 use mbd_compiler::{Equations, Kernels};
 use mbd_scene::joints::{Axis, Distance, Hinge, JointLaw, Spherical};
-use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Quantity, Scene, Variable};
+use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Plane, Quantity, Scene, Variable};
 use nalgebra::{Matrix3, Vector3};
+use tests::linkage::cranks;
 use tests::mechanism::{add_body, add_frame, add_joint, empty, frame};
 
 /// A slender rod of 1 m along z.
@@ -168,6 +169,39 @@ fn bodies_alike_share_their_functions() {
         many <= 2 * eight,
         "{eight} operations emitted for 8 bodies, {many} for 64"
     );
+}
+
+#[test]
+fn four_bars_in_a_plane_cost_a_fifth_of_those_in_space_and_grow_with_their_number() {
+    let costs = |n: usize| {
+        let joined: Vec<[usize; 2]> = (0..n).map(|k| [n + 1 + k, n + 2 + k]).collect();
+        let bars: Vec<&[usize]> = joined.iter().map(|bar| bar.as_slice()).collect();
+        let space = cranks(n + 1, &bars, 1.2, -1.0, 9.81).scene;
+        let flat = Scene {
+            planar: Some(Plane::Xy),
+            ..space.clone()
+        };
+        let layout = Layout::new(&flat);
+        // Two bodies and a pin on the ground, a crank and two pins for every further window.
+        assert_eq!([layout.nv, layout.nc], [6 * n + 3, 6 * n + 2]);
+        assert_eq!((layout.rank(), layout.freedoms()), (layout.nc, 1));
+        [flat, space].map(|scene| {
+            [Quantity::Derivative, Quantity::Correction].map(|what| cost(&scene, what))
+        })
+    };
+    let [flat, space] = costs(1);
+    println!("one: {flat:?}, in space {space:?}");
+    assert!(
+        3 * flat[0] < space[0] && 3 * flat[1] < space[1],
+        "{flat:?} {space:?}"
+    );
+    let [many, of_space] = costs(10);
+    println!("ten: {many:?}, in space {of_space:?}");
+    assert!(
+        many[0] <= 12 * flat[0] && many[1] <= 12 * flat[1],
+        "{many:?}"
+    );
+    assert!(3 * many[0] < of_space[0], "{many:?} {of_space:?}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use mbd_runtime::{Generic, Options, Simulation, Statistics};
 use mbd_scene::joints::{Distance, JointLaw};
-use mbd_scene::{AngularVelocity, Layout, Place, Quantity, Scene};
+use mbd_scene::{AngularVelocity, Layout, Place, Plane, Quantity, Scene};
 use nalgebra::Vector3;
 use serde_json::Value;
 use tests::linkage::{Linkage, cranks};
@@ -57,12 +57,19 @@ fn a_parallelogram_turns_evenly_through_both_flat_positions_with_and_without_a_t
     }
 }
 
-/// N four-bars side by side against their elliptic functions.
-fn four_bars(n: usize, file: &Value, options: Options, until: f64) -> [f64; 2] {
+/// N four-bars side by side, in space or in their plane, against their elliptic functions.
+fn four_bars(
+    n: usize,
+    plane: Option<Plane>,
+    file: &Value,
+    options: Options,
+    until: f64,
+) -> [f64; 2] {
     let joined: Vec<[usize; 2]> = (0..n).map(|k| [n + 1 + k, n + 2 + k]).collect();
     let bars: Vec<&[usize]> = joined.iter().map(|bar| bar.as_slice()).collect();
     let phi = std::f64::consts::FRAC_PI_2;
-    let linkage = cranks(n + 1, &bars, phi, -1.0, 9.81);
+    let mut linkage = cranks(n + 1, &bars, phi, -1.0, 9.81);
+    linkage.scene.planar = plane;
     let layout = Layout::new(&linkage.scene);
     assert_eq!((layout.freedoms(), layout.redundancy.closed), (1, true));
     let (times, x, y) = (
@@ -85,7 +92,7 @@ fn four_bars(n: usize, file: &Value, options: Options, until: f64) -> [f64; 2] {
     }
     let statistics = run.statistics();
     println!(
-        "{n} four-bars to {until} s: place {place:e} m, energy {most:e} J, {} steps, rung {}, chosen {}",
+        "{n} four-bars, {plane:?}, to {until} s: place {place:e} m, energy {most:e} J, {} steps, rung {}, chosen {}",
         statistics.steps, statistics.rows_rung, statistics.rows_chosen
     );
     [place, most]
@@ -94,25 +101,39 @@ fn four_bars(n: usize, file: &Value, options: Options, until: f64) -> [f64; 2] {
 #[test]
 fn two_four_bars_pass_their_singular_position_ten_times_on_their_elliptic_functions() {
     let file = load("benchmark/iftomm_A02_n_four_bar_N2.json");
-    let coarse = four_bars(2, &file, Options::rk4(2e-3), 10.0);
-    let fine = four_bars(2, &file, Options::rk4(5e-4), 10.0);
-    // Published for high precision: 1e-3 J.
-    assert!(coarse[1] < 1e-3, "{coarse:?}");
-    assert!(fine[0] < 1e-6 && fine[1] < 1e-6, "{fine:?}");
+    for plane in [None, Some(Plane::Xy)] {
+        let coarse = four_bars(2, plane, &file, Options::rk4(2e-3), 10.0);
+        let fine = four_bars(2, plane, &file, Options::rk4(5e-4), 10.0);
+        // Published for high precision: 1e-3 J.
+        assert!(coarse[1] < 1e-3, "{coarse:?}");
+        assert!(fine[0] < 1e-6 && fine[1] < 1e-6, "{fine:?}");
+    }
 }
 
 #[test]
 fn forty_four_bars_pass_their_singular_position_ten_times_on_their_elliptic_functions() {
     let file = load("benchmark/iftomm_A02_n_four_bar_N40.json");
-    let [place, energy] = four_bars(40, &file, Options::rk4(5e-3), 10.0);
-    // Published for high precision: 1e-3 m of the first tip; 1e-3 J of 620 J as for two.
-    assert!(energy < 1e-3 && place < 1e-5, "{place:e} {energy:e}");
+    for plane in [None, Some(Plane::Xy)] {
+        let [place, energy] = four_bars(40, plane, &file, Options::rk4(5e-3), 10.0);
+        // Published for high precision: 1e-3 m of the first tip; 1e-3 J of 620 J as for two.
+        assert!(energy < 1e-3 && place < 1e-5, "{place:e} {energy:e}");
+    }
 }
 
 #[test]
 fn a_point_on_a_massless_rod_follows_its_elliptic_functions() {
+    for plane in [None, Some(Plane::Xy)] {
+        let most = rod_pendulum(plane);
+        println!("simple pendulum, {plane:?}: {most:e} m");
+        assert!(most < 1e-9, "{most:e}");
+    }
+}
+
+/// The largest error of a point on a massless rod, in space or in its plane [m].
+fn rod_pendulum(plane: Option<Plane>) -> f64 {
     let file = load("benchmark/iftomm_A01_simple_pendulum.json");
     let mut scene = empty([0.0, -9.81, 0.0], AngularVelocity::Body);
+    scene.planar = plane;
     let bob = add_point(&mut scene, 1.0);
     let rod = JointLaw::Distance(Distance { length: 1.0.into() });
     add_joint(&mut scene, rod, Place::World(0), bob);
@@ -132,6 +153,5 @@ fn a_point_on_a_massless_rod_follows_its_elliptic_functions() {
         let at = run.state();
         most = most.max((at[0] - x[k]).abs()).max((at[1] - y[k]).abs());
     }
-    println!("simple pendulum: {most:e} m");
-    assert!(most < 1e-9, "{most:e}");
+    most
 }

@@ -1,0 +1,143 @@
+//! Parallelograms through both of their flat positions in every scalar: on their branch, with their energy, never without a word.
+
+use mbd_compiler::Interpreted;
+use mbd_runtime::{Options, model};
+use mbd_scene::{AngularVelocity, Float};
+use tests::turning::{Kept, PLAIN, Parallelogram};
+
+/// The same mechanism as each family of coordinates has it.
+fn families(of: Parallelogram) -> [Parallelogram; 3] {
+    [
+        Parallelogram { planar: true, ..of },
+        of,
+        Parallelogram {
+            components: AngularVelocity::World,
+            ..of
+        },
+    ]
+}
+
+/// Runs its interpreted model.
+fn turn<T: Float>(of: Parallelogram, options: Options, until: f64) -> Kept {
+    let (scene, _) = of.build();
+    let model = Interpreted::<T>::new(scene, &[]).expect("a valid scene");
+    let kept = of.turn(&model, options, until);
+    let kept = kept.unwrap_or_else(|error| panic!("{of:?}, {:?}: {error}", options.method));
+    println!("{of:?}, {:?}: {kept:?}", options.method);
+    kept
+}
+
+/// The integrators of single precision.
+fn single() -> [Options; 3] {
+    [Options::rk4(5e-3), Options::rk4(1e-3), Options::tsit5(1e-5)]
+}
+
+#[test]
+fn in_single_precision_a_parallelogram_turns_through_its_flat_positions_on_its_branch() {
+    for cranks in [2, 3] {
+        for of in families(Parallelogram { cranks, ..PLAIN }) {
+            for options in single() {
+                let kept = turn::<f32>(of, options, 4.5);
+                // Rounding ε of the state leaves ε over the distance of the branches, at least √margin = 0.07: a few 1e-6 of the speeds,
+                // ten times that of an angle on the way; energy has its square, and the rounding of thousands of steps.
+                assert!(kept.energy < 5e-5, "{kept:?}");
+                assert!(kept.angle < 5e-4 && kept.tilt < 5e-4, "{kept:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn in_single_precision_neither_size_nor_speed_nor_uneven_masses_take_it_off_its_branch() {
+    for link in [0.1_f64, 2.0, 50.0] {
+        for cranks in [2, 3] {
+            // Fast enough to turn over under gravity, in steps of the same angle.
+            let rate = 2.0 + 2.0 * (2.0 * 9.81 / link).sqrt();
+            let of = Parallelogram {
+                cranks,
+                link,
+                rate,
+                gravity: 9.81,
+                uneven: 0.5,
+                ..PLAIN
+            };
+            for of in families(of) {
+                let options = [Options::rk4(1e-2 / rate), Options::tsit5(1e-5)];
+                for options in options {
+                    let kept = turn::<f32>(of, options, 9.0 / rate);
+                    assert!(kept.energy < 1e-3 && kept.tilt < 5e-3, "{kept:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn in_single_precision_a_motor_turns_the_crank_through_the_flat_positions() {
+    for cranks in [2, 3] {
+        let of = Parallelogram {
+            cranks,
+            motor: true,
+            ..PLAIN
+        };
+        for of in families(of) {
+            for options in single() {
+                let kept = turn::<f32>(of, options, 4.5);
+                // What rounding leaves of the speeds on the other branch has a share in the energy: nothing else gives way to a motor.
+                assert!(kept.energy < 1e-2 && kept.angle < 1e-5, "{kept:?}");
+                assert!(kept.tilt < 5e-4, "{kept:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn adaptive_steps_of_any_tolerance_pass_sixty_flat_positions_in_double_precision() {
+    for (rtol, energy) in [(1e-6, 1e-3), (1e-9, 1e-6), (1e-12, 1e-9)] {
+        for cranks in [2, 3] {
+            let of = Parallelogram {
+                cranks,
+                planar: true,
+                ..PLAIN
+            };
+            let kept = turn::<f64>(of, Options::tsit5(rtol), 100.0);
+            assert!(kept.energy < energy && kept.tilt < 1e-6, "{kept:?}");
+            let of = Parallelogram { cranks, ..PLAIN };
+            let kept = turn::<f64>(of, Options::tsit5(rtol), 20.0);
+            assert!(kept.energy < energy && kept.tilt < 1e-6, "{kept:?}");
+        }
+    }
+}
+
+model! {
+    /// Two cranks and a beam of 2 m.
+    pub model Turning<T> {
+        planar: xy;
+        gravity: [0.0, -0.0, 0.0] m/s^2;
+        world { frame p0 at [0, 0, 0] m, frame p1 at [2, 0, 0] m }
+        body crank0 { mass: 1 kg, inertia: diag(0.3333333333333333, 0.3333333333333333, 0.3333333333333333) kg*m^2, frame root at [-1, 0, 0] m, frame tip at [1, 0, 0] m }
+        body crank1 { mass: 1 kg, inertia: diag(0.3333333333333333, 0.3333333333333333, 0.3333333333333333) kg*m^2, frame root at [-1, 0, 0] m, frame tip at [1, 0, 0] m }
+        body beam { mass: 1 kg, inertia: diag(0.3333333333333333, 0.3333333333333333, 0.3333333333333333) kg*m^2, frame p0 at [-1, 0, 0] m, frame p1 at [1, 0, 0] m }
+        joint root0: hinge from world.p0 to crank0.root { axis: z }
+        joint tip0: hinge from crank0.tip to beam.p0 { axis: z }
+        joint root1: hinge from world.p1 to crank1.root { axis: z }
+        joint tip1: hinge from crank1.tip to beam.p1 { axis: z }
+    }
+}
+
+#[test]
+fn generated_code_turns_as_the_interpreter_does_in_single_precision() {
+    let of = Parallelogram {
+        planar: true,
+        ..PLAIN
+    };
+    let model = Turning::<f32>::new(Default::default()).expect("no params");
+    for options in single() {
+        let kept = of.turn(&model, options, 2.0).expect("a run");
+        let again = turn::<f32>(of, options, 2.0);
+        assert_eq!(
+            [kept.energy, kept.angle, kept.tilt],
+            [again.energy, again.angle, again.tilt]
+        );
+    }
+}
