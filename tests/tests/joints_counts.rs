@@ -1,7 +1,10 @@
 //! What a system of joints costs: the order of elimination is found, growth is linear, nothing absent is paid for.
 
 use mbd_compiler::{Equations, Kernels};
-use mbd_scene::joints::{Axis, Distance, Hinge, JointLaw, Spherical};
+use mbd_scene::joints::{
+    Along, Axis, Cylindrical, Distance, Hinge, JointLaw, Planar, Prismatic, Screw, Spherical,
+    Universal,
+};
 use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Quantity, Scene, Variable};
 use nalgebra::{Matrix3, Vector3};
 use tests::mechanism::{add_body, add_frame, add_joint, empty, frame};
@@ -95,6 +98,75 @@ fn an_open_chain_costs_the_same_for_every_further_body() {
     assert_eq!(many - sixteen, 12 * (eight - four), "linear in n");
     assert!(many <= 560 * 64, "{many}: kinematics, rows, system and all");
     assert!(solving(&chain(16, false)) <= 310 * 16);
+}
+
+/// Rods joined one below the other, axes in turn about y and x; of every joint these coordinates are driven.
+fn chain_of(n: usize, law: impl Fn(Axis) -> JointLaw, motors: &[usize]) -> Scene {
+    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+    let mut from = Place::World(0);
+    for index in 0..n {
+        let (_, top, end) = rod(&mut scene);
+        let axis = if index % 2 == 0 { Axis::Y } else { Axis::X };
+        add_joint(&mut scene, law(axis), from, top);
+        let driven = motors.iter().map(|&coordinate| Along {
+            coordinate,
+            motor: Some(0.3.into()),
+            ..Along::default()
+        });
+        scene.joints[index].along.extend(driven);
+        from = end;
+    }
+    scene
+}
+
+fn prismatic(axis: Axis) -> JointLaw {
+    JointLaw::Prismatic(Prismatic { axis })
+}
+
+fn cylindrical(axis: Axis) -> JointLaw {
+    JointLaw::Cylindrical(Cylindrical { axis })
+}
+
+fn table(axis: Axis) -> JointLaw {
+    JointLaw::Planar(Planar { axis })
+}
+
+fn screw(axis: Axis) -> JointLaw {
+    let pitch = 0.1.into();
+    JointLaw::Screw(Screw { axis, pitch })
+}
+
+fn cardan(_: Axis) -> JointLaw {
+    JointLaw::Universal(Universal::default())
+}
+
+/// A joint by its axis.
+type Kind = fn(Axis) -> JointLaw;
+
+/// Joints, their driven coordinates, and the operations of a state derivative that a body of a chain of 16 may cost.
+const CHAINS: [(&str, Kind, &[usize], usize); 12] = [
+    ("hinge", hinge, &[], 530),
+    ("hinge, driven", hinge, &[0], 370),
+    ("universal", cardan, &[], 510),
+    ("universal, first angle driven", cardan, &[0], 555),
+    ("universal, driven", cardan, &[0, 1], 420),
+    ("prismatic", prismatic, &[], 525),
+    ("prismatic, driven", prismatic, &[0], 410),
+    ("cylindrical", cylindrical, &[], 740),
+    ("cylindrical, angle driven", cylindrical, &[1], 555),
+    ("planar", table, &[], 480),
+    ("planar, angle driven", table, &[2], 640),
+    ("screw", screw, &[], 1_210),
+];
+
+#[test]
+fn chains_of_joints_that_hold_more_cost_no_more_than_hinges() {
+    for (name, law, motors, most) in CHAINS {
+        let scene = chain_of(16, law, motors);
+        let body = cost(&scene, Quantity::Derivative) / 16;
+        println!("{name}: {body} operations a body");
+        assert!(body <= most, "{name}: {body} operations a body");
+    }
 }
 
 #[test]

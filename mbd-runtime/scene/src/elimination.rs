@@ -246,18 +246,27 @@ impl Graph {
         neighbours
     }
 
-    /// Estimated operations of eliminating a body together with the joint that carries it. A third of the products meets a zero or a one.
-    fn pair_cost(&self, body: usize, joint: usize) -> usize {
+    /// Estimated operations of eliminating a body together with the joint that carries it. A third of the products meets a zero or a one;
+    /// a body that is locked to its parent but for `ways` is added to it.
+    fn pair_cost(&self, body: usize, joint: usize, ways: Option<usize>) -> usize {
         let rows = self.sizes[joint];
         let loops = self.coupled(body) - rows;
+        if let Some(ways) = ways {
+            let speeds = self.sizes[body] + loops;
+            return (2 * ways + 1) * speeds * (speeds + 1) / 2;
+        }
         let outside = loops + self.coupled(joint) - self.sizes[body];
         let free = (self.sizes[body] - rows) * (rows + loops) * (rows + loops + 1);
         free + (2 * rows * rows * outside + rows * outside * (outside + 1)) * 7 / 20
     }
 
     /// Eliminates each body that a joint carries together with that joint, the carried before their carriers, and the rest by cost.
-    /// `carriers`: per node the joint node that carries it. None if there are no such bodies.
-    fn run_articulated(mut self, carriers: &[Option<usize>]) -> Option<(Vec<usize>, usize)> {
+    /// `carriers`: per node the joint node that carries it; `ways`: what is free where the joint locks it. None if there are no such bodies.
+    fn run_articulated(
+        mut self,
+        carriers: &[Option<usize>],
+        ways: &[Option<usize>],
+    ) -> Option<(Vec<usize>, usize)> {
         let riding: Vec<usize> = carriers.iter().copied().flatten().collect();
         let (mut order, mut cost) = (Vec::new(), 0);
         loop {
@@ -271,7 +280,7 @@ impl Graph {
                 })
             };
             let price = |graph: &Graph, node: usize| match carriers[node] {
-                Some(joint) => graph.pair_cost(node, joint),
+                Some(joint) => graph.pair_cost(node, joint, ways[node]),
                 None => graph.cost(node),
             };
             let next = (0..self.parts.len())
@@ -310,7 +319,6 @@ impl Graph {
 
 /// The joint that carries each body: the first that parts its speeds, unless the body carries itself through it.
 fn carriers(
-    directions: Directions,
     bodies: usize,
     joints: &[JointSlots],
     partitions: &[Option<Partition>],
@@ -320,9 +328,8 @@ fn carriers(
         let [parent, Some(Part::Body(child))] = joint.ends else {
             continue;
         };
-        let parts = joint.all_kept()
-            && partition
-                .is_some_and(|partition| joint.len == directions.moves().len() + partition.turns);
+        let parts =
+            joint.all_kept() && partition.is_some_and(|partition| joint.len == partition.rows());
         let mut inboard = parent;
         while let Some(Part::Body(body)) = inboard
             && body != child
@@ -353,7 +360,7 @@ impl Elimination {
         let least_degree =
             |g: &Graph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));
         let least_cost = |g: &Graph, n: usize| (g.cost(n), 0);
-        let carriers = carriers(directions, bodies, joints, partitions);
+        let carriers = carriers(bodies, joints, partitions);
         let carrying: Vec<Option<usize>> = graph
             .parts
             .iter()
@@ -362,12 +369,20 @@ impl Elimination {
                 _ => None,
             })
             .collect();
+        let ways: Vec<Option<usize>> = graph
+            .parts
+            .iter()
+            .map(|part| match *part {
+                Part::Body(body) => Some(partitions[carriers[body]?]?.locked?.free),
+                _ => None,
+            })
+            .collect();
         let plain = [
             graph.clone().run(bodies_first),
             graph.clone().run(least_degree),
             graph.clone().run(least_cost),
         ];
-        let articulated = graph.clone().run_articulated(&carrying);
+        let articulated = graph.clone().run_articulated(&carrying, &ways);
         let [a, b, c] = plain.each_ref().map(|(_, cost)| *cost);
         let last = articulated.as_ref().map_or(usize::MAX, |(_, cost)| *cost);
         let mut elimination = Elimination {
@@ -404,18 +419,24 @@ impl Elimination {
             }
             let mut later: Vec<usize> = graph.eliminate(node).iter().map(|&n| place[n]).collect();
             later.sort_unstable();
-            let diagonal = self.room(size * size);
-            let below = later.iter().map(|&step| Below {
-                step,
-                at: self.room(size * graph.sizes[order[step]]),
-                targets: Vec::new(),
-            });
-            let below = below.collect();
             let carrier = match part {
                 Part::Body(body) => self.carriers[body],
                 _ => None,
             };
             let partition = carrier.and_then(|joint| partitions.get(joint).copied().flatten());
+            // What a joint holds of the body that rides out with it, the step before.
+            let carried = self.steps.last().filter(|step| step.partition.is_some());
+            let [width, room, unknowns] = match carried.map(|step| (step.size, step.partition)) {
+                Some((speeds, Some(partition))) => partition.room(speeds),
+                _ => [size, size * size, size],
+            };
+            let diagonal = self.room(room);
+            let below = later.iter().map(|&step| Below {
+                step,
+                at: self.room(width * graph.sizes[order[step]]),
+                targets: Vec::new(),
+            });
+            let below = below.collect();
             self.steps.push(Step {
                 part,
                 first: self.unknowns,
@@ -425,7 +446,7 @@ impl Elimination {
                 partition,
                 rides: matches!(part, Part::Joint(joint) if self.carriers.contains(&Some(joint))),
             });
-            self.unknowns += size;
+            self.unknowns += unknowns;
         }
         for step in 0..self.steps.len() {
             for coupling in 0..self.steps[step].below.len() {

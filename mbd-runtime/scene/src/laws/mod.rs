@@ -16,12 +16,14 @@ mod gravity;
 mod ground;
 mod kinematics;
 pub mod line;
+mod locked;
 mod motor;
 mod node;
 mod numbers;
 mod pair;
 mod posture;
 pub mod rows;
+mod seat;
 mod seats;
 
 use algebra::{elements, vector, write};

@@ -17,44 +17,63 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::block::System;
-use crate::Real;
 use crate::elimination::{Below, Elimination, Step};
+use crate::{Partition, Real};
 
 /// Most speeds of a body.
-const MOST: usize = 6;
+pub(super) const MOST: usize = 6;
 
 /// The steps of a body and of the joint that carries it.
 #[derive(Clone, Copy)]
-struct Pair<'a> {
-    body: &'a Step,
-    joint: &'a Step,
+pub(super) struct Pair<'a> {
+    pub(super) body: &'a Step,
+    pub(super) joint: &'a Step,
+    pub(super) partition: Partition,
     /// Number of speeds of the body.
-    speeds: usize,
-    /// Number of rows that hold the joint's point: the first ones.
-    points: usize,
+    pub(super) speeds: usize,
+    /// Number of directions of motion among them: the first ones.
+    pub(super) moves: usize,
     /// Number of attitude rows.
-    turns: usize,
-    /// Number of dependent speeds, which is that of the rows.
-    rows: usize,
+    pub(super) turns: usize,
+    /// Number of rows.
+    pub(super) rows: usize,
+    /// Number of dependent speeds: that of the rows, or all of the parent's.
+    held: usize,
 }
 
 impl<'a> Pair<'a> {
-    fn new(plan: &'a Elimination, index: usize) -> Option<Self> {
+    pub(super) fn new(plan: &'a Elimination, index: usize) -> Option<Self> {
         let body = plan.steps.get(index)?;
         let joint = plan.steps.get(index + 1)?;
-        let (turns, rows) = (body.partition?.turns, joint.size);
+        let partition = body.partition?;
         Some(Pair {
             body,
             joint,
+            partition,
             speeds: body.size,
-            points: rows.checked_sub(turns)?,
-            turns,
-            rows,
+            moves: if body.size == MOST { 3 } else { 2 },
+            turns: partition.turns,
+            rows: joint.size,
+            held: partition.held(body.size),
         })
     }
 
+    /// Number of ways that slide, where the joint locks the body to its parent.
+    pub(super) fn ways(&self) -> Option<usize> {
+        self.partition.locked.map(|ways| ways.free)
+    }
+
+    /// How many of the dependent speeds the rows tell as they are: N = I.
+    fn plain(&self) -> usize {
+        if self.partition.locked.is_some() {
+            self.held
+        } else {
+            self.moves
+        }
+    }
+
     /// Couplings of the body to others than its joint, which is the next step and so the first of all.
-    fn others(&self) -> &'a [Below] {
+    pub(super) fn others(&self) -> &'a [Below] {
         self.body.below.get(1..).unwrap_or_default()
     }
 
@@ -65,12 +84,17 @@ impl<'a> Pair<'a> {
 
     /// The speeds that are left when free speed `f` goes.
     fn left(&self, f: usize) -> impl DoubleEndedIterator<Item = usize> + Clone + use<> {
-        (0..self.rows).chain(f + 1..self.speeds)
+        (0..self.held).chain(f + 1..self.speeds)
+    }
+
+    /// The place of element (i, j) of N′⁻¹.
+    fn inverse_at(&self, i: usize, j: usize) -> usize {
+        self.joint.diagonal + self.turns * i + j
     }
 
     /// Whether η are other components than those of ω′; in a plane there is one only.
     fn turned(&self) -> bool {
-        self.speeds > self.points + 1 && (self.turns == 1 || self.turns == 2)
+        self.speeds == MOST && (self.turns == 1 || self.turns == 2)
     }
 }
 
@@ -108,7 +132,10 @@ impl<S: Real> System<S> {
             }
         }
         let n = pair.speeds;
-        for f in pair.rows..n {
+        for k in 0..pair.ways().unwrap_or(0) {
+            self.slide(plan, &pair, k, &mut mass);
+        }
+        for f in pair.held..n {
             self.free(plan, &pair, f, &mut mass);
         }
         for (i, row) in mass.iter().enumerate().take(n) {
@@ -203,8 +230,12 @@ impl<S: Real> System<S> {
     /// N′⁻¹ of the attitude rows, from their columns in the body.
     fn invert_rows(&mut self, pair: &Pair<'_>, directions: Option<&Matrix3<S>>) {
         let (k, at) = (pair.turns, pair.body.below[0].at);
+        let mut rows = [0; 3];
+        for (slot, row) in rows.iter_mut().zip(pair.partition.attitude().rows()) {
+            *slot = at + pair.speeds * row + pair.moves;
+        }
         let n = |i: usize, j: usize| {
-            let row = |r: usize| self.store[at + pair.speeds * (pair.points + i) + pair.points + r];
+            let row = |r: usize| self.store[rows[i] + r];
             match directions {
                 Some(e) => sparse_dot((0..3).map(|r| (row(r), e[(r, j)]))),
                 None => row(j),
@@ -230,29 +261,29 @@ impl<S: Real> System<S> {
         };
         for i in 0..k {
             for j in 0..k {
-                self.scaled[pair.joint.diagonal + k * i + j] = inverse[(i, j)];
+                self.scaled[pair.inverse_at(i, j)] = inverse[(i, j)];
             }
         }
     }
 
     /// Element (i, j) of N′⁻¹.
-    fn inverse_row(&self, pair: &Pair<'_>, i: usize, j: usize) -> S {
-        self.scaled[pair.joint.diagonal + pair.turns * i + j]
+    pub(super) fn inverse_row(&self, pair: &Pair<'_>, i: usize, j: usize) -> S {
+        self.scaled[pair.inverse_at(i, j)]
     }
 
     /// Takes the dependent speeds and the rows out, by (3) and (4). Leaves X_oᵀ in `scaled`, P_oᵀ in `store`.
     fn substitute(&mut self, plan: &Elimination, pair: &Pair<'_>, mass: &[[S; MOST]; MOST]) {
-        let n = pair.rows;
+        let n = pair.held;
         for below in &pair.joint.below {
             let coupling = pair.coupling(below.step);
             for row in 0..plan.steps[below.step].size {
                 let at = below.at + n * row;
                 let mut x = [S::zero(); MOST];
                 for (i, x) in x.iter_mut().enumerate().take(n) {
-                    *x = match i.checked_sub(pair.points) {
+                    *x = match i.checked_sub(pair.plain()) {
                         None => -self.store[at + i],
                         Some(i) => -sparse_dot((0..pair.turns).map(|j| {
-                            let column = self.store[at + pair.points + j];
+                            let column = self.store[at + pair.moves + j];
                             (self.inverse_row(pair, i, j), column)
                         })),
                     };
@@ -302,7 +333,7 @@ impl<S: Real> System<S> {
         let Some(pair) = Pair::new(plan, index) else {
             return;
         };
-        let (first, rows, n) = (pair.body.first, pair.joint.first, pair.rows);
+        let (first, rows, n) = (pair.body.first, pair.joint.first, pair.held);
         if let Some(e) = self.directions(&pair) {
             self.turn_right(first + 3, &e.transpose());
         }
@@ -321,17 +352,12 @@ impl<S: Real> System<S> {
                 }
             }
         }
-        let attitude: [S; 3] = std::array::from_fn(|i| {
-            let columns = 0..pair.turns;
-            match i < pair.turns {
-                true => sparse_dot(columns.map(|j| {
-                    let right = self.right[rows + pair.points + j];
-                    (self.inverse_row(&pair, i, j), right)
-                })),
-                false => S::zero(),
-            }
-        });
-        self.right[rows + pair.points..rows + n].copy_from_slice(&attitude[..pair.turns]);
+        self.carry_ways(plan, &pair);
+        if pair.partition.locked.is_some() {
+            self.place(&pair);
+        } else {
+            self.turn_rows(&pair);
+        }
         for d in 0..n {
             let held = (0..n).map(|e| (self.right[rows + e], self.mass_at(&pair, d, e)));
             let held = sparse_dot(held);
@@ -355,12 +381,28 @@ impl<S: Real> System<S> {
         }
     }
 
+    /// Puts N′⁻¹ r_λ in the place of the right-hand sides of the attitude rows.
+    fn turn_rows(&mut self, pair: &Pair<'_>) {
+        let at = pair.joint.first + pair.moves;
+        let attitude: [S; 3] = std::array::from_fn(|i| {
+            let columns = 0..pair.turns;
+            match i < pair.turns {
+                true => sparse_dot(columns.map(|j| {
+                    let right = self.right[at + j];
+                    (self.inverse_row(pair, i, j), right)
+                })),
+                false => S::zero(),
+            }
+        });
+        self.right[at..at + pair.turns].copy_from_slice(&attitude[..pair.turns]);
+    }
+
     /// Finds the unknowns of the pair of step `index` from those of the others, by (3), (5) and the pivots of (2).
     pub(super) fn find_pair(&mut self, plan: &Elimination, index: usize) {
         let Some(pair) = Pair::new(plan, index) else {
             return;
         };
-        let (first, rows, n) = (pair.body.first, pair.joint.first, pair.rows);
+        let (first, rows, n) = (pair.body.first, pair.joint.first, pair.held);
         let mut shift = [S::zero(); MOST];
         for below in &pair.joint.below {
             let later = &plan.steps[below.step];
@@ -389,12 +431,12 @@ impl<S: Real> System<S> {
         for (d, &shift) in shift.iter().enumerate().take(n) {
             self.right[first + d] = self.right[rows + d] + shift;
         }
-        self.right[rows..rows + pair.points].copy_from_slice(&push[..pair.points]);
-        for j in 0..pair.turns {
-            let columns =
-                (0..pair.turns).map(|i| (self.inverse_row(&pair, i, j), push[pair.points + i]));
-            self.right[rows + pair.points + j] = sparse_dot(columns);
+        if pair.partition.locked.is_some() {
+            self.force(&pair, &push);
+        } else {
+            self.turn_forces(&pair, &push);
         }
+        self.find_ways(plan, &pair);
         for f in (n..pair.speeds).rev() {
             let mut total = scale(self.right[first + f], self.inverse[first + f]);
             for i in pair.left(f) {
@@ -416,6 +458,17 @@ impl<S: Real> System<S> {
         }
         if let Some(e) = self.directions(&pair) {
             self.turn_right(first + 3, &e);
+        }
+    }
+
+    /// Writes −λ for what the joint pushes with, by (5).
+    fn turn_forces(&mut self, pair: &Pair<'_>, push: &[S; MOST]) {
+        let rows = pair.joint.first;
+        self.right[rows..rows + pair.moves].copy_from_slice(&push[..pair.moves]);
+        for j in 0..pair.turns {
+            let columns =
+                (0..pair.turns).map(|i| (self.inverse_row(pair, i, j), push[pair.moves + i]));
+            self.right[rows + pair.moves + j] = sparse_dot(columns);
         }
     }
 
@@ -456,19 +509,19 @@ fn turn_mass<S: Real>(mass: &mut [[S; MOST]; MOST], e: &Matrix3<S>) {
 }
 
 /// Σ a b over the products in which neither is zero.
-fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
+pub(super) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
     products
         .filter(|(a, b)| !a.is_zero() && !b.is_zero())
         .fold(S::zero(), |sum, (a, b)| sum + a * b)
 }
 
 /// a b, where a is not zero.
-fn scale<S: Real>(a: S, b: S) -> S {
+pub(super) fn scale<S: Real>(a: S, b: S) -> S {
     if a.is_zero() { a } else { a * b }
 }
 
 /// The columns of a row of a block: of a diagonal block those of the lower triangle.
-fn last(below: &Below, other: &Below, row: usize, columns: usize) -> usize {
+pub(super) fn last(below: &Below, other: &Below, row: usize, columns: usize) -> usize {
     if below.step == other.step {
         row + 1
     } else {
