@@ -22,6 +22,7 @@ mod integrate;
 mod ladder;
 mod laws;
 mod linearise;
+mod list;
 mod locate;
 pub mod node;
 mod options;

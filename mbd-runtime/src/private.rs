@@ -159,9 +159,24 @@ pub fn window<T, const N: usize>(work: &[T], begin: usize) -> Option<&[T; N]> {
 /// Places of the next round of a loop.
 #[inline(always)]
 #[must_use]
-pub fn advanced<const N: usize>(places: [usize; N], steps: [isize; N]) -> [usize; N] {
-    let mut steps = steps.into_iter();
-    places.map(|place| place.wrapping_add_signed(steps.next().unwrap_or_default()))
+pub fn advanced<const N: usize>(mut places: [usize; N], steps: [isize; N]) -> [usize; N] {
+    for (place, step) in places.iter_mut().zip(&steps) {
+        *place = place.wrapping_add_signed(*step);
+    }
+    places
+}
+
+/// Takes every result from its place in a working list; `None` where the list is too short.
+#[inline(always)]
+pub fn take<T: Copy, const N: usize>(
+    work: &[T],
+    out: &mut [T; N],
+    places: &[usize; N],
+) -> Option<()> {
+    for (out, &place) in out.iter_mut().zip(places) {
+        *out = *work.get(place)?;
+    }
+    Some(())
 }
 
 /// Rounds of stretches to copy: how often; how many numbers, first place and step in the result, first place and step in the working list.

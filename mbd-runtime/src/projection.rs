@@ -15,6 +15,7 @@ use mbd_scene::{AngularVelocity, At, Float, Model, PointSlots, Quantity};
 use crate::columns::joint_name;
 use crate::dependence::{Dependence, NEW, dependent};
 use crate::error::StepError;
+use crate::list::largest;
 use crate::options::Stabilise;
 use crate::system::{External, System};
 
@@ -217,8 +218,17 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
             before = norm;
             self.correct(time, state)?;
             self.displace(state);
+            if self.leaves_nothing() {
+                return Ok(norm * T::EPSILON.to_f64().sqrt());
+            }
         }
         Ok(self.read_rows(Quantity::Constraint, time, state))
+    }
+
+    /// Whether the last move was so small that what it leaves of Φ, its square over the length of the scene, is lost in rounding.
+    fn leaves_nothing(&self) -> bool {
+        let part = self.projection.length.min(1.0) * T::EPSILON.to_f64().sqrt();
+        !self.solves_chosen() && largest(self.projection.moves()) <= part
     }
 
     /// Applies (2), twice where the first leaves something.
@@ -226,13 +236,18 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         let nq = self.model.layout().nq;
         for _ in 0..2 {
             let norm = self.read_rows(Quantity::ConstraintRate, time, state);
-            if norm <= 4.0 * T::EPSILON.to_f64() * self.fastest(state) {
+            let fastest = self.fastest(state);
+            if norm <= 4.0 * T::EPSILON.to_f64() * fastest {
                 break;
             }
             self.correct(time, state)?;
             let speeds = state.iter_mut().skip(nq);
             for (speed, more) in speeds.zip(self.projection.moves()) {
                 *speed += *more;
+            }
+            // (2) is linear: only what the solve itself lost is left.
+            if !self.solves_chosen() && norm <= T::EPSILON.to_f64().sqrt() * fastest {
+                break;
             }
         }
         Ok(())
@@ -291,8 +306,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         let shift = self.projection.moves();
         let (linear, speeds) = (layout.directions.moves().len(), layout.directions.speeds());
         let turn = |v: usize| shift.get(v + linear..v + speeds).unwrap_or(&[]);
-        let turns = layout.bodies.iter().map(|slots| length(turn(slots.v)));
-        let most = turns.fold(T::zero(), |a, b| a.max(b));
+        let turns = layout.bodies.iter().map(|slots| square(turn(slots.v)));
+        let most = turns.fold(T::zero(), |a, b| a.max(b)).sqrt();
         let limit = T::from_f64(LARGEST_TURN);
         let part = if most > limit { limit / most } else { T::one() };
         let masses = layout.points.iter().filter_map(|slots| match slots {
@@ -318,15 +333,18 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// The largest coordinate, or the length of the scene.
     fn size(&self, state: &[T]) -> f64 {
-        let coordinates = state.iter().take(self.model.layout().nq);
-        coordinates.fold(self.projection.length, |most, x| most.max(x.to_f64().abs()))
+        let coordinates = state.get(..self.model.layout().nq);
+        largest(coordinates.unwrap_or_default()).max(self.projection.length)
     }
 
     /// The largest speed.
     fn fastest(&self, state: &[T]) -> f64 {
         let layout = self.model.layout();
-        let speeds = state.iter().skip(layout.nq).take(layout.nv);
-        speeds.fold(0.0, |most, v| most.max(v.to_f64().abs()))
+        largest(
+            state
+                .get(layout.nq..layout.nq + layout.nv)
+                .unwrap_or_default(),
+        )
     }
 
     /// What rounding may leave of Φ.
@@ -461,16 +479,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 }
 
 /// The largest size; infinite where a number is not finite.
-fn largest<T: Float>(list: &[T]) -> f64 {
-    list.iter().fold(0.0, |most, x| match x.is_finite() {
-        true => most.max(x.to_f64().abs()),
-        false => f64::INFINITY,
-    })
-}
-
-fn length<T: Float>(vector: &[T]) -> T {
-    let square = vector.iter().fold(T::zero(), |sum, x| sum + *x * *x);
-    square.sqrt()
+fn square<T: Float>(vector: &[T]) -> T {
+    vector.iter().fold(T::zero(), |sum, x| sum + *x * *x)
 }
 
 /// Turns a quaternion w x y z by `part` of a small turn, in body axes or in world axes.
@@ -478,7 +488,7 @@ fn rotate<T: Float>(quaternion: &mut [T], turn: &[T], part: T, body_axes: bool) 
     let ([w, x, y, z], [a, b, c]) = (quaternion, turn) else {
         return;
     };
-    let half = T::from_f64(0.5) * part * length(turn);
+    let half = T::from_f64(0.5) * part * square(turn).sqrt();
     let (sine, cosine) = half.sin_cos();
     let scale = if half > T::zero() {
         T::from_f64(0.5) * part * sine / half

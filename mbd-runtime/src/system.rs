@@ -7,6 +7,7 @@ use crate::error::{Source, Statistics, StepError};
 use crate::integrate::Rates;
 use crate::ladder::{Ladder, Rung as RowsRung};
 use crate::laws::Laws;
+use crate::list::largest;
 use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
 use crate::projection::Projection;
 use crate::watch;
@@ -441,12 +442,13 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
                 *work = *power;
             }
         }
-        match out.iter().position(|x| !x.is_finite()) {
-            None => Ok(()),
-            Some(index) => Err(self
-                .unsolvable(time, state)
-                .unwrap_or_else(|| self.not_finite(time, index))),
+        if largest(out).is_finite() {
+            return Ok(());
         }
+        let fault = out.iter().position(|x| !x.is_finite());
+        Err(self
+            .unsolvable(time, state)
+            .unwrap_or_else(|| self.not_finite(time, fault.unwrap_or_default())))
     }
 
     fn enter(&mut self) {

@@ -47,6 +47,14 @@ pub struct Window {
     pub given: Vec<(usize, usize)>,
 }
 
+/// Where the results of a program stand in its working list.
+pub enum Results {
+    /// The place of each.
+    All(Vec<usize>),
+    /// Of a matrix, those that are not zero in every state: the key is a length; place in the result, place in the working list.
+    Some(Vec<Cycle>),
+}
+
 /// How a program calls its kernels.
 pub struct Driver {
     /// Its pieces, in order.
@@ -59,8 +67,8 @@ pub struct Driver {
     pub work: usize,
     /// Its calls: the key is the kernel; places of its own block, then of its windows.
     pub calls: Vec<Cycle>,
-    /// Its results: the key is a length; place in the result, place in the working list.
-    pub copies: Vec<Cycle>,
+    /// Its results.
+    pub results: Results,
 }
 
 type Shape = (Vec<Op<Local>>, Vec<usize>, Vec<Window>);
@@ -160,14 +168,13 @@ impl Sharing<'_> {
             }
             calls.push((self.kernel(program, (index, number), piece, windows), at));
         }
-        let copies = copies(program, &places);
         Driver {
             pieces,
             lists,
             kept,
             work,
             calls: cycles(&calls),
-            copies: cycles(&copies),
+            results: results(program, &places),
         }
     }
 
@@ -266,19 +273,22 @@ fn windows(piece: &Piece, places: &[Option<(Owner, usize)>]) -> (Vec<usize>, Vec
         .unzip()
 }
 
-/// Stretches of the result that stand in the working list as they are: length, place in the result, place in the list.
-fn copies(program: &Program, places: &[Option<(Owner, usize)>]) -> Vec<(usize, Vec<usize>)> {
-    let mut copies: Vec<(usize, Vec<usize>)> = Vec::new();
-    for &(to, register) in &program.outputs {
-        let Some((_, from)) = places[register.index()] else {
-            continue;
-        };
-        match copies.last_mut() {
+fn results(program: &Program, places: &[Option<(Owner, usize)>]) -> Results {
+    let outputs = program.outputs.iter();
+    let found: Vec<(usize, usize)> = outputs
+        .filter_map(|&(to, register)| Some((to, places[register.index()]?.1)))
+        .collect();
+    if found.iter().map(|&(to, _)| to).eq(0..program.len) {
+        return Results::All(found.into_iter().map(|(_, from)| from).collect());
+    }
+    let mut stretches: Vec<(usize, Vec<usize>)> = Vec::new();
+    for (to, from) in found {
+        match stretches.last_mut() {
             Some((len, at)) if at[0] + *len == to && at[1] + *len == from => *len += 1,
-            _ => copies.push((1, vec![to, from])),
+            _ => stretches.push((1, vec![to, from])),
         }
     }
-    copies
+    Results::Some(cycles(&stretches))
 }
 
 impl Driver {

@@ -35,7 +35,7 @@ pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Mask, Node, Slot, Term, recorded, session};
 pub use interpret::{Interpreted, Registers};
-pub use kernels::{Driver, Kernel, Kernels, Window};
+pub use kernels::{Driver, Kernel, Kernels, Results, Window};
 pub use lists::{Arguments, Group};
 pub use messages::similar::nearest;
 pub use messages::{Location, Message, Place};

@@ -149,6 +149,7 @@ macro_rules! machine_number {
         impl Float for $t {
             const EPSILON: Self = $t::EPSILON;
 
+            #[inline(always)]
             fn to_f64(self) -> f64 {
                 f64::from(self)
             }

@@ -5,6 +5,7 @@ use mbd_scene::Float;
 use super::Rates;
 use super::tableau::{DEGREE, Tableau};
 use crate::error::StepError;
+use crate::list::weighted_squares;
 
 /// A method with the storage of its stages. The rates at the new state are the last stage of a step and the first of the next.
 #[derive(Clone, Debug)]
@@ -141,13 +142,8 @@ impl<T: Float> Explicit<T> {
         let (Some(k1), Some(k2), Some(k3)) = (stages.next(), stages.next(), stages.next()) else {
             return 0.0;
         };
-        let (mut above, mut below, mut size) = (T::zero(), T::zero(), T::zero());
-        for (((a, b), c), weight) in k1.iter().zip(k2).zip(k3).zip(weights) {
-            let (first, second) = (*b - *a, *c - *b);
-            size += *weight * *a * *a;
-            below += *weight * first * first;
-            above += *weight * second * second;
-        }
+        let [below, size] = weighted_squares(weights, k1, k2);
+        let [above, _] = weighted_squares(weights, k2, k3);
         let (above, below, size) = (above.to_f64(), below.to_f64(), size.to_f64());
         if below > 0.0 && above > negligible * negligible * size {
             2.0 * (above / below).sqrt()

@@ -149,8 +149,11 @@ impl<T: Float> Nodes<T> {
         memory: &NodeMemory<T>,
         work: &mut M::Work,
     ) -> Result<(), NodeError> {
-        memory.check(&self.layout)?;
         self.span = span;
+        if self.is_idle() {
+            return Ok(());
+        }
+        memory.check(&self.layout)?;
         self.read_ends(model, time, state, inputs, work)?;
         self.hold_lines(model, memory);
         let stage = Stage {
@@ -181,9 +184,14 @@ impl<T: Float> Nodes<T> {
         result
     }
 
+    /// Whether there is no line, no stop and no equilibrium point.
+    fn is_idle(&self) -> bool {
+        self.plans.is_empty() && self.stretch.is_empty() && self.hold.is_empty()
+    }
+
     /// Writes the memory after an accepted step of length `h` [s] whose last solve was at its end.
     pub fn commit(&mut self, h: T, memory: &mut NodeMemory<T>) {
-        if memory.check(&self.layout).is_err() {
+        if self.is_idle() || memory.check(&self.layout).is_err() {
             return;
         }
         let zero = T::zero();

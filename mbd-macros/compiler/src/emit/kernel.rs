@@ -10,8 +10,8 @@ use super::function::{Terms, taken};
 use super::literal::{number, signed, whole};
 use super::naming::{Unique, local_name};
 use crate::cycles::Cycle;
-use crate::equations::{Equations, is_matrix};
-use crate::kernels::{Driver, Kernel, Kernels};
+use crate::equations::Equations;
+use crate::kernels::{Driver, Kernel, Kernels, Results};
 use crate::outline::Piece;
 use crate::program::{Operand, Program, Register};
 
@@ -162,7 +162,39 @@ pub fn driver(
         .calls
         .iter()
         .map(|cycle| calls(program, kernels, driver, cycle));
-    let copies = driver.copies.iter().map(|cycle| {
+    let results = results(&driver.results);
+    quote! {
+        #(#[doc = #docs])*
+        #[inline(never)]
+        fn #function<T: ::mbd_runtime::Real>(
+            #(#taken,)* work: &mut [T], out: &mut [T; #len]
+        ) -> ::core::option::Option<()> {
+            let rest = &mut *work;
+            #(#entered)*
+            #kept
+            #(#calls)*
+            #results
+        }
+    }
+}
+
+/// Hands the results over.
+fn results(results: &Results) -> TokenStream {
+    let stretches = match results {
+        Results::All(places) => {
+            let (len, places) = (
+                whole(places.len()),
+                places.iter().map(|&place| whole(place)),
+            );
+            return quote! {
+                /// Places of the results in `work`.
+                const RESULTS: &[usize; #len] = &[#(#places),*];
+                ::mbd_runtime::__private::take(work, out, RESULTS)
+            };
+        }
+        Results::Some(stretches) => stretches,
+    };
+    let stretches = stretches.iter().map(|cycle| {
         let rounds = whole(cycle.rounds);
         let items = cycle.items.iter().map(|item| {
             let len = whole(item.key);
@@ -174,26 +206,10 @@ pub fn driver(
         });
         quote!((#rounds, &[#(#items),*]))
     });
-    let only = match program.what.is_some_and(is_matrix) {
-        true => "Structural non-zeros",
-        false => "Results",
-    };
-    let results =
-        format!(" {only}: rounds of (count, (place in `out`, step), (place in `work`, step)).");
     quote! {
-        #(#[doc = #docs])*
-        #[inline(never)]
-        fn #function<T: ::mbd_runtime::Real>(
-            #(#taken,)* work: &mut [T], out: &mut [T; #len]
-        ) -> ::core::option::Option<()> {
-            let rest = &mut *work;
-            #(#entered)*
-            #kept
-            #(#calls)*
-            #[doc = #results]
-            const RESULTS: &[::mbd_runtime::__private::Copies] = &[#(#copies),*];
-            ::mbd_runtime::__private::copy(work, out, RESULTS)
-        }
+        /// Structural non-zeros: rounds of (count, (place in `out`, step), (place in `work`, step)).
+        const RESULTS: &[::mbd_runtime::__private::Copies] = &[#(#stretches),*];
+        ::mbd_runtime::__private::copy(work, out, RESULTS)
     }
 }
 
