@@ -10,7 +10,7 @@ use tests::mechanism::{
 };
 use tests::random::Random;
 
-/// A tree of random joints, half of their coordinates driven, and a rod across it where freedoms are left.
+/// A tree of random joints, some of their coordinates driven, and a rod across it where freedoms are left.
 fn net(seed: u64, components: AngularVelocity, plane: Option<Plane>) -> Scene {
     let mut random = Random::new(seed);
     let laws = all_joints().into_iter().map(|(law, _)| law);
@@ -26,7 +26,8 @@ fn net(seed: u64, components: AngularVelocity, plane: Option<Plane>) -> Scene {
         let (law, [a, b]) = hang(&mut scene, &laws, &mut random);
         add_joint(&mut scene, law.clone(), a, b);
         for coordinate in 0..law.measured().count() {
-            if random.below(2) == 0 && plane.is_none() {
+            // In a plane most joints that are driven hold more than there is.
+            if random.below(if plane.is_none() { 2 } else { 6 }) == 0 {
                 let wave = Formula::Apply(Function::Sin, vec![Formula::Time]);
                 scene.joints[joint].along.push(Along {
                     coordinate,
@@ -36,8 +37,14 @@ fn net(seed: u64, components: AngularVelocity, plane: Option<Plane>) -> Scene {
             }
         }
     }
+    for (joint, coordinate) in Layout::still(&scene) {
+        // Nothing in the plane changes it.
+        let along = &mut scene.joints[joint].along;
+        along.retain(|along| along.coordinate != coordinate);
+    }
     let layout = Layout::keeping(&scene, Redundancy::default());
     if layout.nv > layout.nc {
+        // A loop over all that carries the last body.
         let rod = JointLaw::Distance(Distance { length: 0.9.into() });
         let a = random_seat(&mut scene, Some(count - 1), &mut random);
         let b = random_seat(&mut scene, None, &mut random);
@@ -62,6 +69,10 @@ fn anywhere(plane: Option<Plane>, random: &mut Random) -> Instance {
 /// The largest number left of the equations of motion, relative to the largest in them and the condition of the rows.
 fn left(scene: &Scene, random: &mut Random) -> Option<f64> {
     let layout = layout(scene);
+    if layout.nc > layout.nv || layout.rank() < layout.nc {
+        // Motors of joints that hold as much already: rows that depend on others.
+        return None;
+    }
     let bodies: Vec<Instance> = scene
         .bodies
         .iter()
@@ -94,7 +105,7 @@ fn accelerations_and_multipliers_satisfy_the_equations_of_motion() {
     for plane in [None, Some(Plane::Xz), Some(Plane::Xy)] {
         for components in [AngularVelocity::Body, AngularVelocity::World] {
             let (mut seen, mut carried, mut worst) = (0, 0, 0.0f64);
-            for seed in 0..150 {
+            for seed in 0..200 {
                 let scene = net(seed, components, plane);
                 let plan = &layout(&scene).elimination;
                 let locked = plan.steps.iter().filter_map(|step| step.partition?.locked);

@@ -5,7 +5,7 @@ use mbd_scene::joints::{
     Along, Axis, Cylindrical, Distance, Hinge, JointLaw, Planar, Prismatic, Screw, Spherical,
     Universal,
 };
-use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Quantity, Scene, Variable};
+use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Plane, Quantity, Scene, Variable};
 use nalgebra::{Matrix3, Vector3};
 use tests::mechanism::{add_body, add_frame, add_joint, empty, frame};
 
@@ -62,6 +62,33 @@ fn tree(n: usize) -> Scene {
         let axis = if index % 2 == 0 { Axis::Y } else { Axis::X };
         add_joint(&mut scene, hinge(axis), ends[index.div_ceil(2)], top);
         ends.push(end);
+    }
+    scene
+}
+
+/// IFToMM A02: windows of rods of 1 m between cranks, in a plane.
+fn four_bars(windows: usize) -> Scene {
+    let mut scene = empty([0.0, -9.81, 0.0], AngularVelocity::Body);
+    scene.planar = Some(Plane::Xy);
+    let inertia = Matrix3::from_diagonal_element(1.0 / 12.0);
+    let bar = |scene: &mut Scene| {
+        let body = add_body(scene, 1.0, &inertia);
+        let mut end =
+            |name: &str, x: f64| add_frame(scene, Some(body), frame(name, [x, 0.0, 0.0], None));
+        [end("root", -0.5), end("tip", 0.5)]
+    };
+    let cranks: Vec<[Place; 2]> = (0..=windows).map(|_| bar(&mut scene)).collect();
+    let couplers: Vec<[Place; 2]> = (0..windows).map(|_| bar(&mut scene)).collect();
+    for (index, crank) in cranks.iter().enumerate() {
+        let pivot = frame(&format!("pivot{index}"), [index as f64, 0.0, 0.0], None);
+        let pivot = add_frame(&mut scene, None, pivot);
+        add_joint(&mut scene, hinge(Axis::Z), pivot, crank[0]);
+    }
+    for (index, coupler) in couplers.iter().enumerate() {
+        add_joint(&mut scene, hinge(Axis::Z), cranks[index][1], coupler[0]);
+    }
+    for (index, coupler) in couplers.iter().enumerate() {
+        add_joint(&mut scene, hinge(Axis::Z), coupler[1], cranks[index + 1][1]);
     }
     scene
 }
@@ -140,17 +167,26 @@ fn cardan(_: Axis) -> JointLaw {
     JointLaw::Universal(Universal::default())
 }
 
+fn telescope(axis: Axis) -> JointLaw {
+    if axis == Axis::Y {
+        hinge(axis)
+    } else {
+        prismatic(axis)
+    }
+}
+
 /// A joint by its axis.
 type Kind = fn(Axis) -> JointLaw;
 
 /// Joints, their driven coordinates, and the operations of a state derivative that a body of a chain of 16 may cost.
-const CHAINS: [(&str, Kind, &[usize], usize); 12] = [
+const CHAINS: [(&str, Kind, &[usize], usize); 13] = [
     ("hinge", hinge, &[], 530),
     ("hinge, driven", hinge, &[0], 370),
     ("universal", cardan, &[], 510),
     ("universal, first angle driven", cardan, &[0], 555),
     ("universal, driven", cardan, &[0, 1], 420),
     ("prismatic", prismatic, &[], 525),
+    ("hinge and prismatic in turn", telescope, &[], 675),
     ("prismatic, driven", prismatic, &[0], 410),
     ("cylindrical", cylindrical, &[], 740),
     ("cylindrical, angle driven", cylindrical, &[1], 555),
@@ -262,6 +298,8 @@ fn counts() {
         ("ring 8", chain(8, true)),
         ("hub 11", hub(11)),
         ("tree 15", tree(15)),
+        ("four-bars 1", four_bars(1)),
+        ("four-bars 10", four_bars(10)),
     ];
     for (name, scene) in scenes {
         let layout = Layout::new(&scene);

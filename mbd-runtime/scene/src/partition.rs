@@ -25,8 +25,9 @@ use crate::joints::{Axis, Coordinate, JointLaw};
 use crate::laws::rows::{End, Ends, Row, RowKind, Rows, Turn};
 use crate::{AngularVelocity, Directions, Jet, RowSet};
 
-/// Numbers of its own that a joint has in the store where it locks its child: the free ways (3 × 3) and the lever (3 × 3).
-const LOCKED_ROOM: usize = 18;
+/// Numbers of its own that a joint has in the store where it locks its child: the free ways (3 × 3), the lever (3 × 3) and
+/// what the masses along the ways are at least (3).
+const LOCKED_ROOM: usize = 21;
 /// How far the axes along which rows hold a point may be from right angles.
 const SQUARE: f64 = 1e-12;
 

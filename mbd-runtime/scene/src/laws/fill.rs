@@ -31,12 +31,7 @@ impl<S: Real> Constraints<S> {
                 Part::Joint(joint) => {
                     let [parent, child] = layout.joints[joint].ends.map(|end| plan.step_of(end?));
                     let rows = in_system(layout, joint, &self.rows, &self.kept);
-                    let locked = step.rides
-                        && plan
-                            .steps
-                            .get(index.wrapping_sub(1))
-                            .and_then(|body| body.partition)
-                            .is_some_and(|partition| partition.locked.is_some());
+                    let locked = step.rides && plan.locks(index);
                     if let (true, Some(parent)) = (locked, parent) {
                         self.system.set_carried(plan, index, parent);
                     }
@@ -165,27 +160,32 @@ impl<S: Real> Constraints<S> {
         };
         let point = seat.turn.apply(&ends.child.arm) - seat.arm();
         let levers: [Vector3<S>; 3] = std::array::from_fn(|k| point.cross(&seat.outward.row(k)));
-        let (moves, turns) = (directions.moves().iter(), directions.turns());
-        for (k, &along) in moves.clone().enumerate() {
-            for (j, &turn) in turns.iter().enumerate() {
+        for (k, &along) in directions.moves().iter().enumerate() {
+            for (j, &turn) in directions.turns().iter().enumerate() {
                 let (place, value) = ((3 + k, j), levers[along][turn]);
                 self.system.set_way(plan, index, place, value);
             }
         }
+        let mass = evaluation.numbers.bodies[body].mass;
+        let mut rows = self.rows[joint].rows().iter();
+        let held = rows.find(|row| matches!(row.kind, RowKind::Along(_)));
         for (way, axis) in ways.axes.iter().enumerate().take(ways.free) {
             let parent = &ends.parent;
             let mut slide = parent.outward.apply(&parent.axis(axis));
-            let held = self.rows[joint]
-                .rows()
-                .iter()
-                .find(|row| matches!(row.kind, RowKind::Along(_)));
-            if let (Some(plane), Some(row)) = (directions.plane, held) {
-                // What the row holds may lie in the plane by a part only; across it, in the plane, the point is free.
-                slide = plane.axis().vector::<S>().cross(&row.child.linear);
+            // Half the body's own share: off unit quaternions it is a little less than the whole.
+            let mut least = S::from_f64(0.5) * mass;
+            if let Some(plane) = directions.plane {
+                // What a row holds may lie in the plane by a part only; across it, in the plane, the point is free.
+                slide = match held {
+                    Some(row) => plane.axis().vector::<S>().cross(&row.child.linear),
+                    None => Turn::None.row(directions.moves()[way.min(1)]),
+                };
+                least *= slide.dot(&slide);
             }
-            for (k, &along) in moves.clone().enumerate() {
+            for (k, &along) in directions.moves().iter().enumerate() {
                 self.system.set_way(plan, index, (way, k), slide[along]);
             }
+            self.system.set_least(plan, index, way, least);
         }
     }
 

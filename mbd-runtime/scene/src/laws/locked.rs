@@ -47,6 +47,15 @@ impl<S: Real> System<S> {
         }
     }
 
+    /// Says what D_k of (7) is at least for the body of a step.
+    pub fn set_least(&mut self, plan: &Elimination, body: usize, k: usize, value: S) {
+        if let Some(pair) = Pair::new(plan, body).filter(|pair| k < 3 && pair.ways().is_some())
+            && let Some(slot) = self.store.get_mut(pair.joint.diagonal + 18 + k)
+        {
+            *slot = value;
+        }
+    }
+
     /// h_k, among the speeds of a body.
     fn way(&self, pair: &Pair<'_>, k: usize) -> [S; MOST] {
         let at = pair.joint.diagonal + 3 * k;
@@ -88,7 +97,9 @@ impl<S: Real> System<S> {
         let (n, h) = (pair.speeds, self.way(pair, k));
         let along = |row: &[S]| sparse_dot(row.iter().zip(&h).map(|(&x, &h)| (x, h)));
         let g: [S; MOST] = std::array::from_fn(|i| along(&mass[i]));
-        let inverse = S::one() / along(&g);
+        // Where much heavier bodies slide the same way, rounding of what they leave may be more than all that is there.
+        let least = self.store[pair.joint.diagonal + 18 + k];
+        let inverse = S::one() / along(&g).max(least);
         self.inverse[pair.body.first + k] = inverse;
         for i in 0..n {
             let factor = scale(g[i], inverse);

@@ -25,6 +25,7 @@ mod posture;
 pub mod rows;
 mod seat;
 mod seats;
+mod turned;
 
 use algebra::{elements, vector, write};
 use constraint::Constraints;

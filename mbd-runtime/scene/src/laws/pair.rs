@@ -10,8 +10,11 @@
 //! −λ = N⁻ᵀ (r_d − M_dd d − Σ C_oᵀ o)                                                                            (5)
 //! ```
 //!
-//! N = diag(I, N′) with I as large as there are directions of motion, N′ of at most three attitude rows, inverted in closed form. On a tree every C is zero and (2) to (4) are the
-//! articulated-body recursion: after (2), M_dd is the inertia that the joint hands inboard. Rows make it exact off the constraints too.
+//! On a tree every C is zero and (2) to (4) are the articulated-body recursion: after (2), M_dd is the inertia that the joint hands inboard.
+//! Rows make it exact off the constraints too. N′, the block of at most three attitude rows, is inverted in closed form. Two kinds:
+//! - the rows hold the body's point and some of its turns (`turned.rs`): N = diag(I, N′), I as large as there are directions of motion;
+//! - they lock it to its parent, up to ways that slide (`locked.rs`): d is all its speeds, as its parent's, X = I, and f the ways.
+//!
 //! Source: Featherstone, articulated-body algorithm.
 
 use nalgebra::{Matrix3, Vector3};
@@ -38,7 +41,7 @@ pub(super) struct Pair<'a> {
     /// Number of rows.
     pub(super) rows: usize,
     /// Number of dependent speeds: that of the rows, or all of the parent's.
-    held: usize,
+    pub(super) held: usize,
 }
 
 impl<'a> Pair<'a> {
@@ -83,7 +86,7 @@ impl<'a> Pair<'a> {
     }
 
     /// The speeds that are left when free speed `f` goes.
-    fn left(&self, f: usize) -> impl DoubleEndedIterator<Item = usize> + Clone + use<> {
+    pub(super) fn left(&self, f: usize) -> impl DoubleEndedIterator<Item = usize> + Clone + use<> {
         (0..self.held).chain(f + 1..self.speeds)
     }
 
@@ -93,29 +96,12 @@ impl<'a> Pair<'a> {
     }
 
     /// Whether η are other components than those of ω′; in a plane there is one only.
-    fn turned(&self) -> bool {
+    pub(super) fn turned(&self) -> bool {
         self.speeds == MOST && (self.turns == 1 || self.turns == 2)
     }
 }
 
 impl<S: Real> System<S> {
-    /// Sets E of the body of a step: its columns are the directions of η, body axes.
-    pub fn set_directions(&mut self, plan: &Elimination, index: usize, e: &Matrix3<S>) {
-        if let Some(pair) = Pair::new(plan, index).filter(Pair::turned) {
-            // The joint has no diagonal block of its own, and at least 3 × 3 numbers of room.
-            let room = self.store.iter_mut().skip(pair.joint.diagonal);
-            for (slot, &value) in room.zip(e.transpose().iter()) {
-                *slot = value;
-            }
-        }
-    }
-
-    fn directions(&self, pair: &Pair<'_>) -> Option<Matrix3<S>> {
-        let at = pair.joint.diagonal;
-        pair.turned()
-            .then(|| Matrix3::from_fn(|i, j| self.store[at + 3 * i + j]))
-    }
-
     /// Takes the pair of step `index` and the next one out of the matrix.
     pub(super) fn factor_pair(&mut self, plan: &Elimination, index: usize) {
         let Some(pair) = Pair::new(plan, index) else {
@@ -124,12 +110,7 @@ impl<S: Real> System<S> {
         let directions = self.directions(&pair);
         let mut mass = self.mass_of(&pair);
         if let Some(e) = &directions {
-            turn_mass(&mut mass, e);
-            for below in pair.others() {
-                for row in 0..plan.steps[below.step].size {
-                    self.turn_row(below.at + pair.speeds * row + 3, e);
-                }
-            }
+            self.turn(plan, &pair, e, &mut mass);
         }
         let n = pair.speeds;
         for k in 0..pair.ways().unwrap_or(0) {
@@ -156,75 +137,6 @@ impl<S: Real> System<S> {
             }
         }
         mass
-    }
-
-    /// Three numbers of the store, a row vector: times E.
-    fn turn_row(&mut self, at: usize, e: &Matrix3<S>) {
-        let old = Vector3::from_fn(|j, _| self.store[at + j]);
-        for j in 0..3 {
-            self.store[at + j] = sparse_dot((0..3).map(|r| (old[r], e[(r, j)])));
-        }
-    }
-
-    /// Takes free speed `f` out, by (2).
-    fn free(
-        &mut self,
-        plan: &Elimination,
-        pair: &Pair<'_>,
-        f: usize,
-        mass: &mut [[S; MOST]; MOST],
-    ) {
-        let inverse = S::one() / mass[f][f];
-        self.inverse[pair.body.first + f] = inverse;
-        for i in pair.left(f) {
-            let shared = mass[i][f];
-            let factor = scale(shared, inverse);
-            self.scaled[pair.body.diagonal + pair.speeds * f + i] = factor;
-            if factor.is_zero() {
-                continue;
-            }
-            for j in pair.left(f).take_while(|&j| j <= i) {
-                if !mass[j][f].is_zero() {
-                    mass[i][j] -= factor * mass[j][f];
-                    mass[j][i] = mass[i][j];
-                }
-            }
-        }
-        for below in pair.others() {
-            for row in 0..plan.steps[below.step].size {
-                let at = below.at + pair.speeds * row;
-                let factor = scale(self.store[at + f], inverse);
-                self.scaled[at + f] = factor;
-                if factor.is_zero() {
-                    continue;
-                }
-                for i in pair.left(f) {
-                    if !mass[i][f].is_zero() {
-                        self.store[at + i] -= factor * mass[i][f];
-                    }
-                }
-            }
-        }
-        for (i, below) in pair.others().iter().enumerate() {
-            let rows = plan.steps[below.step].size;
-            // The first target is that of the joint.
-            let targets = below.targets.iter().skip(1);
-            for (other, &target) in pair.others()[..=i].iter().zip(targets) {
-                let columns = plan.steps[other.step].size;
-                for row in 0..rows {
-                    let factor = self.scaled[below.at + pair.speeds * row + f];
-                    if factor.is_zero() {
-                        continue;
-                    }
-                    for column in 0..last(below, other, row, columns) {
-                        let shared = self.store[other.at + pair.speeds * column + f];
-                        if !shared.is_zero() {
-                            self.store[target + row * columns + column] -= factor * shared;
-                        }
-                    }
-                }
-            }
-        }
     }
 
     /// N′⁻¹ of the attitude rows, from their columns in the body.
@@ -334,24 +246,7 @@ impl<S: Real> System<S> {
             return;
         };
         let (first, rows, n) = (pair.body.first, pair.joint.first, pair.held);
-        if let Some(e) = self.directions(&pair) {
-            self.turn_right(first + 3, &e.transpose());
-        }
-        for f in n..pair.speeds {
-            let value = self.right[first + f];
-            if value.is_zero() {
-                continue;
-            }
-            for i in pair.left(f) {
-                self.carry(pair.body.diagonal + pair.speeds * f + i, first + i, value);
-            }
-            for below in pair.others() {
-                let later = &plan.steps[below.step];
-                for row in 0..later.size {
-                    self.carry(below.at + pair.speeds * row + f, later.first + row, value);
-                }
-            }
-        }
+        self.carry_free(plan, &pair);
         self.carry_ways(plan, &pair);
         if pair.partition.locked.is_some() {
             self.place(&pair);
@@ -379,22 +274,6 @@ impl<S: Real> System<S> {
                 self.right[later.first + row] -= held;
             }
         }
-    }
-
-    /// Puts N′⁻¹ r_λ in the place of the right-hand sides of the attitude rows.
-    fn turn_rows(&mut self, pair: &Pair<'_>) {
-        let at = pair.joint.first + pair.moves;
-        let attitude: [S; 3] = std::array::from_fn(|i| {
-            let columns = 0..pair.turns;
-            match i < pair.turns {
-                true => sparse_dot(columns.map(|j| {
-                    let right = self.right[at + j];
-                    (self.inverse_row(pair, i, j), right)
-                })),
-                false => S::zero(),
-            }
-        });
-        self.right[at..at + pair.turns].copy_from_slice(&attitude[..pair.turns]);
     }
 
     /// Finds the unknowns of the pair of step `index` from those of the others, by (3), (5) and the pivots of (2).
@@ -437,74 +316,12 @@ impl<S: Real> System<S> {
             self.turn_forces(&pair, &push);
         }
         self.find_ways(plan, &pair);
-        for f in (n..pair.speeds).rev() {
-            let mut total = scale(self.right[first + f], self.inverse[first + f]);
-            for i in pair.left(f) {
-                let factor = self.scaled[pair.body.diagonal + pair.speeds * f + i];
-                if !factor.is_zero() {
-                    total -= factor * self.right[first + i];
-                }
-            }
-            for below in pair.others() {
-                let later = &plan.steps[below.step];
-                for row in 0..later.size {
-                    let factor = self.scaled[below.at + pair.speeds * row + f];
-                    if !factor.is_zero() {
-                        total -= factor * self.right[later.first + row];
-                    }
-                }
-            }
-            self.right[first + f] = total;
-        }
-        if let Some(e) = self.directions(&pair) {
-            self.turn_right(first + 3, &e);
-        }
-    }
-
-    /// Writes −λ for what the joint pushes with, by (5).
-    fn turn_forces(&mut self, pair: &Pair<'_>, push: &[S; MOST]) {
-        let rows = pair.joint.first;
-        self.right[rows..rows + pair.moves].copy_from_slice(&push[..pair.moves]);
-        for j in 0..pair.turns {
-            let columns =
-                (0..pair.turns).map(|i| (self.inverse_row(pair, i, j), push[pair.moves + i]));
-            self.right[rows + pair.moves + j] = sparse_dot(columns);
-        }
+        self.find_free(plan, &pair);
     }
 
     /// Element of the body's block after (2), in the speeds [d ; f].
     fn mass_at(&self, pair: &Pair<'_>, i: usize, j: usize) -> S {
         self.store[pair.body.diagonal + pair.speeds * i + j]
-    }
-
-    /// Three numbers of the right-hand side: turned by a matrix.
-    fn turn_right(&mut self, at: usize, e: &Matrix3<S>) {
-        let old = Vector3::from_fn(|j, _| self.right[at + j]);
-        for i in 0..3 {
-            self.right[at + i] = sparse_dot((0..3).map(|j| (old[j], e[(i, j)])));
-        }
-    }
-}
-
-/// A body's block in the components η: Eᵀ of the angular rows and E of the angular columns.
-fn turn_mass<S: Real>(mass: &mut [[S; MOST]; MOST], e: &Matrix3<S>) {
-    let turned: [[S; 3]; 3] = std::array::from_fn(|i| {
-        std::array::from_fn(|j| sparse_dot((0..3).map(|r| (mass[i][3 + r], e[(r, j)]))))
-    });
-    for (i, row) in turned.iter().enumerate() {
-        for (j, &value) in row.iter().enumerate() {
-            mass[i][3 + j] = value;
-            mass[3 + j][i] = value;
-        }
-    }
-    let half: [[S; 3]; 3] = std::array::from_fn(|i| {
-        std::array::from_fn(|j| sparse_dot((0..3).map(|r| (mass[3 + i][3 + r], e[(r, j)]))))
-    });
-    for i in 0..3 {
-        for j in 0..=i {
-            mass[3 + i][3 + j] = sparse_dot((0..3).map(|r| (half[r][j], e[(r, i)])));
-            mass[3 + j][3 + i] = mass[3 + i][3 + j];
-        }
     }
 }
 
