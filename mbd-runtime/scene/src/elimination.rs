@@ -25,8 +25,12 @@
 //! first as bodies first. So candidates are counted and the cheapest is taken.
 //!
 //! The last candidate takes a body out **together with the joint that carries it**, leaf to root, where the joint determines part of the
-//! body's speeds exactly ([`Partition`]): substitution in place of pivots, the articulated-body recursion on a tree. The rows of the
-//! other joints wait as above.
+//! body's speeds exactly, or locks it to its parent up to ways that slide ([`Partition`]): substitution in place of pivots, the
+//! articulated-body recursion on a tree. The rows of the other joints wait as above.
+
+mod graph;
+
+use graph::Graph;
 
 use crate::layout::{JointSlots, PointSlots};
 use crate::partition::Partition;
@@ -94,229 +98,8 @@ pub struct Elimination {
     pub candidates: [usize; 4],
 }
 
-/// The graph while nodes leave it.
-#[derive(Clone)]
-struct Graph {
-    parts: Vec<Part>,
-    sizes: Vec<usize>,
-    neighbours: Vec<Vec<usize>>,
-    /// Whether fill has reached its diagonal block.
-    filled: Vec<bool>,
-    /// What each joint sits on: `None` for the world; empty for a body.
-    ends: Vec<Vec<Option<usize>>>,
-    /// The joints on each body; empty for a joint.
-    joints: Vec<Vec<usize>>,
-    /// Whether states are known at which the loops close.
-    closed: bool,
-    gone: Vec<bool>,
-}
-
-impl Graph {
-    fn new(
-        directions: Directions,
-        bodies: usize,
-        points: &[PointSlots],
-        joints: &[JointSlots],
-        closed: bool,
-    ) -> Self {
-        let mut graph = Graph {
-            parts: Vec::new(),
-            sizes: Vec::new(),
-            neighbours: Vec::new(),
-            filled: Vec::new(),
-            ends: Vec::new(),
-            joints: Vec::new(),
-            closed,
-            gone: Vec::new(),
-        };
-        let held = |part: Part| {
-            let holds =
-                |joint: &JointSlots| !joint.kept.is_empty() && joint.ends.contains(&Some(part));
-            joints.iter().any(holds)
-        };
-        let moving = (0..bodies)
-            .map(|body| (Part::Body(body), directions.speeds()))
-            .chain((0..points.len()).map(|point| (Part::Point(point), directions.moves().len())));
-        for (part, size) in moving.filter(|&(part, _)| held(part)) {
-            graph.push(part, size);
-        }
-        let kept = joints.iter().enumerate();
-        for (index, joint) in kept.filter(|(_, joint)| !joint.kept.is_empty()) {
-            let node = graph.push(Part::Joint(index), joint.kept.len());
-            for end in joint.ends {
-                let other = end.and_then(|end| graph.node(end));
-                graph.ends[node].push(other);
-                if let Some(other) = other {
-                    graph.join(node, other);
-                    graph.joints[other].push(node);
-                }
-            }
-        }
-        graph
-    }
-
-    fn push(&mut self, part: Part, size: usize) -> usize {
-        self.parts.push(part);
-        self.sizes.push(size);
-        self.neighbours.push(Vec::new());
-        self.filled.push(false);
-        self.ends.push(Vec::new());
-        self.joints.push(Vec::new());
-        self.gone.push(false);
-        self.parts.len() - 1
-    }
-
-    fn node(&self, part: Part) -> Option<usize> {
-        self.parts.iter().position(|&known| known == part)
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        if a != b && !self.neighbours[a].contains(&b) {
-            self.neighbours[a].push(b);
-            self.neighbours[b].push(a);
-        }
-    }
-
-    fn is_joint(&self, node: usize) -> bool {
-        matches!(self.parts[node], Part::Joint(_))
-    }
-
-    /// A body is always ready, a joint once (2) holds with it.
-    fn ready(&self, node: usize) -> bool {
-        !self.gone[node] && (!self.is_joint(node) || self.filled[node] && self.is_held(node))
-    }
-
-    /// Whether what has gone and is tied to a joint, by joints gone and itself, makes its rows independent of theirs.
-    fn is_held(&self, joint: usize) -> bool {
-        let mut beside: Option<usize> = None;
-        let (mut point, mut world, mut parts) = (false, false, 0);
-        let (mut seen, mut open) = (vec![false; self.parts.len()], vec![joint]);
-        seen[joint] = true;
-        let mut next = 0;
-        while let Some(&tied) = open.get(next) {
-            next += 1;
-            for &end in &self.ends[tied] {
-                match end {
-                    None => world = true,
-                    Some(other) if self.gone[other] => {
-                        if std::mem::replace(&mut seen[other], true) {
-                            continue;
-                        }
-                        parts += 1;
-                        point |= matches!(self.parts[other], Part::Point(_));
-                        for &joint in self.joints[other].iter().filter(|&&j| self.gone[j]) {
-                            if !std::mem::replace(&mut seen[joint], true) {
-                                open.push(joint);
-                            }
-                        }
-                    }
-                    Some(other) if *beside.get_or_insert(other) != other => return false,
-                    Some(_) => {}
-                }
-            }
-        }
-        let tree = open.len() <= parts;
-        beside.is_none() || !world && !point && (tree || self.closed)
-    }
-
-    fn coupled(&self, node: usize) -> usize {
-        self.neighbours[node].iter().map(|&n| self.sizes[n]).sum()
-    }
-
-    /// Estimated operations of eliminating a node now. The columns of an untouched body are mostly zero: 2.5 of its 6 count.
-    fn cost(&self, node: usize) -> usize {
-        let (n, m) = (self.sizes[node], self.coupled(node));
-        if !self.is_joint(node) && !self.filled[node] {
-            return 5 * n * m * (m + 1) / 12 + n * m / 2;
-        }
-        n * n * n / 3 + m * n * n + n * m * (m + 1)
-    }
-
-    /// Takes a node out; what it was coupled to is now coupled. Hands back its neighbours.
-    fn eliminate(&mut self, node: usize) -> Vec<usize> {
-        self.gone[node] = true;
-        let neighbours = std::mem::take(&mut self.neighbours[node]);
-        for (i, &a) in neighbours.iter().enumerate() {
-            self.filled[a] = true;
-            self.neighbours[a].retain(|&other| other != node);
-            for &b in neighbours.iter().take(i) {
-                self.join(a, b);
-            }
-        }
-        neighbours
-    }
-
-    /// Estimated operations of eliminating a body together with the joint that carries it. A third of the products meets a zero or a one.
-    fn pair_cost(&self, body: usize, joint: usize) -> usize {
-        let rows = self.sizes[joint];
-        let loops = self.coupled(body) - rows;
-        let outside = loops + self.coupled(joint) - self.sizes[body];
-        let free = (self.sizes[body] - rows) * (rows + loops) * (rows + loops + 1);
-        free + (2 * rows * rows * outside + rows * outside * (outside + 1)) * 7 / 20
-    }
-
-    /// Eliminates each body that a joint carries together with that joint, the carried before their carriers, and the rest by cost.
-    /// `carriers`: per node the joint node that carries it. None if there are no such bodies.
-    fn run_articulated(mut self, carriers: &[Option<usize>]) -> Option<(Vec<usize>, usize)> {
-        let mut riding = vec![false; self.parts.len()];
-        for &joint in carriers.iter().flatten() {
-            riding[joint] = true;
-        }
-        let pairs: Vec<(usize, usize)> = carriers
-            .iter()
-            .enumerate()
-            .filter_map(|(node, &joint)| Some((node, joint?)))
-            .collect();
-        let (mut order, mut cost) = (Vec::new(), 0);
-        loop {
-            // What still carries something waits.
-            let mut carries = vec![false; self.parts.len()];
-            for &(carried, joint) in pairs.iter().filter(|&&(carried, _)| !self.gone[carried]) {
-                for &node in self.neighbours[joint].iter().filter(|&&n| n != carried) {
-                    carries[node] = true;
-                }
-            }
-            let price = |graph: &Graph, node: usize| match carriers[node] {
-                Some(joint) => graph.pair_cost(node, joint),
-                None => graph.cost(node),
-            };
-            let next = (0..self.parts.len())
-                .filter(|&node| !self.gone[node] && !riding[node])
-                .filter(|&node| match self.is_joint(node) {
-                    true => self.ready(node),
-                    false => !carries[node],
-                })
-                .min_by_key(|&node| price(&self, node));
-            let Some(node) = next else { break };
-            cost += price(&self, node);
-            self.eliminate(node);
-            order.push(node);
-            if let Some(joint) = carriers[node] {
-                self.eliminate(joint);
-                order.push(joint);
-            }
-        }
-        (!pairs.is_empty() && order.len() == self.parts.len()).then_some((order, cost))
-    }
-
-    /// Eliminates everything, always the ready node of the smallest key; the order and its cost.
-    fn run(mut self, key: impl Fn(&Graph, usize) -> (usize, usize)) -> (Vec<usize>, usize) {
-        let (mut order, mut cost) = (Vec::new(), 0);
-        while let Some(node) = (0..self.parts.len())
-            .filter(|&node| self.ready(node))
-            .min_by_key(|&node| key(&self, node))
-        {
-            cost += self.cost(node);
-            self.eliminate(node);
-            order.push(node);
-        }
-        (order, cost)
-    }
-}
-
 /// The joint that carries each body: the first that parts its speeds, unless the body carries itself through it.
 fn carriers(
-    directions: Directions,
     bodies: usize,
     joints: &[JointSlots],
     partitions: &[Option<Partition>],
@@ -326,9 +109,8 @@ fn carriers(
         let [parent, Some(Part::Body(child))] = joint.ends else {
             continue;
         };
-        let parts = joint.all_kept()
-            && partition
-                .is_some_and(|partition| joint.len == directions.moves().len() + partition.turns);
+        let parts =
+            joint.all_kept() && partition.is_some_and(|partition| joint.len == partition.rows());
         let mut inboard = parent;
         while let Some(Part::Body(body)) = inboard
             && body != child
@@ -359,7 +141,7 @@ impl Elimination {
         let least_degree =
             |g: &Graph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));
         let least_cost = |g: &Graph, n: usize| (g.cost(n), 0);
-        let carriers = carriers(directions, bodies, joints, partitions);
+        let carriers = carriers(bodies, joints, partitions);
         let carrying: Vec<Option<usize>> = graph
             .parts
             .iter()
@@ -368,12 +150,20 @@ impl Elimination {
                 _ => None,
             })
             .collect();
+        let ways: Vec<Option<usize>> = graph
+            .parts
+            .iter()
+            .map(|part| match *part {
+                Part::Body(body) => Some(partitions[carriers[body]?]?.locked?.free),
+                _ => None,
+            })
+            .collect();
         let plain = [
             graph.clone().run(bodies_first),
             graph.clone().run(least_degree),
             graph.clone().run(least_cost),
         ];
-        let articulated = graph.clone().run_articulated(&carrying);
+        let articulated = graph.clone().run_articulated(&carrying, &ways);
         let [a, b, c] = plain.each_ref().map(|(_, cost)| *cost);
         let last = articulated.as_ref().map_or(usize::MAX, |(_, cost)| *cost);
         let mut elimination = Elimination {
@@ -410,18 +200,24 @@ impl Elimination {
             }
             let mut later: Vec<usize> = graph.eliminate(node).iter().map(|&n| place[n]).collect();
             later.sort_unstable();
-            let diagonal = self.room(size * size);
-            let below = later.iter().map(|&step| Below {
-                step,
-                at: self.room(size * graph.sizes[order[step]]),
-                targets: Vec::new(),
-            });
-            let below = below.collect();
             let carrier = match part {
                 Part::Body(body) => self.carriers[body],
                 _ => None,
             };
             let partition = carrier.and_then(|joint| partitions.get(joint).copied().flatten());
+            // What a joint holds of the body that rides out with it, the step before.
+            let carried = self.steps.last().filter(|step| step.partition.is_some());
+            let [width, room, unknowns] = match carried.map(|step| (step.size, step.partition)) {
+                Some((speeds, Some(partition))) => partition.room(speeds),
+                _ => [size, size * size, size],
+            };
+            let diagonal = self.room(room);
+            let below = later.iter().map(|&step| Below {
+                step,
+                at: self.room(width * graph.sizes[order[step]]),
+                targets: Vec::new(),
+            });
+            let below = below.collect();
             self.steps.push(Step {
                 part,
                 first: self.unknowns,
@@ -431,7 +227,7 @@ impl Elimination {
                 partition,
                 rides: matches!(part, Part::Joint(joint) if self.carriers.contains(&Some(joint))),
             });
-            self.unknowns += size;
+            self.unknowns += unknowns;
         }
         for step in 0..self.steps.len() {
             for coupling in 0..self.steps[step].below.len() {
@@ -448,6 +244,14 @@ impl Elimination {
     fn room(&mut self, len: usize) -> usize {
         self.store += len;
         self.store - len
+    }
+
+    /// Whether the joint of a step locks the body that leaves with it, the step before, to its parent.
+    #[must_use]
+    pub fn locks(&self, joint: usize) -> bool {
+        let body = joint.checked_sub(1).and_then(|body| self.steps.get(body));
+        let partition = body.and_then(|body| body.partition);
+        partition.is_some_and(|partition| partition.locked.is_some())
     }
 
     /// The step of a part; `None` if the system has no such part.

@@ -1,7 +1,10 @@
 //! What a system of joints costs: the order of elimination is found, growth is linear, nothing absent is paid for.
 
 use mbd_compiler::{Equations, Kernels};
-use mbd_scene::joints::{Axis, Distance, Hinge, JointLaw, Spherical};
+use mbd_scene::joints::{
+    Along, Axis, Cylindrical, Distance, Hinge, JointLaw, Planar, Prismatic, Screw, Spherical,
+    Universal,
+};
 use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Plane, Quantity, Scene, Variable};
 use nalgebra::{Matrix3, Vector3};
 use tests::linkage::cranks;
@@ -64,6 +67,33 @@ fn tree(n: usize) -> Scene {
     scene
 }
 
+/// IFToMM A02: windows of rods of 1 m between cranks, in a plane.
+fn four_bars(windows: usize) -> Scene {
+    let mut scene = empty([0.0, -9.81, 0.0], AngularVelocity::Body);
+    scene.planar = Some(Plane::Xy);
+    let inertia = Matrix3::from_diagonal_element(1.0 / 12.0);
+    let bar = |scene: &mut Scene| {
+        let body = add_body(scene, 1.0, &inertia);
+        let mut end =
+            |name: &str, x: f64| add_frame(scene, Some(body), frame(name, [x, 0.0, 0.0], None));
+        [end("root", -0.5), end("tip", 0.5)]
+    };
+    let cranks: Vec<[Place; 2]> = (0..=windows).map(|_| bar(&mut scene)).collect();
+    let couplers: Vec<[Place; 2]> = (0..windows).map(|_| bar(&mut scene)).collect();
+    for (index, crank) in cranks.iter().enumerate() {
+        let pivot = frame(&format!("pivot{index}"), [index as f64, 0.0, 0.0], None);
+        let pivot = add_frame(&mut scene, None, pivot);
+        add_joint(&mut scene, hinge(Axis::Z), pivot, crank[0]);
+    }
+    for (index, coupler) in couplers.iter().enumerate() {
+        add_joint(&mut scene, hinge(Axis::Z), cranks[index][1], coupler[0]);
+    }
+    for (index, coupler) in couplers.iter().enumerate() {
+        add_joint(&mut scene, hinge(Axis::Z), coupler[1], cranks[index + 1][1]);
+    }
+    scene
+}
+
 /// Bodies on massless rods, one below the other.
 fn of_distances(n: usize) -> Scene {
     let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
@@ -96,6 +126,84 @@ fn an_open_chain_costs_the_same_for_every_further_body() {
     assert_eq!(many - sixteen, 12 * (eight - four), "linear in n");
     assert!(many <= 560 * 64, "{many}: kinematics, rows, system and all");
     assert!(solving(&chain(16, false)) <= 310 * 16);
+}
+
+/// Rods joined one below the other, axes in turn about y and x; of every joint these coordinates are driven.
+fn chain_of(n: usize, law: impl Fn(Axis) -> JointLaw, motors: &[usize]) -> Scene {
+    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+    let mut from = Place::World(0);
+    for index in 0..n {
+        let (_, top, end) = rod(&mut scene);
+        let axis = if index % 2 == 0 { Axis::Y } else { Axis::X };
+        add_joint(&mut scene, law(axis), from, top);
+        let driven = motors.iter().map(|&coordinate| Along {
+            coordinate,
+            motor: Some(0.3.into()),
+            ..Along::default()
+        });
+        scene.joints[index].along.extend(driven);
+        from = end;
+    }
+    scene
+}
+
+fn prismatic(axis: Axis) -> JointLaw {
+    JointLaw::Prismatic(Prismatic { axis })
+}
+
+fn cylindrical(axis: Axis) -> JointLaw {
+    JointLaw::Cylindrical(Cylindrical { axis })
+}
+
+fn table(axis: Axis) -> JointLaw {
+    JointLaw::Planar(Planar { axis })
+}
+
+fn screw(axis: Axis) -> JointLaw {
+    let pitch = 0.1.into();
+    JointLaw::Screw(Screw { axis, pitch })
+}
+
+fn cardan(_: Axis) -> JointLaw {
+    JointLaw::Universal(Universal::default())
+}
+
+fn telescope(axis: Axis) -> JointLaw {
+    if axis == Axis::Y {
+        hinge(axis)
+    } else {
+        prismatic(axis)
+    }
+}
+
+/// A joint by its axis.
+type Kind = fn(Axis) -> JointLaw;
+
+/// Joints, their driven coordinates, and the operations of a state derivative that a body of a chain of 16 may cost.
+const CHAINS: [(&str, Kind, &[usize], usize); 13] = [
+    ("hinge", hinge, &[], 530),
+    ("hinge, driven", hinge, &[0], 370),
+    ("universal", cardan, &[], 510),
+    ("universal, first angle driven", cardan, &[0], 555),
+    ("universal, driven", cardan, &[0, 1], 420),
+    ("prismatic", prismatic, &[], 525),
+    ("hinge and prismatic in turn", telescope, &[], 675),
+    ("prismatic, driven", prismatic, &[0], 410),
+    ("cylindrical", cylindrical, &[], 740),
+    ("cylindrical, angle driven", cylindrical, &[1], 555),
+    ("planar", table, &[], 480),
+    ("planar, angle driven", table, &[2], 640),
+    ("screw", screw, &[], 1_210),
+];
+
+#[test]
+fn chains_of_joints_that_hold_more_cost_no_more_than_hinges() {
+    for (name, law, motors, most) in CHAINS {
+        let scene = chain_of(16, law, motors);
+        let body = cost(&scene, Quantity::Derivative) / 16;
+        println!("{name}: {body} operations a body");
+        assert!(body <= most, "{name}: {body} operations a body");
+    }
 }
 
 #[test]
@@ -224,6 +332,8 @@ fn counts() {
         ("ring 8", chain(8, true)),
         ("hub 11", hub(11)),
         ("tree 15", tree(15)),
+        ("four-bars 1", four_bars(1)),
+        ("four-bars 10", four_bars(10)),
     ];
     for (name, scene) in scenes {
         let layout = Layout::new(&scene);

@@ -2,10 +2,12 @@
 //!
 //! `cargo test -p tests --test joints contract` runs one of the files.
 
+mod carried;
 mod contract;
 mod coordinates;
 mod counts;
 mod equivalents;
+mod flat;
 mod interface;
 mod ladder;
 mod loads;

@@ -1,7 +1,8 @@
-//! Masses that differ by many decades: accelerations of a chain of six links against an answer of thirty digits, in many postures.
+//! Masses that differ by many decades: accelerations of chains of six links and of six sliders against an answer of thirty digits, in many
+//! postures.
 
 use mbd_runtime::{Generic, Options, Simulation, StepError};
-use mbd_scene::joints::{Hinge, JointLaw};
+use mbd_scene::joints::{Along, Axis, Hinge, JointLaw, Prismatic};
 use mbd_scene::{AngularVelocity, Float, Scene};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use tests::double::{Double, solve};
@@ -111,12 +112,79 @@ fn chain_of(masses: &[f64], inertias: &[f64], random: &mut Random) -> (Scene, Ve
     (scene, x, want)
 }
 
+/// A chain of sliders on springs, K = 40 m, along these axes: the scene, a state, and the accelerations of every slider from the equations
+/// in ways: M_ij = a_i·a_j Σ m, the sum over the sliders that both carry.
+fn sliders(masses: &[f64], axes: &[Axis], random: &mut Random) -> (Scene, Vec<f64>, Vec<f64>) {
+    let gravity = [1.3, -G, 0.7];
+    let mut scene = empty(gravity, AngularVelocity::Body);
+    let (mut bodies, mut place) = (Vec::new(), Vector3::zeros());
+    let (mut right, mut end) = (Vec::new(), mbd_scene::Place::World(0));
+    let d = Double::from;
+    let dot = |a: &Axis, b: [f64; 3]| {
+        let products = a.0.into_iter().zip(b).map(|(a, b)| d(a) * d(b));
+        products.fold(Double::default(), |sum, x| sum + x)
+    };
+    for (index, (&mass, &axis)) in masses.iter().zip(axes).enumerate() {
+        let body = add_body(&mut scene, mass, &(Matrix3::identity() * (mass / 12.0)));
+        let own = frame("own", [0.0; 3], None);
+        let own = add_frame(&mut scene, Some(body), own);
+        add_joint(
+            &mut scene,
+            JointLaw::Prismatic(Prismatic { axis }),
+            end,
+            own,
+        );
+        scene.joints[index].along.push(Along {
+            stiffness: Some((40.0 * mass).into()),
+            ..Along::default()
+        });
+        end = own;
+        let way = random.uniform(-1.0, 1.0);
+        place += Vector3::from(axis.0) * way;
+        bodies.push(Instance {
+            position: place,
+            ..Instance::rest()
+        });
+        let carried = masses[index..]
+            .iter()
+            .fold(Double::default(), |sum, &m| sum + d(m));
+        right.push(carried * dot(&axis, gravity) - d(40.0 * mass) * d(way));
+    }
+    let matrix = (0..LINKS).map(|i| {
+        let row = (0..LINKS).map(|j| {
+            let both = masses[i.max(j)..].iter();
+            dot(&axes[i], axes[j].0) * both.fold(Double::default(), |sum, &m| sum + d(m))
+        });
+        row.collect()
+    });
+    let ways = solve(matrix.collect(), right);
+    let mut want = Vec::new();
+    for p in 0..LINKS {
+        for k in 0..3 {
+            let moved = (0..=p).map(|i| d(axes[i].0[k]) * ways[i]);
+            want.push(moved.fold(Double::default(), |sum, x| sum + x).0);
+        }
+    }
+    let x = state(&scene, &bodies, &[]);
+    (scene, x, want)
+}
+
+/// Linear accelerations of every body.
+fn linear(rates: &[f64]) -> Vec<f64> {
+    let own = rates[7 * LINKS..].chunks_exact(6);
+    own.flat_map(|v| [v[0], v[1], v[2]]).collect()
+}
+
 /// The worst error of accelerations, relative to the largest.
 fn worst(rates: &[f64], want: &[f64]) -> f64 {
-    let scale = want.iter().fold(0.0f64, |m, a| m.max(a.abs()));
     let nq = 7 * LINKS;
     let own = rates[nq..].chunks_exact(6).flat_map(|v| [v[0], v[1], v[5]]);
-    own.zip(want).fold(0.0f64, |most, (a, b)| {
+    error(own, want)
+}
+
+fn error(got: impl IntoIterator<Item = f64>, want: &[f64]) -> f64 {
+    let scale = want.iter().fold(0.0f64, |m, a| m.max(a.abs()));
+    got.into_iter().zip(want).fold(0.0f64, |most, (a, b)| {
         let off = (a - b).abs() / scale;
         if off <= most { most } else { off }
     })
@@ -205,6 +273,54 @@ fn accelerations_keep_their_digits_whatever_the_inertias_of_equal_masses() {
             let bound = 1e-12 * (ratio * 1e-5).max(1.0);
             if climbed.is_nan() || climbed > bound {
                 missed.push(format!("{name} 1e{decade}: {climbed:e} > {bound:e}"));
+            }
+        }
+    }
+    assert!(missed.is_empty(), "{missed:?}");
+}
+
+#[test]
+fn sliders_keep_their_digits_whatever_the_masses() {
+    let odd = |a: [f64; 3]| Axis::new(a).expect("not zero");
+    let slant = odd([0.2, 0.5, -0.7]);
+    let square = [Axis::X, Axis::Y, Axis::Z, Axis::X, Axis::Y, Axis::Z];
+    let tilts = [0.0, 0.3, -0.4, 0.9, -1.2, 0.5].map(|t| odd([1.0, t, 0.3 - t]));
+    let ways = [
+        ("parallel", [slant; LINKS]),
+        ("square", square),
+        ("tilted", tilts),
+    ];
+    let mut missed = Vec::new();
+    for (pattern, mass) in PATTERNS {
+        for (kind, axes) in &ways {
+            for decade in [0.0, 3.0, 5.0, 7.0, 9.0] {
+                let ratio = 10f64.powf(decade);
+                let masses: Vec<f64> = (0..LINKS).map(|k| mass(k, ratio)).collect();
+                let (mut random, mut most, mut rungs) = (Random::new(5), [0.0f64; 3], [0; 5]);
+                for _ in 0..POSTURES {
+                    let (scene, x, want) = sliders(&masses, axes, &mut random);
+                    let emitted = evaluate(&scene, mbd_scene::Quantity::Derivative, &x, &[], &[]);
+                    let (rates, [rung, _]) =
+                        start::<f64>(&scene, &x).unwrap_or_else(|error| panic!("{error}"));
+                    most[0] = most[0].max(error(linear(&emitted), &want));
+                    most[1] = most[1].max(error(linear(&rates), &want));
+                    rungs[rung as usize] += 1;
+                    let (rates, _) =
+                        start::<f32>(&scene, &x).unwrap_or_else(|error| panic!("{error}"));
+                    most[2] = most[2].max(error(linear(&rates), &want));
+                }
+                let [emitted, climbed, single] = most;
+                let name = format!("{kind} sliders, {pattern} 1e{decade}");
+                println!(
+                    "{name}: emitted {emitted:.1e}, ladder {climbed:.1e}, f32 {single:.1e}, rungs {rungs:?}"
+                );
+                let bound = 1e-12 * (ratio * 1e-5).max(1.0);
+                // Single precision: twice what was measured. Up to 1e3 masses are not weighed at the start of a run; above, rounding of the
+                // axes remains.
+                let unweighed = if decade == 3.0 { 3e-4 } else { 3e-5 };
+                if climbed.is_nan() || climbed > bound || single.is_nan() || single > unweighed {
+                    missed.push(format!("{name}: {climbed:e} > {bound:e}, f32 {single:e}"));
+                }
             }
         }
     }

@@ -20,7 +20,8 @@ use super::algebra::write;
 use super::block::System;
 use super::evaluation::Evaluation;
 use super::forces::Assembly;
-use super::rows::{Columns, End, Ends, Row, Rows};
+use super::rows::{Columns, End, Ends, Row, Rows, Turn};
+use super::seat::Seat;
 use super::{GravityNumbers, body_gravity, point_gravity};
 use crate::elimination::Part;
 use crate::{AngularVelocity, Directions, Layout, PointSlots, Quantity, Real, Scene};
@@ -32,6 +33,8 @@ pub struct Constraints<S: Real> {
     /// The rows of the system, where they are not all rows of the joint.
     pub(super) kept: Vec<Rows<S>>,
     pub(super) system: System<S>,
+    /// Axes and point of the unknowns of each body.
+    pub(super) seats: Vec<Option<Seat<S>>>,
 }
 
 /// The rows of a joint that are in the system.
@@ -48,10 +51,11 @@ pub(super) fn in_system<'a, S: Real>(
     }
 }
 
-/// Force and torque of (3) on the child of a joint, world axes, from its rows and their −λ. What a plane carries is no reaction of the joint.
+/// Force and torque of (3) on the child of a joint, world axes, from its rows and their −λ; `outward` takes the child's components in the rows
+/// to world axes. What a plane carries is no reaction of the joint.
 pub(super) fn reaction<'a, S: Real>(
     evaluation: &Evaluation<'_, S>,
-    joint: usize,
+    outward: &Turn<S>,
     rows: impl Iterator<Item = (&'a Row<S>, S)>,
 ) -> [Vector3<S>; 2] {
     let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
@@ -59,9 +63,7 @@ pub(super) fn reaction<'a, S: Real>(
         force -= row.child.linear.map(|x| unknown * x);
         torque -= row.couple.map(|x| unknown * x);
     }
-    if let Some(Part::Body(body)) = evaluation.layout.joints[joint].ends[1] {
-        torque = evaluation.motions[body].rotation * torque;
-    }
+    torque = outward.apply(&torque);
     if let Some(plane) = evaluation.layout.directions.plane {
         force[plane.normal()] = S::zero();
         torque = plane.axis().vector().map(|x: S| x * torque[plane.normal()]);
@@ -87,6 +89,7 @@ impl<S: Real> Constraints<S> {
             rows: vec![Rows::default(); layout.joints.len()],
             kept: vec![Rows::default(); layout.joints.len()],
             system: System::new(&layout.elimination),
+            seats: vec![None; layout.bodies.len()],
         }
     }
 
@@ -165,9 +168,15 @@ impl<S: Real> Constraints<S> {
                     if !uniform {
                         force += body_gravity(evaluation, body).map(|g| numbers.mass * g);
                     }
-                    let mut torque = motion.rotation.transpose() * torque + assembly.own[body]
-                        - motion.gyroscopic(numbers);
-                    for (k, lever) in evaluation.levers(body).iter().flatten().enumerate() {
+                    let Some(seat) = self.seats[body] else {
+                        continue;
+                    };
+                    let (own, gyroscopic) = (assembly.own[body], motion.gyroscopic(numbers));
+                    let mut torque = match seat.turn {
+                        Turn::None => seat.outward.back(&torque) + own - gyroscopic,
+                        turn => seat.outward.back(&torque) + turn.apply(&(own - gyroscopic)),
+                    };
+                    for (k, lever) in seat.levers().iter().flatten().enumerate() {
                         torque += lever.map(|x| x * force[k]);
                     }
                     directions.write_linear(right, 0, &force);
@@ -207,9 +216,7 @@ impl<S: Real> Constraints<S> {
     ) -> Option<[Vector3<S>; 2]> {
         let plan = &evaluation.layout.elimination;
         let unknowns = self.system.unknowns(plan, plan.step_of(Part::Body(body))?);
-        let spin = evaluation.layout.directions.angular(unknowns, 0);
-        let spin = state_components(evaluation, body, spin);
-        let acceleration = of_centre(evaluation, body, unknowns);
+        let [acceleration, spin] = self.motion_of(evaluation, body, unknowns)?;
         Some([acceleration + common_fall(evaluation), spin])
     }
 
@@ -249,7 +256,11 @@ impl<S: Real> Constraints<S> {
             }
             let rows = in_system(layout, index, &self.rows, &self.kept);
             let unknowns = unknowns.iter().copied();
-            let [force, torque] = reaction(evaluation, index, rows.iter().zip(unknowns));
+            let outward = match slots.ends[1] {
+                Some(Part::Body(body)) => self.seats[body].map_or(Turn::None, |seat| seat.outward),
+                _ => Turn::None,
+            };
+            let [force, torque] = reaction(evaluation, &outward, rows.iter().zip(unknowns));
             write(out, 6 * index, &force);
             write(out, 6 * index + 3, &torque);
         }
@@ -299,6 +310,30 @@ impl<S: Real> Constraints<S> {
         }
     }
 
+    /// The velocity, or its rate, of the centre of mass, world axes, and ω or its rate in the components of the state, from the unknowns of
+    /// a body.
+    fn motion_of(
+        &self,
+        evaluation: &Evaluation<'_, S>,
+        body: usize,
+        unknowns: &[S],
+    ) -> Option<[Vector3<S>; 2]> {
+        let (directions, seat) = (evaluation.layout.directions, (*self.seats.get(body)?)?);
+        let (at_reference, spin): (Vector3<S>, Vector3<S>) = (
+            directions.linear(unknowns, 0),
+            directions.angular(unknowns, 0),
+        );
+        let at_centre = match seat.levers() {
+            Some(levers) => Vector3::from_fn(|k, _| at_reference[k] + levers[k].dot(&spin)),
+            None => at_reference,
+        };
+        let spin = match evaluation.scene.angular_velocity {
+            AngularVelocity::Body => seat.turn.back(&spin),
+            AngularVelocity::World => seat.outward.apply(&spin),
+        };
+        Some([at_centre, spin])
+    }
+
     /// Solves (2) for the rows of the arguments and writes δ, and behind it the margin of the factor.
     pub fn correct(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let layout = evaluation.layout;
@@ -329,10 +364,10 @@ impl<S: Real> Constraints<S> {
             match step.part {
                 Part::Body(body) => {
                     let at = layout.bodies[body].v;
-                    let turn = directions.angular(unknowns, 0);
-                    let turn = state_components(evaluation, body, turn);
-                    directions.write_linear(out, at, &of_centre(evaluation, body, unknowns));
-                    directions.write_angular(out, at, &turn);
+                    if let Some([moved, turned]) = self.motion_of(evaluation, body, unknowns) {
+                        directions.write_linear(out, at, &moved);
+                        directions.write_angular(out, at, &turned);
+                    }
                 }
                 Part::Point(point) => {
                     if let PointSlots::Mass(slots) = layout.points[point] {
@@ -343,31 +378,6 @@ impl<S: Real> Constraints<S> {
                 Part::Joint(_) => {}
             }
         }
-    }
-}
-
-/// The velocity, or its rate, of the centre of mass, world axes, from the unknowns of a body.
-fn of_centre<S: Real>(evaluation: &Evaluation<'_, S>, body: usize, unknowns: &[S]) -> Vector3<S> {
-    let directions = evaluation.layout.directions;
-    let (at_reference, spin): (Vector3<S>, Vector3<S>) = (
-        directions.linear(unknowns, 0),
-        directions.angular(unknowns, 0),
-    );
-    match evaluation.levers(body) {
-        Some(levers) => Vector3::from_fn(|k, _| at_reference[k] + levers[k].dot(&spin)),
-        None => at_reference,
-    }
-}
-
-/// A vector of a body's own axes in the components the state carries.
-fn state_components<S: Real>(
-    evaluation: &Evaluation<'_, S>,
-    body: usize,
-    own: Vector3<S>,
-) -> Vector3<S> {
-    match evaluation.scene.angular_velocity {
-        AngularVelocity::Body => own,
-        AngularVelocity::World => evaluation.motions[body].rotation * own,
     }
 }
 

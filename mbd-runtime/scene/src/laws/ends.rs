@@ -62,8 +62,17 @@ impl<S: Real> Turn<S> {
         }
     }
 
+    /// self other: other first.
+    pub fn after(&self, other: &Turn<S>) -> Turn<S> {
+        match (self, other) {
+            (Turn::None, other) => *other,
+            (turn, Turn::None) => *turn,
+            (Turn::By(a), Turn::By(b)) => Turn::By(a * b),
+        }
+    }
+
     /// selfᵀ other.
-    fn to(&self, other: &Turn<S>) -> Turn<S> {
+    pub fn to(&self, other: &Turn<S>) -> Turn<S> {
         match (self, other) {
             (Turn::None, other) => *other,
             (Turn::By(r), Turn::None) => Turn::By(r.transpose()),

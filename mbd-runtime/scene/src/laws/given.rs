@@ -34,12 +34,12 @@ pub fn evaluate_given<S: Real>(
     match what {
         Quantity::Reactions => {
             out.fill(S::zero());
-            each(&evaluation, |joint, rows, own, _| {
+            each(&evaluation, |joint, rows, own, ends| {
                 let rows = rows
                     .rows()
                     .iter()
                     .zip(own.iter().map(|&multiplier| -multiplier));
-                let [force, torque] = reaction(&evaluation, joint, rows);
+                let [force, torque] = reaction(&evaluation, &ends.child.outward, rows);
                 write(out, 6 * joint, &force);
                 write(out, 6 * joint + 3, &torque);
             });

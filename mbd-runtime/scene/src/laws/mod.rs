@@ -16,13 +16,16 @@ mod gravity;
 mod ground;
 mod kinematics;
 pub mod line;
+mod locked;
 mod motor;
 mod node;
 mod numbers;
 mod pair;
 mod posture;
 pub mod rows;
+mod seat;
 mod seats;
+mod turned;
 
 use algebra::{elements, vector, write};
 use constraint::Constraints;

@@ -10,51 +10,73 @@
 //! −λ = N⁻ᵀ (r_d − M_dd d − Σ C_oᵀ o)                                                                            (5)
 //! ```
 //!
-//! N = diag(I, N′) with I as large as there are directions of motion, N′ of at most three attitude rows, inverted in closed form. On a tree every C is zero and (2) to (4) are the
-//! articulated-body recursion: after (2), M_dd is the inertia that the joint hands inboard. Rows make it exact off the constraints too.
+//! On a tree every C is zero and (2) to (4) are the articulated-body recursion: after (2), M_dd is the inertia that the joint hands inboard.
+//! Rows make it exact off the constraints too. N′, the block of at most three attitude rows, is inverted in closed form. Two kinds:
+//! - the rows hold the body's point and some of its turns (`turned.rs`): N = diag(I, N′), I as large as there are directions of motion;
+//! - they lock it to its parent, up to ways that slide (`locked.rs`): d is all its speeds, as its parent's, X = I, and f the ways.
+//!
 //! Source: Featherstone, articulated-body algorithm.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::block::System;
-use crate::Real;
 use crate::elimination::{Below, Elimination, Step};
+use crate::{Partition, Real};
 
 /// Most speeds of a body.
-const MOST: usize = 6;
+pub(super) const MOST: usize = 6;
 
 /// The steps of a body and of the joint that carries it.
 #[derive(Clone, Copy)]
-struct Pair<'a> {
-    body: &'a Step,
-    joint: &'a Step,
+pub(super) struct Pair<'a> {
+    pub(super) body: &'a Step,
+    pub(super) joint: &'a Step,
+    pub(super) partition: Partition,
     /// Number of speeds of the body.
-    speeds: usize,
-    /// Number of rows that hold the joint's point: the first ones.
-    points: usize,
+    pub(super) speeds: usize,
+    /// Number of directions of motion among them: the first ones.
+    pub(super) moves: usize,
     /// Number of attitude rows.
-    turns: usize,
-    /// Number of dependent speeds, which is that of the rows.
-    rows: usize,
+    pub(super) turns: usize,
+    /// Number of rows.
+    pub(super) rows: usize,
+    /// Number of dependent speeds: that of the rows, or all of the parent's.
+    pub(super) held: usize,
 }
 
 impl<'a> Pair<'a> {
-    fn new(plan: &'a Elimination, index: usize) -> Option<Self> {
+    pub(super) fn new(plan: &'a Elimination, index: usize) -> Option<Self> {
         let body = plan.steps.get(index)?;
         let joint = plan.steps.get(index + 1)?;
-        let (turns, rows) = (body.partition?.turns, joint.size);
+        let partition = body.partition?;
         Some(Pair {
             body,
             joint,
+            partition,
             speeds: body.size,
-            points: rows.checked_sub(turns)?,
-            turns,
-            rows,
+            moves: if body.size == MOST { 3 } else { 2 },
+            turns: partition.turns,
+            rows: joint.size,
+            held: partition.held(body.size),
         })
     }
 
+    /// Number of ways that slide, where the joint locks the body to its parent.
+    pub(super) fn ways(&self) -> Option<usize> {
+        self.partition.locked.map(|ways| ways.free)
+    }
+
+    /// How many of the dependent speeds the rows tell as they are: N = I.
+    fn plain(&self) -> usize {
+        if self.partition.locked.is_some() {
+            self.held
+        } else {
+            self.moves
+        }
+    }
+
     /// Couplings of the body to others than its joint, which is the next step and so the first of all.
-    fn others(&self) -> &'a [Below] {
+    pub(super) fn others(&self) -> &'a [Below] {
         self.body.below.get(1..).unwrap_or_default()
     }
 
@@ -64,34 +86,22 @@ impl<'a> Pair<'a> {
     }
 
     /// The speeds that are left when free speed `f` goes.
-    fn left(&self, f: usize) -> impl DoubleEndedIterator<Item = usize> + Clone + use<> {
-        (0..self.rows).chain(f + 1..self.speeds)
+    pub(super) fn left(&self, f: usize) -> impl DoubleEndedIterator<Item = usize> + Clone + use<> {
+        (0..self.held).chain(f + 1..self.speeds)
+    }
+
+    /// The place of element (i, j) of N′⁻¹.
+    fn inverse_at(&self, i: usize, j: usize) -> usize {
+        self.joint.diagonal + self.turns * i + j
     }
 
     /// Whether η are other components than those of ω′; in a plane there is one only.
-    fn turned(&self) -> bool {
-        self.speeds > self.points + 1 && (self.turns == 1 || self.turns == 2)
+    pub(super) fn turned(&self) -> bool {
+        self.speeds == MOST && (self.turns == 1 || self.turns == 2)
     }
 }
 
 impl<S: Real> System<S> {
-    /// Sets E of the body of a step: its columns are the directions of η, body axes.
-    pub fn set_directions(&mut self, plan: &Elimination, index: usize, e: &Matrix3<S>) {
-        if let Some(pair) = Pair::new(plan, index).filter(Pair::turned) {
-            // The joint has no diagonal block of its own, and at least 3 × 3 numbers of room.
-            let room = self.store.iter_mut().skip(pair.joint.diagonal);
-            for (slot, &value) in room.zip(e.transpose().iter()) {
-                *slot = value;
-            }
-        }
-    }
-
-    fn directions(&self, pair: &Pair<'_>) -> Option<Matrix3<S>> {
-        let at = pair.joint.diagonal;
-        pair.turned()
-            .then(|| Matrix3::from_fn(|i, j| self.store[at + 3 * i + j]))
-    }
-
     /// Takes the pair of step `index` and the next one out of the matrix.
     pub(super) fn factor_pair(&mut self, plan: &Elimination, index: usize) {
         let Some(pair) = Pair::new(plan, index) else {
@@ -100,15 +110,13 @@ impl<S: Real> System<S> {
         let directions = self.directions(&pair);
         let mut mass = self.mass_of(&pair);
         if let Some(e) = &directions {
-            turn_mass(&mut mass, e);
-            for below in pair.others() {
-                for row in 0..plan.steps[below.step].size {
-                    self.turn_row(below.at + pair.speeds * row + 3, e);
-                }
-            }
+            self.turn(plan, &pair, e, &mut mass);
         }
         let n = pair.speeds;
-        for f in pair.rows..n {
+        for k in 0..pair.ways().unwrap_or(0) {
+            self.slide(plan, &pair, k, &mut mass);
+        }
+        for f in pair.held..n {
             self.free(plan, &pair, f, &mut mass);
         }
         for (i, row) in mass.iter().enumerate().take(n) {
@@ -131,80 +139,15 @@ impl<S: Real> System<S> {
         mass
     }
 
-    /// Three numbers of the store, a row vector: times E.
-    fn turn_row(&mut self, at: usize, e: &Matrix3<S>) {
-        let old = Vector3::from_fn(|j, _| self.store[at + j]);
-        for j in 0..3 {
-            self.store[at + j] = sparse_dot((0..3).map(|r| (old[r], e[(r, j)])));
-        }
-    }
-
-    /// Takes free speed `f` out, by (2).
-    fn free(
-        &mut self,
-        plan: &Elimination,
-        pair: &Pair<'_>,
-        f: usize,
-        mass: &mut [[S; MOST]; MOST],
-    ) {
-        let inverse = S::one() / mass[f][f];
-        self.inverse[pair.body.first + f] = inverse;
-        for i in pair.left(f) {
-            let shared = mass[i][f];
-            let factor = scale(shared, inverse);
-            self.scaled[pair.body.diagonal + pair.speeds * f + i] = factor;
-            if factor.is_zero() {
-                continue;
-            }
-            for j in pair.left(f).take_while(|&j| j <= i) {
-                if !mass[j][f].is_zero() {
-                    mass[i][j] -= factor * mass[j][f];
-                    mass[j][i] = mass[i][j];
-                }
-            }
-        }
-        for below in pair.others() {
-            for row in 0..plan.steps[below.step].size {
-                let at = below.at + pair.speeds * row;
-                let factor = scale(self.store[at + f], inverse);
-                self.scaled[at + f] = factor;
-                if factor.is_zero() {
-                    continue;
-                }
-                for i in pair.left(f) {
-                    if !mass[i][f].is_zero() {
-                        self.store[at + i] -= factor * mass[i][f];
-                    }
-                }
-            }
-        }
-        for (i, below) in pair.others().iter().enumerate() {
-            let rows = plan.steps[below.step].size;
-            // The first target is that of the joint.
-            let targets = below.targets.iter().skip(1);
-            for (other, &target) in pair.others()[..=i].iter().zip(targets) {
-                let columns = plan.steps[other.step].size;
-                for row in 0..rows {
-                    let factor = self.scaled[below.at + pair.speeds * row + f];
-                    if factor.is_zero() {
-                        continue;
-                    }
-                    for column in 0..last(below, other, row, columns) {
-                        let shared = self.store[other.at + pair.speeds * column + f];
-                        if !shared.is_zero() {
-                            self.store[target + row * columns + column] -= factor * shared;
-                        }
-                    }
-                }
-            }
-        }
-    }
-
     /// N′⁻¹ of the attitude rows, from their columns in the body.
     fn invert_rows(&mut self, pair: &Pair<'_>, directions: Option<&Matrix3<S>>) {
         let (k, at) = (pair.turns, pair.body.below[0].at);
+        let mut rows = [0; 3];
+        for (slot, row) in rows.iter_mut().zip(pair.partition.attitude().rows()) {
+            *slot = at + pair.speeds * row + pair.moves;
+        }
         let n = |i: usize, j: usize| {
-            let row = |r: usize| self.store[at + pair.speeds * (pair.points + i) + pair.points + r];
+            let row = |r: usize| self.store[rows[i] + r];
             match directions {
                 Some(e) => sparse_dot((0..3).map(|r| (row(r), e[(r, j)]))),
                 None => row(j),
@@ -230,29 +173,29 @@ impl<S: Real> System<S> {
         };
         for i in 0..k {
             for j in 0..k {
-                self.scaled[pair.joint.diagonal + k * i + j] = inverse[(i, j)];
+                self.scaled[pair.inverse_at(i, j)] = inverse[(i, j)];
             }
         }
     }
 
     /// Element (i, j) of N′⁻¹.
-    fn inverse_row(&self, pair: &Pair<'_>, i: usize, j: usize) -> S {
-        self.scaled[pair.joint.diagonal + pair.turns * i + j]
+    pub(super) fn inverse_row(&self, pair: &Pair<'_>, i: usize, j: usize) -> S {
+        self.scaled[pair.inverse_at(i, j)]
     }
 
     /// Takes the dependent speeds and the rows out, by (3) and (4). Leaves X_oᵀ in `scaled`, P_oᵀ in `store`.
     fn substitute(&mut self, plan: &Elimination, pair: &Pair<'_>, mass: &[[S; MOST]; MOST]) {
-        let n = pair.rows;
+        let n = pair.held;
         for below in &pair.joint.below {
             let coupling = pair.coupling(below.step);
             for row in 0..plan.steps[below.step].size {
                 let at = below.at + n * row;
                 let mut x = [S::zero(); MOST];
                 for (i, x) in x.iter_mut().enumerate().take(n) {
-                    *x = match i.checked_sub(pair.points) {
+                    *x = match i.checked_sub(pair.plain()) {
                         None => -self.store[at + i],
                         Some(i) => -sparse_dot((0..pair.turns).map(|j| {
-                            let column = self.store[at + pair.points + j];
+                            let column = self.store[at + pair.moves + j];
                             (self.inverse_row(pair, i, j), column)
                         })),
                     };
@@ -302,36 +245,14 @@ impl<S: Real> System<S> {
         let Some(pair) = Pair::new(plan, index) else {
             return;
         };
-        let (first, rows, n) = (pair.body.first, pair.joint.first, pair.rows);
-        if let Some(e) = self.directions(&pair) {
-            self.turn_right(first + 3, &e.transpose());
+        let (first, rows, n) = (pair.body.first, pair.joint.first, pair.held);
+        self.carry_free(plan, &pair);
+        self.carry_ways(plan, &pair);
+        if pair.partition.locked.is_some() {
+            self.place(&pair);
+        } else {
+            self.turn_rows(&pair);
         }
-        for f in n..pair.speeds {
-            let value = self.right[first + f];
-            if value.is_zero() {
-                continue;
-            }
-            for i in pair.left(f) {
-                self.carry(pair.body.diagonal + pair.speeds * f + i, first + i, value);
-            }
-            for below in pair.others() {
-                let later = &plan.steps[below.step];
-                for row in 0..later.size {
-                    self.carry(below.at + pair.speeds * row + f, later.first + row, value);
-                }
-            }
-        }
-        let attitude: [S; 3] = std::array::from_fn(|i| {
-            let columns = 0..pair.turns;
-            match i < pair.turns {
-                true => sparse_dot(columns.map(|j| {
-                    let right = self.right[rows + pair.points + j];
-                    (self.inverse_row(&pair, i, j), right)
-                })),
-                false => S::zero(),
-            }
-        });
-        self.right[rows + pair.points..rows + n].copy_from_slice(&attitude[..pair.turns]);
         for d in 0..n {
             let held = (0..n).map(|e| (self.right[rows + e], self.mass_at(&pair, d, e)));
             let held = sparse_dot(held);
@@ -360,7 +281,7 @@ impl<S: Real> System<S> {
         let Some(pair) = Pair::new(plan, index) else {
             return;
         };
-        let (first, rows, n) = (pair.body.first, pair.joint.first, pair.rows);
+        let (first, rows, n) = (pair.body.first, pair.joint.first, pair.held);
         let mut shift = [S::zero(); MOST];
         for below in &pair.joint.below {
             let later = &plan.steps[below.step];
@@ -389,86 +310,35 @@ impl<S: Real> System<S> {
         for (d, &shift) in shift.iter().enumerate().take(n) {
             self.right[first + d] = self.right[rows + d] + shift;
         }
-        self.right[rows..rows + pair.points].copy_from_slice(&push[..pair.points]);
-        for j in 0..pair.turns {
-            let columns =
-                (0..pair.turns).map(|i| (self.inverse_row(&pair, i, j), push[pair.points + i]));
-            self.right[rows + pair.points + j] = sparse_dot(columns);
+        if pair.partition.locked.is_some() {
+            self.force(&pair, &push);
+        } else {
+            self.turn_forces(&pair, &push);
         }
-        for f in (n..pair.speeds).rev() {
-            let mut total = scale(self.right[first + f], self.inverse[first + f]);
-            for i in pair.left(f) {
-                let factor = self.scaled[pair.body.diagonal + pair.speeds * f + i];
-                if !factor.is_zero() {
-                    total -= factor * self.right[first + i];
-                }
-            }
-            for below in pair.others() {
-                let later = &plan.steps[below.step];
-                for row in 0..later.size {
-                    let factor = self.scaled[below.at + pair.speeds * row + f];
-                    if !factor.is_zero() {
-                        total -= factor * self.right[later.first + row];
-                    }
-                }
-            }
-            self.right[first + f] = total;
-        }
-        if let Some(e) = self.directions(&pair) {
-            self.turn_right(first + 3, &e);
-        }
+        self.find_ways(plan, &pair);
+        self.find_free(plan, &pair);
     }
 
     /// Element of the body's block after (2), in the speeds [d ; f].
     fn mass_at(&self, pair: &Pair<'_>, i: usize, j: usize) -> S {
         self.store[pair.body.diagonal + pair.speeds * i + j]
     }
-
-    /// Three numbers of the right-hand side: turned by a matrix.
-    fn turn_right(&mut self, at: usize, e: &Matrix3<S>) {
-        let old = Vector3::from_fn(|j, _| self.right[at + j]);
-        for i in 0..3 {
-            self.right[at + i] = sparse_dot((0..3).map(|j| (old[j], e[(i, j)])));
-        }
-    }
-}
-
-/// A body's block in the components η: Eᵀ of the angular rows and E of the angular columns.
-fn turn_mass<S: Real>(mass: &mut [[S; MOST]; MOST], e: &Matrix3<S>) {
-    let turned: [[S; 3]; 3] = std::array::from_fn(|i| {
-        std::array::from_fn(|j| sparse_dot((0..3).map(|r| (mass[i][3 + r], e[(r, j)]))))
-    });
-    for (i, row) in turned.iter().enumerate() {
-        for (j, &value) in row.iter().enumerate() {
-            mass[i][3 + j] = value;
-            mass[3 + j][i] = value;
-        }
-    }
-    let half: [[S; 3]; 3] = std::array::from_fn(|i| {
-        std::array::from_fn(|j| sparse_dot((0..3).map(|r| (mass[3 + i][3 + r], e[(r, j)]))))
-    });
-    for i in 0..3 {
-        for j in 0..=i {
-            mass[3 + i][3 + j] = sparse_dot((0..3).map(|r| (half[r][j], e[(r, i)])));
-            mass[3 + j][3 + i] = mass[3 + i][3 + j];
-        }
-    }
 }
 
 /// Σ a b over the products in which neither is zero.
-fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
+pub(super) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
     products
         .filter(|(a, b)| !a.is_zero() && !b.is_zero())
         .fold(S::zero(), |sum, (a, b)| sum + a * b)
 }
 
 /// a b, where a is not zero.
-fn scale<S: Real>(a: S, b: S) -> S {
+pub(super) fn scale<S: Real>(a: S, b: S) -> S {
     if a.is_zero() { a } else { a * b }
 }
 
 /// The columns of a row of a block: of a diagonal block those of the lower triangle.
-fn last(below: &Below, other: &Below, row: usize, columns: usize) -> usize {
+pub(super) fn last(below: &Below, other: &Below, row: usize, columns: usize) -> usize {
     if below.step == other.step {
         row + 1
     } else {

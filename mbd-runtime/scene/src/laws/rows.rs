@@ -70,10 +70,26 @@ pub struct Row<S: Real> {
 pub enum RowKind {
     /// One of three rows: the joint points part.
     Coincide,
+    /// The child's joint point leaves the plane normal to this axis of frame 1.
+    Along(Axis),
     /// The child turns: about an axis that is perpendicular to this axis of frame 2.
     Perpendicular(Axis),
+    /// The child turns: about any axis.
+    Turned,
     /// Another motion.
     Other,
+}
+
+impl RowKind {
+    /// What a sum of multiples of two rows forbids.
+    fn summed(self, other: Self) -> Self {
+        use RowKind::{Other, Perpendicular, Turned};
+        match (self, other) {
+            (Perpendicular(a), Perpendicular(b)) if a == b => self,
+            (Perpendicular(_) | Turned, Perpendicular(_) | Turned) => Turned,
+            _ => Other,
+        }
+    }
 }
 
 impl<S: Real> Columns<S> {
@@ -120,7 +136,7 @@ impl<S: Real> Row<S> {
             time: factor * self.time,
             couple: self.couple.map(|x| factor * x),
             bias: factor * self.bias,
-            kind: self.kind,
+            kind: self.kind.summed(self.kind),
         }
     }
 
@@ -132,7 +148,7 @@ impl<S: Real> Row<S> {
             time: self.time + other.time,
             couple: self.couple + other.couple,
             bias: self.bias + other.bias,
-            kind: RowKind::Other,
+            kind: self.kind.summed(other.kind),
         }
     }
 
@@ -406,6 +422,7 @@ pub(super) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> 
 /// (3).
 pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
     let (parent, child) = (&ends.parent, &ends.child);
+    let kind = RowKind::Along(*a);
     let a = parent.axis(a);
     let a_child = ends.relative().back(&a);
     let (reach, rate) = (ends.reach(), ends.reach_rate());
@@ -427,6 +444,6 @@ pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
         time: S::zero(),
         couple: Vector3::zeros(),
         bias: a.dot(&(coriolis - carried)) - a_child.dot(&own),
-        kind: RowKind::Other,
+        kind,
     }
 }

@@ -33,42 +33,8 @@ impl<S: Real> Evaluation<'_, S> {
         })
     }
 
-    /// The two ends of a joint in the system: columns multiply the velocity of each body's [`Evaluation::reference`]. Body components.
-    pub(super) fn system_ends(&self, joint: usize) -> Option<Ends<'_, S>> {
-        let mut ends = self.ends(joint, AngularVelocity::Body)?;
-        let declared = self.scene.joints.get(joint)?;
-        for (end, place) in [
-            (&mut ends.parent, declared.parent),
-            (&mut ends.child, declared.child),
-        ] {
-            if let Place::Body(body, _) = place {
-                end.reference = self.reference(body).unwrap_or_else(Vector3::zeros);
-            }
-        }
-        Some(ends)
-    }
-
-    /// The point of a body whose velocity is its unknown in the system, body axes: where the joint that carries it holds it; `None` is
-    /// the centre of mass.
-    pub(super) fn reference(&self, body: usize) -> Option<Vector3<S>> {
-        let carrier = (*self.layout.elimination.carriers.get(body)?)?;
-        match self.scene.joints.get(carrier)?.child {
-            Place::Body(body, frame) => {
-                let frames = &self.numbers.bodies.get(body)?.frames;
-                Some(frames.get(frame)?.position)
-            }
-            _ => None,
-        }
-    }
-
-    /// Rows k of R r̃ for the reference point r of a body: a velocity of the centre of mass is that of the reference point + R r̃ ω′.
-    pub(super) fn levers(&self, body: usize) -> Option<[Vector3<S>; 3]> {
-        let (reference, motion) = (self.reference(body)?, self.motions.get(body)?);
-        let turn = Turn::By(motion.rotation);
-        Some(std::array::from_fn(|k| turn.row(k).cross(&reference)))
-    }
-
-    fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
+    /// The end of a joint at a place; own components as asked.
+    pub(super) fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
         match place {
             Place::World(frame) => Some(match self.moving(frame) {
                 Some(motion) => End::moving(motion),

@@ -96,7 +96,11 @@ impl Layout {
         }
         let joints = scene.joints.iter().zip(&self.joints);
         let partitions: Vec<Option<Partition>> = joints
-            .map(|(joint, slots)| Partition::of(&joint.law, slots.law, self.directions))
+            .map(|(joint, slots)| {
+                let motors = joint.motors();
+                let motors = motors.filter_map(|(index, _)| joint.law.coordinate(index));
+                Partition::of(&joint.law, slots.law, motors, self.directions)
+            })
             .collect();
         self.elimination = Elimination::new(
             self.directions,

@@ -112,7 +112,7 @@ impl Layout {
             apart.extend(largest.map(|row| Apart {
                 joint: index,
                 gap: match row.kind {
-                    RowKind::Perpendicular(_) => None,
+                    RowKind::Perpendicular(_) | RowKind::Turned => None,
                     _ => Some(row.value.abs()),
                 },
             }));
