@@ -167,7 +167,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// Part of a row that is new in rows that are independent.
     pub(crate) fn new_from(&self) -> f64 {
-        let lasting = self.ladder.lasting || self.solves_chosen();
+        // Where masses and not a position ask for another rung, a row is left out only if it cannot be told from others.
+        let lasting = self.ladder.lasting || self.ladder.base != Rung::Emitted;
         self.trusted_from(lasting).sqrt()
     }
 
