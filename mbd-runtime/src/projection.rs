@@ -352,20 +352,17 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         self.normalise(state);
     }
 
-    /// The largest coordinate, or the length of the scene.
+    /// The largest coordinate, or the length of the scene; that also where a coordinate is not finite.
     fn size(&self, state: &[T]) -> f64 {
         let coordinates = state.get(..self.model.layout().nq);
-        largest(coordinates.unwrap_or_default()).max(self.projection.length)
+        extent(coordinates.unwrap_or_default()).max(self.projection.length)
     }
 
-    /// The largest speed.
+    /// The largest speed; zero where one is not finite.
     fn fastest(&self, state: &[T]) -> f64 {
         let layout = self.model.layout();
-        largest(
-            state
-                .get(layout.nq..layout.nq + layout.nv)
-                .unwrap_or_default(),
-        )
+        let speeds = state.get(layout.nq..layout.nq + layout.nv);
+        extent(speeds.unwrap_or_default())
     }
 
     /// What rounding may leave of Φ.
@@ -513,7 +510,14 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     }
 }
 
-/// The largest size; infinite where a number is not finite.
+/// The largest size; zero where a number is not finite, so that nothing is small beside it.
+fn extent<T: Float>(list: &[T]) -> f64 {
+    Some(largest(list))
+        .filter(|most| most.is_finite())
+        .unwrap_or(0.0)
+}
+
+/// The sum of the squares.
 fn square<T: Float>(vector: &[T]) -> T {
     vector.iter().fold(T::zero(), |sum, x| sum + *x * *x)
 }

@@ -1,112 +1,59 @@
 //! Instants: complete arguments of an evaluation, random or at the edges where derivatives tend to break.
 
 use mbd_scene::laws::{self, Numbers, Scratch};
-use mbd_scene::{At, Differentiated, Layout, Model, PointSlots, Quantity, Real, Scene, Variable};
+use mbd_scene::{Differentiated, Layout, Model, PointSlots, Quantity, Scene, Variable};
 
 use crate::oracle::Oracle;
 use crate::random::Random;
 
 /// Everything an evaluation depends on besides the parameters, on one scalar.
-#[derive(Clone, Debug)]
-pub struct Instant<S> {
-    /// Time.
-    pub time: S,
-    /// State [q | v | z].
-    pub state: Vec<S>,
-    /// Node unknowns.
-    pub nodes: Vec<S>,
-    /// Effective stiffness and free length per effective line.
-    pub effective: Vec<S>,
-    /// Mode of each line.
-    pub hold: Vec<S>,
-    /// Anchors and node loads.
-    pub ends: Vec<S>,
-    /// Inputs.
-    pub inputs: Vec<S>,
-    /// Right-hand sides of rows.
-    pub rows: Vec<S>,
-}
+pub use mbd_scene::Arguments as Instant;
 
-impl<S: Real> Instant<S> {
-    /// The arguments as the laws take them.
-    #[must_use]
-    pub fn at(&self) -> At<'_, S> {
-        At {
-            time: self.time,
-            state: &self.state,
-            nodes: &self.nodes,
-            effective: &self.effective,
-            hold: &self.hold,
-            ends: &self.ends,
-            inputs: &self.inputs,
-            rows: &self.rows,
+/// A random instant: positions within ±3 m, unit quaternions or any angle, speeds within ±2, lines slack and taut, every mode of hold.
+#[must_use]
+pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
+    let layout = Layout::new(scene);
+    let mut state: Vec<f64> = (0..layout.nx())
+        .map(|_| random.uniform(-2.0, 2.0))
+        .collect();
+    let moves = layout.directions.moves().len();
+    for slots in &layout.bodies {
+        state[slots.q..slots.q + moves].copy_from_slice(&random.vector(3.0)[..moves]);
+        if layout.directions.plane.is_none() {
+            state[slots.q + 3..slots.q + 7].copy_from_slice(&random.attitude());
         }
     }
-
-    /// The same numbers on another scalar.
-    #[must_use]
-    pub fn map<U>(&self, f: impl Fn(S) -> U) -> Instant<U> {
-        let list = |from: &[S]| from.iter().copied().map(&f).collect();
-        Instant {
-            time: f(self.time),
-            state: list(&self.state),
-            nodes: list(&self.nodes),
-            effective: list(&self.effective),
-            hold: list(&self.hold),
-            ends: list(&self.ends),
-            inputs: list(&self.inputs),
-            rows: list(&self.rows),
-        }
-    }
-}
-
-impl Instant<f64> {
-    /// A random instant: positions within ±3 m, unit quaternions or any angle, speeds within ±2, lines slack and taut, every mode of hold.
-    #[must_use]
-    pub fn random(scene: &Scene, random: &mut Random) -> Self {
-        let layout = Layout::new(scene);
-        let mut state: Vec<f64> = (0..layout.nx())
-            .map(|_| random.uniform(-2.0, 2.0))
-            .collect();
-        let moves = layout.directions.moves().len();
-        for slots in &layout.bodies {
+    for slots in &layout.points {
+        if let PointSlots::Mass(slots) = slots {
             state[slots.q..slots.q + moves].copy_from_slice(&random.vector(3.0)[..moves]);
-            if layout.directions.plane.is_none() {
-                state[slots.q + 3..slots.q + 7].copy_from_slice(&random.attitude());
-            }
         }
-        for slots in &layout.points {
-            if let PointSlots::Mass(slots) = slots {
-                state[slots.q..slots.q + moves].copy_from_slice(&random.vector(3.0)[..moves]);
-            }
-        }
-        let mut list = |n: usize, size: f64| {
-            (0..n)
-                .map(|_| random.uniform(-size, size))
-                .collect::<Vec<f64>>()
-        };
-        let (nodes, ends, inputs, rows) = (
-            list(3 * layout.nodes.len(), 3.0),
-            list(layout.len(Quantity::Ends), 3.0),
-            list(layout.ni, 5.0),
-            list(layout.nc, 1.0),
-        );
-        let effective = (0..layout.effective_lines)
-            .flat_map(|_| [random.decades(2.0, 4.0), random.uniform(0.2, 3.0)])
-            .collect();
-        let hold = (0..layout.one_way())
-            .map(|_| random.below(3) as f64 - 1.0)
-            .collect();
-        Instant {
-            time: random.uniform(0.0, 10.0),
-            state,
-            nodes,
-            effective,
-            hold,
-            ends,
-            inputs,
-            rows,
-        }
+    }
+    let mut list = |n: usize, size: f64| {
+        (0..n)
+            .map(|_| random.uniform(-size, size))
+            .collect::<Vec<f64>>()
+    };
+    let (nodes, ends, inputs, rows) = (
+        list(3 * layout.nodes.len(), 3.0),
+        list(layout.len(Quantity::Ends), 3.0),
+        list(layout.ni, 5.0),
+        list(layout.nc, 1.0),
+    );
+    let effective = (0..layout.effective_lines)
+        .flat_map(|_| [random.decades(2.0, 4.0), random.uniform(0.2, 3.0)])
+        .collect();
+    let hold = (0..layout.one_way())
+        .map(|_| random.below(3) as f64 - 1.0)
+        .collect();
+    Instant {
+        time: random.uniform(0.0, 10.0),
+        state,
+        nodes,
+        effective,
+        hold,
+        ends,
+        inputs,
+        rows,
     }
 }
 

@@ -33,3 +33,14 @@ pub fn numbers(value: &Value) -> Vec<f64> {
 pub fn field(value: &Value, name: &str) -> Vec<f64> {
     numbers(&value[name])
 }
+
+/// The joints of `joints/joint_*.json`.
+pub const JOINTS: [&str; 7] = [
+    "rigid",
+    "hinge",
+    "spherical",
+    "universal",
+    "prismatic",
+    "cylindrical",
+    "free",
+];

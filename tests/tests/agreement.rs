@@ -4,7 +4,7 @@ use mbd_compiler::Interpreted;
 use mbd_runtime::Generic;
 use mbd_scene::{Differentiated, Layout, Model, Quantity, Scene, Variable};
 use tests::assert_close;
-use tests::instant::{Instant, partial_by_oracle, value};
+use tests::instant::{partial_by_oracle, random_instant, value};
 use tests::random::Random;
 use tests::random_scene::random_scene;
 
@@ -27,7 +27,7 @@ fn interpreted_and_generic_agree_on_every_quantity_of_random_scenes() {
             Interpreted::new(scene.clone(), generic.params()).expect("defaults are valid");
         let mut random = Random::new(seed + 1000);
         for _ in 0..5 {
-            let instant = Instant::random(&scene, &mut random);
+            let instant = random_instant(&scene, &mut random);
             for what in Layout::new(&scene).quantities() {
                 // A symbolic derivative and dual numbers round differently; both are held to the same bound.
                 let relative = if matches!(
@@ -62,7 +62,7 @@ fn every_derivative_equals_the_one_of_an_independent_oracle() {
         let mut random = Random::new(seed + 2000);
         for _ in 0..20 {
             states += 1;
-            let instant = Instant::random(&scene, &mut random);
+            let instant = random_instant(&scene, &mut random);
             for of in [
                 Differentiated::Derivative,
                 Differentiated::Balance,

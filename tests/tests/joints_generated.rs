@@ -4,7 +4,7 @@ use mbd_runtime::model;
 use mbd_scene::{AngularVelocity, Model, Quantity};
 use tests::agreement::{agrees, agrees_along, agrees_at};
 use tests::assert_close;
-use tests::instant::Instant;
+use tests::instant::{Instant, random_instant};
 use tests::mechanism::evaluate;
 use tests::obeying::obeying;
 use tests::random::Random;
@@ -284,7 +284,7 @@ fn on_the_joints<M: Model<f64>>(model: &M) -> Vec<Instant<f64>> {
         let off = state.iter().map(|x| x + random.uniform(-1e-2, 1e-2));
         let off = off.collect();
         for state in [state, off] {
-            let instant = Instant::random(model.scene(), &mut random);
+            let instant = random_instant(model.scene(), &mut random);
             instants.push(Instant { state, ..instant });
         }
     }

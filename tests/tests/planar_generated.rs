@@ -4,7 +4,7 @@ use mbd_compiler::Interpreted;
 use mbd_runtime::{Generic, Options, Simulation, model, state_names};
 use mbd_scene::{Layout, Model, Quantity};
 use tests::agreement::{agrees, agrees_along, agrees_at};
-use tests::instant::Instant;
+use tests::instant::{Instant, random_instant};
 use tests::random::Random;
 
 macro_rules! linkage {
@@ -121,7 +121,7 @@ fn a_planar_linkage_agrees_in_every_execution() {
                 state[nq..]
                     .iter_mut()
                     .for_each(|v| *v = random.uniform(-1.0, 1.0));
-                let instant = Instant::random(model.scene(), &mut random);
+                let instant = random_instant(model.scene(), &mut random);
                 let generic_start = &generic;
                 Instant {
                     state: swollen(generic_start, &state),
@@ -171,7 +171,7 @@ fn in_a_plane_both_components_of_angular_velocity_are_one() {
     let body = LinkageBody::<f64>::new(Default::default()).expect("defaults");
     let world = LinkageWorld::<f64>::new(Default::default()).expect("defaults");
     let mut random = Random::new(9);
-    let instant = Instant::random(body.scene(), &mut random);
+    let instant = random_instant(body.scene(), &mut random);
     for what in body.layout().quantities() {
         let [a, b]: [Vec<f64>; 2] = [
             tests::instant::value(&body, what, &instant),

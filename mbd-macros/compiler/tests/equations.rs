@@ -4,8 +4,8 @@ mod scenes;
 
 use mbd_compiler::{Equations, Interpreted, Slot};
 use mbd_scene::laws::{self, Numbers, Scratch};
-use mbd_scene::{Dual, Layout, Model, Quantity, Scene, Variable};
-use scenes::{Lists, Random, somewhere};
+use mbd_scene::{Arguments, Dual, Layout, Model, Quantity, Scene, Variable};
+use scenes::{Random, somewhere};
 
 fn params(scene: &Scene) -> Vec<f64> {
     scene.params.iter().map(|param| param.default).collect()
@@ -24,7 +24,7 @@ fn assert_close(what: &str, got: &[f64], want: &[f64], tolerance: f64) {
     }
 }
 
-fn by_law(scene: &Scene, what: Quantity, lists: &Lists<f64>) -> Vec<f64> {
+fn by_law(scene: &Scene, what: Quantity, place: &Arguments<f64>) -> Vec<f64> {
     let layout = Layout::new(scene);
     let mut out = vec![0.0; layout.len(what)];
     let numbers = Numbers::new(scene, &params(scene));
@@ -34,7 +34,7 @@ fn by_law(scene: &Scene, what: Quantity, lists: &Lists<f64>) -> Vec<f64> {
         scene,
         &layout,
         &numbers,
-        &lists.at(0.7),
+        &place.at(),
         &mut scratch,
         &mut out,
     );
@@ -43,12 +43,12 @@ fn by_law(scene: &Scene, what: Quantity, lists: &Lists<f64>) -> Vec<f64> {
 
 type One = Dual<f64, 1>;
 
-fn by_duals(scene: &Scene, of: Quantity, by: Variable, lists: &Lists<f64>) -> Vec<f64> {
+fn by_duals(scene: &Scene, of: Quantity, by: Variable, place: &Arguments<f64>) -> Vec<f64> {
     let layout = Layout::new(scene);
     let (rows, columns) = (layout.len(of), layout.variables(by));
     let mut jacobian = vec![0.0; rows * columns];
     for column in 0..columns {
-        let mut seeded: Lists<One> = lists.map(One::constant);
+        let mut seeded = place.map(One::constant);
         let mut values: Vec<One> = params(scene).into_iter().map(One::constant).collect();
         match by {
             Variable::State => seeded.state[column].slopes = [1.0],
@@ -58,7 +58,7 @@ fn by_duals(scene: &Scene, of: Quantity, by: Variable, lists: &Lists<f64>) -> Ve
         let mut out = vec![One::constant(0.0); rows];
         let numbers = Numbers::new(scene, &values);
         let mut scratch = Scratch::new(&layout);
-        let at = seeded.at(One::constant(0.7));
+        let at = seeded.at();
         laws::evaluate(of, scene, &layout, &numbers, &at, &mut scratch, &mut out);
         for (row, value) in out.iter().enumerate() {
             jacobian[row * columns + column] = value.slopes[0];
@@ -74,14 +74,14 @@ fn the_interpreter_computes_what_the_laws_compute() {
         let mut work = model.work();
         let mut random = Random(1);
         for _ in 0..20 {
-            let lists = somewhere(&scene, &mut random);
+            let place = somewhere(&scene, &mut random);
             for what in model.layout().quantities() {
                 let want = match what {
-                    Quantity::Partial(of, by) => by_duals(&scene, of.quantity(), by, &lists),
-                    _ => by_law(&scene, what, &lists),
+                    Quantity::Partial(of, by) => by_duals(&scene, of.quantity(), by, &place),
+                    _ => by_law(&scene, what, &place),
                 };
                 let mut got = vec![0.0; want.len()];
-                model.evaluate(what, &lists.at(0.7), &mut work, &mut got);
+                model.evaluate(what, &place.at(), &mut work, &mut got);
                 assert_close(&format!("{} {what:?}", scene.name), &got, &want, 1e-12);
             }
         }

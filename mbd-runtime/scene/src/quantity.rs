@@ -175,6 +175,14 @@ impl<S: Real> Arguments<S> {
         copy(at.rows, &mut self.rows);
     }
 
+    /// The same on another scalar.
+    #[must_use]
+    pub fn map<U: Real>(&self, convert: impl Fn(S) -> U) -> Arguments<U> {
+        let mut arguments = Arguments::default();
+        arguments.read(&self.at(), convert);
+        arguments
+    }
+
     /// The arguments of an evaluation here.
     #[must_use]
     pub fn at(&self) -> At<'_, S> {

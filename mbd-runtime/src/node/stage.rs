@@ -151,7 +151,7 @@ impl<T: Float> Nodes<T> {
     ) -> Result<(), NodeError> {
         self.span = span;
         if self.is_idle() {
-            return Ok(());
+            return self.check_shape(model, state, inputs);
         }
         memory.check(&self.layout)?;
         self.read_ends(model, time, state, inputs, work)?;
@@ -231,6 +231,17 @@ impl<T: Float> Nodes<T> {
         }
     }
 
+    fn check_shape<M: Model<T>>(
+        &self,
+        model: &M,
+        state: &[T],
+        inputs: &[T],
+    ) -> Result<(), NodeError> {
+        NodeError::same_length("state", state.len(), self.layout.nx())?;
+        NodeError::same_length("inputs", inputs.len(), self.layout.ni)?;
+        NodeError::same_length("lines", model.lines().len(), self.layout.one_way())
+    }
+
     /// Reads the anchors and loads of this stage.
     pub(crate) fn read_ends<M: Model<T>>(
         &mut self,
@@ -240,9 +251,7 @@ impl<T: Float> Nodes<T> {
         inputs: &[T],
         work: &mut M::Work,
     ) -> Result<(), NodeError> {
-        NodeError::same_length("state", state.len(), self.layout.nx())?;
-        NodeError::same_length("inputs", inputs.len(), self.layout.ni)?;
-        NodeError::same_length("lines", model.lines().len(), self.layout.one_way())?;
+        self.check_shape(model, state, inputs)?;
         if self.plans.is_empty() {
             return Ok(());
         }

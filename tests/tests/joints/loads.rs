@@ -5,7 +5,7 @@ use mbd_runtime::{Generic, Happening, Mode, Options, ParamError, Quantity, Simul
 use mbd_scene::{Differentiated, Layout, Model, Scene, Variable};
 use tests::assert_close;
 use tests::declared::{cost, derived_cost, read};
-use tests::instant::{Instant, partial_by_oracle, value};
+use tests::instant::{partial_by_oracle, random_instant, value};
 use tests::random::Random;
 
 const COMPONENTS: [&str; 2] = ["body", "world"];
@@ -413,7 +413,7 @@ fn derivatives_of_coordinates_and_of_what_acts_along_them_agree_with_dual_number
         let interpreted = Interpreted::new(scene.clone(), &params).expect("defaults");
         let generic = Generic::new(scene.clone(), &params).expect("defaults");
         for _ in 0..10 {
-            let instant = Instant::random(&scene, &mut random);
+            let instant = random_instant(&scene, &mut random);
             for by in [Variable::State, Variable::Parameter] {
                 for of in [Differentiated::Outputs, Differentiated::Derivative] {
                     let want = partial_by_oracle(&scene, &params, of, by, &instant);

@@ -4,21 +4,11 @@ use mbd_scene::{AngularVelocity, Layout, Quantity, Scene};
 use nalgebra::Vector3;
 use serde_json::Value;
 use tests::mechanism::{Instance, add_external_loads, evaluate, state};
-use tests::reference::{field, load, numbers};
+use tests::reference::{JOINTS, field, load, numbers};
 use tests::system::{bodies, instances, three};
 use tests::{assert_close, system};
 
 const COMPONENTS: [AngularVelocity; 2] = [AngularVelocity::Body, AngularVelocity::World];
-const JOINTS: [&str; 7] = [
-    "rigid",
-    "hinge",
-    "spherical",
-    "universal",
-    "prismatic",
-    "cylindrical",
-    "free",
-];
-
 /// A scene with a force and a couple on every body.
 fn scene(file: &Value, components: AngularVelocity) -> Scene {
     let mut scene = system::scene(&file["system"], components);

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use tests::mechanism::{
     Instance, add_body, add_external_loads, add_frame, add_joint, empty, evaluate, frame, state,
 };
-use tests::reference::{field, load, numbers};
+use tests::reference::{JOINTS, field, load, numbers};
 use tests::system::{attitude, instance, law, scene, vector};
 use tests::{assert_close, largest_difference};
 
@@ -85,15 +85,7 @@ fn aligned(scene: &Scene, state: &[f64], like: &[f64]) -> Vec<f64> {
 
 #[test]
 fn every_joint_follows_its_reference_trajectory() {
-    for joint in [
-        "rigid",
-        "hinge",
-        "spherical",
-        "universal",
-        "prismatic",
-        "cylindrical",
-        "free",
-    ] {
+    for joint in JOINTS {
         let file = load(&format!("joints/joint_{joint}_a.json"));
         let history = &file["trajectory"];
         let force = &history["force"];

@@ -2,9 +2,9 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 use mbd_scene::{
-    AngularVelocity, At, Body, Constant, Direction, Event, Formula, Frame, Function, Gravity,
-    Inertia, Input, Layout, Line, LineKind, Load, LoadKind, NodeModel, Output, Parameter, Place,
-    Point, PointKind, Quantity, Scene, Unit,
+    AngularVelocity, Arguments, Body, Constant, Direction, Event, Formula, Frame, Function,
+    Gravity, Inertia, Input, Layout, Line, LineKind, Load, LoadKind, NodeModel, Output, Parameter,
+    Place, Point, PointKind, Quantity, Scene, Unit,
 };
 
 pub fn numbers(values: [f64; 3]) -> [Formula; 3] {
@@ -328,48 +328,8 @@ impl Random {
     }
 }
 
-/// Everything a quantity reads.
-#[derive(Clone, Debug, Default)]
-pub struct Lists<T> {
-    pub state: Vec<T>,
-    pub nodes: Vec<T>,
-    pub effective: Vec<T>,
-    pub hold: Vec<T>,
-    pub ends: Vec<T>,
-    pub inputs: Vec<T>,
-    pub rows: Vec<T>,
-}
-
-impl<T: Copy> Lists<T> {
-    pub fn at(&self, time: T) -> At<'_, T> {
-        At {
-            time,
-            state: &self.state,
-            nodes: &self.nodes,
-            effective: &self.effective,
-            hold: &self.hold,
-            ends: &self.ends,
-            inputs: &self.inputs,
-            rows: &self.rows,
-        }
-    }
-
-    pub fn map<Q>(&self, to: impl Fn(T) -> Q + Copy) -> Lists<Q> {
-        let list = |from: &[T]| from.iter().copied().map(to).collect();
-        Lists {
-            state: list(&self.state),
-            nodes: list(&self.nodes),
-            effective: list(&self.effective),
-            hold: list(&self.hold),
-            ends: list(&self.ends),
-            inputs: list(&self.inputs),
-            rows: list(&self.rows),
-        }
-    }
-}
-
 /// A random place near the one where bodies hang below each other, lines about taut.
-pub fn somewhere(scene: &Scene, random: &mut Random) -> Lists<f64> {
+pub fn somewhere(scene: &Scene, random: &mut Random) -> Arguments<f64> {
     let layout = Layout::new(scene);
     let mut state = random.list(layout.nx(), |_| 0.0, 0.3);
     for (index, slots) in layout.bodies.iter().enumerate() {
@@ -387,7 +347,8 @@ pub fn somewhere(scene: &Scene, random: &mut Random) -> Lists<f64> {
             .for_each(|x| *x /= norm);
     }
     let taut = |i: usize| if i.is_multiple_of(2) { 5e4 } else { 2.0 };
-    Lists {
+    Arguments {
+        time: 0.7,
         nodes: random.list(3 * layout.nodes.len(), |_| 0.0, 0.5),
         effective: random.list(2 * layout.effective_lines, taut, 1.0),
         hold: random

@@ -17,6 +17,7 @@
 //! a number without unit, whatever the masses: 1 for rows at right angles, sin² for two rows at an angle, eps or less for dependent ones.
 //! Rows that leave by substitution have no pivot and do not count.
 
+use super::pair::last;
 use crate::Real;
 use crate::elimination::{Elimination, Part, Step};
 
@@ -229,12 +230,7 @@ impl<S: Real> System<S> {
             for (other, &target) in step.below[..=i].iter().zip(&below.targets) {
                 let columns = plan.steps[other.step].size;
                 for row in 0..rows {
-                    let last = if other.step == below.step {
-                        row + 1
-                    } else {
-                        columns
-                    };
-                    for column in 0..last {
+                    for column in 0..last(below, other, row, columns) {
                         let mut total = self.store[target + row * columns + column];
                         for p in 0..n {
                             let left = self.scaled[below.at + row * n + p];

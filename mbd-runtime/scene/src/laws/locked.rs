@@ -120,26 +120,9 @@ impl<S: Real> System<S> {
                 self.scaled[at + k] = along(&self.store[at..at + n]);
             }
         }
-        for (i, below) in pair.others().iter().enumerate() {
-            let rows = plan.steps[below.step].size;
-            // The first target is that of the joint.
-            let targets = below.targets.iter().skip(1);
-            for (other, &target) in pair.others()[..=i].iter().zip(targets) {
-                let columns = plan.steps[other.step].size;
-                for row in 0..rows {
-                    let factor = scale(self.scaled[below.at + n * row + k], inverse);
-                    if factor.is_zero() {
-                        continue;
-                    }
-                    for column in 0..super::pair::last(below, other, row, columns) {
-                        let shared = self.scaled[other.at + n * column + k];
-                        if !shared.is_zero() {
-                            self.store[target + row * columns + column] -= factor * shared;
-                        }
-                    }
-                }
-            }
-        }
+        let shared = |system: &Self, at: usize| system.scaled[at + k];
+        let factor = |system: &Self, at: usize| scale(shared(system, at), inverse);
+        self.fill_others(plan, pair, factor, shared);
         for below in pair.others() {
             for at in each(below).map(|row| below.at + row) {
                 let factor = scale(self.scaled[at + k], inverse);

@@ -14,6 +14,7 @@ mod formula;
 mod given;
 mod gravity;
 mod ground;
+mod joint_ends;
 mod kinematics;
 pub mod line;
 mod locked;
@@ -24,7 +25,6 @@ mod pair;
 mod posture;
 pub mod rows;
 mod seat;
-mod seats;
 mod turned;
 
 use algebra::{elements, vector, write};
@@ -40,11 +40,11 @@ pub use along::{AlongNumbers, jumping_angles};
 pub use formula::norm;
 pub use given::evaluate_given;
 pub use ground::{FrameMotion, ground};
+pub use joint_ends::{branch, out_of_plane};
 pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers, constant,
 };
 pub(crate) use posture::Posture;
-pub use seats::{branch, out_of_plane};
 
 use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 

@@ -240,6 +240,38 @@ impl<S: Real> System<S> {
         }
     }
 
+    /// Takes a speed of the body that is eliminated out of the blocks of the nodes it is coupled to besides the joint, by (2): the product of
+    /// a `factor` and what is `shared`, each at the beginning of a row of a coupling.
+    pub(super) fn fill_others(
+        &mut self,
+        plan: &Elimination,
+        pair: &Pair<'_>,
+        factor: impl Fn(&Self, usize) -> S,
+        shared: impl Fn(&Self, usize) -> S,
+    ) {
+        let n = pair.speeds;
+        for (i, below) in pair.others().iter().enumerate() {
+            let rows = plan.steps[below.step].size;
+            // The first target is that of the joint.
+            let targets = below.targets.iter().skip(1);
+            for (other, &target) in pair.others()[..=i].iter().zip(targets) {
+                let columns = plan.steps[other.step].size;
+                for row in 0..rows {
+                    let factor = factor(self, below.at + n * row);
+                    if factor.is_zero() {
+                        continue;
+                    }
+                    for column in 0..last(below, other, row, columns) {
+                        let shared = shared(self, other.at + n * column);
+                        if !shared.is_zero() {
+                            self.store[target + row * columns + column] -= factor * shared;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
     /// Carries the right-hand side of the pair of step `index` to the others, by (4).
     pub(super) fn carry_pair(&mut self, plan: &Elimination, index: usize) {
         let Some(pair) = Pair::new(plan, index) else {

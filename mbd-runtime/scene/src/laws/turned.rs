@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::block::System;
-use super::pair::{MOST, Pair, last, scale, sparse_dot};
+use super::pair::{MOST, Pair, scale, sparse_dot};
 use crate::Real;
 use crate::elimination::Elimination;
 
@@ -89,26 +89,9 @@ impl<S: Real> System<S> {
                 }
             }
         }
-        for (i, below) in pair.others().iter().enumerate() {
-            let rows = plan.steps[below.step].size;
-            // The first target is that of the joint.
-            let targets = below.targets.iter().skip(1);
-            for (other, &target) in pair.others()[..=i].iter().zip(targets) {
-                let columns = plan.steps[other.step].size;
-                for row in 0..rows {
-                    let factor = self.scaled[below.at + pair.speeds * row + f];
-                    if factor.is_zero() {
-                        continue;
-                    }
-                    for column in 0..last(below, other, row, columns) {
-                        let shared = self.store[other.at + pair.speeds * column + f];
-                        if !shared.is_zero() {
-                            self.store[target + row * columns + column] -= factor * shared;
-                        }
-                    }
-                }
-            }
-        }
+        let factor = |system: &Self, at: usize| system.scaled[at + f];
+        let shared = |system: &Self, at: usize| system.store[at + f];
+        self.fill_others(plan, pair, factor, shared);
     }
 
     /// Takes the right-hand sides of the free speeds out of the others, in the components η.
