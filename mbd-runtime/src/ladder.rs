@@ -13,12 +13,12 @@
 //! A step that passes close to a singular state can have a stage there although both its ends are regular. Between rows at an angle α the
 //! margin is sin² α, so its root runs straight towards such a state: stages are measured one by one in the steps that could reach it.
 
-use mbd_scene::{Float, Model, PointSlots, Quantity};
+use mbd_scene::{Float, PointSlots, Quantity};
 use serde::{Deserialize, Serialize};
 
 use crate::dense::Dense;
 use crate::error::StepError;
-use crate::system::{External, System};
+use crate::system::System;
 
 mod beside;
 mod weigh;
@@ -145,7 +145,7 @@ impl Ladder {
     }
 }
 
-impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
+impl<T: Float> System<T> {
     /// Whether the last factor of the emitted elimination can be trusted.
     pub(crate) fn is_regular(&self) -> bool {
         self.ladder.margin >= self.trusted_from(self.ladder.lasting)
@@ -342,7 +342,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// Reads M and Φ_v.
     fn read_dense(&mut self, time: f64, state: &[T]) {
-        let layout = self.model.layout();
+        let model = self.model.clone();
+        let layout = model.layout();
         let new_from = self.new_from();
         if self.ladder.dense.mass.is_empty() {
             self.ladder.dense = Dense::new(layout.nv, layout.nc, new_from);

@@ -10,14 +10,14 @@
 //! projected state; the error estimate is made of the stages alone and does not see the move.
 
 use mbd_scene::laws::{self, Numbers};
-use mbd_scene::{AngularVelocity, At, Float, Model, PointSlots, Quantity};
+use mbd_scene::{AngularVelocity, At, Float, PointSlots, Quantity};
 
 use crate::columns::joint_name;
 use crate::dependence::{Dependence, NEW, dependent};
 use crate::error::{Source, StepError};
 use crate::list::largest;
 use crate::options::Stabilise;
-use crate::system::{External, System};
+use crate::system::System;
 
 /// How hard (1) is tried.
 #[derive(Clone, Copy)]
@@ -89,7 +89,7 @@ impl<T: Float> Projection<T> {
     }
 }
 
-impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
+impl<T: Float> System<T> {
     /// Puts the state of a trial step back on the joints by (1) and (2).
     pub(crate) fn stay(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         if !self.projection.any() || self.projection.stabilise != Stabilise::Projection {
@@ -401,7 +401,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     /// Says which rows depend on each other, and whether they contradict.
     #[cold]
     pub(crate) fn singular(&mut self, time: f64, state: &[T]) -> StepError {
-        let layout = self.model.layout();
+        let model = self.model.clone();
+        let layout = model.layout();
         let mut jacobian = vec![0.0; layout.len(Quantity::ConstraintJacobian)];
         self.by_laws(Quantity::ConstraintJacobian, time, state, &mut jacobian);
         let norm = self.read_rows(Quantity::Constraint, time, state);

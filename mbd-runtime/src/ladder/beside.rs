@@ -14,10 +14,10 @@
 //! Source: derived. Rejected: the smallest multipliers at x, which differ from those before and after by a finite amount.
 
 use mbd_scene::laws::Numbers;
-use mbd_scene::{Float, Model, Place, PointSlots, Quantity};
+use mbd_scene::{Float, Place, PointSlots, Quantity};
 
 use crate::dependence::dependent;
-use crate::system::{External, System};
+use crate::system::System;
 
 /// The power of the rounding unit ε that δ is, over the time in which the fastest point crosses the scene, as it goes or from rest: what
 /// rounding leaves of λ grows with ε/δ³, what (1) neglects with δ⁴.
@@ -31,7 +31,7 @@ struct Beside {
     accelerations: Vec<f64>,
 }
 
-impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
+impl<T: Float> System<T> {
     /// Takes the accelerations to what they tend to on the way through a state where rows lose rank: rows chosen there leave open how fast
     /// the motion bends away from other branches.
     pub(super) fn tend(&mut self, time: f64, state: &[T]) {
@@ -44,7 +44,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         let mut rows = std::mem::take(&mut self.ladder.held_mut().rows);
         match found {
             Some(beside) => {
-                let layout = self.model.layout();
+                let model = self.model.clone();
+                let layout = model.layout();
                 let speeds = state.iter().skip(layout.nq).take(layout.nv);
                 let speeds: Vec<f64> = speeds.map(|v| v.to_f64()).collect();
                 let dense = &mut self.ladder.dense;
@@ -99,7 +100,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     /// they have no value, for joints whose rows take part in what repeats.
     #[cold]
     pub(crate) fn read_anew(&mut self, time: f64, state: &[T]) -> [Vec<f64>; 2] {
-        let layout = self.model.layout();
+        let model = self.model.clone();
+        let layout = model.layout();
         self.read_dense(time, state);
         let mut rows = std::mem::take(&mut self.ladder.spare);
         self.ladder.dense.choose(&mut rows);
@@ -129,7 +131,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     /// λ and v̇ by (1), for accelerations `forced` by rows chosen at the state; `None` where they tend to nothing.
     #[cold]
     fn beside(&mut self, time: f64, state: &[T], forced: &[f64]) -> Option<Beside> {
-        let layout = self.model.layout();
+        let model = self.model.clone();
+        let layout = model.layout();
         // Forces at equilibrium points do not follow a state that is only looked at.
         if self.solves_chosen() || !layout.nodes.is_empty() {
             return None;
@@ -157,7 +160,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// (1) for one δ; `None` where rows lose rank beside the state, too.
     fn limit(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<Beside> {
-        let layout = self.model.layout();
+        let model = self.model.clone();
+        let layout = model.layout();
         let (near, far) = (4.0 / 6.0, -1.0 / 6.0);
         let mut sum = Beside {
             multipliers: vec![0.0; layout.nc],
@@ -181,7 +185,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// The largest of speeds over the reach of the joints and of angular speeds over a radian [1/s]; of accelerations likewise [1/s²].
     fn crossings(&mut self, speeds: &[f64]) -> f64 {
-        let (layout, reach) = (self.model.layout(), self.reach());
+        let reach = self.reach();
+        let layout = self.model.layout();
         let moves = layout.directions.moves().len();
         let mut most: f64 = 0.0;
         let bodies = layout
@@ -204,7 +209,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// Twice the largest distance of a joint's frame from the centre of mass of its body; without one the length of the scene [m].
     fn reach(&mut self) -> f64 {
-        let (model, length) = (self.model, self.projection.length);
+        let (model, length) = (&self.model, self.projection.length);
         *self.ladder.reach.get_or_insert_with(|| {
             let numbers = Numbers::new(model.scene(), model.params());
             let ends = model.scene().joints.iter();
@@ -224,7 +229,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// λ and v̇ at (2).
     fn after(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<Beside> {
-        let layout = self.model.layout();
+        let model = self.model.clone();
+        let layout = model.layout();
         let time = time + step;
         let moved = state.iter().zip(rates);
         let mut moved: Vec<T> = moved

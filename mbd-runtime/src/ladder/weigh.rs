@@ -1,11 +1,11 @@
 //! Masses that differ by decades: what they cost on the emitted rung, and whether the whole matrix takes over for a run.
 
+use mbd_scene::Float;
 use mbd_scene::laws::Numbers;
-use mbd_scene::{Float, Model};
 
 use super::{Held, Rung};
 use crate::error::StepError;
-use crate::system::{External, System};
+use crate::system::System;
 
 /// A ratio of masses from which on the emitted elimination is compared with the whole matrix.
 const RATIO: f64 = 1e3;
@@ -14,7 +14,7 @@ const RATIO: f64 = 1e3;
 const LOSS: f64 = 1e-12;
 /// A relative loss that no run goes on with.
 const TOO_MUCH: f64 = 1e-3;
-impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
+impl<T: Float> System<T> {
     /// At a start: whether masses cost digits, by comparison with the whole matrix. Rates are those of the start.
     ///
     /// # Errors

@@ -8,8 +8,8 @@ const PASS: usize = 8;
 type Slope<T> = Dual<T, PASS>;
 
 /// ∂(quantity)/∂(state) or ∂(quantity)/∂(parameter) at fixed node unknowns, dense, row by row, with K_e and L_e fixed.
-pub(super) fn by<T: Float, M: Model<T>>(
-    model: &M,
+pub(super) fn by<T: Float>(
+    model: &dyn Model<T>,
     what: Quantity,
     variable: Variable,
     at: &At<'_, T>,
@@ -33,8 +33,8 @@ pub(super) fn by<T: Float, M: Model<T>>(
 }
 
 /// ∂(quantity)/∂(parameter): K_e − K and L_e − L0 of the lines of nodes stay fixed; lines of slack networks (K_e = 0) carry nothing.
-pub(super) fn by_parameter<T: Float, M: Model<T>>(
-    model: &M,
+pub(super) fn by_parameter<T: Float>(
+    model: &dyn Model<T>,
     what: Quantity,
     at: &At<'_, T>,
     out: &mut [T],
@@ -64,12 +64,12 @@ pub(super) fn by_parameter<T: Float, M: Model<T>>(
 }
 
 /// Runs `pass` for every [`PASS`] columns and files the slopes.
-fn passes<T: Float, M: Model<T>>(
-    model: &M,
+fn passes<T: Float>(
+    model: &dyn Model<T>,
     what: Quantity,
     variable: Variable,
     out: &mut [T],
-    mut pass: impl FnMut(&M, usize, usize, &mut [Slope<T>]),
+    mut pass: impl FnMut(&dyn Model<T>, usize, usize, &mut [Slope<T>]),
 ) {
     let (rows, columns) = (model.layout().len(what), model.layout().variables(variable));
     if out.len() != rows * columns {
@@ -86,8 +86,8 @@ fn passes<T: Float, M: Model<T>>(
     }
 }
 
-fn run<T: Float, M: Model<T>>(
-    model: &M,
+fn run<T: Float>(
+    model: &dyn Model<T>,
     what: Quantity,
     numbers: &Numbers<Slope<T>>,
     time: T,

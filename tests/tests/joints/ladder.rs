@@ -1,8 +1,8 @@
 //! The ladder behind the emitted solver of rows: a stage inside a step at which rows lose rank, parameters that change the rank, masses
 //! that nothing can hold together, and a run that goes on from a snapshot on the rung it was on.
 
-use mbd_runtime::{Generic, Method, Options, Simulation, Statistics, StepError};
-use mbd_scene::{Float, Layout, Quantity, Scene};
+use mbd_runtime::{Generic, Method, Options, Scalar, Simulation, Statistics, StepError};
+use mbd_scene::{Layout, Quantity, Scene};
 use nalgebra::Vector3;
 use tests::assert_close;
 use tests::declared::read;
@@ -18,7 +18,7 @@ fn energy(scene: &Scene, x: &[f64]) -> f64 {
 
 /// Two cranks and a bar that turn through their flat position: from `part` of a step before it, `steps` steps on. Largest relative change of
 /// energy, how far the bar has tilted at the end, statistics.
-fn pass_flat<T: Float>(
+fn pass_flat<T: Scalar>(
     part: f64,
     rate: f64,
     options: Options,
@@ -228,7 +228,7 @@ fn uneven(ratio: f64) -> Scene {
 }
 
 /// Digits lost at the start of a run, or why there is none.
-fn weigh<T: Float>(scene: &Scene) -> Result<u64, StepError> {
+fn weigh<T: Scalar>(scene: &Scene) -> Result<u64, StepError> {
     let model = Generic::<T>::with_defaults(scene.clone()).expect("a valid scene");
     let mut run = Simulation::new(&model, Options::rk4(1e-3)).map_err(|e| e.cause)?;
     let mut x = vec![T::zero(); 26];

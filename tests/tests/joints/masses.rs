@@ -1,9 +1,9 @@
 //! Masses that differ by many decades: accelerations of chains of six links and of six sliders against an answer of thirty digits, in many
 //! postures.
 
-use mbd_runtime::{Generic, Options, Simulation, StepError};
+use mbd_runtime::{Generic, Options, Scalar, Simulation, StepError};
 use mbd_scene::joints::{Along, Axis, Hinge, JointLaw, Prismatic};
-use mbd_scene::{AngularVelocity, Float, Scene};
+use mbd_scene::{AngularVelocity, Scene};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use tests::double::{Double, solve};
 use tests::mechanism::{Instance, add_body, add_frame, add_joint, empty, evaluate, frame, state};
@@ -191,7 +191,7 @@ fn error(got: impl IntoIterator<Item = f64>, want: &[f64]) -> f64 {
 }
 
 /// The rates of a run at its start, its rung and the digits it says are lost.
-fn start<T: Float>(scene: &Scene, x: &[f64]) -> Result<(Vec<f64>, [u64; 2]), StepError> {
+fn start<T: Scalar>(scene: &Scene, x: &[f64]) -> Result<(Vec<f64>, [u64; 2]), StepError> {
     let model = Generic::<T>::with_defaults(scene.clone()).expect("a valid scene");
     let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
     let x: Vec<T> = x.iter().map(|&x| T::from_f64(x)).collect();

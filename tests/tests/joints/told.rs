@@ -8,7 +8,7 @@ use tests::declared::read;
 use tests::linkage::{Linkage, cranks};
 use tests::{assert_close, largest_difference};
 
-fn record<E: External<f64>>(
+fn record<E: External<f64> + Send + 'static>(
     model: &Generic<f64>,
     (options, loads): (Options, E),
     state: &[f64],

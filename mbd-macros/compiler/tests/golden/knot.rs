@@ -124,7 +124,7 @@ pub struct Knot<T = f64> {
     params: KnotParams<T>,
     values: [T; 0],
     derived: [T; 0],
-    parts: ::mbd_runtime::__private::Parts<T>,
+    lines: ::mbd_runtime::__private::Lines<T>,
 }
 #[doc(hidden)]
 #[allow(
@@ -749,11 +749,16 @@ const _: () = {
             ],
         );
     }
-    /// Which rows of the joints repeat others, as found when this was generated.
-    fn redundancy() -> ::mbd_runtime::scene::Redundancy {
-        ::mbd_runtime::__private::redundancy("0 0 0 1 ")
+    /// The declaration and where everything lives, unpacked once; which rows of the joints repeat others is as found when this was generated.
+    fn declared() -> &'static ::mbd_runtime::__private::Declared {
+        static DECLARED: ::std::sync::OnceLock<::mbd_runtime::__private::Declared> = ::std::sync::OnceLock::new();
+        DECLARED
+            .get_or_init(|| ::mbd_runtime::__private::Declared::unpacked(
+                "4 Knot 58 A knot of four lines: three stays and a hanger with a bob. 0 0 0 1 0 0.0 0 0.0 0 -9.81 0 0 0 0 4 5 world 0 0.0 0 0.0 0 0.0 0 4 left 0 -1.0 0 0.0 0 0.0 0 5 right 0 1.0 0 0.5 0 0.0 0 4 back 0 0.0 0 -1.0 0 0.2 0 0 2 4 knot 0  1 0 3 bob 0  0 0 2.0 0 4 9 left_stay 0  0 0 1 2 0 0 0.6 0 1000.0 0 0.0 10 right_stay 0  0 0 2 2 0 0 0.6 0 1000.0 0 0.0 9 back_stay 0  0 0 3 2 0 0 0.6 0 1000.0 0 0.0 6 hanger 0  0 2 0 2 1 0 0.5 0 2000.0 0 0.0 0 1 12 hanger_force 0  10 3 1 1 N 1.0 2 2 -4 0 ",
+                "0 0 0 1 ",
+            ))
     }
-    impl<T: ::mbd_runtime::Float> Knot<T> {
+    impl<T: ::mbd_runtime::Scalar> Knot<T> {
         /// A model with these parameters.
         ///
         /// # Errors
@@ -762,19 +767,18 @@ const _: () = {
             params: KnotParams<T>,
         ) -> ::core::result::Result<Self, ::mbd_runtime::ParamError> {
             let values = params.to_array();
-            let parts = ::mbd_runtime::__private::Parts::checked(
-                Self::scene(),
-                redundancy(),
+            let lines = <T as ::mbd_runtime::Scalar>::prepare(
+                &declared().scene,
                 &values,
             )?;
-            ::core::result::Result::Ok(Self::assembled(params, values, parts))
+            ::core::result::Result::Ok(Self::assembled(params, values, lines))
         }
     }
     impl<T: ::mbd_runtime::Real> Knot<T> {
         fn assembled(
             params: KnotParams<T>,
             values: [T; 0],
-            parts: ::mbd_runtime::__private::Parts<T>,
+            lines: ::mbd_runtime::__private::Lines<T>,
         ) -> Self {
             let mut terms = [T::zero(); 0];
             derived(&mut terms);
@@ -782,7 +786,7 @@ const _: () = {
                 params,
                 values,
                 derived: terms,
-                parts,
+                lines,
             }
         }
         /// A model with parameters that nobody has checked: for dual numbers and lanes.
@@ -790,12 +794,8 @@ const _: () = {
         #[inline]
         pub fn unchecked(params: KnotParams<T>) -> Self {
             let values = params.to_array();
-            let parts = ::mbd_runtime::__private::Parts::new(
-                Self::scene(),
-                redundancy(),
-                &values,
-            );
-            Self::assembled(params, values, parts)
+            let lines = ::mbd_runtime::__private::unchecked(&declared().scene, &values);
+            Self::assembled(params, values, lines)
         }
         /// The parameters; new ones make a new model.
         #[must_use]
@@ -805,9 +805,7 @@ const _: () = {
         /// The declaration as data.
         #[must_use]
         pub fn scene() -> ::mbd_runtime::scene::Scene {
-            ::mbd_runtime::__private::scene(
-                "4 Knot 58 A knot of four lines: three stays and a hanger with a bob. 0 0 0 1 0 0.0 0 0.0 0 -9.81 0 0 0 0 4 5 world 0 0.0 0 0.0 0 0.0 0 4 left 0 -1.0 0 0.0 0 0.0 0 5 right 0 1.0 0 0.5 0 0.0 0 4 back 0 0.0 0 -1.0 0 0.2 0 0 2 4 knot 0  1 0 3 bob 0  0 0 2.0 0 4 9 left_stay 0  0 0 1 2 0 0 0.6 0 1000.0 0 0.0 10 right_stay 0  0 0 2 2 0 0 0.6 0 1000.0 0 0.0 9 back_stay 0  0 0 3 2 0 0 0.6 0 1000.0 0 0.0 6 hanger 0  0 2 0 2 1 0 0.5 0 2000.0 0 0.0 0 1 12 hanger_force 0  10 3 1 1 N 1.0 2 2 -4 0 ",
-            )
+            declared().scene.clone()
         }
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
@@ -957,31 +955,45 @@ const _: () = {
             ::mbd_runtime::nalgebra::SVector::from(values)
         }
     }
-    impl<T: ::mbd_runtime::Float> ::mbd_runtime::Model<T> for Knot<T> {
-        /// What the kernels hand on; carries nothing from call to call.
-        type Work = ::std::vec::Vec<T>;
-        fn work(&self) -> Self::Work {
-            ::std::vec![T::zero(); 0]
+    impl<T: ::mbd_runtime::Scalar> ::mbd_runtime::Model<T> for Knot<T> {
+        fn share(&self) -> ::std::sync::Arc<dyn ::mbd_runtime::Model<T>> {
+            ::std::sync::Arc::new(self.clone())
+        }
+        fn with_params(
+            &self,
+            params: &[T],
+        ) -> ::core::result::Result<
+            ::std::sync::Arc<dyn ::mbd_runtime::Model<T>>,
+            ::mbd_runtime::ParamError,
+        > {
+            let params = KnotParams::from_array(
+                ::mbd_runtime::__private::counted(params)?,
+            );
+            ::core::result::Result::Ok(::std::sync::Arc::new(Self::new(params)?))
+        }
+        fn work(&self) -> ::mbd_runtime::Work<T> {
+            ::mbd_runtime::Work::list(0)
         }
         fn scene(&self) -> &::mbd_runtime::scene::Scene {
-            &self.parts.scene
+            &declared().scene
         }
         fn layout(&self) -> &::mbd_runtime::Layout {
-            &self.parts.layout
+            &declared().layout
         }
         fn params(&self) -> &[T] {
             &self.values
         }
         fn lines(&self) -> &[::mbd_runtime::scene::laws::LineNumbers<T>] {
-            &self.parts.lines
+            &self.lines
         }
         fn evaluate(
             &self,
             what: ::mbd_runtime::Quantity,
             at: &::mbd_runtime::At<'_, T>,
-            work: &mut Self::Work,
+            work: &mut ::mbd_runtime::Work<T>,
             out: &mut [T],
         ) {
+            let work = work.numbers.as_mut_slice();
             match what {
                 ::mbd_runtime::Quantity::Ends => {
                     if let (

@@ -187,7 +187,7 @@ pub struct Parachute<T = f64> {
     params: ParachuteParams<T>,
     values: [T; 3],
     derived: [T; 3],
-    parts: ::mbd_runtime::__private::Parts<T>,
+    lines: ::mbd_runtime::__private::Lines<T>,
 }
 #[doc(hidden)]
 #[allow(
@@ -2415,11 +2415,16 @@ const _: () = {
             ],
         );
     }
-    /// Which rows of the joints repeat others, as found when this was generated.
-    fn redundancy() -> ::mbd_runtime::scene::Redundancy {
-        ::mbd_runtime::__private::redundancy("0 0 0 1 ")
+    /// The declaration and where everything lives, unpacked once; which rows of the joints repeat others is as found when this was generated.
+    fn declared() -> &'static ::mbd_runtime::__private::Declared {
+        static DECLARED: ::std::sync::OnceLock<::mbd_runtime::__private::Declared> = ::std::sync::OnceLock::new();
+        DECLARED
+            .get_or_init(|| ::mbd_runtime::__private::Declared::unpacked(
+                "9 Parachute 94 Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point. 0 0 0 2 0 42828000000000.0 0 0.0 0 0.0 0 -3404590.0 2 5 L_LEG 0  2.1 1 m 1.0 0 2 0 3 RHO 0  0.014 6 kg/m^3 1.0 2 -6 0 3 7 riser_k 23 Stiffness of the riser. 60000.0 1 10000.0 200000.0 4 kN/m 1000.0 2 0 -4 5 m_cap 13 Capsule mass. 761.0 1 600.0 900.0 2 kg 1.0 2 0 0 4 cd_s 38 Drag coefficient times reference area. 82.0 1 60.0 100.0 3 m^2 1.0 0 4 0 1 4 wind 17 Wind, world axes. 3 3 m/s 1.0 0 2 -2 0 1 5 world 0 0.0 0 0.0 0 0.0 0 2 6 canopy 0  0 16.0 0 60.0 0 60.0 0 90.0 0 0.0 0 0.0 0 0.0 3 3 com 0 0.0 0 0.0 0 0.0 0 9 riser_end 0 0.0 0 0.0 0 -9.5 0 2 cp 0 0.0 0 0.0 0 1.57 0 7 capsule 0  2 1 0 300.0 0 310.0 0 420.0 0 -1.5 0 0.0 0 2.0 4 3 com 0 0.0 0 0.0 0 0.0 0 9 bridle[0] 0 0.55 0 0.0 0 1.23 0 9 bridle[1] 0 -0.2749999999999999 0 0.47631397208144133 0 1.23 0 9 bridle[2] 0 -0.27500000000000024 0 -0.47631397208144116 0 1.23 0 1 10 confluence 0  1 2 2 11 canopy_free 0  0 0 0 1 0 0 0 0 12 capsule_free 0  0 0 0 1 1 0 0 0 4 5 riser 0  0 1 0 1 2 0 0 10.0 2 0 0 600.0 6 leg[0] 0  0 1 1 1 2 0 1 0 0 47000.0 0 470.0 6 leg[1] 0  0 1 1 2 2 0 1 0 0 47000.0 0 470.0 6 leg[2] 0  0 1 1 3 2 0 1 0 0 47000.0 0 470.0 2 4 drag 0  1 0 2 0 19 2 2 19 2 2 19 2 2 0 -0.007 2 2 19 6 1 19 1 2 6 1 0 2 3 0 19 1 2 6 1 0 2 3 0 8 thruster 0  1 1 0 2 2 11 riser_force 21 Tension of the riser. 10 0 1 1 N 1.0 2 2 -4 4 tilt 0  19 16 2 7 1 1 0 2 7 0 0 2 1 3 rad 1.0 0 0 0 1 5 slack 0  10 0 0 ",
+                "0 0 0 1 ",
+            ))
     }
-    impl<T: ::mbd_runtime::Float> Parachute<T> {
+    impl<T: ::mbd_runtime::Scalar> Parachute<T> {
         /// A model with these parameters.
         ///
         /// # Errors
@@ -2428,19 +2433,18 @@ const _: () = {
             params: ParachuteParams<T>,
         ) -> ::core::result::Result<Self, ::mbd_runtime::ParamError> {
             let values = params.to_array();
-            let parts = ::mbd_runtime::__private::Parts::checked(
-                Self::scene(),
-                redundancy(),
+            let lines = <T as ::mbd_runtime::Scalar>::prepare(
+                &declared().scene,
                 &values,
             )?;
-            ::core::result::Result::Ok(Self::assembled(params, values, parts))
+            ::core::result::Result::Ok(Self::assembled(params, values, lines))
         }
     }
     impl<T: ::mbd_runtime::Real> Parachute<T> {
         fn assembled(
             params: ParachuteParams<T>,
             values: [T; 3],
-            parts: ::mbd_runtime::__private::Parts<T>,
+            lines: ::mbd_runtime::__private::Lines<T>,
         ) -> Self {
             let mut terms = [T::zero(); 3];
             derived(&values, &mut terms);
@@ -2448,7 +2452,7 @@ const _: () = {
                 params,
                 values,
                 derived: terms,
-                parts,
+                lines,
             }
         }
         /// A model with parameters that nobody has checked: for dual numbers and lanes.
@@ -2456,12 +2460,8 @@ const _: () = {
         #[inline]
         pub fn unchecked(params: ParachuteParams<T>) -> Self {
             let values = params.to_array();
-            let parts = ::mbd_runtime::__private::Parts::new(
-                Self::scene(),
-                redundancy(),
-                &values,
-            );
-            Self::assembled(params, values, parts)
+            let lines = ::mbd_runtime::__private::unchecked(&declared().scene, &values);
+            Self::assembled(params, values, lines)
         }
         /// The parameters; new ones make a new model.
         #[must_use]
@@ -2471,9 +2471,7 @@ const _: () = {
         /// The declaration as data.
         #[must_use]
         pub fn scene() -> ::mbd_runtime::scene::Scene {
-            ::mbd_runtime::__private::scene(
-                "9 Parachute 94 Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point. 0 0 0 2 0 42828000000000.0 0 0.0 0 0.0 0 -3404590.0 2 5 L_LEG 0  2.1 1 m 1.0 0 2 0 3 RHO 0  0.014 6 kg/m^3 1.0 2 -6 0 3 7 riser_k 23 Stiffness of the riser. 60000.0 1 10000.0 200000.0 4 kN/m 1000.0 2 0 -4 5 m_cap 13 Capsule mass. 761.0 1 600.0 900.0 2 kg 1.0 2 0 0 4 cd_s 38 Drag coefficient times reference area. 82.0 1 60.0 100.0 3 m^2 1.0 0 4 0 1 4 wind 17 Wind, world axes. 3 3 m/s 1.0 0 2 -2 0 1 5 world 0 0.0 0 0.0 0 0.0 0 2 6 canopy 0  0 16.0 0 60.0 0 60.0 0 90.0 0 0.0 0 0.0 0 0.0 3 3 com 0 0.0 0 0.0 0 0.0 0 9 riser_end 0 0.0 0 0.0 0 -9.5 0 2 cp 0 0.0 0 0.0 0 1.57 0 7 capsule 0  2 1 0 300.0 0 310.0 0 420.0 0 -1.5 0 0.0 0 2.0 4 3 com 0 0.0 0 0.0 0 0.0 0 9 bridle[0] 0 0.55 0 0.0 0 1.23 0 9 bridle[1] 0 -0.2749999999999999 0 0.47631397208144133 0 1.23 0 9 bridle[2] 0 -0.27500000000000024 0 -0.47631397208144116 0 1.23 0 1 10 confluence 0  1 2 2 11 canopy_free 0  0 0 0 1 0 0 0 0 12 capsule_free 0  0 0 0 1 1 0 0 0 4 5 riser 0  0 1 0 1 2 0 0 10.0 2 0 0 600.0 6 leg[0] 0  0 1 1 1 2 0 1 0 0 47000.0 0 470.0 6 leg[1] 0  0 1 1 2 2 0 1 0 0 47000.0 0 470.0 6 leg[2] 0  0 1 1 3 2 0 1 0 0 47000.0 0 470.0 2 4 drag 0  1 0 2 0 19 2 2 19 2 2 19 2 2 0 -0.007 2 2 19 6 1 19 1 2 6 1 0 2 3 0 19 1 2 6 1 0 2 3 0 8 thruster 0  1 1 0 2 2 11 riser_force 21 Tension of the riser. 10 0 1 1 N 1.0 2 2 -4 4 tilt 0  19 16 2 7 1 1 0 2 7 0 0 2 1 3 rad 1.0 0 0 0 1 5 slack 0  10 0 0 ",
-            )
+            declared().scene.clone()
         }
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
@@ -2724,31 +2722,45 @@ const _: () = {
             ::mbd_runtime::nalgebra::SVector::from(values)
         }
     }
-    impl<T: ::mbd_runtime::Float> ::mbd_runtime::Model<T> for Parachute<T> {
-        /// What the kernels hand on; carries nothing from call to call.
-        type Work = ::std::vec::Vec<T>;
-        fn work(&self) -> Self::Work {
-            ::std::vec![T::zero(); 0]
+    impl<T: ::mbd_runtime::Scalar> ::mbd_runtime::Model<T> for Parachute<T> {
+        fn share(&self) -> ::std::sync::Arc<dyn ::mbd_runtime::Model<T>> {
+            ::std::sync::Arc::new(self.clone())
+        }
+        fn with_params(
+            &self,
+            params: &[T],
+        ) -> ::core::result::Result<
+            ::std::sync::Arc<dyn ::mbd_runtime::Model<T>>,
+            ::mbd_runtime::ParamError,
+        > {
+            let params = ParachuteParams::from_array(
+                ::mbd_runtime::__private::counted(params)?,
+            );
+            ::core::result::Result::Ok(::std::sync::Arc::new(Self::new(params)?))
+        }
+        fn work(&self) -> ::mbd_runtime::Work<T> {
+            ::mbd_runtime::Work::list(0)
         }
         fn scene(&self) -> &::mbd_runtime::scene::Scene {
-            &self.parts.scene
+            &declared().scene
         }
         fn layout(&self) -> &::mbd_runtime::Layout {
-            &self.parts.layout
+            &declared().layout
         }
         fn params(&self) -> &[T] {
             &self.values
         }
         fn lines(&self) -> &[::mbd_runtime::scene::laws::LineNumbers<T>] {
-            &self.parts.lines
+            &self.lines
         }
         fn evaluate(
             &self,
             what: ::mbd_runtime::Quantity,
             at: &::mbd_runtime::At<'_, T>,
-            work: &mut Self::Work,
+            work: &mut ::mbd_runtime::Work<T>,
             out: &mut [T],
         ) {
+            let work = work.numbers.as_mut_slice();
             match what {
                 ::mbd_runtime::Quantity::Ends => {
                     if let (
