@@ -12,7 +12,8 @@ use crate::compiled::Scalar;
 
 /// How many variables one pass of dual numbers carries.
 const PASS: usize = 8;
-type Slope<T> = Dual<T, PASS>;
+/// Derivatives are computed in `f64` whatever the scalar of the model: exact enough for both, and compiled once.
+type Slope = Dual<f64, PASS>;
 
 /// A scene run by its laws.
 #[derive(Clone, Debug)]
@@ -27,16 +28,16 @@ pub struct Generic<T: Float> {
 #[derive(Debug)]
 struct Scratches<T: Float> {
     scratch: Scratch<T>,
-    slopes: Option<Slopes<T>>,
+    slopes: Option<Slopes>,
 }
 
 /// What derivatives need.
 #[derive(Debug)]
-struct Slopes<T: Float> {
-    numbers: Numbers<Slope<T>>,
-    scratch: Scratch<Slope<T>>,
-    arguments: Arguments<Slope<T>>,
-    out: Vec<Slope<T>>,
+struct Slopes {
+    numbers: Numbers<Slope>,
+    scratch: Scratch<Slope>,
+    arguments: Arguments<Slope>,
+    out: Vec<Slope>,
 }
 
 impl<T: Scalar> Generic<T> {
@@ -114,8 +115,8 @@ impl<T: Float> Generic<T> {
         }
     }
 
-    fn slopes(&self) -> Slopes<T> {
-        let constants: Vec<Slope<T>> = self.params.iter().copied().map(Dual::constant).collect();
+    fn slopes(&self) -> Slopes {
+        let constants: Vec<Slope> = self.params.iter().map(|&x| constant(x)).collect();
         Slopes {
             numbers: Numbers::new(&self.scene, &constants),
             scratch: Scratch::new(&self.layout),
@@ -130,7 +131,7 @@ impl<T: Float> Generic<T> {
         of: Differentiated,
         by: Variable,
         at: &At<'_, T>,
-        work: &mut Slopes<T>,
+        work: &mut Slopes,
         out: &mut [T],
     ) {
         let columns = self.layout.variables(by);
@@ -138,9 +139,9 @@ impl<T: Float> Generic<T> {
         if out.len() != rows * columns {
             return;
         }
-        work.arguments.read(at, Dual::constant);
+        work.arguments.read(at, constant);
         work.out.clear();
-        work.out.resize(rows, Dual::constant(T::zero()));
+        work.out.resize(rows, Dual::constant(0.0));
         let mut first = 0;
         while first < columns {
             let last = columns.min(first + PASS);
@@ -165,16 +166,23 @@ impl<T: Float> Generic<T> {
                 &mut work.out,
             );
             for (row, value) in work.out.iter().enumerate() {
-                out[row * columns + first..row * columns + last]
-                    .copy_from_slice(&value.slopes[..last - first]);
+                let to = &mut out[row * columns + first..row * columns + last];
+                for (to, slope) in to.iter_mut().zip(value.slopes) {
+                    *to = T::from_f64(slope);
+                }
             }
             first = last;
         }
     }
 }
 
+/// A number that does not vary.
+fn constant<T: Float>(x: T) -> Slope {
+    Dual::constant(x.to_f64())
+}
+
 /// Makes the numbers in `range` variables 0, 1, …, all others constants.
-fn seed<T: Float>(list: &mut [Slope<T>], range: std::ops::Range<usize>) {
+fn seed(list: &mut [Slope], range: std::ops::Range<usize>) {
     for (index, number) in list.iter_mut().enumerate() {
         *number = if range.contains(&index) {
             Dual::variable(number.value, index - range.start)
