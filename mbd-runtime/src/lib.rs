@@ -1,9 +1,16 @@
 //! Multibody dynamics compiled from a declaration: the runtime that users depend on.
 //!
-//! - [`model!`] turns a declaration into a type that implements [`Model`]; [`Generic`] runs the same scene by its laws, without compilation.
-//! - [`Simulation`] integrates a model: [`Options`] choose the method, [`External`] supplies inputs and external loads, [`Trajectory`] records named
-//!   columns with units, [`Snapshot`] continues a run to the bit, [`RunError`] says what went wrong in the names of the declaration.
-//! - [`node`] solves the equilibrium points where lines meet; [`Linearisation`] carries derivatives through them.
+//! | to … | use |
+//! |---|---|
+//! | declare a scene and compile its equations | [`model!`] |
+//! | run the same scene without compilation, by its laws | [`Generic`] on a [`scene::Scene`] |
+//! | integrate a model | [`Simulation`] with [`Options`]; [`External`] supplies inputs and external loads |
+//! | record named columns with units | [`Trajectory`] with [`Sampling`] and [`Content`] |
+//! | stop a run and continue it to the bit | [`Snapshot`] |
+//! | linearise at a state | [`Linearisation`] |
+//! | ask any model for one quantity | [`Model::evaluate`] with [`Quantity`] and [`At`] |
+//! | read what went wrong, in the names of the declaration | [`RunError`], [`StepError`] |
+//! | read what a run cost | [`Statistics`]; `explain()` and `COST` of a model say what its equations cost |
 //!
 //! One step of a run: `simulation` tries it (`integrate`: one tableau a method, checked when the crate is built) and puts it back on the joints (`projection`), looks for slack/taut switches and
 //! declared events inside it (`event`, `locate`), records it (`trajectory`) and commits state and memory together.
@@ -25,6 +32,7 @@ mod laws;
 mod linearise;
 mod list;
 mod locate;
+#[doc(hidden)]
 pub mod node;
 mod options;
 mod parts;
@@ -35,22 +43,77 @@ mod trajectory;
 mod verify;
 mod watch;
 
-pub use columns::{Name, state_names};
-pub use compiled::Scalar;
-pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError};
-pub use event::{Happening, Occurrence};
-pub use generated::{CoordInfo, Costs, Energy, LineState, Momentum, ParamInfo, Reaction, Wrench};
+// A model, compiled or not.
 pub use generic::Generic;
-pub use integrate::Scales;
-pub use linearise::{Linearisation, LinearisationError, Matrix};
 pub use mbd_macros::model;
 pub use mbd_scene as scene;
-pub use mbd_scene::{At, Cost, Float, Layout, Model, ParamError, Quantity, Real, Work};
-pub use nalgebra;
-pub use node::{Mode, NodeMemory};
-pub use options::{Method, Options, Stabilise};
+/// What a scene with parameters can be asked for, whoever runs its equations: code that takes `&dyn Model<f64>` works with all of them.
+///
+/// ```
+/// use mbd_runtime::scene::Arguments;
+/// use mbd_runtime::{Generic, Model, Quantity, model};
+///
+/// model! {
+///     /// A stone that falls.
+///     model Stone {
+///         gravity: [0.0, 0.0, -9.81] m/s^2;
+///         emit: [derivative, energy];
+///         param mass = 2.0 kg in 1.0 kg ..= 5.0 kg;
+///         point stone { mass: mass }
+///     }
+/// }
+///
+/// /// Kinetic and gravitational energy at a state [J].
+/// fn energy(model: &dyn Model<f64>, state: &[f64]) -> [f64; 2] {
+///     let arguments = Arguments { state: state.to_vec(), ..Arguments::default() };
+///     let mut out = vec![0.0; model.layout().len(Quantity::Energy)];
+///     model.evaluate(Quantity::Energy, &arguments.at(), &mut model.work(), &mut out);
+///     [out[0], out[1]]
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let generated = Stone::new(StoneParams { mass: 3.0 })?;
+/// let generic = Generic::new(Stone::scene(), &[3.0])?;
+/// // 10 m high, 4 m/s: ½ m v² and m g z.
+/// let state = [0.0, 0.0, 10.0, 4.0, 0.0, 0.0];
+/// for model in [&generated as &dyn Model<f64>, &generic] {
+///     let [kinetic, gravitational] = energy(model, &state);
+///     assert!((kinetic - 24.0).abs() < 1e-12);
+///     assert!((gravitational - 3.0 * 9.81 * 10.0).abs() < 1e-12);
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[doc(inline)]
+pub use mbd_scene::Model;
+#[doc(inline)]
+pub use mbd_scene::{At, Float, Layout, ParamError, Quantity, Real, Work};
+
+// Its state and what it hands out.
+pub use generated::{CoordInfo, Costs, Energy, LineState, Momentum, ParamInfo, Reaction, Wrench};
+#[doc(inline)]
+pub use mbd_scene::Cost;
 pub use parts::{BodyState, PlanarBodyState, PointState};
-pub use serde;
+
+// A run.
+pub use compiled::Scalar;
+pub use integrate::Scales;
+pub use options::{Method, Options, Stabilise};
 pub use simulation::{Simulation, Snapshot, Stop};
 pub use system::{External, NoLoads};
+
+// What it leaves.
+pub use columns::{Name, state_names};
+pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError};
+pub use event::{Happening, Occurrence};
+pub use node::{Mode, NodeMemory};
 pub use trajectory::{Content, Sampling, Trajectory};
+
+// Derivatives.
+pub use linearise::{Linearisation, LinearisationError, Matrix};
+
+// What generated code calls.
+#[doc(hidden)]
+pub use nalgebra;
+#[doc(hidden)]
+pub use serde;

@@ -38,6 +38,40 @@ pub enum Stabilise {
 }
 
 /// How a simulation runs. Start from [`Options::rk4`] or [`Options::tsit5`] and change fields.
+///
+/// ```
+/// use mbd_runtime::{Options, PointState, Simulation, Stop, model};
+///
+/// model! {
+///     /// A mass that is drawn to the origin: 10 rad/s.
+///     model Oscillator {
+///         gravity: none;
+///         emit: [derivative];
+///         point bob { mass: 1.0 kg }
+///         load pull on bob = -100 N/m * bob.position;
+///         event passes = bob.position.x falls 0 m;
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let oscillator = Oscillator::new(OscillatorParams::default())?;
+/// let mut start = OscillatorState::at_origin();
+/// start.set_bob(PointState { position: [0.1, 0.0, 0.0], velocity: [0.0; 3] });
+///
+/// // Adaptive steps, and an end at the first declared event: a quarter of the period 2π √(m/k).
+/// let options = Options { stop_at_events: true, ..Options::tsit5(1e-9) };
+/// let mut simulation = Simulation::new(&oscillator, options)?;
+/// simulation.set_state(0.0, &start.to_vec())?;
+/// assert_eq!(simulation.run(1.0)?, Stop::Event(0));
+/// let quarter = std::f64::consts::PI / 20.0;
+/// assert!((simulation.time() - quarter).abs() < 1e-8);
+///
+/// // A number that cannot be used is refused by name.
+/// let refused = Simulation::new(&oscillator, Options::rk4(-0.1)).err().expect("no negative steps");
+/// assert!(refused.to_string().contains("step"));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Options {
     /// The integrator.

@@ -28,7 +28,7 @@ use start::{offered, stepwise};
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// At the asked time.
+    /// At the requested time.
     Reached,
     /// On a declared event, by index, because [`Options::stop_at_events`] is set.
     Event(usize),
@@ -42,6 +42,38 @@ enum Pace {
 }
 
 /// A simulation of one model. `T` is the scalar of the state; time is always `f64`.
+///
+/// It owns its model and borrows nothing: it can be stored, returned, and moved to another thread.
+///
+/// ```
+/// use mbd_runtime::{Options, PointState, Simulation, model};
+///
+/// model! {
+///     /// A stone that falls.
+///     model Stone {
+///         gravity: [0.0, 0.0, -9.81] m/s^2;
+///         emit: [derivative];
+///         point stone { mass: 1.0 kg }
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let stone = Stone::new(StoneParams::default())?;
+/// let mut start = StoneState::at_origin();
+/// start.set_stone(PointState { position: [0.0, 0.0, 10.0], velocity: [2.0, 0.0, 0.0] });
+///
+/// let mut simulation = Simulation::new(&stone, Options::rk4(0.1))?;
+/// simulation.set_state(0.0, &start.to_vec())?;
+/// simulation.run(1.0)?;
+///
+/// // z = 10 m − ½ g t²; RK4 integrates a parabola exactly.
+/// let end = StoneState::from_slice(simulation.state()).expect("the state of a stone").stone();
+/// assert!((end.position[0] - 2.0).abs() < 1e-12);
+/// assert!((end.position[2] - (10.0 - 0.5 * 9.81)).abs() < 1e-12);
+/// assert_eq!(simulation.statistics().steps, 10);
+/// # Ok(())
+/// # }
+/// ```
 pub struct Simulation<T: Float> {
     pub(crate) system: System<T>,
     pub(crate) method: Explicit<T>,

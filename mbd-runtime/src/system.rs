@@ -17,6 +17,47 @@ use crate::watch;
 /// What the caller supplies at each evaluation: inputs, external loads, external gravity, in the order of `Layout::inputs`.
 ///
 /// A pure function of time and state: it is called at trial states which may be rejected.
+///
+/// A model `Cart` with inputs comes with a trait `CartLoads`, which has a function for each of them, and with `CartExternal`, which puts their numbers
+/// in order. Implement `External` itself for scenes that are not compiled.
+///
+/// ```
+/// use mbd_runtime::{Options, Simulation, model};
+///
+/// model! {
+///     /// A mass that is pushed.
+///     model Cart {
+///         gravity: none;
+///         emit: [derivative];
+///         input push: force;
+///         point cart { mass: 2.0 kg }
+///         load by_hand on cart = [push, 0.0, 0.0];
+///     }
+/// }
+///
+/// /// A push that swings between +3 N and −3 N once in 2π s.
+/// struct Hand;
+///
+/// impl CartLoads for Hand {
+///     fn push(&self, time: f64) -> f64 {
+///         3.0 * time.cos()
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let cart = Cart::new(CartParams::default())?;
+/// let mut simulation = Simulation::with_loads(&cart, Options::tsit5(1e-10), CartExternal(Hand))?;
+/// simulation.run(2.0)?;
+///
+/// // m v̇ = 3 N cos t from rest: v = 3 N / m · sin t.
+/// let speed = simulation.state()[3];
+/// assert!((speed - 1.5 * 2.0_f64.sin()).abs() < 1e-8);
+///
+/// // Without its inputs the scene is refused.
+/// assert!(Simulation::new(&cart, Options::tsit5(1e-10)).is_err());
+/// # Ok(())
+/// # }
+/// ```
 pub trait External<T> {
     /// Writes every number of `out` (SI, world axes).
     fn evaluate(&self, time: T, state: &[T], out: &mut [T]);

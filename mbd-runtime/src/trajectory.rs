@@ -61,6 +61,41 @@ impl Content {
 }
 
 /// Named columns over time. Angular velocities, positions and forces are those of the state and the declaration: world axes unless named `body`.
+///
+/// ```
+/// use mbd_runtime::{Content, Options, PointState, Sampling, Simulation, Trajectory, model};
+///
+/// model! {
+///     /// A stone that is thrown.
+///     model Throw {
+///         gravity: [0.0, 0.0, -10.0] m/s^2;
+///         emit: [derivative, outputs];
+///         point stone { mass: 1.0 kg }
+///         output height = stone.position.z;
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let throw = Throw::new(ThrowParams::default())?;
+/// let mut start = ThrowState::at_origin();
+/// start.set_stone(PointState { position: [0.0; 3], velocity: [3.0, 0.0, 10.0] });
+/// let mut simulation = Simulation::new(&throw, Options::rk4(0.1))?;
+/// simulation.set_state(0.0, &start.to_vec())?;
+///
+/// let mut history = Trajectory::new(&throw, Sampling::Every(0.5), Content::RESULTS);
+/// simulation.record(2.0, &mut history)?;
+///
+/// // Up to 5 m in the first second, and back.
+/// assert_eq!(history.times().len(), 5);
+/// let height = history.column("height").expect("a declared output");
+/// assert!((height[2] - 5.0).abs() < 1e-12 && height[4].abs() < 1e-12);
+///
+/// let mut csv = Vec::new();
+/// history.to_csv(&mut csv)?;
+/// assert!(String::from_utf8(csv)?.starts_with("time [s],height [m]\n"));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     names: Vec<Name>,

@@ -30,6 +30,37 @@ pub struct Matrix<T> {
 }
 
 /// Total derivatives at one state, with the room to compute them again.
+///
+/// With q, v, z in the state x: A = dẋ/dx and its sisters, through the nodes where there are any. Scenes with rows of joints are refused.
+///
+/// ```
+/// use mbd_runtime::scene::Arguments;
+/// use mbd_runtime::{Linearisation, Model, model};
+///
+/// model! {
+///     /// A mass that is drawn to the origin.
+///     model Oscillator {
+///         gravity: none;
+///         param k = 100 N/m in 1 N/m ..= 1 kN/m;
+///         point bob { mass: 2.0 kg }
+///         load pull on bob = -k * bob.position;
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let oscillator = Oscillator::new(OscillatorParams::default())?;
+/// // x = [position | velocity]; this scene has no nodes, lines or inputs.
+/// let arguments = Arguments { state: vec![0.1, 0.0, 0.0, 0.0, 0.0, 0.0], ..Arguments::default() };
+/// let mut linear = Linearisation::new(oscillator.layout());
+/// linear.evaluate(&oscillator, &arguments.at(), &mut oscillator.work())?;
+///
+/// // d ẍ/dx = −k/m, so that ω² = 50 1/s²; d ẍ/dk = −x/m.
+/// assert_eq!(linear.state().at(0, 3), 1.0);
+/// assert!((linear.state().at(3, 0) + 50.0).abs() < 1e-12);
+/// assert!((linear.parameter().at(3, 0) + 0.05).abs() < 1e-15);
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug)]
 pub struct Linearisation<T: Float> {
     layout: Layout,
@@ -203,7 +234,7 @@ impl fmt::Display for LinearisationError {
 impl std::error::Error for LinearisationError {}
 
 impl<T: Scalar> Linearisation<T> {
-    /// Linearises at `at`, whose node unknowns solve the balance (`Nodes::solve`, `Nodes::at`).
+    /// Linearises at `at`, whose node unknowns solve the balance, as those of [`Simulation::nodes`](crate::Simulation::nodes) do.
     ///
     /// Parameters of node lines enter K_e and L_e as they enter K and L0.
     ///
