@@ -29,7 +29,7 @@ impl Name {
 }
 
 /// The coordinates of the state x = [q | v | z], in order: `capsule.x` … `capsule.qz`, `capsule.vx`, `capsule.omega_body_x`, `swivel.x`, ….
-/// In the plane xz: `crank.x`, `crank.z`, `crank.angle` (about y, not wrapped), `crank.vx`, `crank.vz`, `crank.omega_y`.
+/// In the plane xz: `crank.x`, `crank.z`, `crank.angle` (about y, not periodic), `crank.vx`, `crank.vz`, `crank.omega_y`.
 #[must_use]
 pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
     let moves = layout.directions.moves();

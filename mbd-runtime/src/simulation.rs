@@ -57,13 +57,18 @@ enum Pace {
 ///     }
 /// }
 ///
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let stone = Stone::new(StoneParams::default())?;
-/// let mut start = StoneState::at_origin();
-/// start.set_stone(PointState { position: [0.0, 0.0, 10.0], velocity: [2.0, 0.0, 0.0] });
+/// /// A stone at a height [m] that moves at 2 m/s along x.
+/// fn thrown_from(height: f64) -> Result<Simulation<f64>, Box<dyn std::error::Error>> {
+///     let stone = Stone::new(StoneParams::default())?;
+///     let mut start = StoneState::at_origin();
+///     start.set_stone(PointState { position: [0.0, 0.0, height], velocity: [2.0, 0.0, 0.0] });
+///     let mut simulation = Simulation::new(&stone, Options::rk4(0.1))?;
+///     simulation.set_state(0.0, &start.to_vec())?;
+///     Ok(simulation)
+/// }
 ///
-/// let mut simulation = Simulation::new(&stone, Options::rk4(0.1))?;
-/// simulation.set_state(0.0, &start.to_vec())?;
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut simulation = thrown_from(10.0)?;
 /// simulation.run(1.0)?;
 ///
 /// // z = 10 m − ½ g t²; RK4 integrates a parabola exactly.

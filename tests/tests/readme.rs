@@ -1,31 +1,37 @@
-//! The README, followed literally by a new user.
+//! The README and the pages under `docs/`, followed literally by a new user.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use proc_macro2::{TokenStream, TokenTree};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The first fenced block of a language.
-fn block(readme: &str, language: &str) -> String {
+/// A text of the repository.
+fn text(path: &str) -> String {
+    fs::read_to_string(repository().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The fenced blocks of a language, in order.
+fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
     let fence = format!("```{language}\n");
-    let (_, rest) = readme
-        .split_once(&fence)
-        .expect("the README has such a block");
-    let (code, _) = rest.split_once("```").expect("a fence is closed");
-    code.to_owned()
+    let open = page.split(&fence).skip(1);
+    open.map(|rest| rest.split("```").next().unwrap_or_default())
+        .collect()
 }
 
 #[test]
 fn a_new_crate_made_by_following_the_readme_compiles_and_runs() {
     let repository = repository().canonicalize().expect("the repository exists");
-    let readme = fs::read_to_string(repository.join("README.md")).expect("there is a README");
+    let readme = text("README.md");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme/lamp");
     fs::create_dir_all(folder.join("src")).expect("a temporary folder");
     let runtime = repository.join("mbd-runtime");
-    let dependencies = block(&readme, "toml").replace(
+    let dependencies = blocks(&readme, "toml")[0].replace(
         "../mbd/mbd-runtime",
         runtime.to_str().expect("a path in UTF-8"),
     );
@@ -33,7 +39,7 @@ fn a_new_crate_made_by_following_the_readme_compiles_and_runs() {
         "[package]\nname = \"lamp\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n{dependencies}\n[workspace]\n"
     );
     fs::write(folder.join("Cargo.toml"), manifest).expect("written");
-    fs::write(folder.join("src/main.rs"), block(&readme, "rust")).expect("written");
+    fs::write(folder.join("src/main.rs"), blocks(&readme, "rust")[0]).expect("written");
     // The versions this repository was tested with, so that nothing has to be looked up.
     fs::copy(repository.join("Cargo.lock"), folder.join("Cargo.lock")).expect("copied");
     let run = Command::new(env!("CARGO"))
@@ -55,4 +61,96 @@ fn a_new_crate_made_by_following_the_readme_compiles_and_runs() {
         "{header}"
     );
     assert_eq!(rows.count(), 9, "{out}");
+}
+
+/// The profile that the README gives to users is the one that this workspace is tested with.
+#[test]
+fn the_profile_of_the_readme_is_that_of_the_workspace() {
+    let readme = text("README.md");
+    let profile = blocks(&readme, "toml")[1];
+    assert!(text("Cargo.toml").contains(profile), "{profile}");
+}
+
+#[test]
+fn pages_link_to_files_that_exist() {
+    let folder = repository().join("docs");
+    let pages = fs::read_dir(folder).expect("there are pages");
+    let mut pages: Vec<String> = pages
+        .map(|page| page.expect("a page").file_name())
+        .map(|name| format!("docs/{}", name.to_str().expect("a name in UTF-8")))
+        .collect();
+    let readme = text("README.md");
+    for page in &pages {
+        let link = format!("]({page})");
+        assert!(readme.contains(&link), "the README does not list {page}");
+    }
+    pages.push("README.md".to_owned());
+    for page in pages {
+        let (folder, _) = page.rsplit_once('/').unwrap_or((".", ""));
+        for link in text(&page).split("](").skip(1) {
+            let target = link.split([')', '#']).next().unwrap_or_default();
+            let path = repository().join(folder).join(target);
+            assert!(path.exists(), "{page} links to {target}");
+        }
+    }
+}
+
+/// The walk through a joint quotes the joint itself, the list and the contract.
+#[test]
+fn the_page_about_a_new_joint_quotes_what_is_there() {
+    let page = text("docs/adding_a_joint.md");
+    let joints = "mbd-runtime/scene/src/joints";
+    let sources = ["hinge", "mod"].map(|file| text(&format!("{joints}/{file}.rs")));
+    for quoted in blocks(&page, "rust") {
+        assert!(
+            sources.iter().any(|source| source.contains(quoted)),
+            "neither hinge.rs nor mod.rs has these lines:\n{quoted}"
+        );
+    }
+    let contract = text("tests/tests/joints/contract.rs");
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| `"));
+    for test in rows.filter_map(|row| row.split('`').next()) {
+        assert!(
+            contract.contains(&format!("fn {test}()")),
+            "no test is called {test}"
+        );
+    }
+}
+
+/// Names of the public items of emitted code, those of the trait's functions aside.
+fn public_items(code: TokenStream, names: &mut BTreeSet<String>) {
+    let mut is_public = false;
+    for token in code {
+        match token {
+            TokenTree::Group(group) => public_items(group.stream(), names),
+            TokenTree::Ident(word) => match word.to_string().as_str() {
+                "pub" => is_public = true,
+                "fn" | "const" | "struct" | "trait" | "type" => {}
+                name if is_public => {
+                    names.insert(name.to_owned());
+                    is_public = false;
+                }
+                _ => {}
+            },
+            TokenTree::Punct(_) | TokenTree::Literal(_) => {}
+        }
+    }
+}
+
+#[test]
+fn the_page_about_generated_code_names_every_public_item() {
+    let page = text("docs/generated_code.md");
+    let declaration = blocks(&page, "text")[0].trim();
+    let declaration = declaration.parse().expect("a declaration is tokens");
+    let mut emitted = BTreeSet::new();
+    public_items(mbd_compiler::compile(declaration), &mut emitted);
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| `"));
+    let named = rows.filter_map(|row| row.split('`').next());
+    let named: BTreeSet<String> = named.map(str::to_owned).collect();
+    let missing: Vec<_> = emitted.difference(&named).collect();
+    let gone: Vec<_> = named.difference(&emitted).collect();
+    assert!(
+        missing.is_empty() && gone.is_empty(),
+        "not on the page: {missing:?}; not in the code: {gone:?}"
+    );
 }

@@ -31,7 +31,8 @@ pub struct Matrix<T> {
 
 /// Total derivatives at one state, with the room to compute them again.
 ///
-/// With q, v, z in the state x: A = dẋ/dx and its sisters, through the nodes where there are any. Scenes with rows of joints are refused.
+/// A = dẋ/dx and dẋ/dθ of the state x = [q | v | z] and the parameters θ, and the same of outputs and node unknowns; through the nodes where there are
+/// any. Scenes with rows of joints are refused.
 ///
 /// ```
 /// use mbd_runtime::scene::Arguments;
@@ -239,7 +240,7 @@ impl<T: Scalar> Linearisation<T> {
     /// Parameters of node lines enter K_e and L_e as they enter K and L0.
     ///
     /// # Errors
-    /// [`LinearisationError`]; the result is then worth nothing.
+    /// [`LinearisationError`]; the numbers then mean nothing.
     pub fn evaluate(
         &mut self,
         model: &dyn Model<T>,

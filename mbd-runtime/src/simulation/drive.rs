@@ -30,7 +30,7 @@ impl<T: Scalar> Simulation<T> {
         T::drive(self, until, Some(trajectory), &mut |_| true)
     }
 
-    /// Runs until a time [s] or until `go_on`, asked with the time of every accepted step, says no.
+    /// Runs until a time [s] or until `go_on`, called with the time of every accepted step, returns false.
     ///
     /// # Errors
     /// As [`Simulation::run`], and [`StepError::Cancelled`].

@@ -29,8 +29,8 @@ impl<T: Scalar> Simulation<T> {
         T::give_nodes(self, guess)
     }
 
-    /// Makes the start consistent: moves bodies so that the joints hold (the given state chooses the branch), places the nodes, decides the mode of every line, evaluates the first rates. [`Simulation::run`] does it when
-    /// it was not done.
+    /// Makes the start consistent: corrects bodies so that the joints hold (the state that was set chooses the branch), places the nodes, decides the
+    /// mode of every line, evaluates the first rates. [`Simulation::run`] calls it when nobody has.
     ///
     /// # Errors
     /// Joints that cannot be satisfied together, or only on a branch they do not mean; no equilibrium of a node; rates that are not finite.
