@@ -17,7 +17,7 @@
 //! a number without unit, whatever the masses: 1 for rows at right angles, sin² for two rows at an angle, eps or less for dependent ones.
 //! Rows that leave by substitution have no pivot and do not count.
 
-use super::pair::last;
+use super::articulated::last;
 use crate::Real;
 use crate::elimination::{Elimination, Part, Step};
 
@@ -107,17 +107,17 @@ impl<S: Real> System<S> {
     /// Factorises K by (1). `enter` hears which part comes next.
     pub fn factor(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
         for (index, step) in plan.steps.iter().enumerate() {
-            if step.rides {
+            if step.paired {
                 continue;
             }
             enter(step.part);
-            if step.partition.is_some() {
+            if step.carrying.is_some() {
                 self.factor_pair(plan, index);
-                let riding = plan.steps.get(index + 1);
+                let joint = plan.steps.get(index + 1);
                 let both = step
                     .below
                     .iter()
-                    .chain(riding.into_iter().flat_map(|r| &r.below));
+                    .chain(joint.into_iter().flat_map(|joint| &joint.below));
                 for target in both.filter_map(|below| plan.steps.get(below.step)) {
                     self.grown[target.first..target.first + target.size].fill(true);
                 }
@@ -202,7 +202,7 @@ impl<S: Real> System<S> {
     /// The smallest part of its element that other rows have left to the pivot of a row, after [`System::factor`], by (3).
     pub fn margin(&self, plan: &Elimination) -> S {
         let joints = plan.steps.iter();
-        let joints = joints.filter(|step| matches!(step.part, Part::Joint(_)) && !step.rides);
+        let joints = joints.filter(|step| matches!(step.part, Part::Joint(_)) && !step.paired);
         let mut least = S::one();
         for step in joints {
             for p in 0..step.size {
@@ -249,11 +249,11 @@ impl<S: Real> System<S> {
     /// Solves for the right-hand side by (2); the factor stays. `enter` hears which part comes next.
     pub fn solve(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
         for (index, step) in plan.steps.iter().enumerate() {
-            if step.rides {
+            if step.paired {
                 continue;
             }
             enter(step.part);
-            if step.partition.is_some() {
+            if step.carrying.is_some() {
                 self.carry_pair(plan, index);
                 continue;
             }
@@ -275,11 +275,11 @@ impl<S: Real> System<S> {
             }
         }
         for (index, step) in plan.steps.iter().enumerate().rev() {
-            if step.rides {
+            if step.paired {
                 continue;
             }
             enter(step.part);
-            if step.partition.is_some() {
+            if step.carrying.is_some() {
                 self.find_pair(plan, index);
                 continue;
             }

@@ -59,9 +59,11 @@ impl<S: Real> Turning<S> {
         let [x_rate, y_rate] = [&self.cosine, &self.sine].map(|row| row.parent.angular.dot(w));
         let stretching = S::from_f64(2.0) * (x * x_rate + y * y_rate);
         let rate = row.parent.angular.dot(w);
+        let own = rate * (stretching * self.inverse);
         Row {
             value: y.atan2(x),
-            bias: row.bias + rate * (stretching * self.inverse),
+            bias: row.bias + own,
+            relative: row.relative + own,
             ..row
         }
     }

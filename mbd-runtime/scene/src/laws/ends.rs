@@ -160,8 +160,19 @@ pub struct Spin<S: Real> {
     pub difference: Vector3<S>,
     /// w·w.
     pub square: S,
-    /// ω_p × A ω_c.
+    /// ω_p × ω_c.
     pub cross: Vector3<S>,
+}
+
+impl<S: Real> Spin<S> {
+    fn new(parent: &Vector3<S>, child: &Vector3<S>) -> Self {
+        let difference = parent - child;
+        Spin {
+            difference,
+            square: difference.dot(&difference),
+            cross: parent.cross(child),
+        }
+    }
 }
 
 /// Parent end and child end of a joint, and its numbers.
@@ -175,6 +186,7 @@ pub struct Ends<'a, S: Real> {
     components: AngularVelocity,
     relative: OnceCell<Turn<S>>,
     spin: OnceCell<Spin<S>>,
+    spin_in_child: OnceCell<Spin<S>>,
 }
 
 impl<'a, S: Real> Ends<'a, S> {
@@ -192,6 +204,7 @@ impl<'a, S: Real> Ends<'a, S> {
             components,
             relative: OnceCell::new(),
             spin: OnceCell::new(),
+            spin_in_child: OnceCell::new(),
         }
     }
 
@@ -214,14 +227,24 @@ impl<'a, S: Real> Ends<'a, S> {
     /// The child's angular velocity seen from the parent.
     pub fn spin(&self) -> &Spin<S> {
         self.spin.get_or_init(|| {
-            let child = self.relative().apply(&self.child.omega);
-            let difference = self.parent.omega - child;
-            Spin {
-                difference,
-                square: difference.dot(&difference),
-                cross: self.parent.omega.cross(&child),
-            }
+            Spin::new(
+                &self.parent.omega,
+                &self.relative().apply(&self.child.omega),
+            )
         })
+    }
+
+    /// The same in child components.
+    pub fn spin_in_child(&self) -> &Spin<S> {
+        self.spin_in_child.get_or_init(|| {
+            let parent = self.relative().back(&self.parent.omega);
+            Spin::new(&parent, &self.child.omega)
+        })
+    }
+
+    /// An axis of frame 1, child components.
+    pub fn in_child(&self, axis: &Axis) -> Vector3<S> {
+        self.relative().back(&self.parent.axis(axis))
     }
 
     /// d: the child's joint point from the parent's, world axes [m].

@@ -25,6 +25,7 @@ impl<S: Real> Ends<'_, S> {
                 value: row.value - course.value,
                 time: row.time - course.rate,
                 bias: row.bias + course.curve,
+                relative: row.relative + course.curve,
                 ..row
             };
         };
@@ -34,12 +35,13 @@ impl<S: Real> Ends<'_, S> {
         let row = across.scaled(cos).plus(&along.scaled(-sin));
         let ahead = across.value * sin + along.value * cos;
         let turning = across.rate(self) * sin + along.rate(self) * cos;
+        let own = (turning + turning) * course.rate
+            + ahead * course.curve
+            + row.value * (course.rate * course.rate);
         Row {
             time: -(ahead * course.rate),
-            bias: row.bias
-                + (turning + turning) * course.rate
-                + ahead * course.curve
-                + row.value * (course.rate * course.rate),
+            bias: row.bias + own,
+            relative: row.relative + own,
             ..row
         }
     }

@@ -9,8 +9,7 @@ pub use slots::{
     Slots, StopSlots,
 };
 
-use crate::elimination::Elimination;
-use crate::partition::Partition;
+use crate::elimination::{Carrying, Elimination};
 use crate::plane::Directions;
 use crate::redundancy::{Redundancy, RowSet};
 use crate::scene::Scene;
@@ -95,11 +94,12 @@ impl Layout {
             }
         }
         let joints = scene.joints.iter().zip(&self.joints);
-        let partitions: Vec<Option<Partition>> = joints
+        let carrying: Vec<Option<Carrying>> = joints
             .map(|(joint, slots)| {
-                let motors = joint.motors();
-                let motors = motors.filter_map(|(index, _)| joint.law.coordinate(index));
-                Partition::of(&joint.law, slots.law, motors, self.directions)
+                let driven = joint.motors();
+                let driven = driven.map(|(index, _)| Some((index, joint.law.coordinate(index)?)));
+                let motors: Vec<_> = driven.collect::<Option<_>>()?;
+                Carrying::of(&joint.law, slots.law, &motors, self.directions)
             })
             .collect();
         self.elimination = Elimination::new(
@@ -107,7 +107,7 @@ impl Layout {
             self.bodies.len(),
             &self.points,
             &self.joints,
-            &partitions,
+            &carrying,
             redundancy.closed,
         );
         self.redundancy = redundancy;
