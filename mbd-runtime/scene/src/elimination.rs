@@ -139,6 +139,16 @@ impl Elimination {
             |g: &Graph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));
         let least_cost = |g: &Graph, n: usize| (g.cost(n), 0);
         let parents = parent_joints(bodies, joints, carrying);
+        let carries = |body: usize| {
+            let mut joints = parents.iter().flatten().map(|&joint| &joints[joint]);
+            joints.any(|joint| joint.ends[0] == Some(Part::Body(body)))
+        };
+        let mut carrying = carrying.to_vec();
+        for (body, joint) in parents.iter().enumerate() {
+            if let (Some(joint), false) = (*joint, carries(body)) {
+                carrying[joint] = carrying[joint].map(|own| own.of_leaf(directions));
+            }
+        }
         let pairs: Vec<Option<(usize, usize)>> = graph
             .parts
             .iter()
@@ -169,9 +179,9 @@ impl Elimination {
         match (articulated, cheapest) {
             (Some((order, cost)), Some((_, other))) if cost <= other => {
                 elimination.parent_joints = parents;
-                elimination.lay_out(graph, &order, carrying);
+                elimination.lay_out(graph, &order, &carrying);
             }
-            (_, Some((order, _))) => elimination.lay_out(graph, &order, carrying),
+            (_, Some((order, _))) => elimination.lay_out(graph, &order, &carrying),
             _ => {}
         }
         elimination
@@ -196,10 +206,10 @@ impl Elimination {
                 _ => None,
             };
             let own = parent.and_then(|joint| carrying.get(joint).copied().flatten());
-            // A joint that leaves with its child, the step before: X a coupling, H and its least pivots, N ν and H u.
+            // A joint that leaves with its child, the step before: X a coupling; H, its least pivots and axes; ν and u.
             let child = self.steps.last().and_then(|step| Some((step.size, step.carrying?.free)));
             let [width, room, unknowns] = match child {
-                Some((speeds, free)) => [speeds, (speeds + 1) * free, speeds + free],
+                Some((speeds, free)) => [speeds, (speeds + 1) * free + 9, speeds + free],
                 None => [size, size * size, size],
             };
             let diagonal = self.room(room);

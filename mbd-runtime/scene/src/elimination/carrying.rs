@@ -1,7 +1,8 @@
 //! Which joints carry their child out of the system, and in which unknowns: read off the columns that the joint states ([`Carried`]).
 //!
 //! ```text
-//! H turns about two axes or more      the child's own components, its joint point Q                               (1)
+//! H turns, the child carries nothing  the child's own components, its joint point Q
+//! H turns about two axes or more      the same                                                                    (1)
 //! H turns about one axis              world axes, Q                                                               (2)
 //! H does not turn                     the unknowns of the parent: V_c = V_p + H u + N ν without any matrix        (3)
 //! ```
@@ -28,6 +29,8 @@ pub struct Carrying {
     pub free: usize,
     /// Whether the child's unknowns are along its own components.
     pub own: bool,
+    /// Whether they are turned to axes of the joint where the child leaves: see [`Carried::axes`].
+    pub axes: bool,
     /// Whether the child's unknowns are those of the parent: same axes, same point.
     pub shared: bool,
     /// Whether the joint points coincide: see [`Carried::meets`].
@@ -68,10 +71,20 @@ impl Carrying {
         (cheap && counted == RowSet::all(law.rows())).then_some(Carrying {
             free: free.len(),
             own,
+            axes: own && carried.axes.is_some(),
             shared: turns == 0,
             meets: carried.meets,
             points: RowSet::default(),
         })
+    }
+
+    /// The same for a child that carries nothing: its inertia is constant in its own components.
+    #[must_use]
+    pub fn of_leaf(self, directions: Directions) -> Self {
+        Carrying {
+            own: self.own || !self.shared && directions.plane.is_none(),
+            ..self
+        }
     }
 
     /// The same in a plane: every row holds the point or the angle, and the parent's motion is taken to P or to Q.
@@ -104,6 +117,7 @@ impl Carrying {
         (independent && (meets || slides)).then(|| Carrying {
             free: directions.speeds() - rows.len(),
             own: false,
+            axes: false,
             shared: turns == 1,
             meets,
             points,
@@ -120,14 +134,13 @@ fn within(directions: Directions, columns: &Columns<f64>) -> f64 {
 /// The ends of a joint that does not hold, world components, the columns of the child at its joint point.
 fn somewhere(directions: Directions) -> (End<f64>, End<f64>) {
     let end = |position: [f64; 3], turn: [f64; 3], arm: [f64; 3]| {
-        let mut turn = Vector3::from(turn);
         let (mut position, mut arm) = (Vector3::from(position), Vector3::from(arm));
         if let Some(plane) = directions.plane {
             let normal = plane.normal();
-            turn = plane.axis().vector() * turn.x;
             (position[normal], arm[normal]) = (0.0, 0.0);
         }
-        let frame = Rotation3::new(turn).into_inner();
+        // Joint frames lean out of a plane, too.
+        let frame = Rotation3::new(Vector3::from(turn)).into_inner();
         End {
             position,
             ..End::fixed(arm, Turn::By(frame))

@@ -10,8 +10,11 @@
 //!
 //! I_a is the block of the body, p its right-hand side, C_o its coupling to another node (zero on a tree), ν = N γ what the rows ask for.
 //! X is that of the parent alone: a body that a joint lets turn is rigidly attached at the joint's point, up to H. After (2) I_a is the
-//! inertia that the joint hands inboard, and I_a h is zero; where h is a unit vector its row and column are left out.
+//! inertia that the joint hands inboard, and I_a h is zero; where h is a unit vector its row and column are left out. All of this is in the
+//! axes of the joint where it states some: the columns of T, ω = T ω_T.
 //! Source: Featherstone, Rigid Body Dynamics Algorithms, articulated-body algorithm.
+
+use nalgebra::Matrix3;
 
 use super::block::System;
 use crate::Real;
@@ -29,16 +32,20 @@ struct Pair<'a> {
     free: usize,
     /// Number of speeds of the body.
     speeds: usize,
+    /// Whether the joint states axes.
+    axes: bool,
 }
 
 impl<'a> Pair<'a> {
     fn new(plan: &'a Elimination, index: usize) -> Option<Self> {
         let body = plan.steps.get(index)?;
+        let carrying = body.carrying?;
         Some(Pair {
             body,
             joint: plan.steps.get(index + 1)?,
-            free: body.carrying?.free,
+            free: carrying.free,
             speeds: body.size,
+            axes: carrying.axes && body.size == MOST,
         })
     }
 
@@ -50,6 +57,11 @@ impl<'a> Pair<'a> {
     /// The coupling of the body to a node, if there is one.
     fn coupling(&self, step: usize) -> Option<&'a Below> {
         self.others().iter().find(|below| below.step == step)
+    }
+
+    /// Where T is in the store.
+    fn axes_at(&self) -> usize {
+        self.joint.diagonal + (self.speeds + 1) * self.free
     }
 
     /// Where U/D of a column is in the scaled store.
@@ -94,6 +106,21 @@ impl<S: Real> System<S> {
         }
     }
 
+    /// Sets T, the axes of the joint of the body of a step.
+    pub fn set_axes(&mut self, plan: &Elimination, body: usize, axes: &Matrix3<S>) {
+        if let Some(pair) = Pair::new(plan, body) {
+            let at = pair.axes_at();
+            self.store[at..at + 9].copy_from_slice(axes.as_slice());
+        }
+    }
+
+    /// T, where the joint states axes.
+    fn axes(&self, pair: &Pair<'_>) -> Option<Matrix3<S>> {
+        let at = pair.axes_at();
+        pair.axes
+            .then(|| Matrix3::from_column_slice(&self.store[at..at + 9]))
+    }
+
     /// A column of H.
     fn column(&self, pair: &Pair<'_>, column: usize) -> [S; MOST] {
         let at = pair.joint.diagonal + pair.speeds * column;
@@ -116,6 +143,14 @@ impl<S: Real> System<S> {
         };
         let n = pair.speeds;
         let mut inertia = self.inertia_of(&pair);
+        if let Some(axes) = self.axes(&pair) {
+            turn_inertia(&mut inertia, &axes);
+            for below in pair.others() {
+                for row in 0..plan.steps[below.step].size {
+                    turn(&mut self.store[below.at + n * row + 3..], &axes);
+                }
+            }
+        }
         for k in 0..pair.free {
             self.release(plan, &pair, k, &mut inertia);
         }
@@ -279,6 +314,9 @@ impl<S: Real> System<S> {
             return;
         };
         let (first, held, n) = (pair.body.first, pair.joint.first, pair.speeds);
+        if let Some(axes) = self.axes(&pair) {
+            turn(&mut self.right[first + 3..], &axes);
+        }
         for k in 0..pair.free {
             let h = self.column(&pair, k);
             let value = sparse_dot((0..n).map(|i| (self.right[first + i], h[i])));
@@ -390,6 +428,9 @@ impl<S: Real> System<S> {
                 }
             }
         }
+        if let Some(axes) = self.axes(&pair) {
+            turn(&mut self.right[first + 3..], &axes.transpose());
+        }
     }
 
     /// The unknowns of the joint of the pair of step `index`: ν, after [`System::solve`] (5).
@@ -416,6 +457,40 @@ impl<S: Real> System<S> {
 
 /// The names of U, in the order of the speeds.
 const LABELS_U: [&str; MOST] = ["U_vx", "U_vy", "U_vz", "U_wx", "U_wy", "U_wz"];
+
+/// The first three numbers of a list, a row vector: times T.
+fn turn<S: Real>(list: &mut [S], axes: &Matrix3<S>) {
+    let old: [S; 3] = std::array::from_fn(|r| list[r]);
+    for (j, slot) in list.iter_mut().enumerate().take(3) {
+        *slot = sparse_dot((0..3).map(|r| (old[r], axes[(r, j)])));
+    }
+}
+
+/// Tᵀ of the angular rows and T of the angular columns of a block.
+fn turn_inertia<S: Real>(inertia: &mut [[S; MOST]; MOST], axes: &Matrix3<S>) {
+    for row in inertia.iter_mut() {
+        turn(&mut row[3..], axes);
+    }
+    for j in 0..MOST {
+        let mut column = [inertia[3][j], inertia[4][j], inertia[5][j]];
+        if j < 3 {
+            column = [inertia[j][3], inertia[j][4], inertia[j][5]];
+        } else {
+            turn(&mut column, axes);
+        }
+        for (row, value) in column.into_iter().enumerate() {
+            // The lower triangle repeats the upper one.
+            if j < 3 || row <= j - 3 {
+                inertia[3 + row][j] = value;
+            }
+        }
+    }
+    for i in 3..MOST {
+        for j in 3..i {
+            inertia[i][j] = inertia[j][i];
+        }
+    }
+}
 
 /// Σ a b over the products in which neither is zero.
 pub(super) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {

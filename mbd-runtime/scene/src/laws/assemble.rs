@@ -38,7 +38,7 @@ impl<S: Real> Carriage<S> {
         let rows = rows.rows();
         let mut carried = match layout.directions.plane {
             Some(_) => Carried::in_plane(rows, carrying, layout.directions)?,
-            None => declared.law.carried(&ends, carrying.own)?,
+            None => declared.law.carried(&ends, carrying.axes)?,
         };
         let axes = Turn::from(carried.axes);
         let columns = |row: &Row<S>| Twist {
@@ -179,20 +179,15 @@ impl<S: Real> Constraints<S> {
                 continue;
             };
             enter::<S>(evaluation.scene, step.part);
-            let carrying = plan.carrying(body);
-            let carriage = carrying.and_then(|(joint, _)| self.carriages[joint].as_mut());
-            let carried = carriage.as_ref().map(|carriage| &carriage.carried);
-            let reference = evaluation.reference(body, &self.references, carried);
-            if let (Some(reference), Some(carriage), Some((joint, carrying))) =
-                (reference, carriage, carrying)
-                && carrying.shared
-            {
-                let child = evaluation.scene.joints[joint].child;
-                if let Some(place) = evaluation.arm_of(child) {
-                    carriage.refer(&reference, &place);
-                }
-            }
+            let reference = evaluation.reference(body, &self.references);
             self.references[body] = reference;
+            let shared = plan.carrying(body).filter(|(_, carrying)| carrying.shared);
+            if let (Some(reference), Some((joint, _))) = (reference, shared)
+                && let Some(carriage) = self.carriages[joint].as_mut()
+                && let Some(place) = evaluation.arm_of(evaluation.scene.joints[joint].child)
+            {
+                carriage.refer(&reference, &place);
+            }
         }
     }
 
@@ -232,6 +227,9 @@ impl<S: Real> Constraints<S> {
             return;
         };
         let mass = evaluation.numbers.bodies[body].mass;
+        if let Some(axes) = &carriage.carried.axes {
+            self.system.set_axes(plan, index - 1, axes);
+        }
         for (number, column) in carriage.carried.free.iter().enumerate() {
             // Half the body's own share: off unit quaternions it is a little less than the whole.
             let slides = column.angular.iter().all(|x| x.is_zero());
@@ -252,9 +250,10 @@ impl<S: Real> Constraints<S> {
                 match self.references[parent] {
                     Some(parent) => {
                         let lever = evaluation.transport(joint, &parent, carrying.meets);
+                        let axes = Turn::from(carriage.carried.axes);
                         let turn = match parent.same_axes(&child) {
                             true => Turn::None,
-                            false => child.turn_from(&parent.outward),
+                            false => child.outward.after(&axes).to(&parent.outward),
                         };
                         (turn, lever)
                     }

@@ -143,10 +143,18 @@ impl<S: Real> Motion<S> {
 
     /// ω′ × I′ω′ [N m], body axes.
     pub fn gyroscopic(&self, body: &BodyNumbers<S>) -> Vector3<S> {
-        labelled(
-            self.omega_body.cross(&(body.inertia * self.omega_body)),
-            ["gyro_x", "gyro_y", "gyro_z"],
-        )
+        let (w, inertia) = (self.omega_body, &body.inertia);
+        let principal = (0..3).all(|k| inertia[(k, (k + 1) % 3)].is_zero());
+        let couple = if principal {
+            // A structural fact of the declaration, not a branch on the state: inertia is constant.
+            Vector3::from_fn(|i, _| {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                (inertia[(k, k)] - inertia[(j, j)]) * (w[j] * w[k])
+            })
+        } else {
+            w.cross(&(inertia * w))
+        };
+        labelled(couple, ["gyro_x", "gyro_y", "gyro_z"])
     }
 
     /// Writes ω̇ for a torque about the centre of mass in world axes [N m] (components by declaration), from (3) or (4).

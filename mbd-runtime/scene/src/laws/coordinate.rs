@@ -117,8 +117,7 @@ impl<S: Real> Ends<'_, S> {
 
     /// Its rate [m/s]: a1·(u − ω_p × e).
     fn way_rate(&self, axis: &Axis) -> S {
-        let carried = self.parent.omega.cross(&self.reach());
-        self.parent.axis(axis).dot(&(self.reach_rate() - carried))
+        self.parent.axis(axis).dot(&self.slide_rate())
     }
 
     /// Way along the axis per radian [m/rad].

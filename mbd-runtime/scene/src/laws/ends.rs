@@ -271,6 +271,11 @@ impl<'a, S: Real> Ends<'a, S> {
         p.outward.back(&(c.velocity - p.velocity)) + self.relative().apply(&c.swing())
     }
 
+    /// u − ω_p × e: velocity of the child's joint point seen from the parent, parent components [m/s].
+    pub fn slide_rate(&self) -> Vector3<S> {
+        self.reach_rate() - self.parent.omega.cross(&self.reach())
+    }
+
     /// Axis number `k` of frame 1, world axes.
     pub fn direction(&self, k: usize) -> Vector3<S> {
         self.parent.outward.apply(&self.parent.frame.column(k))

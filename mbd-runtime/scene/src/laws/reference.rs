@@ -7,7 +7,7 @@
 //! the parent's axes and point          a body that its parent joint does not let turn                             (4)
 //! ```
 //!
-//! Own axes of (3) may be turned to those in which the joint's free columns are unit vectors. In (4) the point is the parent's, shifted by
+//! In (4) the point is the parent's, shifted by
 //! the gap that the points of a rigid joint have off the constraints.
 
 use nalgebra::{Matrix3, Vector3};
@@ -15,7 +15,6 @@ use nalgebra::{Matrix3, Vector3};
 use super::evaluation::Evaluation;
 use super::rows::{End, Ends, Turn};
 use crate::elimination::Part;
-use crate::joints::Carried;
 use crate::{AngularVelocity, Place, Real};
 
 /// The axes and the point of the unknowns of a body.
@@ -73,12 +72,11 @@ impl<S: Real> Evaluation<'_, S> {
         Some(ends)
     }
 
-    /// The reference frame of a body; `references` those of what carries it, `carried` the columns of its parent joint.
+    /// The reference frame of a body; `references` those of what carries it.
     pub(super) fn reference(
         &self,
         body: usize,
         references: &[Option<Reference<S>>],
-        carried: Option<&Carried<S>>,
     ) -> Option<Reference<S>> {
         let motion = self.motions.get(body)?;
         let plan = &self.layout.elimination;
@@ -122,17 +120,7 @@ impl<S: Real> Evaluation<'_, S> {
                 ..inboard
             });
         }
-        let axes = match carrying.own {
-            false => world,
-            true => match carried.and_then(|carried| carried.axes) {
-                None => own,
-                Some(axes) => Reference {
-                    outward: own.outward.after(&Turn::By(axes)),
-                    turn: Turn::By(axes.transpose()),
-                    ..own
-                },
-            },
-        };
+        let axes = if carrying.own { own } else { world };
         Some(Reference {
             point: Some(axes.turn.apply(&place)),
             place: Some(place),

@@ -359,10 +359,9 @@ impl<S: Real> Ends<'_, S> {
 
     /// The second of (7): the child's point moves in the parent, world axes [m/s²].
     pub fn sliding(&self) -> Vector3<S> {
-        let (reach, rate) = (self.reach(), self.reach_rate());
-        let omega = self.parent.omega;
-        let twice = (rate + rate) - omega.cross(&reach);
-        self.parent.outward.apply(&omega.cross(&twice)) - pull(&self.child)
+        let twice = self.reach_rate() + self.slide_rate();
+        let coriolis = self.parent.omega.cross(&twice);
+        self.parent.outward.apply(&coriolis) - pull(&self.child)
     }
 }
 
@@ -373,12 +372,17 @@ fn pull<S: Real>(end: &End<S>) -> Vector3<S> {
 
 /// (2).
 pub(crate) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
-    let (a, b) = (ends.parent.axis(a), ends.child.axis(b));
-    let (b_parent, a_child) = (ends.relative().apply(&b), ends.relative().back(&a));
+    across(ends, &ends.parent.axis(a), &ends.child.axis(b))
+}
+
+/// (2) for directions in the components of their ends.
+pub(super) fn across<S: Real>(ends: &Ends<'_, S>, a: &Vector3<S>, b: &Vector3<S>) -> Row<S> {
+    let (b_parent, a_child) = (ends.relative().apply(b), ends.relative().back(a));
     let spin = ends.spin();
     let (normal, couple) = (a.cross(&b_parent), b.cross(&a_child));
     let cosine = a.dot(&b_parent);
     let along = a.dot(&spin.difference) * b_parent.dot(&spin.difference);
+    let relative = spin.square * cosine - along;
     Row {
         value: cosine,
         parent: Columns {
@@ -391,9 +395,18 @@ pub(crate) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> 
         },
         time: S::zero(),
         couple,
-        bias: spin.square * cosine - along - normal.dot(&spin.cross),
-        relative: spin.square * cosine - along,
+        bias: relative - normal.dot(&spin.cross),
+        relative,
     }
+}
+
+/// a, b → a cos − b sin and a sin + b cos.
+pub(super) fn rotated<S: Real>(
+    [a, b]: [Vector3<S>; 2],
+    (sin, cos): (S, S),
+) -> [Vector3<S>; 2] {
+    let sum = |x: S, y: S| a.map(|a| a * x) + b.map(|b| b * y);
+    [sum(cos, -sin), sum(sin, cos)]
 }
 
 /// (3).
@@ -424,26 +437,25 @@ pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
     }
 }
 
-/// (5).
+/// (5), with the axes of frame 1 turned by φ: m = u1 sin φ − v1 cos φ and n = u1 cos φ + v1 sin φ.
 pub(crate) fn helix<S: Real>(ends: &Ends<'_, S>, axis: &Axis, lead: S) -> Row<S> {
     let [u, v] = axis.complement();
-    let (along, across) = (perpendicular(ends, &u, &u), perpendicular(ends, &v, &u));
     let way = in_plane(ends, axis);
     let (sin, cos) = (way.value / lead).sin_cos();
-    let advance = along.value * cos + across.value * sin;
-    let miss = along.value * sin - across.value * cos;
-    let speed = way.rate(ends);
-    let turning = along.rate(ends) * cos + across.rate(ends) * sin;
-    let row = along
-        .scaled(lead * sin)
-        .plus(&across.scaled(-(lead * cos)))
-        .plus(&way.scaled(advance));
+    let own = [u, v].map(|axis| ends.parent.axis(&axis));
+    // v cos − u sin and v sin + u cos.
+    let [behind, ahead] = rotated([own[1], own[0]], (sin, cos));
+    let u = ends.child.axis(&u);
+    let (miss, advance) = (across(ends, &-behind, &u), across(ends, &ahead, &u));
+    let speed = ends.parent.axis(axis).dot(&ends.slide_rate());
+    let turning = advance.parent.angular.dot(&ends.spin().difference);
+    let row = miss.scaled(lead).plus(&way.scaled(advance.value));
     let two = S::from_f64(2.0);
-    let own = miss * (speed * speed) / lead - two * (turning * speed);
+    let own = (miss.value * speed / lead - two * turning) * speed;
     Row {
-        value: lead * miss,
         bias: row.bias + own,
         relative: row.relative + own,
+        value: lead * miss.value,
         ..row
     }
 }
