@@ -122,6 +122,37 @@ fn parent_joints(
     parents
 }
 
+/// Chooses the components of the unknowns of every body that a joint carries.
+fn in_components(
+    directions: Directions,
+    parents: &[Option<usize>],
+    joints: &[JointSlots],
+    carrying: &[Option<Carrying>],
+) -> Vec<Option<Carrying>> {
+    let mut carrying = carrying.to_vec();
+    let carried = |body: usize| {
+        let on = move |joint: &usize| joints[*joint].ends[0] == Some(Part::Body(body));
+        parents.iter().flatten().copied().filter(on)
+    };
+    for (body, joint) in parents.iter().enumerate() {
+        if let (Some(joint), None) = (*joint, carried(body).next()) {
+            carrying[joint] = carrying[joint].map(|own| own.of_leaf(directions));
+        }
+    }
+    loop {
+        let before = carrying.clone();
+        for (body, joint) in parents.iter().enumerate() {
+            let others = carried(body).any(|joint| before[joint].is_some_and(|child| !child.own));
+            if let Some(own) = joint.and_then(|joint| carrying[joint].as_mut()) {
+                own.own &= !(others && own.may_turn());
+            }
+        }
+        if carrying == before {
+            return carrying;
+        }
+    }
+}
+
 impl Elimination {
     /// Chooses the cheapest of the candidate orders and lays out its blocks. `carrying`: how each joint carries its child; `closed`: whether
     /// states are known at which the loops of the joints close.
@@ -139,23 +170,14 @@ impl Elimination {
             |g: &Graph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));
         let least_cost = |g: &Graph, n: usize| (g.cost(n), 0);
         let parents = parent_joints(bodies, joints, carrying);
-        let carries = |body: usize| {
-            let mut joints = parents.iter().flatten().map(|&joint| &joints[joint]);
-            joints.any(|joint| joint.ends[0] == Some(Part::Body(body)))
-        };
-        let mut carrying = carrying.to_vec();
-        for (body, joint) in parents.iter().enumerate() {
-            if let (Some(joint), false) = (*joint, carries(body)) {
-                carrying[joint] = carrying[joint].map(|own| own.of_leaf(directions));
-            }
-        }
-        let pairs: Vec<Option<(usize, usize)>> = graph
+        let carrying = in_components(directions, &parents, joints, carrying);
+        let pairs: Vec<Option<(usize, Carrying)>> = graph
             .parts
             .iter()
             .map(|part| match *part {
                 Part::Body(body) => {
                     let joint = parents[body]?;
-                    Some((graph.node(Part::Joint(joint))?, carrying[joint]?.free))
+                    Some((graph.node(Part::Joint(joint))?, carrying[joint]?))
                 }
                 _ => None,
             })

@@ -1,9 +1,10 @@
 //! Which joints carry their child out of the system, and in which unknowns: read off the columns that the joint states ([`Carried`]).
 //!
 //! ```text
-//! H turns, the child carries nothing  the child's own components, its joint point Q
-//! H turns about two axes or more      the same                                                                    (1)
+//! H turns about two axes or more      the child's own components, its joint point Q                               (1)
 //! H turns about one axis              world axes, Q                                                               (2)
+//!   of the child that is x, y or z,     its own components, as long as all that the child carries is so             (1)
+//!   any, and the child carries nothing  its own components                                                        (1)
 //! H does not turn                     the unknowns of the parent: V_c = V_p + H u + N ν without any matrix        (3)
 //! ```
 //!
@@ -27,6 +28,8 @@ const SAME: f64 = 1e-12;
 pub struct Carrying {
     /// Number of columns of H, coordinates that motors drive left out.
     pub free: usize,
+    /// Number of columns of H that turn the child.
+    pub turns: usize,
     /// Whether the child's unknowns are along its own components.
     pub own: bool,
     /// Whether they are turned to axes of the joint where the child leaves: see [`Carried::axes`].
@@ -40,13 +43,14 @@ pub struct Carrying {
 }
 
 impl Carrying {
-    /// How a joint of which these rows count carries its child, with the coordinates that motors drive; `None` where it does not.
+    /// How a joint of which these rows count carries its child, with the coordinates that motors drive; `None` where it does not. `aligned`:
+    /// the joint's frame on the child has the axes of the child.
     #[must_use]
     pub fn of(
         law: &JointLaw,
         counted: RowSet,
         motors: &[(usize, Coordinate)],
-        directions: Directions,
+        (directions, aligned): (Directions, bool),
     ) -> Option<Self> {
         let (parent, child) = somewhere(directions);
         // Numbers of the joint do not change its pattern.
@@ -66,23 +70,34 @@ impl Carrying {
         let free: Vec<&Twist<f64>> = free.map(|(_, twist)| twist).collect();
         let turns = free.iter().filter(|twist| twist.angular != Vector3::zeros());
         let turns = turns.count();
-        let own = turns > 1 && motors.is_empty();
-        let cheap = own || free.len() <= MOST_FREE;
+        let many = turns > 1 && motors.is_empty();
+        let unit = |twist: &Twist<f64>| twist.angular.iter().filter(|x| **x != 0.0).count() == 1;
+        let child = End::fixed(ends.child.arm, Turn::None);
+        let ends = Ends::new(ends.parent, child, &[0.7, 0.6], AngularVelocity::World);
+        let level = law.carried(&ends, false)?;
+        let aligned = aligned && carried.meets && turns == 1 && level.free.last().is_some_and(unit);
+        let cheap = many || free.len() <= MOST_FREE;
         (cheap && counted == RowSet::all(law.rows())).then_some(Carrying {
             free: free.len(),
-            own,
-            axes: own && carried.axes.is_some(),
+            turns,
+            own: many || aligned,
+            axes: many && carried.axes.is_some(),
             shared: turns == 0,
             meets: carried.meets,
             points: RowSet::default(),
         })
     }
 
+    /// Whether its unknowns may be along other components than its own, because what it carries is.
+    pub(super) fn may_turn(&self) -> bool {
+        self.own && self.turns < 2
+    }
+
     /// The same for a child that carries nothing: its inertia is constant in its own components.
     #[must_use]
     pub fn of_leaf(self, directions: Directions) -> Self {
         Carrying {
-            own: self.own || !self.shared && directions.plane.is_none(),
+            own: self.own || self.turns > 0 && directions.plane.is_none(),
             ..self
         }
     }
@@ -116,6 +131,7 @@ impl Carrying {
         let independent = points.len() <= directions.moves().len() && turns <= 1;
         (independent && (meets || slides)).then(|| Carrying {
             free: directions.speeds() - rows.len(),
+            turns: 1 - turns,
             own: false,
             axes: false,
             shared: turns == 1,

@@ -1,6 +1,6 @@
 //! The graph of bodies and joints while they leave it, and what that costs.
 
-use super::Part;
+use super::{Carrying, Part};
 use crate::layout::{JointSlots, PointSlots};
 use crate::plane::Directions;
 
@@ -156,17 +156,25 @@ impl Graph {
         neighbours
     }
 
-    /// Estimated operations of eliminating a body together with its parent joint, which leaves it `free` columns.
-    fn pair_cost(&self, body: usize, joint: usize, free: usize) -> usize {
-        let speeds = self.sizes[body] + self.coupled(body) - self.sizes[joint];
-        (2 * free + 1) * speeds * (speeds + 1) / 2
+    /// Estimated operations of eliminating a body together with its parent joint. What is handed on to other axes or another point is
+    /// multiplied by X, a third of whose products meets a zero or a one.
+    fn pair_cost(&self, body: usize, joint: usize, carrying: &Carrying) -> usize {
+        let loops = self.coupled(body) - self.sizes[joint];
+        let speeds = self.sizes[body] + loops;
+        let release = carrying.free * speeds * (speeds + 1);
+        if carrying.shared {
+            return release + speeds * (speeds + 1) / 2;
+        }
+        let held = self.sizes[body] - carrying.free;
+        let outside = loops + self.coupled(joint) - self.sizes[body];
+        release + (2 * held * held * outside + held * outside * (outside + 1)) * 7 / 20
     }
 
     /// Eliminates each body that a joint carries together with that joint, the carried before what carries them, and the rest by cost.
-    /// `pairs`: per node its parent joint, as a node, and the columns that it leaves free. None if there are no such bodies.
+    /// `pairs`: per node its parent joint, as a node, and how that carries it. None if there are no such bodies.
     pub(super) fn run_articulated(
         mut self,
-        pairs: &[Option<(usize, usize)>],
+        pairs: &[Option<(usize, Carrying)>],
     ) -> Option<(Vec<usize>, usize)> {
         let mut paired = vec![false; self.parts.len()];
         for &(joint, _) in pairs.iter().flatten() {
@@ -183,7 +191,7 @@ impl Graph {
                 }
             }
             let price = |graph: &Graph, node: usize| match pairs[node] {
-                Some((joint, free)) => graph.pair_cost(node, joint, free),
+                Some((joint, carrying)) => graph.pair_cost(node, joint, &carrying),
                 None => graph.cost(node),
             };
             let next = (0..self.parts.len())

@@ -22,6 +22,8 @@ pub struct Carriage<S: Real> {
     pub(super) outward: Turn<S>,
     /// Components of the angular parts → those of the child's unknowns.
     turn: Turn<S>,
+    /// Where the angular parts have axes of their own: ω_T by the parent's angular velocity, its own components, as the rows tell it.
+    across: Option<Matrix3<S>>,
     /// Q from the reference point of the child's unknowns, where these are another: rows k of R q̃.
     lever: Option<[Vector3<S>; 3]>,
 }
@@ -63,8 +65,20 @@ impl<S: Real> Carriage<S> {
             linear: own.linear + brought.linear,
             angular: own.angular + axes.back(&brought.angular),
         };
+        let across = carried.axes.map(|_| {
+            let held = carried.held.iter().zip(rows);
+            held.fold(Matrix3::zeros(), |sum, (held, row)| {
+                let told = row.parent.angular.map(|x| -(x * held.inverse));
+                Matrix3::from_fn(|i, j| {
+                    let along = held.column.angular[i];
+                    let none = along.is_zero() || told[j].is_zero();
+                    if none { sum[(i, j)] } else { sum[(i, j)] + along * told[j] }
+                })
+            })
+        });
         Some(Carriage {
             bias,
+            across,
             outward: ends.child.outward,
             turn: Turn::None,
             lever: None,
@@ -250,10 +264,11 @@ impl<S: Real> Constraints<S> {
                 match self.references[parent] {
                     Some(parent) => {
                         let lever = evaluation.transport(joint, &parent, carrying.meets);
-                        let axes = Turn::from(carriage.carried.axes);
-                        let turn = match parent.same_axes(&child) {
-                            true => Turn::None,
-                            false => child.outward.after(&axes).to(&parent.outward),
+                        let turn = match &carriage.across {
+                            // The rows are in the parent's own components.
+                            Some(across) => Turn::By(*across).after_back(&parent.turn),
+                            None if parent.same_axes(&child) => Turn::None,
+                            None => child.turn_from(&parent.outward),
                         };
                         (turn, lever)
                     }
@@ -283,27 +298,53 @@ impl<S: Real> Constraints<S> {
         }
     }
 
-    /// Puts N γ, and what else moves the child alone, where the system takes it.
-    pub(super) fn hold(
-        &mut self,
-        evaluation: &Evaluation<'_, S>,
-        joint: usize,
-        motion: impl Fn(&Carriage<S>) -> Twist<S>,
-    ) {
-        let (plan, directions) = (
-            &evaluation.layout.elimination,
-            evaluation.layout.directions,
-        );
-        let step = plan.step_of(Part::Joint(joint));
-        let (Some(carriage), Some(body)) =
-            (&self.carriages[joint], step.and_then(|step| step.checked_sub(1)))
-        else {
-            return;
-        };
-        let motion = carriage.to_unknowns(&motion(carriage));
-        let held = self.system.held_mut(plan, body);
+    /// Puts what moves the child of every joint that carries one where the system takes it: the linear part adds up from parent to child
+    /// ([`Constraints::brought`]), the angular part is ν.
+    pub(super) fn bring_along(&mut self, evaluation: &Evaluation<'_, S>) {
+        let layout = evaluation.layout;
+        let plan = &layout.elimination;
+        self.brought.fill(Vector3::zeros());
+        for (index, step) in plan.steps.iter().enumerate().rev() {
+            let (Part::Joint(joint), true) = (step.part, step.paired) else {
+                continue;
+            };
+            enter::<S>(evaluation.scene, step.part);
+            let (Some(carriage), [parent, Some(Part::Body(child))]) =
+                (&self.carriages[joint], layout.joints[joint].ends)
+            else {
+                continue;
+            };
+            let mut motion = carriage.to_unknowns(&carriage.bias);
+            if let Some(Part::Body(parent)) = parent {
+                motion.linear += self.brought[parent];
+            }
+            self.brought[child] = motion.linear;
+            motion.linear = Vector3::zeros();
+            self.hold(evaluation, index - 1, &motion);
+        }
+    }
+
+    /// Puts ν of the body of a step where the system takes it.
+    fn hold(&mut self, evaluation: &Evaluation<'_, S>, body: usize, motion: &Twist<S>) {
+        let directions = evaluation.layout.directions;
+        let held = self.system.held_mut(&evaluation.layout.elimination, body);
         directions.write_linear(held, 0, &motion.linear);
         directions.write_angular(held, 0, &motion.angular);
+    }
+
+    /// Puts N γ for the right-hand sides of the rows of a joint where the system takes it; whether it carries its child.
+    pub(super) fn hold_rows(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        (joint, step): (usize, usize),
+        right: &[S; 6],
+    ) -> bool {
+        let Some(carriage) = &self.carriages[joint] else {
+            return false;
+        };
+        let motion = carriage.to_unknowns(&carriage.solve(right));
+        self.hold(evaluation, step - 1, &motion);
+        true
     }
 
     /// −λ of a joint that carries its child, after a solution.

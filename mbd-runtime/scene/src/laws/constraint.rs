@@ -36,6 +36,9 @@ pub struct Constraints<S: Real> {
     pub(super) system: System<S>,
     /// Axes and point of the unknowns of each body.
     pub(super) references: Vec<Option<Reference<S>>>,
+    /// The linear acceleration of each body that the motion of what carries it brings along: a constant part of its unknowns, which acts on
+    /// its mass alone instead of the inertia of all that it carries.
+    pub(super) brought: Vec<Vector3<S>>,
     /// What each joint that carries its child says of it.
     pub(super) carriages: Vec<Option<Carriage<S>>>,
 }
@@ -93,6 +96,7 @@ impl<S: Real> Constraints<S> {
             kept: vec![Rows::default(); layout.joints.len()],
             system: System::new(&layout.elimination),
             references: vec![None; layout.bodies.len()],
+            brought: vec![Vector3::zeros(); layout.bodies.len()],
             carriages: vec![None; layout.joints.len()],
         }
     }
@@ -162,12 +166,10 @@ impl<S: Real> Constraints<S> {
         let (plan, directions) = (&layout.elimination, layout.directions);
         let fall = common_fall(evaluation);
         let uniform = matches!(numbers.gravity, GravityNumbers::Uniform(_));
+        self.bring_along(evaluation);
         for (index, step) in plan.steps.iter().enumerate() {
             enter::<S>(evaluation.scene, step.part);
             if step.paired {
-                if let Part::Joint(joint) = step.part {
-                    self.hold(evaluation, joint, |carriage| carriage.bias);
-                }
                 continue;
             }
             let right = self.system.unknowns_mut(plan, index);
@@ -175,8 +177,12 @@ impl<S: Real> Constraints<S> {
                 Part::Body(body) => {
                     let (motion, numbers) = (&evaluation.motions[body], &numbers.bodies[body]);
                     let (mut force, torque) = assembly.bodies[body];
+                    let brought = self.brought[body];
                     if !uniform {
                         force += body_gravity(evaluation, body).map(|g| numbers.mass * g);
+                    }
+                    if brought.iter().any(|x| !x.is_zero()) {
+                        force -= brought.map(|x| numbers.mass * x);
                     }
                     let Some(reference) = self.references[body] else {
                         continue;
@@ -210,12 +216,24 @@ impl<S: Real> Constraints<S> {
                             [Some(_), None] => row.bias - row.parent.linear.dot(&fall),
                             _ => row.bias - row.child.linear.dot(&fall),
                         };
+                        for (end, columns) in ends.into_iter().zip([&row.parent, &row.child]) {
+                            if let Some(Part::Body(body)) = end {
+                                *slot -= columns.linear.dot(&self.brought[body]);
+                            }
+                        }
                     }
                 }
             }
         }
         self.system
             .solve(plan, |part| enter::<S>(evaluation.scene, part));
+        for (index, step) in plan.steps.iter().enumerate() {
+            if let Part::Body(body) = step.part {
+                let unknowns = self.system.unknowns_mut(plan, index);
+                let linear: Vector3<S> = directions.linear(unknowns, 0);
+                directions.write_linear(unknowns, 0, &(linear + self.brought[body]));
+            }
+        }
     }
 
     /// Linear acceleration (world axes) and ω̇ (components of the state) of a body that joints hold, after [`Constraints::accelerate`].
@@ -372,8 +390,7 @@ impl<S: Real> Constraints<S> {
                 self.each_kept(evaluation, joint, |number, row, part| {
                     right[number] -= asked[row] * part;
                 });
-                if self.carriages[joint].is_some() {
-                    self.hold(evaluation, joint, |carriage| carriage.solve(&right));
+                if self.hold_rows(evaluation, (joint, step), &right) {
                     continue;
                 }
                 let own = self.system.unknowns_mut(plan, step);

@@ -71,6 +71,15 @@ impl<S: Real> Turn<S> {
         }
     }
 
+    /// self otherᵀ: other back first.
+    pub fn after_back(&self, other: &Turn<S>) -> Turn<S> {
+        match (self, other) {
+            (turn, Turn::None) => *turn,
+            (Turn::None, Turn::By(r)) => Turn::By(r.transpose()),
+            (Turn::By(a), Turn::By(b)) => Turn::By(a * b.transpose()),
+        }
+    }
+
     /// selfᵀ other.
     pub fn to(&self, other: &Turn<S>) -> Turn<S> {
         match (self, other) {

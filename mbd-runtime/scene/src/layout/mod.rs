@@ -10,6 +10,7 @@ pub use slots::{
 };
 
 use crate::elimination::{Carrying, Elimination};
+use crate::formula::Place;
 use crate::plane::Directions;
 use crate::redundancy::{Redundancy, RowSet};
 use crate::scene::Scene;
@@ -99,7 +100,15 @@ impl Layout {
                 let driven = joint.motors();
                 let driven = driven.map(|(index, _)| Some((index, joint.law.coordinate(index)?)));
                 let motors: Vec<_> = driven.collect::<Option<_>>()?;
-                Carrying::of(&joint.law, slots.law, &motors, self.directions)
+                let aligned = match joint.child {
+                    Place::Body(body, frame) => {
+                        let body = scene.bodies.get(body)?;
+                        body.frames.get(frame)?.rotation.is_none()
+                    }
+                    _ => false,
+                };
+                let directions = (self.directions, aligned);
+                Carrying::of(&joint.law, slots.law, &motors, directions)
             })
             .collect();
         self.elimination = Elimination::new(
