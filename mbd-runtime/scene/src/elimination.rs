@@ -130,13 +130,16 @@ fn in_components(
     carrying: &[Option<Carrying>],
 ) -> Vec<Option<Carrying>> {
     let mut carrying = carrying.to_vec();
+    if directions.plane.is_some() {
+        return carrying;
+    }
     let carried = |body: usize| {
         let on = move |joint: &usize| joints[*joint].ends[0] == Some(Part::Body(body));
         parents.iter().flatten().copied().filter(on)
     };
     for (body, joint) in parents.iter().enumerate() {
         if let (Some(joint), None) = (*joint, carried(body).next()) {
-            carrying[joint] = carrying[joint].map(|own| own.of_leaf(directions));
+            carrying[joint] = carrying[joint].map(|own| own.of_leaf());
         }
     }
     loop {
@@ -229,7 +232,10 @@ impl Elimination {
             };
             let own = parent.and_then(|joint| carrying.get(joint).copied().flatten());
             // A joint that leaves with its child, the step before: X a coupling; H, its least pivots and axes; ν and u.
-            let child = self.steps.last().and_then(|step| Some((step.size, step.carrying?.free)));
+            let child = self
+                .steps
+                .last()
+                .and_then(|step| Some((step.size, step.carrying?.free)));
             let [width, room, unknowns] = match child {
                 Some((speeds, free)) => [speeds, (speeds + 1) * free + 9, speeds + free],
                 None => [size, size * size, size],

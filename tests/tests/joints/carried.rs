@@ -131,23 +131,3 @@ fn accelerations_and_multipliers_satisfy_the_equations_of_motion() {
         }
     }
 }
-
-#[test]
-fn zz_debug() {
-    for plane in [Some(Plane::Xz), Some(Plane::Xy)] {
-        for seed in 0..200 {
-            let scene = net(seed, AngularVelocity::Body, plane);
-            let lay = layout(&scene);
-            let mut random = Random::new(seed + 900);
-            if let Some(x) = left(&scene, &mut random) {
-                if x > 1e-12 {
-                    println!("{plane:?} {seed} {x:e}");
-                    for (j, s) in scene.joints.iter().zip(&lay.joints) {
-                        println!("   {:?} {:?}->{:?} motors {:?} law {:?} len {} kept {:?} ends {:?}", j.law, j.parent, j.child, j.motors().map(|m| m.0).collect::<Vec<_>>(), s.law, s.len, s.kept, s.ends);
-                    }
-                    for s in &lay.elimination.steps { println!("   {:?} {:?}", s.part, s.carrying); }
-                }
-            }
-        }
-    }
-}

@@ -124,7 +124,7 @@ fn an_open_chain_costs_the_same_for_every_further_body() {
     let [four, eight, sixteen, many] = [4, 8, 16, 64].map(whole);
     assert_eq!(sixteen - eight, 2 * (eight - four), "linear in n");
     assert_eq!(many - sixteen, 12 * (eight - four), "linear in n");
-    assert!(many <= 560 * 64, "{many}: kinematics, rows, system and all");
+    assert!(many <= 510 * 64, "{many}: kinematics, rows, system and all");
     assert!(solving(&chain(16, false)) <= 310 * 16);
 }
 
@@ -190,21 +190,21 @@ type Kind = fn(Axis) -> JointLaw;
 
 /// Joints, their driven coordinates, and the operations of a state derivative that a body of a chain of 16 may cost.
 const CHAINS: [(&str, Kind, &[usize], usize); 15] = [
-    ("hinge", hinge, &[], 530),
-    ("hinge about a skew axis", skew, &[], 560),
-    ("spherical", ball, &[], 2000),
-    ("hinge, driven", hinge, &[0], 370),
-    ("universal", cardan, &[], 510),
-    ("universal, first angle driven", cardan, &[0], 555),
-    ("universal, driven", cardan, &[0, 1], 420),
-    ("prismatic", prismatic, &[], 525),
-    ("hinge and prismatic in turn", telescope, &[], 675),
-    ("prismatic, driven", prismatic, &[0], 410),
-    ("cylindrical", cylindrical, &[], 740),
-    ("cylindrical, angle driven", cylindrical, &[1], 555),
-    ("planar", table, &[], 480),
-    ("planar, angle driven", table, &[2], 640),
-    ("screw", screw, &[], 1_210),
+    ("hinge", hinge, &[], 480),
+    ("hinge about a skew axis", skew, &[], 550),
+    ("hinge, driven", hinge, &[0], 275),
+    ("spherical", ball, &[], 285),
+    ("universal", cardan, &[], 495),
+    ("universal, first angle driven", cardan, &[0], 525),
+    ("universal, driven", cardan, &[0, 1], 320),
+    ("prismatic", prismatic, &[], 455),
+    ("hinge and prismatic in turn", telescope, &[], 530),
+    ("prismatic, driven", prismatic, &[0], 330),
+    ("cylindrical", cylindrical, &[], 640),
+    ("cylindrical, angle driven", cylindrical, &[1], 410),
+    ("planar", table, &[], 460),
+    ("planar, angle driven", table, &[2], 510),
+    ("screw", screw, &[], 700),
 ];
 
 #[test]
@@ -213,7 +213,7 @@ fn chains_of_joints_that_hold_more_cost_no_more_than_hinges() {
         let scene = chain_of(16, law, motors);
         let body = cost(&scene, Quantity::Derivative) / 16;
         println!("{name}: {body} operations a body");
-        let _ = most;//assert!(body <= most, "{name}: {body} operations a body");
+        assert!(body <= most, "{name}: {body} operations a body");
     }
 }
 
@@ -231,9 +231,9 @@ fn the_cheap_order_of_elimination_is_found() {
     assert_eq!(choice(&tree(15)), articulated);
     let rods = of_distances(8);
     assert_ne!(choice(&rods), articulated, "nothing carries these bodies");
-    assert!(cost(&chain(8, true), Quantity::Derivative) <= 5_100);
-    assert!(cost(&hub(11), Quantity::Derivative) <= 6_200);
-    assert!(cost(&tree(15), Quantity::Derivative) <= 7_000);
+    assert!(cost(&chain(8, true), Quantity::Derivative) <= 4_550);
+    assert!(cost(&hub(11), Quantity::Derivative) <= 5_150);
+    assert!(cost(&tree(15), Quantity::Derivative) <= 6_300);
 }
 
 #[test]
@@ -250,7 +250,11 @@ fn a_joint_pays_for_nothing_it_does_not_need() {
         swing([0.0, 0.0, 0.5], hinge(Axis::Y)),
         swing([0.0, 0.0, 0.5], hinge(odd)),
     );
-    assert!(aligned + 80 < tilted, "{aligned} aligned, {tilted} tilted");
+    // An axis off those of the body costs its direction and the elements that are no longer zero.
+    assert!(
+        aligned <= 120 && aligned + 40 < tilted && tilted <= 175,
+        "{aligned} aligned, {tilted} tilted"
+    );
     let spherical = || JointLaw::Spherical(Spherical::default());
     let (none, one, three) = (
         swing([0.0; 3], spherical()),

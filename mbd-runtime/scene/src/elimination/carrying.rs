@@ -68,7 +68,9 @@ impl Carrying {
         let free = carried.free.iter().enumerate();
         let free = free.filter(|(column, _)| motors.iter().all(|(driven, _)| driven != column));
         let free: Vec<&Twist<f64>> = free.map(|(_, twist)| twist).collect();
-        let turns = free.iter().filter(|twist| twist.angular != Vector3::zeros());
+        let turns = free
+            .iter()
+            .filter(|twist| twist.angular != Vector3::zeros());
         let turns = turns.count();
         let many = turns > 1 && motors.is_empty();
         let unit = |twist: &Twist<f64>| twist.angular.iter().filter(|x| **x != 0.0).count() == 1;
@@ -95,9 +97,9 @@ impl Carrying {
 
     /// The same for a child that carries nothing: its inertia is constant in its own components.
     #[must_use]
-    pub fn of_leaf(self, directions: Directions) -> Self {
+    pub fn of_leaf(self) -> Self {
         Carrying {
-            own: self.own || self.turns > 0 && directions.plane.is_none(),
+            own: self.turns > 0,
             ..self
         }
     }
@@ -118,10 +120,13 @@ impl Carrying {
             rows.iter().all(|row| {
                 let (own, other) = (&row.child, &row.parent);
                 let turned = own.angular + point.cross(&own.linear);
-                let apart = within(directions, &Columns {
-                    linear: own.linear + other.linear,
-                    ..*own
-                });
+                let apart = within(
+                    directions,
+                    &Columns {
+                        linear: own.linear + other.linear,
+                        ..*own
+                    },
+                );
                 apart < SAME && (turned + other.angular)[normal].abs() < SAME
             })
         };
@@ -132,7 +137,7 @@ impl Carrying {
         (independent && (meets || slides)).then(|| Carrying {
             free: directions.speeds() - rows.len(),
             turns: 1 - turns,
-            own: false,
+            own: turns == 0,
             axes: false,
             shared: turns == 1,
             meets,
@@ -209,7 +214,9 @@ impl<S: crate::Real> Carried<S> {
         }
         let axis = |axis: usize| Twist::slide(Axis::unit(axis).vector());
         match points.first() {
-            None => carried.free.extend(directions.moves().iter().map(|&k| axis(k))),
+            None => carried
+                .free
+                .extend(directions.moves().iter().map(|&k| axis(k))),
             Some(only) if points.len() == 1 => {
                 carried.free.push(Twist::slide(normal.cross(only)));
             }

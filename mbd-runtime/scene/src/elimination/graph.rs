@@ -161,7 +161,14 @@ impl Graph {
     fn pair_cost(&self, body: usize, joint: usize, carrying: &Carrying) -> usize {
         let loops = self.coupled(body) - self.sizes[joint];
         let speeds = self.sizes[body] + loops;
-        let release = carrying.free * speeds * (speeds + 1);
+        let release = if carrying.own {
+            // Each column is one speed, which is gone afterwards.
+            (1..=carrying.free)
+                .map(|k| (speeds - k) * (speeds - k + 1))
+                .sum()
+        } else {
+            carrying.free * speeds * (speeds + 1)
+        };
         if carrying.shared {
             return release + speeds * (speeds + 1) / 2;
         }
@@ -184,7 +191,10 @@ impl Graph {
         loop {
             // What still carries something waits.
             let mut carries = vec![false; self.parts.len()];
-            let left = pairs.iter().enumerate().filter(|&(child, _)| !self.gone[child]);
+            let left = pairs
+                .iter()
+                .enumerate()
+                .filter(|&(child, _)| !self.gone[child]);
             for (child, (joint, _)) in left.filter_map(|(child, pair)| Some((child, (*pair)?))) {
                 for &node in self.neighbours[joint].iter().filter(|&&n| n != child) {
                     carries[node] = true;

@@ -82,9 +82,7 @@ impl<S: Real> Carried<S> {
         let mut carried = Carried::new(false);
         for axis in axes {
             let along = ends.parent.outward.apply(&ends.parent.axis(axis));
-            carried
-                .held
-                .push(Held::new(Twist::slide(along), S::one()));
+            carried.held.push(Held::new(Twist::slide(along), S::one()));
         }
         carried
     }
@@ -152,7 +150,12 @@ impl<S: Real> Carried<S> {
     }
 
     /// N γ for right-hand sides of the rows, whose columns on the child at Q are `rows`.
-    pub fn solve(&self, first: Twist<S>, rows: &[Twist<S>], right: impl Fn(usize) -> S) -> Twist<S> {
+    pub fn solve(
+        &self,
+        first: Twist<S>,
+        rows: &[Twist<S>],
+        right: impl Fn(usize) -> S,
+    ) -> Twist<S> {
         let mut motion = first;
         for (number, (held, row)) in self.held.iter().zip(rows).enumerate() {
             if held.after {
@@ -198,7 +201,10 @@ impl<S: Real> Twist<S> {
     #[must_use]
     pub fn dot(&self, other: &Self) -> S {
         let products = |a: &Vector3<S>, b: &Vector3<S>| {
-            let pairs = a.iter().zip(b.iter()).filter(|(a, b)| !a.is_zero() && !b.is_zero());
+            let pairs = a
+                .iter()
+                .zip(b.iter())
+                .filter(|(a, b)| !a.is_zero() && !b.is_zero());
             pairs.fold(S::zero(), |sum, (&a, &b)| sum + a * b)
         };
         products(&self.linear, &other.linear) + products(&self.angular, &other.angular)

@@ -50,12 +50,17 @@ impl<S: Real> Carriage<S> {
         let columns: Vec<Twist<S>> = rows.iter().map(columns).collect();
         if layout.directions.plane.is_none() {
             let mut driven = Vec::new();
-            for ((index, _), row) in declared.motors().zip(columns.iter().skip(declared.law.rows())) {
+            for ((index, _), row) in declared
+                .motors()
+                .zip(columns.iter().skip(declared.law.rows()))
+            {
                 carried.drive(index, row);
                 driven.push(index);
             }
             let mut column = 0..;
-            carried.free.retain(|_| column.next().is_some_and(|k| !driven.contains(&k)));
+            carried
+                .free
+                .retain(|_| column.next().is_some_and(|k| !driven.contains(&k)));
         }
         let relative = |number: usize| rows.get(number).map_or_else(S::zero, |row| row.relative);
         let first = carried.bias.unwrap_or_else(|| carried.first(relative));
@@ -72,7 +77,11 @@ impl<S: Real> Carriage<S> {
                 Matrix3::from_fn(|i, j| {
                     let along = held.column.angular[i];
                     let none = along.is_zero() || told[j].is_zero();
-                    if none { sum[(i, j)] } else { sum[(i, j)] + along * told[j] }
+                    if none {
+                        sum[(i, j)]
+                    } else {
+                        sum[(i, j)] + along * told[j]
+                    }
                 })
             })
         });
@@ -98,7 +107,8 @@ impl<S: Real> Carriage<S> {
     /// N γ for right-hand sides of the rows.
     pub(super) fn solve(&self, right: &[S; 6]) -> Twist<S> {
         let first = self.carried.first(|number| right[number]);
-        self.carried.solve(first, &self.rows, |number| right[number])
+        self.carried
+            .solve(first, &self.rows, |number| right[number])
     }
 
     /// A velocity of the child at Q in its unknowns.
@@ -247,8 +257,13 @@ impl<S: Real> Constraints<S> {
         for (number, column) in carriage.carried.free.iter().enumerate() {
             // Half the body's own share: off unit quaternions it is a little less than the whole.
             let slides = column.angular.iter().all(|x| x.is_zero());
-            let share = || S::from_f64(0.5) * mass * column.linear.dot(&column.linear);
-            let least = slides.then(share);
+            let half = S::from_f64(0.5) * mass;
+            let square = || column.linear.dot(&column.linear);
+            let least = slides.then(|| match directions.plane {
+                // What a row holds may lie in the plane by a part only.
+                Some(_) => half * square(),
+                None => half,
+            });
             let column = carriage.to_unknowns(column);
             let values = directions.components(&column.linear, &column.angular);
             self.system.set_free(plan, index - 1, number, values, least);
@@ -353,10 +368,7 @@ impl<S: Real> Constraints<S> {
         evaluation: &Evaluation<'_, S>,
         joint: usize,
     ) -> Option<[S; 6]> {
-        let (plan, directions) = (
-            &evaluation.layout.elimination,
-            evaluation.layout.directions,
-        );
+        let (plan, directions) = (&evaluation.layout.elimination, evaluation.layout.directions);
         let carriage = self.carriages[joint].as_ref()?;
         let body = plan.step_of(Part::Joint(joint))?.checked_sub(1)?;
         let push = self.system.push(plan, body);
@@ -457,7 +469,8 @@ impl<S: Real> Evaluation<'_, S> {
         let point = if meets {
             parent.turn.apply(&self.arm_of(declared.parent)?)
         } else {
-            let (Place::Body(on, _), Place::Body(body, _)) = (declared.parent, declared.child) else {
+            let (Place::Body(on, _), Place::Body(body, _)) = (declared.parent, declared.child)
+            else {
                 return None;
             };
             let (near, far) = (self.motions.get(on)?, self.motions.get(body)?);

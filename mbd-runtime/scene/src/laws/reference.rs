@@ -96,7 +96,11 @@ impl<S: Real> Evaluation<'_, S> {
         let Some((joint, carrying)) = plan.carrying(body) else {
             let parents = plan.parent_joints.iter().flatten();
             let on = |joint: &usize| self.layout.joints[*joint].ends[0] == Some(Part::Body(body));
-            return Some(if parents.into_iter().any(on) { world } else { own });
+            return Some(if parents.into_iter().any(on) {
+                world
+            } else {
+                own
+            });
         };
         let declared = self.scene.joints.get(joint)?;
         let place = self.arm_of(declared.child)?;

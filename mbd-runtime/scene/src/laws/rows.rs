@@ -401,10 +401,7 @@ pub(super) fn across<S: Real>(ends: &Ends<'_, S>, a: &Vector3<S>, b: &Vector3<S>
 }
 
 /// a, b → a cos − b sin and a sin + b cos.
-pub(super) fn rotated<S: Real>(
-    [a, b]: [Vector3<S>; 2],
-    (sin, cos): (S, S),
-) -> [Vector3<S>; 2] {
+pub(super) fn rotated<S: Real>([a, b]: [Vector3<S>; 2], (sin, cos): (S, S)) -> [Vector3<S>; 2] {
     let sum = |x: S, y: S| a.map(|a| a * x) + b.map(|b| b * y);
     [sum(cos, -sin), sum(sin, cos)]
 }
