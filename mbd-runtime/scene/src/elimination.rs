@@ -231,13 +231,13 @@ impl Elimination {
                 _ => None,
             };
             let own = parent.and_then(|joint| carrying.get(joint).copied().flatten());
-            // A joint that leaves with its child, the step before: X a coupling; H, its least pivots and axes; ν and u.
+            // A joint that leaves with its child, the step before: X a coupling; H, its least pivots and axes; ν.
             let child = self
                 .steps
                 .last()
                 .and_then(|step| Some((step.size, step.carrying?.free)));
             let [width, room, unknowns] = match child {
-                Some((speeds, free)) => [speeds, (speeds + 1) * free + 9, speeds + free],
+                Some((speeds, free)) => [speeds, (speeds + 1) * free + 9, speeds],
                 None => [size, size * size, size],
             };
             let diagonal = self.room(room);

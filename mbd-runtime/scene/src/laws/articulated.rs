@@ -16,57 +16,87 @@
 
 use nalgebra::Matrix3;
 
-use super::block::System;
+use super::system::System;
 use crate::Real;
-use crate::elimination::{Below, Elimination, Step};
+use crate::elimination::{Below, Elimination, Part, Step};
 
 /// Most speeds of a body.
-pub(super) const MOST: usize = 6;
+const MOST: usize = 6;
 
-/// The steps of a body and of its parent joint.
+/// A node of the system that leaves: a body with its parent joint, or any node by itself.
 #[derive(Clone, Copy)]
-struct Pair<'a> {
-    body: &'a Step,
-    joint: &'a Step,
-    /// Number of columns of H.
+struct Node<'a> {
+    step: &'a Step,
+    /// The parent joint of a body that leaves with it.
+    joint: Option<&'a Step>,
+    /// Number of free columns: all unknowns of a node by itself.
     free: usize,
-    /// Number of speeds of the body.
-    speeds: usize,
-    /// Whether the joint states axes.
+    /// Number of unknowns.
+    size: usize,
+    /// Whether the parent joint states axes.
     axes: bool,
 }
 
-impl<'a> Pair<'a> {
+impl<'a> Node<'a> {
     fn new(plan: &'a Elimination, index: usize) -> Option<Self> {
-        let body = plan.steps.get(index)?;
-        let carrying = body.carrying?;
-        Some(Pair {
-            body,
-            joint: plan.steps.get(index + 1)?,
-            free: carrying.free,
-            speeds: body.size,
-            axes: carrying.axes && body.size == MOST,
+        let step = plan.steps.get(index).filter(|step| !step.paired)?;
+        let size = step.size;
+        Some(match step.carrying {
+            Some(carrying) => Node {
+                step,
+                joint: plan.steps.get(index + 1),
+                free: carrying.free,
+                size,
+                axes: carrying.axes && size == MOST,
+            },
+            None => Node {
+                step,
+                joint: None,
+                free: size,
+                size,
+                axes: false,
+            },
         })
     }
 
-    /// Couplings of the body to others than its joint, which is the next step and so the first of all.
-    fn others(&self) -> &'a [Below] {
-        self.body.below.get(1..).unwrap_or_default()
+    /// A body and its parent joint.
+    fn pair(plan: &'a Elimination, body: usize) -> Option<(Self, &'a Step)> {
+        let node = Node::new(plan, body)?;
+        Some((node, node.joint?))
     }
 
-    /// The coupling of the body to a node, if there is one.
+    /// Couplings to others than the parent joint, which is the next step and so the first of all.
+    fn others(&self) -> &'a [Below] {
+        let own = usize::from(self.joint.is_some());
+        self.step.below.get(own..).unwrap_or_default()
+    }
+
+    /// Where the products of a coupling with the others up to itself go.
+    fn targets(&self, below: &'a Below) -> &'a [usize] {
+        let own = usize::from(self.joint.is_some());
+        below.targets.get(own..).unwrap_or_default()
+    }
+
+    /// The coupling to a node, if there is one.
     fn coupling(&self, step: usize) -> Option<&'a Below> {
         self.others().iter().find(|below| below.step == step)
     }
 
-    /// Where T is in the store.
-    fn axes_at(&self) -> usize {
-        self.joint.diagonal + (self.speeds + 1) * self.free
+    /// The beginnings of the rows of a coupling.
+    fn rows(&self, plan: &Elimination, below: &Below) -> impl Iterator<Item = usize> + use<> {
+        let (at, size) = (below.at, self.size);
+        (0..plan.steps[below.step].size).map(move |row| at + size * row)
     }
 
     /// Where U/D of a column is in the scaled store.
     fn row(&self, column: usize) -> usize {
-        self.body.diagonal + self.speeds * column
+        self.step.diagonal + self.size * column
+    }
+
+    /// Where T is in the store.
+    fn axes_at(&self) -> Option<usize> {
+        let joint = self.joint.filter(|_| self.axes)?;
+        Some(joint.diagonal + (self.size + 1) * self.free)
     }
 }
 
@@ -96,112 +126,119 @@ impl<S: Real> System<S> {
         values: impl Iterator<Item = S>,
         least: Option<S>,
     ) {
-        if let Some(pair) = Pair::new(plan, body).filter(|pair| column < pair.free) {
-            let at = pair.joint.diagonal + pair.speeds * column;
-            for (slot, value) in self.store[at..at + pair.speeds].iter_mut().zip(values) {
+        let pair = Node::pair(plan, body).filter(|(node, _)| column < node.free);
+        if let Some((node, joint)) = pair {
+            let at = joint.diagonal + node.size * column;
+            for (slot, value) in self.store[at..at + node.size].iter_mut().zip(values) {
                 *slot = value;
             }
-            let at = pair.joint.diagonal + pair.speeds * pair.free + column;
+            let at = joint.diagonal + node.size * node.free + column;
             self.store[at] = least.unwrap_or_else(S::zero);
         }
     }
 
-    /// Sets T, the axes of the joint of the body of a step.
+    /// Sets T, the axes of the parent joint of the body of a step.
     pub fn set_axes(&mut self, plan: &Elimination, body: usize, axes: &Matrix3<S>) {
-        if let Some(pair) = Pair::new(plan, body) {
-            let at = pair.axes_at();
+        if let Some(at) = Node::new(plan, body).and_then(|node| node.axes_at()) {
             self.store[at..at + 9].copy_from_slice(axes.as_slice());
         }
     }
 
-    /// T, where the joint states axes.
-    fn axes(&self, pair: &Pair<'_>) -> Option<Matrix3<S>> {
-        let at = pair.axes_at();
-        pair.axes
-            .then(|| Matrix3::from_column_slice(&self.store[at..at + 9]))
+    /// T, where the parent joint states axes.
+    fn axes(&self, node: &Node<'_>) -> Option<Matrix3<S>> {
+        let at = node.axes_at()?;
+        Some(Matrix3::from_column_slice(&self.store[at..at + 9]))
     }
 
-    /// A column of H.
-    fn column(&self, pair: &Pair<'_>, column: usize) -> [S; MOST] {
-        let at = pair.joint.diagonal + pair.speeds * column;
-        let inside = |i: usize| (i < pair.speeds).then(|| self.store[at + i]);
-        std::array::from_fn(|i| inside(i).unwrap_or_else(S::zero))
-    }
-
-    /// The speed along which a column of H is the only one, and the column is of length one.
-    fn unit(&self, pair: &Pair<'_>, column: usize) -> Option<usize> {
-        let h = self.column(pair, column);
-        let mut own = (0..pair.speeds).filter(|&i| !h[i].is_zero());
-        let one = own.next().filter(|&i| h[i].is_one());
-        one.filter(|_| own.next().is_none())
-    }
-
-    /// Takes the pair of step `index` and the next one out of the matrix.
-    pub(super) fn factor_pair(&mut self, plan: &Elimination, index: usize) {
-        let Some(pair) = Pair::new(plan, index) else {
-            return;
+    /// A free column, and what its pivot is at least; the unknown along which it is the only one, and the column is of length one.
+    fn column(&self, node: &Node<'_>, k: usize) -> ([S; MOST], S, Option<usize>) {
+        let mut h = [S::zero(); MOST];
+        let Some(joint) = node.joint else {
+            h[k] = S::one();
+            return (h, S::zero(), Some(k));
         };
-        let n = pair.speeds;
-        let mut inertia = self.inertia_of(&pair);
-        if let Some(axes) = self.axes(&pair) {
-            turn_inertia(&mut inertia, &axes);
-            for below in pair.others() {
-                for row in 0..plan.steps[below.step].size {
-                    turn(&mut self.store[below.at + n * row + 3..], &axes);
+        let at = joint.diagonal + node.size * k;
+        h[..node.size].copy_from_slice(&self.store[at..at + node.size]);
+        let least = self.store[joint.diagonal + node.size * node.free + k];
+        let mut own = (0..node.size).filter(|&i| !h[i].is_zero());
+        let one = own.next().filter(|&i| h[i].is_one());
+        let unit = one.filter(|_| own.next().is_none());
+        (h, least, unit)
+    }
+
+    /// Factorises K by (1) of [`super::system`]. `enter` hears which part comes next.
+    pub fn factor(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
+        for (index, step) in plan.steps.iter().enumerate() {
+            let Some(node) = Node::new(plan, index) else {
+                continue;
+            };
+            enter(step.part);
+            self.leave(plan, index);
+            let mut inertia = self.inertia_of(&node);
+            if let Some(axes) = self.axes(&node) {
+                turn_inertia(&mut inertia, &axes);
+                for at in node
+                    .others()
+                    .iter()
+                    .flat_map(|below| node.rows(plan, below))
+                {
+                    turn(&mut self.store[at + 3..], &axes);
                 }
             }
-        }
-        for k in 0..pair.free {
-            self.release(plan, &pair, k, &mut inertia);
-        }
-        for (i, row) in inertia.iter().enumerate().take(n) {
-            let at = pair.body.diagonal + n * i;
-            self.store[at..at + n].copy_from_slice(&row[..n]);
-        }
-        self.hand_on(plan, &pair, &inertia);
-    }
-
-    /// The full block of the body.
-    fn inertia_of(&self, pair: &Pair<'_>) -> [[S; MOST]; MOST] {
-        let (at, n) = (pair.body.diagonal, pair.speeds);
-        let mut inertia = [[S::zero(); MOST]; MOST];
-        for (i, row) in inertia.iter_mut().enumerate().take(n) {
-            for (j, element) in row.iter_mut().enumerate().take(n) {
-                *element = self.store[at + n * i.max(j) + i.min(j)];
+            for k in 0..node.free {
+                self.release(plan, &node, k, &mut inertia);
+            }
+            if let Some(joint) = node.joint {
+                for (i, row) in inertia.iter().enumerate().take(node.size) {
+                    self.store[node.row(i)..node.row(i + 1)].copy_from_slice(&row[..node.size]);
+                }
+                self.hand_on(plan, &node, joint, &inertia);
             }
         }
-        inertia
     }
 
-    /// Takes column k of H out, by (2): of I_a, of the couplings to others and of what these fill.
+    /// The full diagonal block.
+    fn inertia_of(&self, node: &Node<'_>) -> [[S; MOST]; MOST] {
+        let inside = |i: usize, j: usize| i.max(j) < node.size;
+        let at = |i: usize, j: usize| self.store[node.row(i.max(j)) + i.min(j)];
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| if inside(i, j) { at(i, j) } else { S::zero() })
+        })
+    }
+
+    /// Takes a free column out, by (2): of I_a, of the couplings to others and of what these fill.
     fn release(
         &mut self,
         plan: &Elimination,
-        pair: &Pair<'_>,
+        node: &Node<'_>,
         k: usize,
         inertia: &mut [[S; MOST]; MOST],
     ) {
-        let (n, h) = (pair.speeds, self.column(pair, k));
-        let unit = self.unit(pair, k);
+        let n = node.size;
+        let (h, least, unit) = self.column(node, k);
         let along = |row: &[S]| sparse_dot(row.iter().zip(&h).map(|(&x, &h)| (x, h)));
-        let u: [S; MOST] = std::array::from_fn(|i| along(&inertia[i]).label(LABELS_U[i]));
-        // Where much heavier bodies move the same way, rounding of what they leave may be more than all that is there.
-        let least = self.store[pair.joint.diagonal + n * pair.free + k];
+        let u: [S; MOST] = std::array::from_fn(|i| match node.joint {
+            Some(_) => along(&inertia[i]).label(LABELS_U[i]),
+            None => inertia[i][k],
+        });
         let mut pivot = along(&u);
         if !least.is_zero() {
+            // Where much heavier bodies move the same way, rounding of what they leave may be more than all that is there.
             pivot = pivot.max(least);
         }
-        let inverse = (S::one() / pivot.label("D")).label("inverse_D");
-        self.inverse[pair.body.first + k] = inverse;
+        let inverse = S::one() / pivot.label("D");
+        self.pivot[node.step.first + k] = pivot;
+        self.inverse[node.step.first + k] = inverse;
         for i in 0..n {
-            let factor = if unit == Some(i) {
+            let gone = unit == Some(i);
+            let factor = if gone {
                 S::zero()
             } else {
                 scale(u[i], inverse)
             };
-            self.scaled[pair.row(k) + i] = factor;
+            self.scaled[node.row(k) + i] = factor;
             for j in 0..=i {
-                if unit == Some(i) || unit == Some(j) {
+                if gone || unit == Some(j) {
                     inertia[i][j] = S::zero();
                 } else if !factor.is_zero() && !u[j].is_zero() {
                     inertia[i][j] -= factor * u[j];
@@ -209,70 +246,67 @@ impl<S: Real> System<S> {
                 inertia[j][i] = inertia[i][j];
             }
         }
-        let rows = |below: &Below| {
-            let at = below.at;
-            (0..plan.steps[below.step].size).map(move |row| at + n * row)
-        };
-        for below in pair.others() {
-            for at in rows(below) {
-                self.scaled[at + k] = along(&self.store[at..at + n]);
-            }
-        }
-        self.fill_others(plan, pair, k, inverse);
-        for below in pair.others() {
-            for at in rows(below) {
-                let factor = scale(self.scaled[at + k], inverse);
+        for (i, below) in node.others().iter().enumerate() {
+            for at in node.rows(plan, below) {
+                let shared = along(&self.store[at..at + n]);
+                let factor = scale(shared, inverse);
                 self.scaled[at + k] = factor;
+                if factor.is_zero() {
+                    continue;
+                }
                 for (i, &u) in u.iter().enumerate().take(n) {
-                    if unit == Some(i) {
-                        self.store[at + i] = S::zero();
-                    } else if !factor.is_zero() && !u.is_zero() {
+                    if unit != Some(i) && !u.is_zero() {
                         self.store[at + i] -= factor * u;
                     }
                 }
+                // What the column did before is kept for the products.
+                self.along[at] = shared;
             }
-        }
-    }
-
-    /// Takes column k of H out of the blocks of the nodes that the body is coupled to besides its joint.
-    fn fill_others(&mut self, plan: &Elimination, pair: &Pair<'_>, k: usize, inverse: S) {
-        let n = pair.speeds;
-        for (i, below) in pair.others().iter().enumerate() {
-            // The first target is that of the joint.
-            let targets = below.targets.iter().skip(1);
-            for (other, &target) in pair.others()[..=i].iter().zip(targets) {
+            for (other, &target) in node.others()[..=i].iter().zip(node.targets(below)) {
                 let columns = plan.steps[other.step].size;
-                for row in 0..plan.steps[below.step].size {
-                    let factor = scale(self.scaled[below.at + n * row + k], inverse);
+                for (row, at) in node.rows(plan, below).enumerate() {
+                    let factor = self.scaled[at + k];
                     if factor.is_zero() {
                         continue;
                     }
-                    for column in 0..last(below, other, row, columns) {
-                        let shared = self.scaled[other.at + n * column + k];
-                        if !shared.is_zero() {
+                    let last = last(below, other, row, columns);
+                    for (column, from) in node.rows(plan, other).enumerate().take(last) {
+                        if !self.scaled[from + k].is_zero() {
+                            let shared = self.along[from];
                             self.store[target + row * columns + column] -= factor * shared;
                         }
                     }
                 }
             }
         }
+        if let Some(unit) = unit {
+            for at in node
+                .others()
+                .iter()
+                .flat_map(|below| node.rows(plan, below))
+            {
+                self.store[at + unit] = S::zero();
+            }
+        }
     }
 
-    /// Hands what is left of the body on to its parent and the others, by (3). Leaves P_oᵀ in `store`.
-    fn hand_on(&mut self, plan: &Elimination, pair: &Pair<'_>, inertia: &[[S; MOST]; MOST]) {
-        let n = pair.speeds;
-        for below in &pair.joint.below {
-            let coupling = pair.coupling(below.step);
-            for row in 0..plan.steps[below.step].size {
-                let at = below.at + n * row;
+    /// Hands what is left of a body on to its parent and the others, by (3). Leaves P_oᵀ in `store`.
+    fn hand_on(
+        &mut self,
+        plan: &Elimination,
+        node: &Node<'_>,
+        joint: &Step,
+        inertia: &[[S; MOST]; MOST],
+    ) {
+        let n = node.size;
+        for below in &joint.below {
+            let coupling = node.coupling(below.step);
+            for (row, at) in node.rows(plan, below).enumerate() {
                 let mut p = [S::zero(); MOST];
                 for e in 0..n {
                     let factor = self.scaled[at + e];
-                    if factor.is_zero() {
-                        continue;
-                    }
                     for (p, row) in p.iter_mut().zip(inertia).take(n) {
-                        if !row[e].is_zero() {
+                        if !factor.is_zero() && !row[e].is_zero() {
                             *p += row[e] * factor;
                         }
                     }
@@ -285,16 +319,15 @@ impl<S: Real> System<S> {
                 self.store[at..at + n].copy_from_slice(&p[..n]);
             }
         }
-        for (i, below) in pair.joint.below.iter().enumerate() {
-            let coupling = pair.coupling(below.step);
-            for (other, &target) in pair.joint.below[..=i].iter().zip(&below.targets) {
+        for (i, below) in joint.below.iter().enumerate() {
+            let coupling = node.coupling(below.step);
+            for (other, &target) in joint.below[..=i].iter().zip(&below.targets) {
                 let columns = plan.steps[other.step].size;
-                for row in 0..plan.steps[below.step].size {
-                    let at = below.at + n * row;
-                    for column in 0..last(below, other, row, columns) {
-                        let from = other.at + n * column;
-                        let mut total =
-                            sparse_dot((0..n).map(|d| (self.scaled[at + d], self.store[from + d])));
+                for (row, at) in node.rows(plan, below).enumerate() {
+                    let last = last(below, other, row, columns);
+                    for (column, from) in node.rows(plan, other).enumerate().take(last) {
+                        let own = (0..n).map(|d| (self.scaled[at + d], self.store[from + d]));
+                        let mut total = sparse_dot(own);
                         if let Some(coupling) = coupling {
                             let own = coupling.at + n * row;
                             total += sparse_dot(
@@ -308,73 +341,122 @@ impl<S: Real> System<S> {
         }
     }
 
-    /// Carries the right-hand side of the pair of step `index` to the others, by (2) and (4). ν is that of the joint.
-    pub(super) fn carry_pair(&mut self, plan: &Elimination, index: usize) {
-        let Some(pair) = Pair::new(plan, index) else {
-            return;
-        };
-        let (first, held, n) = (pair.body.first, pair.joint.first, pair.speeds);
-        if let Some(axes) = self.axes(&pair) {
+    /// Solves for the right-hand side; the factor stays. `enter` hears which part comes next.
+    pub fn solve(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
+        for (index, step) in plan.steps.iter().enumerate() {
+            if let Some(node) = Node::new(plan, index) {
+                enter(step.part);
+                self.carry(plan, &node);
+            }
+        }
+        for (index, step) in plan.steps.iter().enumerate().rev() {
+            if let Some(node) = Node::new(plan, index) {
+                enter(step.part);
+                self.find(plan, &node);
+            }
+        }
+    }
+
+    /// Carries the right-hand side of a node to the others, by (2) and (4). ν is that of the joint.
+    fn carry(&mut self, plan: &Elimination, node: &Node<'_>) {
+        let (first, n) = (node.step.first, node.size);
+        if let Some(axes) = self.axes(node) {
             turn(&mut self.right[first + 3..], &axes);
         }
-        for k in 0..pair.free {
-            let h = self.column(&pair, k);
-            let value = sparse_dot((0..n).map(|i| (self.right[first + i], h[i])));
-            self.right[held + n + k] = value;
-            if let Some(unit) = self.unit(&pair, k) {
+        for k in 0..node.free {
+            let (h, _, unit) = self.column(node, k);
+            let work = sparse_dot((0..n).map(|i| (self.right[first + i], h[i])));
+            self.work[first + k] = work;
+            if let Some(unit) = unit {
                 self.right[first + unit] = S::zero();
-                self.right[held + unit] = S::zero();
+                if let Some(joint) = node.joint {
+                    self.right[joint.first + unit] = S::zero();
+                }
             }
-            if value.is_zero() {
+            if work.is_zero() {
                 continue;
             }
-            for i in 0..n {
-                self.carry(pair.row(k) + i, first + i, value);
-            }
-            for below in pair.others() {
-                let later = &plan.steps[below.step];
-                for row in 0..later.size {
-                    self.carry(below.at + n * row + k, later.first + row, value);
+            let own = (0..n).map(|i| (node.row(k) + i, first + i));
+            let others = node.others().iter().flat_map(|below| {
+                let first = plan.steps[below.step].first;
+                node.rows(plan, below)
+                    .zip(first..)
+                    .map(|(at, row)| (at + k, row))
+            });
+            for (factor, row) in own.chain(others) {
+                let factor = self.scaled[factor];
+                if !factor.is_zero() {
+                    self.right[row] -= factor * work;
                 }
             }
         }
+        let Some(joint) = node.joint else {
+            return;
+        };
+        let held = joint.first;
         for d in 0..n {
-            let moved = (0..n).map(|e| (self.right[held + e], self.inertia_at(&pair, d, e)));
+            let moved = (0..n).map(|e| (self.right[held + e], self.store[node.row(d) + e]));
             let moved = sparse_dot(moved);
             if !moved.is_zero() {
                 self.right[first + d] -= moved;
             }
         }
-        for below in &pair.joint.below {
-            let later = &plan.steps[below.step];
-            for row in 0..later.size {
-                let at = below.at + n * row;
+        for below in &joint.below {
+            for (at, row) in node.rows(plan, below).zip(plan.steps[below.step].first..) {
                 let push = sparse_dot((0..n).map(|d| (self.scaled[at + d], self.right[first + d])));
-                self.right[later.first + row] += push;
+                self.right[row] += push;
             }
         }
-        for below in pair.others() {
-            let later = &plan.steps[below.step];
-            for row in 0..later.size {
-                let at = below.at + n * row;
+        for below in node.others() {
+            for (at, row) in node.rows(plan, below).zip(plan.steps[below.step].first..) {
                 let moved = sparse_dot((0..n).map(|d| (self.right[held + d], self.store[at + d])));
-                self.right[later.first + row] -= moved;
+                self.right[row] -= moved;
             }
         }
     }
 
-    /// Finds the unknowns of the body of step `index` from those of the others, by (1) and (2), and leaves (5) with the joint.
-    pub(super) fn find_pair(&mut self, plan: &Elimination, index: usize) {
-        let Some(pair) = Pair::new(plan, index) else {
-            return;
-        };
-        let (first, held, n) = (pair.body.first, pair.joint.first, pair.speeds);
+    /// Finds the unknowns of a node from those of the others, by (1) and (2); leaves (5) with the joint.
+    fn find(&mut self, plan: &Elimination, node: &Node<'_>) {
+        let (first, n) = (node.step.first, node.size);
+        if let Some(joint) = node.joint {
+            self.follow(plan, node, joint);
+        }
+        for k in (0..node.free).rev() {
+            let (h, _, unit) = self.column(node, k);
+            let mut u = scale(self.work[first + k], self.inverse[first + k]);
+            for below in node.others() {
+                let unknowns = plan.steps[below.step].first..;
+                for (at, other) in node.rows(plan, below).zip(unknowns) {
+                    let factor = self.scaled[at + k];
+                    if !factor.is_zero() {
+                        u -= factor * self.right[other];
+                    }
+                }
+            }
+            u -= sparse_dot((0..n).map(|i| (self.scaled[node.row(k) + i], self.right[first + i])));
+            if let Some(unit) = unit {
+                self.right[first + unit] = u;
+                continue;
+            }
+            let u = u.label("u");
+            for (i, h) in h.into_iter().enumerate().take(n) {
+                if !h.is_zero() {
+                    self.right[first + i] += u * h;
+                }
+            }
+        }
+        if let Some(axes) = self.axes(node) {
+            turn(&mut self.right[first + 3..], &axes.transpose());
+        }
+    }
+
+    /// Writes (1) without H u, and (5).
+    fn follow(&mut self, plan: &Elimination, node: &Node<'_>, joint: &Step) {
+        let (first, held, n) = (node.step.first, joint.first, node.size);
         let mut carried = [S::zero(); MOST];
-        for below in &pair.joint.below {
-            let later = &plan.steps[below.step];
-            for row in 0..later.size {
-                let value = self.right[later.first + row];
-                let at = below.at + n * row;
+        for below in &joint.below {
+            for (at, other) in node.rows(plan, below).zip(plan.steps[below.step].first..) {
+                let value = self.right[other];
                 for (carried, &x) in carried.iter_mut().zip(&self.scaled[at..at + n]) {
                     if !x.is_zero() {
                         *carried += x * value;
@@ -382,76 +464,38 @@ impl<S: Real> System<S> {
                 }
             }
         }
-        for unit in (0..pair.free).filter_map(|k| self.unit(&pair, k)) {
-            carried[unit] = S::zero();
-        }
-        let mut push = [S::zero(); MOST];
-        for (d, push) in push.iter_mut().enumerate().take(n) {
-            let moved = (0..n).map(|e| (carried[e], self.inertia_at(&pair, d, e)));
-            *push = self.right[first + d] - sparse_dot(moved);
-            for below in pair.others() {
-                let later = &plan.steps[below.step];
-                *push -= sparse_dot((0..later.size).map(|row| {
-                    let factor = self.store[below.at + n * row + d];
-                    (factor, self.right[later.first + row])
-                }));
+        for k in 0..node.free {
+            if let (_, _, Some(unit)) = self.column(node, k) {
+                carried[unit] = S::zero();
             }
         }
-        for (d, &carried) in carried.iter().enumerate().take(n) {
-            self.right[first + d] = self.right[held + d] + carried;
-            self.right[held + d] = push[d];
-        }
-        for k in (0..pair.free).rev() {
-            let value = self.right[held + n + k];
-            let mut total = scale(value, self.inverse[first + k]);
-            total -= sparse_dot((0..n).map(|i| {
-                let factor = self.scaled[pair.row(k) + i];
-                (factor, self.right[first + i])
-            }));
-            for below in pair.others() {
-                let later = &plan.steps[below.step];
-                for row in 0..later.size {
-                    let factor = self.scaled[below.at + n * row + k];
-                    if !factor.is_zero() {
-                        total -= factor * self.right[later.first + row];
-                    }
-                }
+        for (d, &own) in carried.iter().enumerate().take(n) {
+            let moved = (0..n).map(|e| (carried[e], self.store[node.row(d) + e]));
+            let mut push = self.right[first + d] - sparse_dot(moved);
+            for below in node.others() {
+                let unknowns = plan.steps[below.step].first..;
+                let rows = node.rows(plan, below).zip(unknowns);
+                push -= sparse_dot(rows.map(|(at, row)| (self.store[at + d], self.right[row])));
             }
-            let total = total.label("u");
-            if let Some(unit) = self.unit(&pair, k) {
-                self.right[first + unit] = total;
-                continue;
-            }
-            for (i, h) in self.column(&pair, k).into_iter().enumerate().take(n) {
-                if !h.is_zero() {
-                    self.right[first + i] += total * h;
-                }
-            }
-        }
-        if let Some(axes) = self.axes(&pair) {
-            turn(&mut self.right[first + 3..], &axes.transpose());
+            self.push[held + d] = push;
+            self.right[first + d] = self.right[held + d] + own;
         }
     }
 
-    /// The unknowns of the joint of the pair of step `index`: ν, after [`System::solve`] (5).
-    pub fn held_mut(&mut self, plan: &Elimination, index: usize) -> &mut [S] {
-        match Pair::new(plan, index) {
-            Some(pair) => &mut self.right[pair.joint.first..pair.joint.first + pair.speeds],
+    /// The unknowns of the parent joint of the body of a step: ν.
+    pub fn held_mut(&mut self, plan: &Elimination, body: usize) -> &mut [S] {
+        match Node::pair(plan, body) {
+            Some((node, joint)) => &mut self.right[joint.first..joint.first + node.size],
             None => &mut [],
         }
     }
 
-    /// What the joint of the pair of step `index` pushes the body with, by (5).
-    pub fn push(&self, plan: &Elimination, index: usize) -> &[S] {
-        match Pair::new(plan, index) {
-            Some(pair) => &self.right[pair.joint.first..pair.joint.first + pair.speeds],
+    /// What the parent joint of the body of a step pushes it with, by (5), after [`System::solve`].
+    pub fn push(&self, plan: &Elimination, body: usize) -> &[S] {
+        match Node::pair(plan, body) {
+            Some((node, joint)) => &self.push[joint.first..joint.first + node.size],
             None => &[],
         }
-    }
-
-    /// Element of I_a after (2).
-    fn inertia_at(&self, pair: &Pair<'_>, i: usize, j: usize) -> S {
-        self.store[pair.body.diagonal + pair.speeds * i + j]
     }
 }
 
@@ -493,19 +537,19 @@ fn turn_inertia<S: Real>(inertia: &mut [[S; MOST]; MOST], axes: &Matrix3<S>) {
 }
 
 /// Σ a b over the products in which neither is zero.
-pub(super) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
+fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
     products
         .filter(|(a, b)| !a.is_zero() && !b.is_zero())
         .fold(S::zero(), |sum, (a, b)| sum + a * b)
 }
 
 /// a b, where a is not zero.
-pub(super) fn scale<S: Real>(a: S, b: S) -> S {
+fn scale<S: Real>(a: S, b: S) -> S {
     if a.is_zero() { a } else { a * b }
 }
 
 /// The columns of a row of a block: of a diagonal block those of the lower triangle.
-pub(super) fn last(below: &Below, other: &Below, row: usize, columns: usize) -> usize {
+fn last(below: &Below, other: &Below, row: usize, columns: usize) -> usize {
     if below.step == other.step {
         row + 1
     } else {

@@ -18,11 +18,11 @@ use nalgebra::Vector3;
 
 use super::algebra::write;
 use super::assemble::Carriage;
-use super::block::System;
 use super::evaluation::Evaluation;
 use super::forces::Assembly;
 use super::reference::Reference;
 use super::rows::{Columns, End, Ends, Row, Rows, Turn};
+use super::system::System;
 use super::{GravityNumbers, body_gravity, point_gravity};
 use crate::elimination::Part;
 use crate::{AngularVelocity, Directions, Layout, PointSlots, Quantity, Real, Scene};

@@ -4,7 +4,6 @@ mod algebra;
 mod along;
 mod articulated;
 mod assemble;
-mod block;
 mod body;
 mod constraint;
 mod coordinate;
@@ -24,6 +23,7 @@ mod numbers;
 mod posture;
 mod reference;
 pub mod rows;
+mod system;
 
 use algebra::{elements, vector, write};
 use constraint::Constraints;
