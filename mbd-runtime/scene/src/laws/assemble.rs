@@ -282,8 +282,7 @@ impl<S: Real> Constraints<S> {
                         let turn = match &carriage.across {
                             // The rows are in the parent's own components.
                             Some(across) => Turn::By(*across).after_back(&parent.turn),
-                            None if parent.same_axes(&child) => Turn::None,
-                            None => child.turn_from(&parent.outward),
+                            None => child.rotation_from(&parent),
                         };
                         (turn, lever)
                     }

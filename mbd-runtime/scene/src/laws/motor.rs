@@ -13,7 +13,7 @@
 //! [N m] of the motor along the coordinate. Singular, half a turn off apart, only where nothing is left to move.
 //! Rejected: θ − f with θ from atan2, which jumps once a turn. Source: derived.
 
-use super::rows::{Ends, Row, across, rotated};
+use super::rows::{Ends, Row, turned};
 use crate::joints::{Coordinate, Measure};
 use crate::{Jet, Real};
 
@@ -30,20 +30,9 @@ impl<S: Real> Ends<'_, S> {
                 ..row
             };
         };
-        let turn = course.value.sin_cos();
-        let (behind, ahead) = if cosine[1] == sine[1] {
-            let both = [sine[0], cosine[0]].map(|axis| self.parent.axis(&axis));
-            let own = self.child.axis(&cosine[1]);
-            let [behind, ahead] = rotated(both, turn);
-            (across(self, &behind, &own), across(self, &ahead, &own))
-        } else {
-            let own = self.parent.axis(&cosine[0]);
-            let both = [sine[1], cosine[1]].map(|axis| self.child.axis(&axis));
-            let [behind, ahead] = rotated(both, turn);
-            (across(self, &own, &behind), across(self, &own, &ahead))
-        };
+        let [row, ahead] = turned(self, cosine, sine, course.value.sin_cos());
         let turning = ahead.parent.angular.dot(&self.spin().difference);
-        let (row, ahead) = (behind, ahead.value);
+        let ahead = ahead.value;
         let own = (turning + turning) * course.rate
             + ahead * course.curve
             + row.value * (course.rate * course.rate);

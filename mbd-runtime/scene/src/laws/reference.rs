@@ -26,6 +26,8 @@ pub struct Reference<S: Real> {
     pub outward: Turn<S>,
     /// Components along the body's own axes → these.
     pub turn: Turn<S>,
+    /// What makes a rotation of that, and of `outward`: 1 over the length of their columns, which quaternions leave inside a step.
+    pub units: [S; 2],
     /// The point from the centre of mass, these components [m]; `None` for the centre of mass itself.
     pub point: Option<Vector3<S>>,
     /// The same along the body's own axes, where it is a place on the body.
@@ -48,14 +50,29 @@ impl<S: Real> Reference<S> {
         self.point.unwrap_or_else(Vector3::zeros)
     }
 
-    /// Components of other axes, `outward` of which takes them to the world's, → these; nothing where they are the same axes.
+    /// Components of other axes, `outward` of which takes them to the world's, → these.
     pub fn turn_from(&self, outward: &Turn<S>) -> Turn<S> {
         self.outward.to(outward)
     }
 
-    /// Whether two have the same axes.
-    pub fn same_axes(&self, other: &Self) -> bool {
-        self.along == other.along
+    /// The rotation from the components of another reference frame to these; none where the axes are the same.
+    pub fn rotation_from(&self, other: &Self) -> Turn<S> {
+        if self.along == other.along {
+            return Turn::None;
+        }
+        let unit = self.units[1] * other.units[1];
+        match self.turn_from(&other.outward) {
+            Turn::None => Turn::None,
+            Turn::By(turn) => Turn::By(turn.map(|x| x * unit)),
+        }
+    }
+
+    /// Own components of an angular acceleration in these.
+    pub fn to_own(&self, spin: &Vector3<S>) -> Vector3<S> {
+        match self.turn {
+            Turn::None => *spin,
+            turn => turn.back(&spin.map(|x| x * self.units[0])),
+        }
     }
 }
 
@@ -67,9 +84,34 @@ impl<S: Real> Evaluation<'_, S> {
             true => AngularVelocity::Body,
             false => AngularVelocity::World,
         };
-        let mut ends = self.ends(joint, components)?;
-        ends.child.reference = ends.child.arm;
-        Some(ends)
+        let declared = self.scene.joints.get(joint)?;
+        let end = |place: Place| {
+            let end = self.end(place, components)?;
+            Some(match own {
+                true => end,
+                false => self.exact(place, end),
+            })
+        };
+        let (parent, child) = (end(declared.parent)?, end(declared.child)?);
+        let reference = child.arm;
+        let numbers = self.numbers.joints.get(joint)?;
+        Some(Ends::new(
+            parent,
+            End { reference, ..child },
+            numbers,
+            components,
+        ))
+    }
+
+    /// An end in world components with the angular velocity by which its arms turn.
+    fn exact(&self, place: Place, end: End<S>) -> End<S> {
+        match place {
+            Place::Body(body, _) => End {
+                omega: self.motions[body].omega_exact(self.scene.angular_velocity),
+                ..end
+            },
+            _ => end,
+        }
     }
 
     /// The reference frame of a body; `references` those of what carries it.
@@ -84,6 +126,7 @@ impl<S: Real> Evaluation<'_, S> {
             along: Some(body),
             outward: Turn::By(motion.rotation),
             turn: Turn::None,
+            units: [S::one(), motion.unit],
             point: None,
             place: None,
         };
@@ -91,6 +134,7 @@ impl<S: Real> Evaluation<'_, S> {
             along: None,
             outward: Turn::None,
             turn: own.outward,
+            units: [motion.unit, S::one()],
             ..own
         };
         let Some((joint, carrying)) = plan.carrying(body) else {
@@ -119,6 +163,7 @@ impl<S: Real> Evaluation<'_, S> {
             };
             return Some(Reference {
                 turn,
+                units: [motion.unit * inboard.units[1], inboard.units[1]],
                 point: Some(point),
                 place: None,
                 ..inboard
@@ -171,7 +216,7 @@ impl<S: Real> Evaluation<'_, S> {
             return Some(end);
         };
         let end = match (axes.along, axes.turn) {
-            (None, _) => self.end(place, AngularVelocity::World)?,
+            (None, _) => self.exact(place, self.end(place, AngularVelocity::World)?),
             (_, Turn::None) => end,
             (_, turn) => End {
                 omega: turn.apply(&end.omega),

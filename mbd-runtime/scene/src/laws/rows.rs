@@ -376,7 +376,7 @@ pub(crate) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> 
 }
 
 /// (2) for directions in the components of their ends.
-pub(super) fn across<S: Real>(ends: &Ends<'_, S>, a: &Vector3<S>, b: &Vector3<S>) -> Row<S> {
+fn across<S: Real>(ends: &Ends<'_, S>, a: &Vector3<S>, b: &Vector3<S>) -> Row<S> {
     let (b_parent, a_child) = (ends.relative().apply(b), ends.relative().back(a));
     let spin = ends.spin();
     let (normal, couple) = (a.cross(&b_parent), b.cross(&a_child));
@@ -401,9 +401,26 @@ pub(super) fn across<S: Real>(ends: &Ends<'_, S>, a: &Vector3<S>, b: &Vector3<S>
 }
 
 /// a, b → a cos − b sin and a sin + b cos.
-pub(super) fn rotated<S: Real>([a, b]: [Vector3<S>; 2], (sin, cos): (S, S)) -> [Vector3<S>; 2] {
+fn rotated<S: Real>([a, b]: [Vector3<S>; 2], (sin, cos): (S, S)) -> [Vector3<S>; 2] {
     let sum = |x: S, y: S| a.map(|a| a * x) + b.map(|b| b * y);
     [sum(cos, -sin), sum(sin, cos)]
+}
+
+/// The rows of S cos − C sin and S sin + C cos, for the products C of the first pair of axes and S of the second, one of which both share.
+pub(super) fn turned<S: Real>(
+    ends: &Ends<'_, S>,
+    cosine: &[Axis; 2],
+    sine: &[Axis; 2],
+    turn: (S, S),
+) -> [Row<S>; 2] {
+    if cosine[1] == sine[1] {
+        let both = [sine[0], cosine[0]].map(|axis| ends.parent.axis(&axis));
+        let own = ends.child.axis(&cosine[1]);
+        return rotated(both, turn).map(|direction| across(ends, &direction, &own));
+    }
+    let own = ends.parent.axis(&cosine[0]);
+    let both = [sine[1], cosine[1]].map(|axis| ends.child.axis(&axis));
+    rotated(both, turn).map(|direction| across(ends, &own, &direction))
 }
 
 /// (3).
