@@ -124,7 +124,7 @@ fn an_open_chain_costs_the_same_for_every_further_body() {
     let [four, eight, sixteen, many] = [4, 8, 16, 64].map(whole);
     assert_eq!(sixteen - eight, 2 * (eight - four), "linear in n");
     assert_eq!(many - sixteen, 12 * (eight - four), "linear in n");
-    assert!(many <= 510 * 64, "{many}: kinematics, rows, system and all");
+    assert!(many <= 520 * 64, "{many}: kinematics, rows, system and all");
     assert!(solving(&chain(16, false)) <= 310 * 16);
 }
 
@@ -190,21 +190,21 @@ type Kind = fn(Axis) -> JointLaw;
 
 /// Joints, their driven coordinates, and the operations of a state derivative that a body of a chain of 16 may cost.
 const CHAINS: [(&str, Kind, &[usize], usize); 15] = [
-    ("hinge", hinge, &[], 480),
-    ("hinge about a skew axis", skew, &[], 550),
-    ("hinge, driven", hinge, &[0], 275),
-    ("spherical", ball, &[], 285),
-    ("universal", cardan, &[], 495),
-    ("universal, first angle driven", cardan, &[0], 525),
-    ("universal, driven", cardan, &[0, 1], 320),
-    ("prismatic", prismatic, &[], 455),
-    ("hinge and prismatic in turn", telescope, &[], 530),
-    ("prismatic, driven", prismatic, &[0], 330),
-    ("cylindrical", cylindrical, &[], 640),
-    ("cylindrical, angle driven", cylindrical, &[1], 410),
-    ("planar", table, &[], 460),
-    ("planar, angle driven", table, &[2], 510),
-    ("screw", screw, &[], 700),
+    ("hinge", hinge, &[], 485),
+    ("hinge about a skew axis", skew, &[], 560),
+    ("hinge, driven", hinge, &[0], 285),
+    ("spherical", ball, &[], 290),
+    ("universal", cardan, &[], 500),
+    ("universal, first angle driven", cardan, &[0], 535),
+    ("universal, driven", cardan, &[0, 1], 330),
+    ("prismatic", prismatic, &[], 465),
+    ("hinge and prismatic in turn", telescope, &[], 540),
+    ("prismatic, driven", prismatic, &[0], 340),
+    ("cylindrical", cylindrical, &[], 650),
+    ("cylindrical, angle driven", cylindrical, &[1], 420),
+    ("planar", table, &[], 465),
+    ("planar, angle driven", table, &[2], 520),
+    ("screw", screw, &[], 710),
 ];
 
 #[test]
@@ -231,9 +231,9 @@ fn the_cheap_order_of_elimination_is_found() {
     assert_eq!(choice(&tree(15)), articulated);
     let rods = of_distances(8);
     assert_ne!(choice(&rods), articulated, "nothing carries these bodies");
-    assert!(cost(&chain(8, true), Quantity::Derivative) <= 4_550);
-    assert!(cost(&hub(11), Quantity::Derivative) <= 5_150);
-    assert!(cost(&tree(15), Quantity::Derivative) <= 6_300);
+    assert!(cost(&chain(8, true), Quantity::Derivative) <= 4_600);
+    assert!(cost(&hub(11), Quantity::Derivative) <= 5_250);
+    assert!(cost(&tree(15), Quantity::Derivative) <= 6_400);
 }
 
 #[test]

@@ -1,15 +1,15 @@
 //! A body and its parent joint, taken out of the system together: the articulated-body recursion, on the constraints and off them.
 //!
 //! ```text
-//! V_c = Σ X_o V_o + ν + H u            o: the parent of the body, and others that it is coupled to            (1)
-//! U = I_a h,  D = hᵀ U,  u = (hᵀ p − Uᵀ V − …)/D;   I_a −= U Uᵀ/D,  p −= U hᵀ p/D     for each column h of H   (2)
+//! a_c = Σ X_o a_o + ν + H u            o: the parent of the body, and others that it is coupled to            (1)
+//! U = I_a h,  D = hᵀ U,  u = (hᵀ p − Uᵀ a − …)/D;   I_a −= U Uᵀ/D,  p −= U hᵀ p/D     for each column h of H   (2)
 //! K_oo′ += X_oᵀ P_o′ + C_o X_o′,  P_o = I_a X_o + C_oᵀ                                                         (3)
 //! p_o += X_oᵀ (p − I_a ν) − C_o ν                                                                              (4)
-//! push = p − I_a V_c − Σ C_oᵀ V_o      what the joint pushes the body with                                     (5)
+//! push = p − I_a a_c − Σ C_oᵀ a_o      what the joint pushes the body with                                     (5)
 //! ```
 //!
-//! I_a is the block of the body, p its right-hand side, C_o its coupling to another node (zero on a tree), ν = N γ what the rows ask for.
-//! X is that of the parent alone: a body that a joint lets turn is rigidly attached at the joint's point, up to H. After (2) I_a is the
+//! a is the acceleration of a node, I_a the block of the body, p its right-hand side, C_o its coupling to another node (zero on a tree),
+//! ν = N γ what the rows ask for. X is that of the parent alone: a body that a joint lets turn is rigidly attached at the joint's point, up to H. After (2) I_a is the
 //! inertia that the joint hands inboard, and I_a h is zero; where h is a unit vector its row and column are left out. All of this is in the
 //! axes of the joint where it states some: the columns of T, ω = T ω_T.
 //! Source: Featherstone, Rigid Body Dynamics Algorithms, articulated-body algorithm.
@@ -218,7 +218,7 @@ impl<S: Real> System<S> {
         let (h, least, unit) = self.column(node, k);
         let along = |row: &[S]| sparse_dot(row.iter().zip(&h).map(|(&x, &h)| (x, h)));
         let u: [S; MOST] = std::array::from_fn(|i| match node.joint {
-            Some(_) => along(&inertia[i]).label(LABELS_U[i]),
+            Some(_) => along(&inertia[i]).label("U"),
             None => inertia[i][k],
         });
         let mut pivot = along(&u);
@@ -226,7 +226,10 @@ impl<S: Real> System<S> {
             // Where much heavier bodies move the same way, rounding of what they leave may be more than all that is there.
             pivot = pivot.max(least);
         }
-        let inverse = S::one() / pivot.label("D");
+        if node.joint.is_some() {
+            pivot = pivot.label("D");
+        }
+        let inverse = S::one() / pivot;
         self.pivot[node.step.first + k] = pivot;
         self.inverse[node.step.first + k] = inverse;
         for i in 0..n {
@@ -334,7 +337,8 @@ impl<S: Real> System<S> {
                                 (0..n).map(|d| (self.scaled[from + d], self.store[own + d])),
                             );
                         }
-                        self.store[target + row * columns + column] += total;
+                        let slot = &mut self.store[target + row * columns + column];
+                        *slot = (*slot + total).label("I_a");
                     }
                 }
             }
@@ -404,7 +408,7 @@ impl<S: Real> System<S> {
         for below in &joint.below {
             for (at, row) in node.rows(plan, below).zip(plan.steps[below.step].first..) {
                 let push = sparse_dot((0..n).map(|d| (self.scaled[at + d], self.right[first + d])));
-                self.right[row] += push;
+                self.right[row] = (self.right[row] + push).label("p_a");
             }
         }
         for below in node.others() {
@@ -434,11 +438,13 @@ impl<S: Real> System<S> {
                 }
             }
             u -= sparse_dot((0..n).map(|i| (self.scaled[node.row(k) + i], self.right[first + i])));
+            if node.joint.is_some() {
+                u = u.label("u");
+            }
             if let Some(unit) = unit {
                 self.right[first + unit] = u;
                 continue;
             }
-            let u = u.label("u");
             for (i, h) in h.into_iter().enumerate().take(n) {
                 if !h.is_zero() {
                     self.right[first + i] += u * h;
@@ -478,7 +484,7 @@ impl<S: Real> System<S> {
                 push -= sparse_dot(rows.map(|(at, row)| (self.store[at + d], self.right[row])));
             }
             self.push[held + d] = push;
-            self.right[first + d] = self.right[held + d] + own;
+            self.right[first + d] = (self.right[held + d] + own).label("a");
         }
     }
 
@@ -498,9 +504,6 @@ impl<S: Real> System<S> {
         }
     }
 }
-
-/// The names of U, in the order of the speeds.
-const LABELS_U: [&str; MOST] = ["U_vx", "U_vy", "U_vz", "U_wx", "U_wy", "U_wz"];
 
 /// The first three numbers of a list, a row vector: times T.
 fn turn<S: Real>(list: &mut [S], axes: &Matrix3<S>) {
