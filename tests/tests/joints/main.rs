@@ -18,5 +18,6 @@ mod redundant;
 mod reference;
 mod run;
 mod singular;
+mod split;
 mod told;
 mod trees;

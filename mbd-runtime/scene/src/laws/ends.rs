@@ -71,6 +71,15 @@ impl<S: Real> Turn<S> {
         }
     }
 
+    /// self otherᵀ: other back first.
+    pub fn after_back(&self, other: &Turn<S>) -> Turn<S> {
+        match (self, other) {
+            (turn, Turn::None) => *turn,
+            (Turn::None, Turn::By(r)) => Turn::By(r.transpose()),
+            (Turn::By(a), Turn::By(b)) => Turn::By(a * b.transpose()),
+        }
+    }
+
     /// selfᵀ other.
     pub fn to(&self, other: &Turn<S>) -> Turn<S> {
         match (self, other) {
@@ -160,8 +169,19 @@ pub struct Spin<S: Real> {
     pub difference: Vector3<S>,
     /// w·w.
     pub square: S,
-    /// ω_p × A ω_c.
+    /// ω_p × ω_c.
     pub cross: Vector3<S>,
+}
+
+impl<S: Real> Spin<S> {
+    fn new(parent: &Vector3<S>, child: &Vector3<S>) -> Self {
+        let difference = parent - child;
+        Spin {
+            difference,
+            square: difference.dot(&difference),
+            cross: parent.cross(child),
+        }
+    }
 }
 
 /// Parent end and child end of a joint, and its numbers.
@@ -175,6 +195,7 @@ pub struct Ends<'a, S: Real> {
     components: AngularVelocity,
     relative: OnceCell<Turn<S>>,
     spin: OnceCell<Spin<S>>,
+    spin_in_child: OnceCell<Spin<S>>,
 }
 
 impl<'a, S: Real> Ends<'a, S> {
@@ -192,6 +213,7 @@ impl<'a, S: Real> Ends<'a, S> {
             components,
             relative: OnceCell::new(),
             spin: OnceCell::new(),
+            spin_in_child: OnceCell::new(),
         }
     }
 
@@ -214,14 +236,24 @@ impl<'a, S: Real> Ends<'a, S> {
     /// The child's angular velocity seen from the parent.
     pub fn spin(&self) -> &Spin<S> {
         self.spin.get_or_init(|| {
-            let child = self.relative().apply(&self.child.omega);
-            let difference = self.parent.omega - child;
-            Spin {
-                difference,
-                square: difference.dot(&difference),
-                cross: self.parent.omega.cross(&child),
-            }
+            Spin::new(
+                &self.parent.omega,
+                &self.relative().apply(&self.child.omega),
+            )
         })
+    }
+
+    /// The same in child components.
+    pub fn spin_in_child(&self) -> &Spin<S> {
+        self.spin_in_child.get_or_init(|| {
+            let parent = self.relative().back(&self.parent.omega);
+            Spin::new(&parent, &self.child.omega)
+        })
+    }
+
+    /// An axis of frame 1, child components.
+    pub fn in_child(&self, axis: &Axis) -> Vector3<S> {
+        self.relative().back(&self.parent.axis(axis))
     }
 
     /// d: the child's joint point from the parent's, world axes [m].
@@ -246,6 +278,11 @@ impl<'a, S: Real> Ends<'a, S> {
     pub fn reach_rate(&self) -> Vector3<S> {
         let (p, c) = (&self.parent, &self.child);
         p.outward.back(&(c.velocity - p.velocity)) + self.relative().apply(&c.swing())
+    }
+
+    /// u − ω_p × e: velocity of the child's joint point seen from the parent, parent components [m/s].
+    pub fn slide_rate(&self) -> Vector3<S> {
+        self.reach_rate() - self.parent.omega.cross(&self.reach())
     }
 
     /// Axis number `k` of frame 1, world axes.
