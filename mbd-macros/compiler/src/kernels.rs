@@ -14,6 +14,7 @@ use crate::expression::Slot;
 use crate::lists::{Arguments, Group};
 use crate::outline::{Piece, Shapes, outline};
 use crate::program::{Operand, Program, Register};
+use crate::titles::titles;
 
 /// The kernels of all programs of a model.
 #[derive(Default)]
@@ -26,6 +27,8 @@ pub struct Kernels {
 
 /// One function for all pieces of a shape.
 pub struct Kernel {
+    /// Its name: the thing it works for, and what it does for it.
+    pub name: String,
     /// The first program and piece that has it.
     pub first: (usize, usize),
     /// What it takes.
@@ -82,15 +85,17 @@ impl Kernels {
             kernels: Vec::new(),
             numbers: Vec::new(),
         };
-        let drivers = programs
+        let drivers: Vec<Option<Driver>> = programs
             .iter()
             .enumerate()
             .map(|(index, program)| Some(sharing.driver(index, program, outline(program)?)))
             .collect();
-        Kernels {
-            kernels: sharing.kernels,
-            drivers,
+        let mut kernels = sharing.kernels;
+        let titles = titles(equations, &kernels, &drivers);
+        for (kernel, title) in kernels.iter_mut().zip(titles) {
+            kernel.name = title;
         }
+        Kernels { kernels, drivers }
     }
 
     /// Operations of every function of the model: programs that stay whole, then kernels.
@@ -202,6 +207,7 @@ impl Sharing<'_> {
         let (known, new) = self.shapes.of(&shape);
         if new {
             self.kernels.push(Kernel {
+                name: String::new(),
                 first: place,
                 windows,
                 users: 1,

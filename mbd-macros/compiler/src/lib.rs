@@ -23,6 +23,7 @@ mod reading;
 mod resolve;
 mod simplify;
 mod syntax;
+mod titles;
 #[cfg(feature = "toml")]
 mod toml;
 mod units;
@@ -33,7 +34,7 @@ pub use compile::{compile, emit, immovable};
 pub use cycles::{Cycle, Item};
 pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
-pub use expression::{Expr, Graph, Mask, Node, Slot, Term, recorded, session};
+pub use expression::{Expr, Graph, Label, Mask, Node, Slot, Term, recorded, session};
 pub use interpret::{Interpreted, Registers};
 pub use kernels::{Driver, Kernel, Kernels, Results, Window};
 pub use lists::{Arguments, Group};

@@ -2,7 +2,7 @@
 
 use mbd_scene::{Cost, Quantity};
 
-use crate::expression::{Expr, Graph, Node, Slot, Term};
+use crate::expression::{Expr, Graph, Label, Node, Slot, Term};
 use crate::operation::{Binary, Comparison, Op, Unary};
 
 /// A place in the register file of a program: constants first, then slots, then one register an instruction.
@@ -24,9 +24,17 @@ pub struct Instruction {
     /// What it does to which registers.
     pub op: Op<Register>,
     /// The name the law gave to its value.
-    pub name: Option<&'static str>,
+    pub name: Option<Label>,
     /// The body, line, node or variable it belongs to: index into [`Program::sections`].
     pub section: usize,
+}
+
+impl Instruction {
+    /// Whether the law named this very value, and not its negative.
+    #[must_use]
+    pub fn is_named(&self) -> bool {
+        self.name.is_some_and(|name| !name.opposite)
+    }
 }
 
 /// The straight-line computation of one list of numbers.

@@ -12,6 +12,7 @@ use crate::lists::{Arguments, Group};
 use crate::operation::Op;
 use crate::outline::Local;
 use crate::program::{Operand, Program, Register};
+use crate::titles::headings;
 
 /// The function of a program, which is number `index` of [`Equations::every_program`]: `fn name<T: Real>(lists it reads, out)`, or, for one in
 /// pieces, `fn name<T: Real>(lists it reads, work, out) -> bool`.
@@ -71,14 +72,16 @@ fn flat(equations: &Equations, program: &Program, out: &mut String) {
     let (ops, results) = inside(program);
     let lets = lets(
         &ops,
-        |index| program.instructions[index].name.is_some(),
+        |index| program.instructions[index].is_named(),
         &results,
     );
-    let names = flat_names(equations, program, &lets);
+    let names = flat_names(equations, program, &ops, &lets);
     for &group in arguments.0.iter().filter(|&&group| group != Group::Time) {
         list(equations, program, group, &names.given, out);
     }
+    let all: Vec<usize> = (0..ops.len()).collect();
     let terms = Terms {
+        headings: headings(equations, program, &all, &lets),
         ops: &ops,
         given: names.given,
         constants: names.constants,

@@ -14,10 +14,11 @@ mod kernel;
 mod literal;
 mod methods;
 mod model;
-mod naming;
+pub mod naming;
 mod parts;
 pub mod quantity;
 mod terms;
+mod wording;
 
 use proc_macro2::{Span, TokenStream};
 use quote::quote;

@@ -2,6 +2,7 @@
 //!
 //! Text, not tokens: a macro is seldom optimised, and the compiler that runs it reads text faster than it takes tokens one by one.
 
+use super::function::document;
 use crate::operation::{Binary, Comparison, Op, Unary};
 use crate::outline::Local;
 
@@ -24,6 +25,8 @@ pub struct Terms<'a> {
     pub constants: Vec<String>,
     /// The name of each operation's value; `None` for one that stands where it is used.
     pub values: Vec<Option<String>>,
+    /// A line of documentation before an operation; as long as `ops`, or empty.
+    pub headings: Vec<Option<String>>,
 }
 
 /// Which operations have a `let`: those that are `named`, those used more or less than once, the `results`, both of a sine and a cosine.
@@ -74,6 +77,9 @@ impl Terms<'_> {
             let Some(Some(name)) = self.values.get(index) else {
                 continue;
             };
+            if let Some(Some(heading)) = self.headings.get(index) {
+                document(out, heading);
+            }
             let pair = pairs.iter().find(|pair| pair.contains(&index));
             match pair {
                 Some(&[sin, cos]) if index == sin.min(cos) => {
@@ -223,6 +229,7 @@ mod tests {
             given: ["a", "b", "c"].map(str::to_owned).to_vec(),
             constants: vec!["half".to_owned()],
             values: lets.iter().enumerate().map(name).collect(),
+            headings: Vec::new(),
         };
         let mut text = String::new();
         terms.write(&mut text);

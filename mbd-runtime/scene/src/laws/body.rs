@@ -141,10 +141,18 @@ impl<S: Real> Motion<S> {
         }
     }
 
+    /// I′ω′ [N m s], body axes.
+    fn spin(&self, body: &BodyNumbers<S>) -> Vector3<S> {
+        labelled(
+            body.inertia * self.omega_body,
+            ["spin_x", "spin_y", "spin_z"],
+        )
+    }
+
     /// ω′ × I′ω′ [N m], body axes.
     pub fn gyroscopic(&self, body: &BodyNumbers<S>) -> Vector3<S> {
         labelled(
-            self.omega_body.cross(&(body.inertia * self.omega_body)),
+            self.omega_body.cross(&self.spin(body)),
             ["gyro_x", "gyro_y", "gyro_z"],
         )
     }
@@ -162,7 +170,7 @@ impl<S: Real> Motion<S> {
         );
         let acceleration = labelled(
             body.inverse_inertia * (torque - self.gyroscopic(body)),
-            ["spin_x", "spin_y", "spin_z"],
+            ["alpha_x", "alpha_y", "alpha_z"],
         );
         match components {
             AngularVelocity::Body => acceleration,
@@ -172,7 +180,7 @@ impl<S: Real> Motion<S> {
 
     /// Kinetic energy [J].
     pub fn kinetic_energy(&self, body: &BodyNumbers<S>) -> S {
-        let spin = self.omega_body.dot(&(body.inertia * self.omega_body));
+        let spin = self.omega_body.dot(&self.spin(body));
         S::from_f64(0.5) * (body.mass * self.velocity.dot(&self.velocity) + spin)
     }
 

@@ -33,6 +33,7 @@
 
 use nalgebra::Vector3;
 
+use super::algebra::labelled;
 pub use super::ends::{End, Ends, Spin, Turn};
 use crate::joints::{Axis, Coordinate};
 use crate::{Jet, Real, RowSet};
@@ -266,7 +267,8 @@ impl<S: Real> Rows<S> {
         self.coincide = Some((first, axes));
         let (parent, child) = (&ends.parent, &ends.child);
         let gap = ends.gap();
-        let bias = pull(parent) - pull(child);
+        let [towards, away] = pulls(ends);
+        let bias = labelled(towards - away, ["gamma_x", "gamma_y", "gamma_z"]);
         for k in axes.rows() {
             let unit = Turn::None.row(k);
             self.rows.push(Row {
@@ -330,6 +332,7 @@ impl<S: Real> Rows<S> {
         let shrink = (S::one() / length).label("inverse_length");
         let direction = gap.map(|x| x * shrink);
         let half = S::from_f64(0.5);
+        let [towards, away] = pulls(ends);
         self.rows.push(Row {
             value: half * (gap.dot(&direction) - length),
             parent: Columns {
@@ -342,7 +345,7 @@ impl<S: Real> Rows<S> {
             },
             time: S::zero(),
             couple: Vector3::zeros(),
-            bias: direction.dot(&(pull(parent) - pull(child))) - rate.dot(&rate) * shrink,
+            bias: direction.dot(&(towards - away)) - rate.dot(&rate) * shrink,
             kind: RowKind::Other,
         });
     }
@@ -388,9 +391,25 @@ impl<S: Real> Ends<'_, S> {
     }
 }
 
-/// ω × (ω × arm), world axes [m/s²]: centripetal acceleration of the joint's point.
-fn pull<S: Real>(end: &End<S>) -> Vector3<S> {
-    end.outward.apply(&end.omega.cross(&end.swing()))
+/// ω × (ω × arm) of both ends, world axes [m/s²]: centripetal accelerations of the joint's points.
+fn pulls<S: Real>(ends: &Ends<'_, S>) -> [Vector3<S>; 2] {
+    let pull = |end: &End<S>, [own, world]: [[&'static str; 3]; 2]| {
+        let own = labelled(end.omega.cross(&end.swing()), own);
+        labelled(end.outward.apply(&own), world)
+    };
+    let parent = [
+        [
+            "parent_own_pull_x",
+            "parent_own_pull_y",
+            "parent_own_pull_z",
+        ],
+        ["parent_pull_x", "parent_pull_y", "parent_pull_z"],
+    ];
+    let child = [
+        ["child_own_pull_x", "child_own_pull_y", "child_own_pull_z"],
+        ["child_pull_x", "child_pull_y", "child_pull_z"],
+    ];
+    [pull(&ends.parent, parent), pull(&ends.child, child)]
 }
 
 /// (2).
