@@ -22,6 +22,7 @@ mod program;
 mod reading;
 mod resolve;
 mod simplify;
+mod solution;
 mod syntax;
 mod titles;
 #[cfg(feature = "toml")]
@@ -46,5 +47,6 @@ pub use outline::{Local, Piece, outline};
 pub use program::{Instruction, Operand, Program, Register};
 pub use reading::{Options, Reading, Spans, read_text, read_tokens};
 pub use resolve::Named;
+pub use solution::{Member, Solution};
 #[cfg(feature = "toml")]
 pub use toml::{read_toml, write_toml};

@@ -19,7 +19,11 @@ pub fn titles(
     let programs: Vec<&Program> = equations.every_program().collect();
     let mut unique = Unique::default();
     let functions: Vec<String> = programs.iter().map(|p| function(equations, p)).collect();
-    for name in functions.iter().map(String::as_str).chain(["redundancy"]) {
+    for name in functions
+        .iter()
+        .map(String::as_str)
+        .chain(["redundancy", "solution"])
+    {
         unique.name(name);
     }
     let phases: Vec<Vec<String>> = programs
@@ -27,7 +31,7 @@ pub fn titles(
         .zip(drivers)
         .zip(&functions)
         .map(|((program, driver), function)| match driver {
-            Some(driver) => phases(equations, program, driver, function),
+            Some(driver) => phases(equations, driver.program(program), driver, function),
             None => Vec::new(),
         })
         .collect();

@@ -4,8 +4,10 @@ mod scenes;
 
 use std::collections::HashSet;
 
-use mbd_compiler::{Equations, Kernels, Op, Operand, Program, outline, read_text};
-use mbd_scene::{AngularVelocity, Gravity, Layout, Place, Quantity, Scene};
+use mbd_compiler::{
+    Equations, Kernels, Op, Operand, Program, Registers, Solution, outline, read_text,
+};
+use mbd_scene::{AngularVelocity, At, Gravity, Layout, Place, Quantity, Scene};
 use scenes::{body, frame, line, numbers};
 
 /// Equal bodies that hang from each other by lines.
@@ -224,4 +226,53 @@ fn sixty_four_jointed_bodies_are_no_more_code_than_eight_twice_and_no_function_i
     assert!(20 * more.0 <= 21 * many.0, "{more:?} against {many:?}");
     assert!(20 * more.1 <= 21 * many.1, "{more:?} against {many:?}");
     assert!(more.2 <= 1000 && many.2 <= 1000 && eight.2 <= 1000);
+}
+
+#[test]
+fn the_system_is_solved_once_for_accelerations_multipliers_and_reactions() {
+    let state = |layout: &Layout| -> Vec<f64> {
+        let spread = |index: usize| (index * 7919 % 97) as f64 / 97.0 - 0.3;
+        (0..layout.nx()).map(spread).collect()
+    };
+    for count in [2, 12] {
+        let equations = spherical(count);
+        let solution = Solution::of(&equations).expect("three quantities");
+        let x = state(&equations.layout);
+        let at = At {
+            time: 0.0,
+            state: &x,
+            nodes: &[],
+            effective: &[],
+            hold: &[],
+            ends: &[],
+            inputs: &[],
+            rows: &[],
+        };
+        let run = |program: &Program| {
+            let mut out = vec![0.0; program.len];
+            let mut registers = Registers::new(program.registers());
+            let derived = vec![0.5; equations.derived.len];
+            program.run(&at, &[], &derived, &mut registers, &mut out);
+            out
+        };
+        for &member in &solution.members {
+            let alone = run(equations.program(member.what).expect("traced"));
+            assert!(alone.iter().any(|&value| value != 0.0));
+            let together = run(&solution.view(member));
+            let bits = |list: &[f64]| list.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&alone), bits(&together), "{:?}", member.what);
+        }
+        let length = |what: Quantity| equations.program(what).map_or(0, |p| p.instructions.len());
+        let (whole, first) = (
+            solution.program.instructions.len(),
+            length(Quantity::Derivative),
+        );
+        assert!(4 * whole <= 5 * first, "{whole} operations after {first}");
+        // Kernels of the elimination serve all three.
+        let kernels = Kernels::of(&equations);
+        assert_eq!(kernels.solution.is_some(), count == 2);
+        let drivers = kernels.drivers.iter().flatten();
+        let shared = drivers.filter(|driver| driver.shared.is_some()).count();
+        assert_eq!(shared, if count == 2 { 0 } else { 3 });
+    }
 }

@@ -26,8 +26,10 @@ pub fn kernels(equations: &Equations, kernels: &Kernels) -> TokenStream {
     for kernel in &kernels.kernels {
         let (program, piece) = kernel.first;
         let driver = kernels.drivers.get(program).and_then(Option::as_ref);
+        let program = programs.get(program).zip(driver);
+        let program = program.map(|(program, driver)| driver.program(program));
         let piece = driver.and_then(|driver| driver.pieces.get(piece));
-        if let (Some(program), Some(piece)) = (programs.get(program), piece) {
+        if let (Some(program), Some(piece)) = (program, piece) {
             write(equations, program, kernel, piece, &mut out);
         }
     }
@@ -59,7 +61,7 @@ fn write(
     };
     let terms = Terms {
         headings,
-        ops: &piece.pattern,
+        ops: piece.pattern.clone(),
         given: names.given,
         constants: names.constants,
         values: names.values,
@@ -169,7 +171,9 @@ pub fn driver(
     (kernels, driver): (&Kernels, &Driver),
     out: &mut String,
 ) {
-    taken(equations, &driver.lists, out);
+    let program = driver.program(program);
+    let lists: Vec<Group> = driver.lists.iter().map(|&(group, _)| group).collect();
+    taken(equations, &lists, out);
     out.push_str("work: &mut [T], out: &mut [T; ");
     digits(out, program.len);
     out.push_str(&format!(
@@ -178,8 +182,7 @@ pub fn driver(
         driver.work
     ));
     let mut steps = Steps::default();
-    let mut at = 0;
-    for &group in &driver.lists {
+    for &(group, at) in &driver.lists {
         let list = match group {
             Group::Time => format!("&[{}]", group.name()),
             _ => group.name().to_owned(),
@@ -187,7 +190,6 @@ pub fn driver(
         steps.call(format!(
             "::mbd_runtime::__private::enter(work, {at}, {list})"
         ));
-        at += group.len(equations);
     }
     if !driver.kept.is_empty() {
         let values = driver.kept.iter().filter_map(|&r| constant(program, r));
@@ -196,7 +198,8 @@ pub fn driver(
             .collect();
         let values = values.join(", ");
         steps.call(format!(
-            "::mbd_runtime::__private::enter(work, {at}, &[{values}])"
+            "::mbd_runtime::__private::enter(work, {}, &[{values}])",
+            driver.kept_at
         ));
     }
     for cycle in &driver.calls {

@@ -7,7 +7,7 @@ use quote::{format_ident, quote};
 use super::context::{Context, docs};
 use super::execution;
 use super::explain;
-use super::function::function;
+use super::function::{function, solution};
 use super::interface::gather;
 use super::kernel;
 use super::literal::{number, whole};
@@ -58,6 +58,10 @@ fn hidden(context: &Context) -> TokenStream {
     let equations = context.equations;
     let kernels = &context.kernels;
     let parts = kernel::kernels(equations, kernels);
+    let solution = kernels
+        .solution
+        .as_ref()
+        .map(|found| solution(equations, found));
     let functions = equations
         .programs
         .iter()
@@ -99,6 +103,7 @@ fn hidden(context: &Context) -> TokenStream {
         #constants
         #model
         #(#functions)*
+        #solution
         #kinematics
         #derived
         #parts

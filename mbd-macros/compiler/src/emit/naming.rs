@@ -1,5 +1,8 @@
 //! A name for every register of a program.
 
+use mbd_scene::Quantity;
+
+use super::quantity;
 use super::wording::Wording;
 use crate::equations::Equations;
 use crate::expression::Slot;
@@ -52,16 +55,21 @@ pub struct Names {
     pub values: Vec<Option<String>>,
 }
 
-/// The names of a program in one function: numbers by their value, slots by the declaration, terms by what the law called them.
+/// The names of a program in one function: numbers by their value, slots by the declaration, terms by what the law called them. `parts`: what its
+/// result holds from which place on.
 pub fn flat_names(
     equations: &Equations,
     program: &Program,
-    ops: &[Op<Local>],
-    lets: &[bool],
+    parts: &[(usize, Quantity)],
+    (ops, lets): (&[Op<Local>], &[bool]),
 ) -> Names {
     let mut unique = Unique::default();
     for group in Group::ALL.into_iter().filter(|&group| group != Group::Time) {
         unique.take(group.name());
+    }
+    // A function of several quantities writes each to an argument of its name.
+    for &(_, what) in parts {
+        unique.take(quantity::kind(what));
     }
     // Slots first: their names are promised by the declaration.
     let slots = program.slots.iter();
@@ -73,7 +81,7 @@ pub fn flat_names(
         .map(|&value| unique.name(&number_name(value)))
         .collect();
     let indices: Vec<usize> = (0..program.instructions.len()).collect();
-    let (law, things) = (Laws::new(equations, program), things(program));
+    let (law, things) = (Laws::new(equations, program, parts), things(program));
     let thing = |section: usize| things.get(section).map_or("", String::as_str);
     value_names(&law, (&indices, ops, lets), thing, given, constants, unique)
 }
@@ -93,7 +101,8 @@ pub fn kernel_names(
     for name in ["numbers", "own"] {
         unique.take(name);
     }
-    let law = Laws::new(equations, program);
+    let whole: Vec<(usize, Quantity)> = program.what.map(|what| (0, what)).into_iter().collect();
+    let law = Laws::new(equations, program, &whole);
     let given = piece.given.iter();
     let given = given
         .map(|&register| unique.name(&given_name(&law, register, shared)))
@@ -119,12 +128,14 @@ pub fn kernel_names(
 struct Laws<'a> {
     equations: &'a Equations,
     program: &'a Program,
+    /// What its result holds from which place on.
+    parts: &'a [(usize, Quantity)],
     /// Per instruction, its first place in the result.
     places: Vec<Option<usize>>,
 }
 
 impl<'a> Laws<'a> {
-    fn new(equations: &'a Equations, program: &'a Program) -> Self {
+    fn new(equations: &'a Equations, program: &'a Program, parts: &'a [(usize, Quantity)]) -> Self {
         let mut places = vec![None; program.instructions.len()];
         for &(place, register) in program.outputs.iter().rev() {
             if let Operand::Value(value) = program.operand(register) {
@@ -134,15 +145,18 @@ impl<'a> Laws<'a> {
         Laws {
             equations,
             program,
+            parts,
             places,
         }
     }
 
     /// The name of a value that is a result, with the thing it belongs to.
     fn result(&self, index: usize) -> Option<String> {
-        let (place, what) = ((*self.places.get(index)?)?, self.program.what?);
+        let place = (*self.places.get(index)?)?;
+        let mut parts = self.parts.iter().rev();
+        let &(begin, what) = parts.find(|&&(begin, _)| begin <= place)?;
         let (scene, layout) = (&self.equations.scene, &self.equations.layout);
-        names::result(scene, layout, what, place)
+        names::result(scene, layout, what, place - begin)
     }
 }
 

@@ -16,9 +16,9 @@ const SIGN: u8 = 3;
 const CALL: u8 = 4;
 
 /// The operations of one function and the names in it.
-pub struct Terms<'a> {
+pub struct Terms {
     /// Each operation, arguments counted inside the function.
-    pub ops: &'a [Op<Local>],
+    pub ops: Vec<Op<Local>>,
     /// Names of the numbers from outside.
     pub given: Vec<String>,
     /// Names of the numbers known at build time.
@@ -69,7 +69,7 @@ pub fn lets(ops: &[Op<Local>], named: impl Fn(usize) -> bool, results: &[usize])
     lets
 }
 
-impl Terms<'_> {
+impl Terms {
     /// The `let`s, in order; sine and cosine of one angle are one.
     pub fn write(&self, out: &mut String) {
         let pairs = self.pairs();
@@ -225,7 +225,7 @@ mod tests {
         let lets = lets(ops, |_| false, results);
         let name = |(index, &has): (usize, &bool)| has.then(|| format!("t{index}"));
         let terms = Terms {
-            ops,
+            ops: ops.to_vec(),
             given: ["a", "b", "c"].map(str::to_owned).to_vec(),
             constants: vec!["half".to_owned()],
             values: lets.iter().enumerate().map(name).collect(),

@@ -206,40 +206,6 @@ const _: () = {
         ::mbd_runtime::__private::redundancy("0 0 0 1 ")
     }
     impl<T: ::mbd_runtime::Real> Knot<T> {
-        /// Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.
-        ///
-        /// 4 anchors × 6 \[m, m/s\], 1 nodes × 3 \[N\]; world axes.
-        /// 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
-        #[must_use]
-        #[inline]
-        pub fn ends(
-            &self,
-            state: &KnotState<T>,
-        ) -> ::mbd_runtime::nalgebra::SVector<T, 27> {
-            let [q] = &state.q.data.0;
-            let [v] = &state.v.data.0;
-            let mut values = [T::zero(); 27];
-            let out = &mut values;
-            ends(q, v, out);
-            ::mbd_runtime::nalgebra::SVector::from(values)
-        }
-        /// Balance of a network at trial positions: `g = −Σ T u − W`, `H = ∂g/∂p = Σ J`, then `ΣT`, `Σ K (d + |p|₁)`, lines with stretch.
-        ///
-        /// 1 × 3 \[N\], 1 blocks xx xy xz yy yz zz \[N/m\], 3 sums. Source: B. Raiszadeh, AAS 03-163.
-        /// 220 operations (85 additions, 84 multiplications, 4 divisions, 4 roots, 0 trigonometric, 43 selections).
-        #[must_use]
-        #[inline]
-        pub fn equilibrium_knot(
-            &self,
-            nodes: &[T; 3],
-            effective: &[T; 8],
-            ends: &[T; 27],
-        ) -> ::mbd_runtime::nalgebra::SVector<T, 12> {
-            let mut values = [T::zero(); 12];
-            let out = &mut values;
-            equilibrium_knot(nodes, effective, ends, out);
-            ::mbd_runtime::nalgebra::SVector::from(values)
-        }
         /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
         ///
         /// 6 = \[3 q̇ | 3 v̇ | 0 ż\]; SI units.
@@ -264,42 +230,6 @@ const _: () = {
                 q: q.into(),
                 v: v.into(),
             }
-        }
-        /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
-        ///
-        /// 3 \[N\], world axes; zero where the nodes are in equilibrium.
-        /// 84 operations (29 additions, 39 multiplications, 4 divisions, 4 roots, 0 trigonometric, 8 selections).
-        #[must_use]
-        #[inline]
-        pub fn balance(
-            &self,
-            state: &KnotState<T>,
-            nodes: &[T; 3],
-            effective: &[T; 8],
-        ) -> ::mbd_runtime::nalgebra::SVector<T, 3> {
-            let [q] = &state.q.data.0;
-            let mut values = [T::zero(); 3];
-            let out = &mut values;
-            balance(q, nodes, effective, out);
-            ::mbd_runtime::nalgebra::SVector::from(values)
-        }
-        /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
-        ///
-        /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 0 events.
-        /// 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections).
-        #[must_use]
-        #[inline]
-        pub fn guards(
-            &self,
-            state: &KnotState<T>,
-            nodes: &[T; 3],
-            effective: &[T; 8],
-        ) -> ::mbd_runtime::nalgebra::SVector<T, 8> {
-            let [q] = &state.q.data.0;
-            let mut values = [T::zero(); 8];
-            let out = &mut values;
-            guards(q, nodes, effective, out);
-            ::mbd_runtime::nalgebra::SVector::from(values)
         }
         /// The declared outputs.
         ///
@@ -333,6 +263,80 @@ const _: () = {
             >(out.as_mut_slice()) {
                 mass_matrix(out);
             }
+        }
+        /// Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.
+        ///
+        /// 4 anchors × 6 \[m, m/s\], 1 nodes × 3 \[N\]; world axes.
+        /// 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
+        #[doc(hidden)]
+        #[must_use]
+        #[inline]
+        pub fn ends(
+            &self,
+            state: &KnotState<T>,
+        ) -> ::mbd_runtime::nalgebra::SVector<T, 27> {
+            let [q] = &state.q.data.0;
+            let [v] = &state.v.data.0;
+            let mut values = [T::zero(); 27];
+            let out = &mut values;
+            ends(q, v, out);
+            ::mbd_runtime::nalgebra::SVector::from(values)
+        }
+        /// Balance of a network at trial positions: `g = −Σ T u − W`, `H = ∂g/∂p = Σ J`, then `ΣT`, `Σ K (d + |p|₁)`, lines with stretch.
+        ///
+        /// 1 × 3 \[N\], 1 blocks xx xy xz yy yz zz \[N/m\], 3 sums. Source: B. Raiszadeh, AAS 03-163.
+        /// 220 operations (85 additions, 84 multiplications, 4 divisions, 4 roots, 0 trigonometric, 43 selections).
+        #[doc(hidden)]
+        #[must_use]
+        #[inline]
+        pub fn equilibrium_knot(
+            &self,
+            nodes: &[T; 3],
+            effective: &[T; 8],
+            ends: &[T; 27],
+        ) -> ::mbd_runtime::nalgebra::SVector<T, 12> {
+            let mut values = [T::zero(); 12];
+            let out = &mut values;
+            equilibrium_knot(nodes, effective, ends, out);
+            ::mbd_runtime::nalgebra::SVector::from(values)
+        }
+        /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
+        ///
+        /// 3 \[N\], world axes; zero where the nodes are in equilibrium.
+        /// 84 operations (29 additions, 39 multiplications, 4 divisions, 4 roots, 0 trigonometric, 8 selections).
+        #[doc(hidden)]
+        #[must_use]
+        #[inline]
+        pub fn balance(
+            &self,
+            state: &KnotState<T>,
+            nodes: &[T; 3],
+            effective: &[T; 8],
+        ) -> ::mbd_runtime::nalgebra::SVector<T, 3> {
+            let [q] = &state.q.data.0;
+            let mut values = [T::zero(); 3];
+            let out = &mut values;
+            balance(q, nodes, effective, out);
+            ::mbd_runtime::nalgebra::SVector::from(values)
+        }
+        /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
+        ///
+        /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 0 events.
+        /// 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections).
+        #[doc(hidden)]
+        #[must_use]
+        #[inline]
+        pub fn guards(
+            &self,
+            state: &KnotState<T>,
+            nodes: &[T; 3],
+            effective: &[T; 8],
+        ) -> ::mbd_runtime::nalgebra::SVector<T, 8> {
+            let [q] = &state.q.data.0;
+            let mut values = [T::zero(); 8];
+            let out = &mut values;
+            guards(q, nodes, effective, out);
+            ::mbd_runtime::nalgebra::SVector::from(values)
         }
         /// Rates of the coordinates: `q̇ = N(q) v`. q̇ is not v: a quaternion has four rates, an angular velocity three.
         #[must_use]

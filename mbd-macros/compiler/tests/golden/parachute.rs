@@ -300,23 +300,6 @@ const _: () = {
         ::mbd_runtime::__private::redundancy("0 0 0 1 ")
     }
     impl<T: ::mbd_runtime::Real> Parachute<T> {
-        /// Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.
-        ///
-        /// 4 anchors × 6 \[m, m/s\], 1 nodes × 3 \[N\]; world axes.
-        /// 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
-        #[must_use]
-        #[inline]
-        pub fn ends(
-            &self,
-            state: &ParachuteState<T>,
-        ) -> ::mbd_runtime::nalgebra::SVector<T, 27> {
-            let [q] = &state.q.data.0;
-            let [v] = &state.v.data.0;
-            let mut values = [T::zero(); 27];
-            let out = &mut values;
-            ends(q, v, out);
-            ::mbd_runtime::nalgebra::SVector::from(values)
-        }
         /// State derivative: `q̇ = N(q) v`, `v̇ = M⁻¹ (f − h)`, `ż = w`.
         ///
         /// 29 = \[14 q̇ | 12 v̇ | 3 ż\]; SI units.
@@ -346,46 +329,6 @@ const _: () = {
                 v: v.into(),
                 z: z.into(),
             }
-        }
-        /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
-        ///
-        /// 3 \[N\], world axes; zero where the nodes are in equilibrium.
-        /// 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections).
-        #[must_use]
-        #[inline]
-        pub fn balance(
-            &self,
-            state: &ParachuteState<T>,
-            nodes: &[T; 3],
-            hold: &[T; 4],
-        ) -> ::mbd_runtime::nalgebra::SVector<T, 3> {
-            let [q] = &state.q.data.0;
-            let [v] = &state.v.data.0;
-            let [z] = &state.z.data.0;
-            let mut values = [T::zero(); 3];
-            let out = &mut values;
-            balance(q, v, z, nodes, hold, &self.values, out);
-            ::mbd_runtime::nalgebra::SVector::from(values)
-        }
-        /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
-        ///
-        /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 1 events.
-        /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
-        #[must_use]
-        #[inline]
-        pub fn guards(
-            &self,
-            state: &ParachuteState<T>,
-            nodes: &[T; 3],
-            hold: &[T; 4],
-        ) -> ::mbd_runtime::nalgebra::SVector<T, 9> {
-            let [q] = &state.q.data.0;
-            let [v] = &state.v.data.0;
-            let [z] = &state.z.data.0;
-            let mut values = [T::zero(); 9];
-            let out = &mut values;
-            guards(q, v, z, nodes, hold, &self.values, out);
-            ::mbd_runtime::nalgebra::SVector::from(values)
         }
         /// The declared outputs.
         ///
@@ -495,6 +438,66 @@ const _: () = {
             let mut values = [T::zero(); 12];
             let out = &mut values;
             forces(q, v, z, nodes, hold, inputs, &self.values, &self.derived, out);
+            ::mbd_runtime::nalgebra::SVector::from(values)
+        }
+        /// Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.
+        ///
+        /// 4 anchors × 6 \[m, m/s\], 1 nodes × 3 \[N\]; world axes.
+        /// 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
+        #[doc(hidden)]
+        #[must_use]
+        #[inline]
+        pub fn ends(
+            &self,
+            state: &ParachuteState<T>,
+        ) -> ::mbd_runtime::nalgebra::SVector<T, 27> {
+            let [q] = &state.q.data.0;
+            let [v] = &state.v.data.0;
+            let mut values = [T::zero(); 27];
+            let out = &mut values;
+            ends(q, v, out);
+            ::mbd_runtime::nalgebra::SVector::from(values)
+        }
+        /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
+        ///
+        /// 3 \[N\], world axes; zero where the nodes are in equilibrium.
+        /// 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections).
+        #[doc(hidden)]
+        #[must_use]
+        #[inline]
+        pub fn balance(
+            &self,
+            state: &ParachuteState<T>,
+            nodes: &[T; 3],
+            hold: &[T; 4],
+        ) -> ::mbd_runtime::nalgebra::SVector<T, 3> {
+            let [q] = &state.q.data.0;
+            let [v] = &state.v.data.0;
+            let [z] = &state.z.data.0;
+            let mut values = [T::zero(); 3];
+            let out = &mut values;
+            balance(q, v, z, nodes, hold, &self.values, out);
+            ::mbd_runtime::nalgebra::SVector::from(values)
+        }
+        /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
+        ///
+        /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 1 events.
+        /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
+        #[doc(hidden)]
+        #[must_use]
+        #[inline]
+        pub fn guards(
+            &self,
+            state: &ParachuteState<T>,
+            nodes: &[T; 3],
+            hold: &[T; 4],
+        ) -> ::mbd_runtime::nalgebra::SVector<T, 9> {
+            let [q] = &state.q.data.0;
+            let [v] = &state.v.data.0;
+            let [z] = &state.z.data.0;
+            let mut values = [T::zero(); 9];
+            let out = &mut values;
+            guards(q, v, z, nodes, hold, &self.values, out);
             ::mbd_runtime::nalgebra::SVector::from(values)
         }
         /// Rates of the coordinates: `q̇ = N(q) v`. q̇ is not v: a quaternion has four rates, an angular velocity three.
