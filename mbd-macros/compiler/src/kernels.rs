@@ -93,19 +93,20 @@ impl Kernels {
             numbers: Vec::new(),
         };
         let solution = Solution::of(equations);
-        let together = solution
+        let pieces = solution
             .as_ref()
-            .and_then(|solution| Some((solution, solution.outline(equations)?)));
+            .filter(|solution| !solution.is_flat())
+            .map(|solution| solution.outline(equations));
         let mut shared: Vec<usize> = Vec::new();
         let mut drivers: Vec<Option<Driver>> = Vec::with_capacity(programs.len());
         for (index, program) in programs.iter().enumerate() {
-            let member = together
+            let member = solution
                 .as_ref()
-                .and_then(|(solution, pieces)| Some((solution.member(index)?.1, solution, pieces)));
-            drivers.push(match member {
-                Some((member, solution, pieces)) => {
-                    let last = |piece: &&Piece| piece.instructions.last() < Some(&member.end);
-                    let pieces = pieces.iter().take_while(last).cloned().collect();
+                .and_then(|s| Some((s, s.member(index)?.1)));
+            drivers.push(match (member, &pieces) {
+                (Some((solution, member)), Some(pieces)) => {
+                    let needed = |piece: &&Piece| piece.instructions.last() < Some(&member.end);
+                    let pieces = pieces.iter().take_while(needed).cloned().collect();
                     let whole = solution.view(member);
                     let lists = Arguments::of(program, layout).0;
                     let mut driver = sharing.driver(index, &whole, pieces, &mut shared);
@@ -114,7 +115,8 @@ impl Kernels {
                     driver.shared = Some(whole);
                     Some(driver)
                 }
-                None => outline(program)
+                (Some(_), None) => None,
+                (None, _) => outline(program)
                     .map(|pieces| sharing.driver(index, program, pieces, &mut Vec::new())),
             });
         }
@@ -123,7 +125,7 @@ impl Kernels {
         for (kernel, title) in kernels.iter_mut().zip(titles) {
             kernel.name = title;
         }
-        let solution = solution.filter(|solution| solution.is_flat(equations));
+        let solution = solution.filter(Solution::is_flat);
         Kernels {
             kernels,
             drivers,

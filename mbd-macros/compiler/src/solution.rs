@@ -30,20 +30,28 @@ pub struct Member {
 }
 
 impl Solution {
-    /// The quantities of a model that solve its constrained system; `None` if there are not two.
+    /// The quantities of a model that solve its constrained system; `None` if there are not two. A derivative that is short enough for one
+    /// function stays alone where the others would make that too long.
     pub fn of(equations: &Equations) -> Option<Self> {
-        let found = |what: Quantity| {
-            let mut programs = equations.programs.iter().enumerate();
-            programs.find(|(_, (known, program))| *known == what && !program.outputs.is_empty())
-        };
-        // The derivative first: a run spends its time there, and its operations keep their order.
-        let solving = [
+        let [derivative, multipliers, reactions] = [
             Quantity::Derivative,
             Quantity::Multipliers,
             Quantity::Reactions,
         ];
-        let found: Vec<_> = solving.into_iter().filter_map(found).collect();
-        if found.len() < 2 || found[0].1.0 != Quantity::Derivative {
+        let all = Self::of_quantities(equations, &[derivative, multipliers, reactions])?;
+        if all.is_flat() || equations.program(derivative).and_then(outline).is_some() {
+            return Some(all);
+        }
+        Self::of_quantities(equations, &[multipliers, reactions])
+    }
+
+    fn of_quantities(equations: &Equations, wanted: &[Quantity]) -> Option<Self> {
+        let found = |&what: &Quantity| {
+            let mut programs = equations.programs.iter().enumerate();
+            programs.find(|(_, (known, program))| *known == what && !program.outputs.is_empty())
+        };
+        let found: Vec<_> = wanted.iter().filter_map(found).collect();
+        if found.len() < 2 {
             return None;
         }
         let programs: Vec<&Program> = found.iter().map(|(_, (_, program))| program).collect();
@@ -65,19 +73,19 @@ impl Solution {
     }
 
     /// Whether it is one function.
-    pub fn is_flat(&self, equations: &Equations) -> bool {
-        self.program.instructions.len() <= FLAT && outline(self.first(equations)).is_none()
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        self.program.instructions.len() <= FLAT
     }
 
-    /// Its pieces, those of the derivative first; `None` if the derivative is not cut.
-    pub fn outline(&self, equations: &Equations) -> Option<Vec<Piece>> {
-        let first = outline(self.first(equations))?;
+    /// Its pieces: those of its first member, the derivative if it is one, as that is cut alone, then those of the others.
+    #[must_use]
+    pub fn outline(&self, equations: &Equations) -> Vec<Piece> {
+        let first = self.members.first().map(|member| member.what);
+        let first = first.and_then(|what| outline(equations.program(what)?));
+        let cut = usize::from(first.is_some());
         let ends: Vec<usize> = self.members.iter().map(|member| member.end).collect();
-        Some(outline_after(&self.program, &first, &ends[1..]))
-    }
-
-    fn first<'e>(&self, equations: &'e Equations) -> &'e Program {
-        &equations.programs[self.members[0].index].1
+        outline_after(&self.program, &first.unwrap_or_default(), &ends[cut..])
     }
 
     /// The member with this number in [`Equations::every_program`], and its place among the members.
@@ -89,6 +97,7 @@ impl Solution {
     }
 
     /// The whole with the result of one member.
+    #[must_use]
     pub fn view(&self, member: Member) -> Program {
         let own = member.begin..member.begin + member.len;
         let outputs = self.program.outputs.iter();

@@ -57,8 +57,8 @@ struct SceneArgs {
 
 /// Reads the arguments, does what they say, and tells how it went.
 pub fn main() -> ExitCode {
-    let told = answer(std::env::args_os()).and_then(|text| print(&text, &mut std::io::stdout()));
-    let Err(failure) = told else {
+    let text = answer(std::env::args_os());
+    let Err(failure) = text.and_then(|text| print(&text, &mut std::io::stdout())) else {
         return ExitCode::SUCCESS;
     };
     // The exit code tells of the failure when the error stream cannot.

@@ -1,6 +1,7 @@
 //! Emission: equations become Rust that reads like a document.
 //!
-//! - `function` writes one program as one function, `kernel` a long one as calls of kernels that many share, `terms` what they compute.
+//! - `function` writes one program as one function, `kernel` a long one as calls of kernels that many share, `terms` what they compute,
+//!   `naming` and `wording` name that.
 //! - `interface` writes parameters, state, outputs and loads, `methods` the typed methods, `model` the struct, `execution` the
 //!   trait.
 //! - `explain` says in words what was made.
