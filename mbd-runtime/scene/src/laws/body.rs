@@ -155,6 +155,14 @@ impl<S: Real> Motion<S> {
         }
     }
 
+    /// I′ω′ [N m s], body axes.
+    fn spin(&self, body: &BodyNumbers<S>) -> Vector3<S> {
+        labelled(
+            body.inertia * self.omega_body,
+            ["spin_x", "spin_y", "spin_z"],
+        )
+    }
+
     /// ω′ × I′ω′ [N m], body axes.
     pub fn gyroscopic(&self, body: &BodyNumbers<S>) -> Vector3<S> {
         let (w, inertia) = (self.omega_body, &body.inertia);
@@ -166,7 +174,7 @@ impl<S: Real> Motion<S> {
                 (inertia[(k, k)] - inertia[(j, j)]) * (w[j] * w[k])
             })
         } else {
-            w.cross(&(inertia * w))
+            w.cross(&self.spin(body))
         };
         labelled(couple, ["gyro_x", "gyro_y", "gyro_z"])
     }
@@ -184,7 +192,7 @@ impl<S: Real> Motion<S> {
         );
         let acceleration = labelled(
             body.inverse_inertia * (torque - self.gyroscopic(body)),
-            ["spin_x", "spin_y", "spin_z"],
+            ["alpha_x", "alpha_y", "alpha_z"],
         );
         match components {
             AngularVelocity::Body => acceleration,
@@ -194,7 +202,7 @@ impl<S: Real> Motion<S> {
 
     /// Kinetic energy [J].
     pub fn kinetic_energy(&self, body: &BodyNumbers<S>) -> S {
-        let spin = self.omega_body.dot(&(body.inertia * self.omega_body));
+        let spin = self.omega_body.dot(&self.spin(body));
         S::from_f64(0.5) * (body.mass * self.velocity.dot(&self.velocity) + spin)
     }
 

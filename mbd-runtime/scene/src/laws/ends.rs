@@ -8,6 +8,7 @@ use std::cell::OnceCell;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::algebra::labelled;
 use super::ground::FrameMotion;
 use crate::joints::Axis;
 use crate::{AngularVelocity, Real};
@@ -175,14 +176,27 @@ pub struct Spin<S: Real> {
 
 impl<S: Real> Spin<S> {
     fn new(parent: &Vector3<S>, child: &Vector3<S>) -> Self {
-        let difference = parent - child;
+        let child = labelled(*child, ["child_w_x", "child_w_y", "child_w_z"]);
+        let difference = labelled(
+            parent - child,
+            ["relative_w_x", "relative_w_y", "relative_w_z"],
+        );
         Spin {
             difference,
-            square: difference.dot(&difference),
-            cross: parent.cross(child),
+            square: difference.dot(&difference).label("relative_w_squared"),
+            cross: labelled(
+                parent.cross(&child),
+                ["w_cross_x", "w_cross_y", "w_cross_z"],
+            ),
         }
     }
 }
+/// The elements of A.
+const RELATIVE: [[&str; 3]; 3] = [
+    ["a11", "a12", "a13"],
+    ["a21", "a22", "a23"],
+    ["a31", "a32", "a33"],
+];
 
 /// Parent end and child end of a joint, and its numbers.
 #[derive(Clone, Debug)]
@@ -229,7 +243,12 @@ impl<'a, S: Real> Ends<'a, S> {
     pub fn relative(&self) -> &Turn<S> {
         self.relative.get_or_init(|| match self.components {
             AngularVelocity::World => Turn::None,
-            AngularVelocity::Body => self.parent.outward.to(&self.child.outward),
+            AngularVelocity::Body => match self.parent.outward.to(&self.child.outward) {
+                Turn::By(rotation) => Turn::By(Matrix3::from_fn(|row, column| {
+                    rotation[(row, column)].label(RELATIVE[row][column])
+                })),
+                Turn::None => Turn::None,
+            },
         })
     }
 

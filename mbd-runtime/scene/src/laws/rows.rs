@@ -39,6 +39,7 @@
 
 use nalgebra::Vector3;
 
+use super::algebra::labelled;
 pub use super::ends::{End, Ends, Spin, Turn};
 use crate::joints::{Axis, Coordinate};
 use crate::{Jet, Real, RowSet};
@@ -246,7 +247,7 @@ impl<S: Real> Rows<S> {
         self.coincide = Some((first, axes));
         let (parent, child) = (&ends.parent, &ends.child);
         let gap = ends.gap();
-        let bias = ends.meeting();
+        let bias = labelled(ends.meeting(), ["gamma_x", "gamma_y", "gamma_z"]);
         for k in axes.rows() {
             let unit = Turn::None.row(k);
             self.rows.push(Row {
@@ -354,18 +355,30 @@ impl<S: Real> Ends<'_, S> {
 impl<S: Real> Ends<'_, S> {
     /// The first of (7): points that coincide, world axes [m/s²].
     pub fn meeting(&self) -> Vector3<S> {
-        pull(&self.parent) - pull(&self.child)
+        parent_pull(&self.parent) - child_pull(&self.child)
     }
 
     /// The second of (7): the child's point moves in the parent, world axes [m/s²].
     pub fn sliding(&self) -> Vector3<S> {
         let twice = self.reach_rate() + self.slide_rate();
         let coriolis = self.parent.omega.cross(&twice);
-        self.parent.outward.apply(&coriolis) - pull(&self.child)
+        self.parent.outward.apply(&coriolis) - child_pull(&self.child)
     }
 }
 
-/// ω × (ω × arm), world axes [m/s²]: centripetal acceleration of the joint's point.
+/// ω × (ω × arm) of the parent's end, world axes [m/s²]: the centripetal acceleration of the joint's point.
+fn parent_pull<S: Real>(end: &End<S>) -> Vector3<S> {
+    labelled(
+        pull(end),
+        ["parent_pull_x", "parent_pull_y", "parent_pull_z"],
+    )
+}
+
+/// The same of the child's end.
+fn child_pull<S: Real>(end: &End<S>) -> Vector3<S> {
+    labelled(pull(end), ["child_pull_x", "child_pull_y", "child_pull_z"])
+}
+
 fn pull<S: Real>(end: &End<S>) -> Vector3<S> {
     end.outward.apply(&end.omega.cross(&end.swing()))
 }
