@@ -229,6 +229,7 @@ impl<S: Real> Constraints<S> {
             .solve(plan, |part| enter::<S>(evaluation.scene, part));
         for (index, step) in plan.steps.iter().enumerate() {
             if let Part::Body(body) = step.part {
+                enter::<S>(evaluation.scene, step.part);
                 let unknowns = self.system.unknowns_mut(plan, index);
                 let linear: Vector3<S> = directions.linear(unknowns, 0);
                 directions.write_linear(unknowns, 0, &(linear + self.brought[body]));
