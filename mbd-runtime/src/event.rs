@@ -13,6 +13,7 @@
 //! Rejected: taking the start of a step as a sign change (just after a switch a margin is ±0 there, and the search would stand still), and looking at
 //! the end of a step only (a margin can leave and return inside it).
 
+use mbd_scene::laws::LineNumbers;
 use mbd_scene::{Direction, Float, Layout, LineEnd, LineKind, Model, NodeModel, PointSlots};
 
 use crate::node::Mode;
@@ -76,9 +77,15 @@ pub(crate) struct Margins {
     pub now: Vec<f64>,
 }
 
+/// The longest C/K of some lines [s].
+fn longest_delay<T: Float>(lines: &[LineNumbers<T>]) -> f64 {
+    let delays = lines.iter().map(|n| (n.damping / n.stiffness).to_f64());
+    delays.fold(0.0, f64::max)
+}
+
 impl Margins {
     /// The margins of a model; none when nothing is to be located.
-    pub(crate) fn new<T: Float, M: Model<T>>(model: &M, locate: bool, tolerance: f64) -> Self {
+    pub(crate) fn new<T: Float>(model: &dyn Model<T>, locate: bool, tolerance: f64) -> Self {
         let (scene, layout) = (model.scene(), model.layout());
         let mut watched = Vec::new();
         for (line, (declared, slots)) in scene.lines.iter().zip(&layout.lines).enumerate() {
@@ -129,17 +136,25 @@ impl Margins {
             sides: vec![false; scene.events.len()],
             tolerance,
             floor: tolerance,
-            delay: model
-                .lines()
-                .iter()
-                .map(|n| (n.damping / n.stiffness).to_f64())
-                .fold(0.0, f64::max),
+            delay: longest_delay(model.lines()),
             places: blocks(layout, Kind::Place, turning),
             speeds: blocks(layout, Kind::Speed, turning),
             start: vec![0.0; count],
             before: vec![0.0; count],
             now: vec![0.0; count],
         }
+    }
+
+    /// The stiffnesses and dampings of other parameters.
+    pub(crate) fn read_lines<T: Float>(&mut self, lines: &[LineNumbers<T>]) {
+        for watched in &mut self.watched {
+            if let Watched::Line { line, softness, .. } = watched
+                && let Some(numbers) = lines.get(*line)
+            {
+                *softness = 1.0 / numbers.stiffness.to_f64();
+            }
+        }
+        self.delay = longest_delay(lines);
     }
 
     /// Raises the tolerance to what a step with this error resolves: an error of a place, and of a velocity through C ṡ/K. A smaller tolerance

@@ -1,49 +1,52 @@
 //! The generic solver: the laws run on numbers, no compilation. The baseline of the benchmark and the witness that generated code is right.
 
+use std::sync::Arc;
+
 use mbd_scene::laws::{self, LineNumbers, Numbers, Scratch};
 use mbd_scene::{
     Arguments, At, Differentiated, Dual, Float, Layout, Model, ParamError, Quantity, Scene,
-    Variable, check_params,
+    Variable, Work, checked_numbers,
 };
+
+use crate::compiled::Scalar;
 
 /// How many variables one pass of dual numbers carries.
 const PASS: usize = 8;
-type Slope<T> = Dual<T, PASS>;
+/// Derivatives are computed in `f64` whatever the scalar of the model: exact enough for both, and compiled once.
+type Slope = Dual<f64, PASS>;
 
 /// A scene run by its laws.
 #[derive(Clone, Debug)]
 pub struct Generic<T: Float> {
-    scene: Scene,
-    layout: Layout,
+    scene: Arc<Scene>,
+    layout: Arc<Layout>,
     params: Vec<T>,
     numbers: Numbers<T>,
-    slopes: Numbers<Slope<T>>,
 }
 
 /// Scratch of a [`Generic`].
-#[derive(Clone, Debug)]
-pub struct GenericWork<T: Float> {
+#[derive(Debug)]
+struct Scratches<T: Float> {
     scratch: Scratch<T>,
-    slopes: Scratch<Slope<T>>,
-    arguments: Arguments<Slope<T>>,
-    out: Vec<Slope<T>>,
+    slopes: Option<Slopes>,
 }
 
-impl<T: Float> Generic<T> {
+/// What derivatives need.
+#[derive(Debug)]
+struct Slopes {
+    numbers: Numbers<Slope>,
+    scratch: Scratch<Slope>,
+    arguments: Arguments<Slope>,
+    out: Vec<Slope>,
+}
+
+impl<T: Scalar> Generic<T> {
     /// A model of `scene` with `params` (SI, declaration order).
     ///
     /// # Errors
     /// The first parameter that cannot be run.
     pub fn new(scene: Scene, params: &[T]) -> Result<Self, ParamError> {
-        check_params(&scene, params)?;
-        let constants: Vec<Slope<T>> = params.iter().copied().map(Dual::constant).collect();
-        Ok(Generic {
-            layout: Layout::new(&scene),
-            numbers: Numbers::new(&scene, params),
-            slopes: Numbers::new(&scene, &constants),
-            params: params.to_vec(),
-            scene,
-        })
+        T::make_generic(scene, params)
     }
 
     /// A model of `scene` with the declared defaults.
@@ -58,6 +61,69 @@ impl<T: Float> Generic<T> {
             .collect();
         Self::new(scene, &params)
     }
+}
+
+impl<T: Float> Generic<T> {
+    /// What [`Generic::new`] does.
+    pub(crate) fn make(scene: Scene, params: &[T]) -> Result<Self, ParamError> {
+        let numbers = checked_numbers(&scene, params)?;
+        Ok(Generic {
+            layout: Arc::new(Layout::new(&scene)),
+            numbers,
+            params: params.to_vec(),
+            scene: Arc::new(scene),
+        })
+    }
+
+    /// The same scene with other parameters.
+    pub(crate) fn change(&self, params: &[T]) -> Result<Self, ParamError> {
+        Ok(Generic {
+            numbers: checked_numbers(&self.scene, params)?,
+            params: params.to_vec(),
+            scene: self.scene.clone(),
+            layout: self.layout.clone(),
+        })
+    }
+
+    /// Fresh scratch; what [`Model::work`] does.
+    pub(crate) fn scratch(&self) -> Work<T> {
+        Work::of(Scratches {
+            scratch: Scratch::<T>::new(&self.layout),
+            slopes: None,
+        })
+    }
+
+    /// Writes a quantity; what [`Model::evaluate`] does.
+    pub(crate) fn run(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]) {
+        let Some(work) = work.get::<Scratches<T>>() else {
+            return;
+        };
+        match what {
+            Quantity::Partial(of, by) => {
+                let slopes = work.slopes.get_or_insert_with(|| self.slopes());
+                self.partial(of, by, at, slopes, out);
+            }
+            _ => laws::evaluate(
+                what,
+                &self.scene,
+                &self.layout,
+                &self.numbers,
+                at,
+                &mut work.scratch,
+                out,
+            ),
+        }
+    }
+
+    fn slopes(&self) -> Slopes {
+        let constants: Vec<Slope> = self.params.iter().map(|&x| constant(x)).collect();
+        Slopes {
+            numbers: Numbers::new(&self.scene, &constants),
+            scratch: Scratch::new(&self.layout),
+            arguments: Arguments::default(),
+            out: Vec::new(),
+        }
+    }
 
     /// Writes ∂(quantity)/∂(variable), [`PASS`] columns at a time.
     fn partial(
@@ -65,7 +131,7 @@ impl<T: Float> Generic<T> {
         of: Differentiated,
         by: Variable,
         at: &At<'_, T>,
-        work: &mut GenericWork<T>,
+        work: &mut Slopes,
         out: &mut [T],
     ) {
         let columns = self.layout.variables(by);
@@ -73,9 +139,9 @@ impl<T: Float> Generic<T> {
         if out.len() != rows * columns {
             return;
         }
-        work.arguments.read(at, Dual::constant);
+        work.arguments.read(at, constant);
         work.out.clear();
-        work.out.resize(rows, Dual::constant(T::zero()));
+        work.out.resize(rows, Dual::constant(0.0));
         let mut first = 0;
         while first < columns {
             let last = columns.min(first + PASS);
@@ -84,32 +150,39 @@ impl<T: Float> Generic<T> {
                 Variable::State => seed(&mut work.arguments.state, first..last),
                 Variable::Node => seed(&mut work.arguments.nodes, first..last),
                 Variable::Parameter => {
-                    let mut params = self.slopes.params.clone();
+                    let mut params = work.numbers.params.clone();
                     seed(&mut params, first..last);
                     seeded = Some(Numbers::new(&self.scene, &params));
                 }
             }
-            let numbers = seeded.as_ref().unwrap_or(&self.slopes);
+            let numbers = seeded.as_ref().unwrap_or(&work.numbers);
             laws::evaluate(
                 of.quantity(),
                 &self.scene,
                 &self.layout,
                 numbers,
                 &work.arguments.at(),
-                &mut work.slopes,
+                &mut work.scratch,
                 &mut work.out,
             );
             for (row, value) in work.out.iter().enumerate() {
-                out[row * columns + first..row * columns + last]
-                    .copy_from_slice(&value.slopes[..last - first]);
+                let to = &mut out[row * columns + first..row * columns + last];
+                for (to, slope) in to.iter_mut().zip(value.slopes) {
+                    *to = T::from_f64(slope);
+                }
             }
             first = last;
         }
     }
 }
 
+/// A number that does not vary.
+fn constant<T: Float>(x: T) -> Slope {
+    Dual::constant(x.to_f64())
+}
+
 /// Makes the numbers in `range` variables 0, 1, …, all others constants.
-fn seed<T: Float>(list: &mut [Slope<T>], range: std::ops::Range<usize>) {
+fn seed(list: &mut [Slope], range: std::ops::Range<usize>) {
     for (index, number) in list.iter_mut().enumerate() {
         *number = if range.contains(&index) {
             Dual::variable(number.value, index - range.start)
@@ -119,16 +192,17 @@ fn seed<T: Float>(list: &mut [Slope<T>], range: std::ops::Range<usize>) {
     }
 }
 
-impl<T: Float> Model<T> for Generic<T> {
-    type Work = GenericWork<T>;
+impl<T: Scalar> Model<T> for Generic<T> {
+    fn share(&self) -> Arc<dyn Model<T>> {
+        Arc::new(self.clone())
+    }
 
-    fn work(&self) -> GenericWork<T> {
-        GenericWork {
-            scratch: Scratch::new(&self.layout),
-            slopes: Scratch::new(&self.layout),
-            arguments: Arguments::default(),
-            out: Vec::new(),
-        }
+    fn with_params(&self, params: &[T]) -> Result<Arc<dyn Model<T>>, ParamError> {
+        Ok(Arc::new(T::change_generic(self, params)?))
+    }
+
+    fn work(&self) -> Work<T> {
+        T::make_work(self)
     }
 
     fn scene(&self) -> &Scene {
@@ -147,18 +221,7 @@ impl<T: Float> Model<T> for Generic<T> {
         &self.numbers.lines
     }
 
-    fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut GenericWork<T>, out: &mut [T]) {
-        match what {
-            Quantity::Partial(of, by) => self.partial(of, by, at, work, out),
-            _ => laws::evaluate(
-                what,
-                &self.scene,
-                &self.layout,
-                &self.numbers,
-                at,
-                &mut work.scratch,
-                out,
-            ),
-        }
+    fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]) {
+        T::run_laws(self, what, at, work, out);
     }
 }

@@ -14,7 +14,7 @@ pub(crate) struct Laws {
 
 impl Laws {
     /// Those of the scene of a model, with its parameters.
-    pub(crate) fn new<T: Float, M: Model<T>>(model: &M) -> Self {
+    pub(crate) fn new<T: Float>(model: &dyn Model<T>) -> Self {
         let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
         Laws {
             numbers: Numbers::new(model.scene(), &params),
@@ -24,9 +24,9 @@ impl Laws {
     }
 
     /// Writes a quantity of the scene that `model` runs; entries of matrices that are always zero, too.
-    pub(crate) fn evaluate<T: Float, M: Model<T>>(
+    pub(crate) fn evaluate<T: Float>(
         &mut self,
-        model: &M,
+        model: &dyn Model<T>,
         what: Quantity,
         at: &At<'_, T>,
         out: &mut [f64],
@@ -45,9 +45,9 @@ impl Laws {
     }
 
     /// The same for multipliers that were found elsewhere: reactions, energy or outputs.
-    pub(crate) fn evaluate_given<T: Float, M: Model<T>>(
+    pub(crate) fn evaluate_given<T: Float>(
         &mut self,
-        model: &M,
+        model: &dyn Model<T>,
         what: Quantity,
         at: &At<'_, T>,
         multipliers: &[f64],
@@ -66,9 +66,9 @@ impl Laws {
     }
 
     /// Writes the angles in (−π, π] that something acts along which jumps with them.
-    pub(crate) fn jumping_angles<T: Float, M: Model<T>>(
+    pub(crate) fn jumping_angles<T: Float>(
         &mut self,
-        model: &M,
+        model: &dyn Model<T>,
         at: &At<'_, T>,
         out: &mut Vec<f64>,
     ) {

@@ -12,14 +12,13 @@
 #[path = "private.rs"]
 pub mod __private;
 mod columns;
-mod dense;
-mod dependence;
+mod compiled;
 mod error;
 mod event;
+mod fallback;
 mod generated;
 mod generic;
 mod integrate;
-mod ladder;
 mod laws;
 mod linearise;
 mod list;
@@ -35,15 +34,16 @@ mod verify;
 mod watch;
 
 pub use columns::{Name, state_names};
+pub use compiled::Scalar;
 pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError};
 pub use event::{Happening, Occurrence};
 pub use generated::{CoordInfo, Costs, Energy, LineState, Momentum, ParamInfo, Reaction, Wrench};
-pub use generic::{Generic, GenericWork};
+pub use generic::Generic;
 pub use integrate::Scales;
-pub use linearise::{Linearisation, Matrix};
+pub use linearise::{Linearisation, LinearisationError, Matrix};
 pub use mbd_macros::model;
 pub use mbd_scene as scene;
-pub use mbd_scene::{At, Cost, Float, Layout, Model, ParamError, Quantity, Real};
+pub use mbd_scene::{At, Cost, Float, Layout, Model, ParamError, Quantity, Real, Work};
 pub use nalgebra;
 pub use node::{Mode, NodeMemory};
 pub use options::{Method, Options, Stabilise};

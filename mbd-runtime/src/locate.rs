@@ -1,13 +1,12 @@
 //! Finding the first event inside a step, to the last digits of time: a bracket from the interpolant, then false position on **redone steps**, so that
 //! the accepted state is a step of the method and keeps its order.
 
-use mbd_scene::{Float, Model, Quantity};
+use mbd_scene::{Float, Quantity};
 
 use crate::error::{Collapse, StepError};
 use crate::event::Happening;
 use crate::node::Mode;
 use crate::simulation::Simulation;
-use crate::system::External;
 
 /// Interior looks at a step while a watched line does not carry.
 const LOOKS: u32 = 16;
@@ -68,7 +67,7 @@ impl Chatter {
     }
 }
 
-impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
+impl<T: Float> Simulation<T> {
     /// Looks into the attempted step. With an event, the attempt is redone so that it ends there.
     pub(crate) fn find_event(&mut self, step: f64) -> Result<Option<Found>, StepError> {
         if self.margins.is_empty() {
@@ -88,7 +87,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         self.margins.before.copy_from_slice(start);
         for look in 1..=looks {
             let high = f64::from(look) / f64::from(looks);
-            self.look(high, step)?;
+            self.look_inside(high, step)?;
             if self.choose_passed() {
                 return self.narrow(low, high, step);
             }
@@ -100,7 +99,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     }
 
     /// Reads the margins at `theta` of the attempted step.
-    fn look(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
+    fn look_inside(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
         if theta >= 1.0 {
             return self.look_at_end(step);
         }
@@ -144,7 +143,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             let mut positive = None;
             for look in 1..FINE_LOOKS {
                 let theta = low + (high - low) * f64::from(look) / f64::from(FINE_LOOKS);
-                self.look(theta, step)?;
+                self.look_inside(theta, step)?;
                 if self.margins.smallest(&self.chosen) > 0.0 {
                     positive = Some(theta);
                     break;

@@ -1,50 +1,50 @@
 //! What generated code calls and nobody else should.
 
 use mbd_scene::laws::{LineNumbers, Numbers};
-use mbd_scene::{Float, Layout, Packed, ParamError, Real, Redundancy, Scene};
+use mbd_scene::{Float, Layout, Packed, ParamError, Real, Redundancy, Scene, checked_numbers};
 
 use crate::{CoordInfo, LineState, Reaction};
 
 pub use crate::parts::{member, read, write};
 pub use crate::verify::verify;
 
-/// What every generated model carries besides its equations.
-#[derive(Clone, Debug)]
-pub struct Parts<T> {
+/// What every model of one declaration shares: unpacked once in a program.
+#[derive(Debug)]
+pub struct Declared {
     /// The declaration.
     pub scene: Scene,
     /// Where everything lives.
     pub layout: Layout,
-    /// Stiffness, damping and free length of every line.
-    pub lines: Vec<LineNumbers<T>>,
 }
 
-impl<T: Real> Parts<T> {
-    /// The parts of a scene, the rows of whose joints are known, for given parameters.
+impl Declared {
+    /// The declaration, and which rows of its joints repeat others, from the texts that the compiler wrote.
     #[must_use]
-    pub fn new(scene: Scene, redundancy: Redundancy, params: &[T]) -> Self {
-        Parts {
+    pub fn unpacked(scene: &str, redundancy: &str) -> Self {
+        let scene = Scene::unpacked(scene).unwrap_or_default();
+        let redundancy = Redundancy::unpacked(redundancy).unwrap_or_default();
+        Declared {
             layout: Layout::keeping(&scene, redundancy),
-            lines: Numbers::new(&scene, params).lines,
             scene,
         }
     }
+}
 
-    /// The same after checking the parameters.
-    ///
-    /// # Errors
-    /// The first parameter that cannot be run.
-    pub fn checked(scene: Scene, redundancy: Redundancy, params: &[T]) -> Result<Self, ParamError>
-    where
-        T: Float,
-    {
-        let lines = T::numbers(&scene, params)?.lines;
-        Ok(Parts {
-            layout: Layout::keeping(&scene, redundancy),
-            lines,
-            scene,
-        })
-    }
+/// Stiffness, damping and free length of every line, then of every stop.
+pub type Lines<T> = Vec<LineNumbers<T>>;
+
+/// The numbers of the lines for parameters that can be run.
+///
+/// # Errors
+/// The first parameter that cannot be run.
+pub fn prepare<T: Float>(scene: &Scene, params: &[T]) -> Result<Lines<T>, ParamError> {
+    Ok(checked_numbers(scene, params)?.lines)
+}
+
+/// The numbers of the lines for parameters that nobody has checked.
+#[must_use]
+pub fn unchecked<T: Real>(scene: &Scene, params: &[T]) -> Lines<T> {
+    Numbers::new(scene, params).lines
 }
 
 /// Names and units of coordinates.
@@ -60,16 +60,15 @@ pub const fn named<const N: usize>(pairs: [(&'static str, &'static str); N]) -> 
     named
 }
 
-/// The scene of a text that the compiler wrote.
-#[must_use]
-pub fn scene(text: &str) -> Scene {
-    Scene::unpacked(text).unwrap_or_default()
-}
-
-/// The repeated rows of a text that the compiler wrote.
-#[must_use]
-pub fn redundancy(text: &str) -> Redundancy {
-    Redundancy::unpacked(text).unwrap_or_default()
+/// Parameter values as an array.
+///
+/// # Errors
+/// [`ParamError::Count`] for a list of another length.
+pub fn counted<T: Copy, const N: usize>(params: &[T]) -> Result<[T; N], ParamError> {
+    params.try_into().map_err(|_| ParamError::Count {
+        expected: N,
+        found: params.len(),
+    })
 }
 
 /// The slice as an array, if it has the right length.

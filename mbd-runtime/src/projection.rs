@@ -10,14 +10,14 @@
 //! projected state; the error estimate is made of the stages alone and does not see the move.
 
 use mbd_scene::laws::{self, Numbers};
-use mbd_scene::{AngularVelocity, At, Float, Model, PointSlots, Quantity};
+use mbd_scene::{AngularVelocity, At, Float, PointSlots, Quantity};
 
 use crate::columns::joint_name;
-use crate::dependence::{Dependence, NEW, dependent};
 use crate::error::{Source, StepError};
+use crate::fallback::{Dependence, NEW, dependent};
 use crate::list::largest;
 use crate::options::Stabilise;
-use crate::system::{External, System};
+use crate::system::System;
 
 /// How hard (1) is tried.
 #[derive(Clone, Copy)]
@@ -89,7 +89,7 @@ impl<T: Float> Projection<T> {
     }
 }
 
-impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
+impl<T: Float> System<T> {
     /// Puts the state of a trial step back on the joints by (1) and (2).
     pub(crate) fn stay(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         if !self.projection.any() || self.projection.stabilise != Stabilise::Projection {
@@ -160,10 +160,10 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// Decides how the rows of the first step are solved.
     fn begin_rows(&mut self, time: f64, state: &[T]) {
-        self.ladder.margin = f64::NAN;
+        self.fallback.margin = f64::NAN;
         self.measure(time, state);
         self.pick(time, state);
-        self.ladder.commit();
+        self.fallback.commit();
     }
 
     /// Adds Baumgarte's −2α Φ̇ − α² Φ to the right-hand side of the acceleration rows, where the run asks for it. The move of (1) with these as
@@ -303,7 +303,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
 
     /// Factorises the rows at a state where no move had to be solved for, to know their margin.
     pub(crate) fn measure(&mut self, time: f64, state: &[T]) {
-        if self.ladder.margin.is_nan() {
+        if self.fallback.margin.is_nan() {
             self.projection.rows.fill(T::zero());
             self.solve_rows(time, state);
         }
@@ -317,7 +317,7 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
         };
         self.model
             .evaluate(Quantity::Correction, &at, &mut self.work, shift);
-        self.ladder.margin = self.projection.margin();
+        self.fallback.margin = self.projection.margin();
     }
 
     /// Moves positions by δ, shortened where it turns a body too far.
@@ -401,7 +401,8 @@ impl<T: Float, M: Model<T>, E: External<T>> System<'_, T, M, E> {
     /// Says which rows depend on each other, and whether they contradict.
     #[cold]
     pub(crate) fn singular(&mut self, time: f64, state: &[T]) -> StepError {
-        let layout = self.model.layout();
+        let model = self.model.clone();
+        let layout = model.layout();
         let mut jacobian = vec![0.0; layout.len(Quantity::ConstraintJacobian)];
         self.by_laws(Quantity::ConstraintJacobian, time, state, &mut jacobian);
         let norm = self.read_rows(Quantity::Constraint, time, state);

@@ -3,9 +3,12 @@
 //! One stage is: inputs → equilibrium points → state derivative. One step is: try, project on the joints, test the error, look for events, record, commit. Nothing is changed
 //! before a step is accepted, so an error or a rejected trial leaves state and memory as they were, to the bit.
 
-use mbd_scene::{Float, Model, Quantity};
+use std::sync::Arc;
+
+use mbd_scene::{Float, Model, ParamError, Quantity};
 
 use crate::columns::stop_name;
+use crate::compiled::Scalar;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Scales, TSIT5};
@@ -39,8 +42,8 @@ enum Pace {
 }
 
 /// A simulation of one model. `T` is the scalar of the state; time is always `f64`.
-pub struct Simulation<'m, T: Float, M: Model<T>, E = NoLoads> {
-    pub(crate) system: System<'m, T, M, E>,
+pub struct Simulation<T: Float> {
+    pub(crate) system: System<T>,
     pub(crate) method: Explicit<T>,
     pub(crate) state: Vec<T>,
     pub(crate) time: f64,
@@ -76,30 +79,73 @@ pub struct Simulation<'m, T: Float, M: Model<T>, E = NoLoads> {
     events: Vec<Occurrence>,
 }
 
-impl<'m, T: Float, M: Model<T>> Simulation<'m, T, M, NoLoads> {
-    /// A simulation of a model without inputs, at rest at the origin until [`Simulation::set_state`].
+impl<T: Scalar> Simulation<T> {
+    /// A simulation of a model without inputs, at rest at the origin until [`Simulation::set_state`]. It owns what it runs: a [shared](Model::share)
+    /// model.
     ///
     /// # Errors
     /// An option that cannot be used, or a combination of method and model that is not offered.
-    pub fn new(model: &'m M, options: Options) -> Result<Self, RunError> {
-        Simulation::with_loads(model, options, NoLoads)
+    pub fn new(model: &(impl Model<T> + ?Sized), options: Options) -> Result<Self, RunError> {
+        T::make_simulation(model.share(), options, Box::new(NoLoads))
     }
-}
 
-impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
     /// A simulation of a model whose inputs and external loads come from `loads`.
     ///
     /// # Errors
     /// An option that cannot be used, or a combination of method and model that is not offered.
-    pub fn with_loads(model: &'m M, options: Options, loads: E) -> Result<Self, RunError> {
+    pub fn with_loads(
+        model: &(impl Model<T> + ?Sized),
+        options: Options,
+        loads: impl External<T> + Send + 'static,
+    ) -> Result<Self, RunError> {
+        T::make_simulation(model.share(), options, Box::new(loads))
+    }
+
+    /// Changes the parameters of a run (declaration order, SI). Nothing is built anew: time and state stay, and [`Simulation::start`] makes them
+    /// consistent with the new values before the next step: bodies back on their joints, nodes in balance, lines slack or taut.
+    ///
+    /// # Errors
+    /// The first parameter that cannot be run; the run keeps the old ones.
+    pub fn set_params(&mut self, params: &[T]) -> Result<(), ParamError> {
+        T::give_params(self, params)
+    }
+
+    /// The name of an event: that of the declaration, or the line and what it became.
+    #[must_use]
+    pub fn event_name(&self, what: Happening) -> String {
+        T::name_event(self, what)
+    }
+
+    /// Evaluates a quantity at the last accepted step; `out` has the length `Layout::len`. Of matrices only non-zeros are written.
+    ///
+    /// # Errors
+    /// A slice of another length; no equilibrium of a node.
+    pub fn evaluate(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
+        T::look(self, what, out)
+    }
+}
+
+impl<T: Float> Simulation<T> {
+    /// The model that is run.
+    #[must_use]
+    pub fn model(&self) -> &Arc<dyn Model<T>> {
+        &self.system.model
+    }
+
+    /// What [`Simulation::with_loads`] does.
+    pub(crate) fn make(
+        model: Arc<dyn Model<T>>,
+        options: Options,
+        loads: Box<dyn External<T> + Send>,
+    ) -> Result<Self, RunError> {
         let refuse = |cause| RunError {
             cause,
             progress: Box::default(),
         };
         options.check().map_err(refuse)?;
-        offered(model, &options, loads.supplies()).map_err(refuse)?;
-        let scales = options.scales.unwrap_or_else(|| Scales::of(model));
-        let mut system = System::new(model, loads, options.work);
+        offered(&*model, &options, loads.supplies()).map_err(refuse)?;
+        let scales = options.scales.unwrap_or_else(|| Scales::of(&*model));
+        let mut system = System::new(model.clone(), loads, options.work);
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
         system.projection.length = scales.length;
@@ -116,7 +162,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         };
         let tolerance = options.guard_tolerance.unwrap_or(tolerance * scales.length);
         let margins = Margins::new(
-            model,
+            &*model,
             options.locate,
             tolerance.max(16.0 * T::EPSILON.to_f64() * scales.length),
         );
@@ -154,7 +200,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
             pace,
             watch: Watch::default(),
             watch_weights: Vec::new(),
-            watched: options.watch && fixed && stepwise(model).is_none(),
+            watched: options.watch && fixed && stepwise(&*model).is_none(),
             origin: 0.0,
             count: 0,
             options,
@@ -215,9 +261,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         &self.events
     }
 
-    /// The name of an event: that of the declaration, or the line and what it became.
-    #[must_use]
-    pub fn event_name(&self, what: Happening) -> String {
+    pub(crate) fn name_event(&self, what: Happening) -> String {
         let scene = self.system.model.scene();
         match what {
             Happening::Declared(event) => scene
@@ -234,13 +278,17 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
         }
     }
 
-    /// Evaluates a quantity at the last accepted step; `out` has the length `Layout::len`. Of matrices only non-zeros are written.
-    ///
-    /// # Errors
-    /// No equilibrium of a node.
-    pub fn evaluate(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
+    /// What [`Simulation::evaluate`] does.
+    pub(crate) fn look(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
+        let expected = self.system.model.layout().len(what);
+        if out.len() != expected {
+            return Err(self.failed(StepError::InvalidInput {
+                slot: format!("length of {what:?} (this model has {expected} numbers)"),
+                value: out.len() as f64,
+            }));
+        }
         if !self.started {
-            self.start()?;
+            self.begin()?;
         }
         match self.system.look(self.time, 0.0, &self.state) {
             Ok(()) => {
@@ -249,6 +297,15 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> Simulation<'m, T, M, E> {
             }
             Err(cause) => Err(self.failed(cause)),
         }
+    }
+
+    /// What [`Simulation::set_params`] does.
+    pub(crate) fn give_params(&mut self, params: &[T]) -> Result<(), ParamError> {
+        let model = self.system.model.with_params(params)?;
+        self.margins.read_lines(model.lines());
+        self.system.take(model);
+        self.started = false;
+        Ok(())
     }
 
     fn failed(&self, cause: StepError) -> RunError {

@@ -1,11 +1,13 @@
 //! One stage: inputs, then equilibrium points, then the state derivative.
 
-use mbd_scene::{Float, Model, Quantity, Scene};
+use std::sync::Arc;
+
+use mbd_scene::{Float, Model, Quantity, Scene, Work};
 
 use crate::columns::{input_name, line_name, node_name, state_names, stop_name};
 use crate::error::{Source, Statistics, StepError};
+use crate::fallback::{Fallback, Strategy};
 use crate::integrate::Rates;
-use crate::ladder::{Ladder, Rung as RowsRung};
 use crate::laws::Laws;
 use crate::list::largest;
 use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
@@ -51,9 +53,9 @@ impl<T, E: External<T>> External<T> for &E {
 pub(crate) const WORKS: usize = 3;
 
 /// A model with everything it needs to be a right-hand side.
-pub(crate) struct System<'m, T: Float, M: Model<T>, E> {
-    pub model: &'m M,
-    pub external: E,
+pub(crate) struct System<T: Float> {
+    pub model: Arc<dyn Model<T>>,
+    pub external: Box<dyn External<T> + Send>,
     /// Node unknowns of the stage that was evaluated last.
     pub nodes: Nodes<T>,
     /// The same for looking inside a step, so that the end of the step stays untouched.
@@ -72,11 +74,11 @@ pub(crate) struct System<'m, T: Float, M: Model<T>, E> {
     /// Room for energy and power.
     pub energy: [T; 6],
     /// Scratch of the model.
-    pub work: M::Work,
+    pub work: Work<T>,
     /// What keeps the state on the joints.
     pub projection: Projection<T>,
     /// How the rows are solved.
-    pub ladder: Ladder,
+    pub fallback: Fallback,
     /// The laws themselves, once something asked for them.
     laws: Option<Laws>,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
@@ -101,11 +103,14 @@ fn has_jumping_angles(scene: &Scene) -> bool {
     })
 }
 
-impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
-    pub(crate) fn new(model: &'m M, external: E, works: bool) -> Self {
+impl<T: Float> System<T> {
+    pub(crate) fn new(
+        model: Arc<dyn Model<T>>,
+        external: Box<dyn External<T> + Send>,
+        works: bool,
+    ) -> Self {
         let layout = model.layout();
         System {
-            model,
             external,
             nodes: Nodes::new(layout),
             probe: Nodes::new(layout),
@@ -118,12 +123,20 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
             energy: [T::zero(); 6],
             work: model.work(),
             projection: Projection::new(layout.nc, layout.nv, layout.nx()),
-            ladder: Ladder::default(),
+            fallback: Fallback::default(),
             laws: None,
             works,
             angles: has_jumping_angles(model.scene()).then(Default::default),
             wide: Vec::new(),
+            model,
         }
+    }
+
+    /// Runs the same scene with other parameters from here on.
+    pub(crate) fn take(&mut self, model: Arc<dyn Model<T>>) {
+        self.model = model;
+        self.laws = None;
+        self.fallback = Fallback::default();
     }
 
     /// Length of the state with the integrals behind it.
@@ -143,7 +156,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         let t = T::from_f64(time);
         self.nodes
             .start(
-                self.model,
+                &*self.model,
                 t,
                 state,
                 &self.inputs,
@@ -160,7 +173,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         self.supply(time, state)?;
         self.probe
             .solve(
-                self.model,
+                &*self.model,
                 T::from_f64(time),
                 T::from_f64(span),
                 state,
@@ -197,11 +210,11 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
     #[cold]
     pub(crate) fn by_laws(&mut self, what: Quantity, time: f64, state: &[T], out: &mut [f64]) {
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        let laws = self.laws.get_or_insert_with(|| Laws::new(self.model));
-        laws.evaluate(self.model, what, &at, out);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        laws.evaluate(&*self.model, what, &at, out);
     }
 
-    /// The same for the multipliers that the ladder found last, where those of the model mean nothing: reactions, energy or outputs.
+    /// The same for the multipliers that the fallback found last, where those of the model mean nothing: reactions, energy or outputs.
     #[cold]
     pub(crate) fn by_multipliers(
         &mut self,
@@ -211,10 +224,10 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         out: &mut [T],
     ) {
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        let laws = self.laws.get_or_insert_with(|| Laws::new(self.model));
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
         self.wide.clear();
         self.wide.resize(out.len(), 0.0);
-        laws.evaluate_given(self.model, what, &at, multipliers, &mut self.wide);
+        laws.evaluate_given(&*self.model, what, &at, multipliers, &mut self.wide);
         for (to, from) in out.iter_mut().zip(&self.wide) {
             *to = T::from_f64(*from);
         }
@@ -227,8 +240,8 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         };
         let state = state.get(..self.nx).unwrap_or_default();
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        let laws = self.laws.get_or_insert_with(|| Laws::new(self.model));
-        laws.jumping_angles(self.model, &at, now);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        laws.jumping_angles(&*self.model, &at, now);
         let jumped = |(now, last): (&f64, &f64)| (now - last).abs() > std::f64::consts::PI;
         if !first && now.iter().zip(last.iter()).any(jumped) {
             self.counters.angle_jumps = self.counters.angle_jumps.saturating_add(1);
@@ -242,7 +255,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         self.by_laws(Quantity::MassMatrix, time, state, &mut mass);
-        Ok(watch::weights(self.model, &mass))
+        Ok(watch::weights(&*self.model, &mass))
     }
 
     /// Whether the modes of lines are kept between located events, or decided at every stage.
@@ -268,7 +281,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
         let t = T::from_f64(time);
         self.nodes
             .switch(
-                self.model,
+                &*self.model,
                 t,
                 state,
                 &self.inputs,
@@ -288,7 +301,7 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
     /// The last solve was at the end of a step that is accepted.
     pub(crate) fn commit(&mut self, step: f64) {
         self.nodes.commit(T::from_f64(step), &mut self.memory);
-        self.ladder.commit();
+        self.fallback.commit();
     }
 
     /// Makes every quaternion a unit quaternion; returns the largest | |q| − 1 | there was. A zero quaternion stays.
@@ -369,20 +382,20 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
             node_solves: nodes.solves,
             node_iterations: nodes.iterations,
             node_iterations_max: nodes.most as u64,
-            node_rung: match nodes.rung {
+            node_strategy: match nodes.rung {
                 _ if nodes.solves == 0 => 0,
                 Rung::Warm => 1,
                 Rung::Homotopy => 2,
                 Rung::Search => 3,
             },
-            rows_rung: match self.ladder.worst {
+            rows_strategy: match self.fallback.worst {
                 _ if !self.projection.any() => 0,
-                RowsRung::Emitted => 1,
-                RowsRung::Chosen => 2,
-                RowsRung::Whole => 3,
-                RowsRung::Proximal => 4,
+                Strategy::Emitted => 1,
+                Strategy::Chosen => 2,
+                Strategy::Whole => 3,
+                Strategy::Regularised => 4,
             },
-            lost_digits: self.ladder.lost_digits,
+            lost_digits: self.fallback.lost_digits,
             ..self.counters
         }
     }
@@ -410,14 +423,14 @@ impl<'m, T: Float, M: Model<T>, E: External<T>> System<'m, T, M, E> {
     }
 }
 
-impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
+impl<T: Float> Rates<T> for System<T> {
     fn rates(&mut self, time: f64, span: f64, state: &[T], out: &mut [T]) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         let t = T::from_f64(time);
         self.nodes
             .solve(
-                self.model,
+                &*self.model,
                 t,
                 T::from_f64(span),
                 state,
@@ -452,12 +465,12 @@ impl<T: Float, M: Model<T>, E: External<T>> Rates<T> for System<'_, T, M, E> {
     }
 
     fn enter(&mut self) {
-        self.ladder.enter();
+        self.fallback.enter();
     }
 
     fn settle(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         self.drift = self.normalise(state);
-        self.ladder.margin = f64::NAN;
+        self.fallback.margin = f64::NAN;
         self.stay(time, state)?;
         if self.projection.any() {
             let state = state.get(..self.nx).unwrap_or_default();

@@ -6,7 +6,7 @@ use mbd_scene::{Float, Layout, Model, Quantity, Scene};
 
 use crate::columns::{Name, joint_name, line_name, node_name, state_names};
 use crate::error::{Statistics, StepError};
-use crate::system::{External, System, WORKS};
+use crate::system::{System, WORKS};
 
 /// When a row is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,8 +83,15 @@ pub struct Trajectory {
 impl Trajectory {
     /// An empty history of a model.
     #[must_use]
-    pub fn new<T: Float, M: Model<T>>(model: &M, sampling: Sampling, content: Content) -> Self {
-        let (scene, layout) = (model.scene(), model.layout());
+    pub fn new<T: Float>(
+        model: &(impl Model<T> + ?Sized),
+        sampling: Sampling,
+        content: Content,
+    ) -> Self {
+        Self::of(model.scene(), model.layout(), sampling, content)
+    }
+
+    fn of(scene: &Scene, layout: &Layout, sampling: Sampling, content: Content) -> Self {
         let names = names(scene, layout, content);
         Trajectory {
             columns: vec![Vec::new(); names.len()],
@@ -210,16 +217,17 @@ impl Trajectory {
     }
 
     /// Adds a row at the state that `system` looks at.
-    pub(crate) fn push<T: Float, M: Model<T>, E: External<T>>(
+    pub(crate) fn push<T: Float>(
         &mut self,
-        system: &mut System<'_, T, M, E>,
+        system: &mut System<T>,
         time: f64,
         span: f64,
         state: &[T],
         scratch: &mut [T],
     ) -> Result<(), StepError> {
         system.look(time, span, state)?;
-        let layout = system.model.layout();
+        let model = system.model.clone();
+        let layout = model.layout();
         let state_alone = state.get(..layout.nx()).unwrap_or_default();
         let forces = self.content.reactions || self.content.outputs || self.content.energy;
         // Where rows lose rank for longer than an instant some multipliers have no value, and what hangs on them none either.
@@ -287,8 +295,8 @@ impl Trajectory {
 }
 
 /// A quantity at the state that `system` looked at last.
-fn read<'s, T: Float, M: Model<T>, E: External<T>>(
-    system: &mut System<'_, T, M, E>,
+fn read<'s, T: Float>(
+    system: &mut System<T>,
     what: Quantity,
     time: f64,
     state: &[T],
@@ -302,8 +310,8 @@ fn read<'s, T: Float, M: Model<T>, E: External<T>>(
 }
 
 /// The same with multipliers that were found apart from the model.
-fn read_under<'s, T: Float, M: Model<T>, E: External<T>>(
-    system: &mut System<'_, T, M, E>,
+fn read_under<'s, T: Float>(
+    system: &mut System<T>,
     (what, multipliers): (Quantity, Option<&[f64]>),
     time: f64,
     state: &[T],

@@ -11,7 +11,7 @@ const PLACES: usize = 10;
 ///
 /// # Errors
 /// What differs, by how much and where.
-pub fn verify(model: &impl Model<f64>) -> Result<(), String> {
+pub fn verify(model: &dyn Model<f64>) -> Result<(), String> {
     let generic =
         Generic::new(model.scene().clone(), model.params()).map_err(|error| error.to_string())?;
     let mut seed = 1;
@@ -26,14 +26,14 @@ pub fn verify(model: &impl Model<f64>) -> Result<(), String> {
     Ok(())
 }
 
-fn evaluate<M: Model<f64>>(model: &M, what: Quantity, place: &Arguments<f64>) -> Vec<f64> {
+fn evaluate(model: &dyn Model<f64>, what: Quantity, place: &Arguments<f64>) -> Vec<f64> {
     let mut out = vec![0.0; model.layout().len(what)];
     model.evaluate(what, &place.at(), &mut model.work(), &mut out);
     out
 }
 
 fn compare(
-    model: &impl Model<f64>,
+    model: &dyn Model<f64>,
     generic: &Generic<f64>,
     what: Quantity,
     place: &Arguments<f64>,
@@ -58,7 +58,7 @@ fn compare(
 }
 
 /// Symmetric to rounding, and positive definite by Cholesky.
-fn check_mass_matrix(model: &impl Model<f64>, place: &Arguments<f64>) -> Result<(), String> {
+fn check_mass_matrix(model: &dyn Model<f64>, place: &Arguments<f64>) -> Result<(), String> {
     let n = model.layout().nv;
     let values = evaluate(model, Quantity::MassMatrix, place);
     let m = nalgebra::DMatrix::from_row_slice(n, n, &values);
@@ -74,7 +74,7 @@ fn check_mass_matrix(model: &impl Model<f64>, place: &Arguments<f64>) -> Result<
 
 /// The energy changes by the power of loads, dampers and prescribed motions: d(T + V + E)/dt = P + λᵀ Φ̇, along ẋ (Φ̇ is not zero at a
 /// random place). For scenes without nodes (their velocity is not free) whose gravity is known.
-fn check_power(model: &impl Model<f64>, place: &Arguments<f64>) -> Result<(), String> {
+fn check_power(model: &dyn Model<f64>, place: &Arguments<f64>) -> Result<(), String> {
     if !model.layout().nodes.is_empty() || model.scene().gravity == Gravity::Field {
         return Ok(());
     }
@@ -118,7 +118,7 @@ fn check_power(model: &impl Model<f64>, place: &Arguments<f64>) -> Result<(), St
 }
 
 /// Unit quaternions or any angle, everything else within ±1; a stiffness where one is expected.
-fn random_place(model: &impl Model<f64>, seed: &mut u64) -> Arguments<f64> {
+fn random_place(model: &dyn Model<f64>, seed: &mut u64) -> Arguments<f64> {
     let layout = model.layout();
     let mut list = |count: usize| -> Vec<f64> { (0..count).map(|_| random(seed)).collect() };
     let mut state = list(layout.nx());

@@ -40,7 +40,7 @@ pub(crate) fn suggestion(step: f64, stiffness: f64) -> f64 {
 }
 
 /// The weights of the norm above, one a coordinate of the state, from the mass matrix (dense, row by row).
-pub(crate) fn weights<T: Float, M: Model<T>>(model: &M, mass_matrix: &[f64]) -> Vec<T> {
+pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Vec<T> {
     let (scene, layout) = (model.scene(), model.layout());
     let mass = |v: usize| mass_matrix.get(v * (layout.nv + 1)).copied().unwrap_or(0.0);
     let directions = layout.directions;
@@ -105,7 +105,7 @@ struct Coordinate {
     stiffness: f64,
 }
 
-fn coordinates<T: Float, M: Model<T>>(model: &M) -> Vec<Coordinate> {
+fn coordinates<T: Float>(model: &dyn Model<T>) -> Vec<Coordinate> {
     let (scene, lines) = (model.scene(), model.layout().lines.len());
     let numbers = Numbers::new(scene, model.params());
     let mut found = Vec::new();

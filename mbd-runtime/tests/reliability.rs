@@ -37,7 +37,7 @@ fn begin<'m>(
     state: &[f64],
     nodes: &[f64],
     node: &PointKind,
-) -> Simulation<'m, f64, Generic<f64>> {
+) -> Simulation<f64> {
     let mut simulation = Simulation::new(model, options).unwrap();
     simulation.set_state(0.0, state).unwrap();
     if matches!(node, PointKind::Node(_)) {

@@ -4,7 +4,7 @@ Optional: a yardstick from outside, no part of the build. Needs Python 3.11 and 
 
     python models/benches/exudyn_four_bar.py
 
-right before or after `cargo bench -p models --bench joints`, on the same quiet machine. Four-bars are two-dimensional bodies on revolute
+right before or after `cargo bench -p benches --bench joints`, on the same quiet machine. Four-bars are two-dimensional bodies on revolute
 joints in the plane, the smallest model Exudyn has of them, by its trapezoidal rule on the index 2 equations; the linear solver and the kind
 of Newton iteration are the best of four. The best of several runs is printed.
 """

@@ -1,6 +1,6 @@
 //! Generated against interpreted against generic, in one run, on the parachute: state derivative, node solve, one step of each model.
 //!
-//! `cargo bench -p models --bench parachute`. Absolute times drift from day to day; read the ratios. Operation counts are printed first.
+//! `cargo bench -p benches --bench parachute`. Absolute times drift from day to day; read the ratios. Operation counts are printed first.
 
 use std::hint::black_box;
 
@@ -21,7 +21,7 @@ struct Setting {
 }
 
 impl Setting {
-    fn new<M: Model<f64>>(model: &M, at: &Instant, step: f64) -> Self {
+    fn new(model: &dyn Model<f64>, at: &Instant, step: f64) -> Self {
         Setting {
             state: state(model, at),
             nodes: at.point.to_vec(),
@@ -30,7 +30,7 @@ impl Setting {
     }
 }
 
-fn simulation<'m, M: Model<f64>>(model: &'m M, setting: &Setting) -> Simulation<'m, f64, M> {
+fn simulation(model: &dyn Model<f64>, setting: &Setting) -> Simulation<f64> {
     let options = Options {
         locate: false,
         ..Options::rk4(setting.step)
@@ -46,11 +46,11 @@ fn simulation<'m, M: Model<f64>>(model: &'m M, setting: &Setting) -> Simulation<
     simulation
 }
 
-fn execution<M: Model<f64>>(
+fn execution(
     c: &mut Criterion,
     scene: &str,
     execution: &str,
-    model: &M,
+    model: &dyn Model<f64>,
     setting: &Setting,
 ) {
     let layout = model.layout();
@@ -95,11 +95,11 @@ fn execution<M: Model<f64>>(
 }
 
 /// A node solve after anchors moved by one step, and one from a metre away.
-fn solves<M: Model<f64>>(
+fn solves(
     c: &mut Criterion,
     scene: &str,
     execution: &str,
-    model: &M,
+    model: &dyn Model<f64>,
     setting: &Setting,
 ) {
     let mut work = model.work();
@@ -154,7 +154,7 @@ fn solves<M: Model<f64>>(
 }
 
 /// Effective numbers that are those of the declaration.
-fn numbers<M: Model<f64>>(model: &M) -> Vec<f64> {
+fn numbers(model: &dyn Model<f64>) -> Vec<f64> {
     let lines = model.layout().lines.iter().zip(model.lines());
     lines
         .filter(|(slots, _)| slots.effective.is_some())
@@ -162,7 +162,7 @@ fn numbers<M: Model<f64>>(model: &M) -> Vec<f64> {
         .collect()
 }
 
-fn compare<M: Model<f64>>(c: &mut Criterion, scene: &str, generated: &M, at: &Instant, step: f64) {
+fn compare(c: &mut Criterion, scene: &str, generated: &dyn Model<f64>, at: &Instant, step: f64) {
     let setting = Setting::new(generated, at, step);
     let equations = Equations::trace(generated.scene());
     for what in [

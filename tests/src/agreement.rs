@@ -1,7 +1,7 @@
 //! Generated code against the interpreter, to the bit, and against the laws on numbers, to rounding: at instants and along runs.
 
 use mbd_compiler::Interpreted;
-use mbd_runtime::{External, Generic, Options, Simulation};
+use mbd_runtime::{External, Generic, Options, Scalar, Simulation};
 use mbd_scene::{Float, Model, Quantity};
 
 use crate::assert_close;
@@ -12,7 +12,7 @@ use crate::random::Random;
 ///
 /// # Panics
 /// With the first number that differs, its quantity and the model.
-pub fn agrees<M: Model<f64>>(model: &M) {
+pub fn agrees(model: &dyn Model<f64>) {
     let mut random = Random::new(7);
     let instants: Vec<_> = (0..20)
         .map(|_| random_instant(model.scene(), &mut random))
@@ -24,7 +24,7 @@ pub fn agrees<M: Model<f64>>(model: &M) {
 ///
 /// # Panics
 /// As [`agrees`].
-pub fn agrees_at<M: Model<f64>>(model: &M, instants: &[Instant<f64>]) {
+pub fn agrees_at(model: &dyn Model<f64>, instants: &[Instant<f64>]) {
     let scene = model.scene().clone();
     let name = scene.name.clone();
     let interpreted = Interpreted::new(scene.clone(), model.params())
@@ -72,8 +72,8 @@ pub fn agrees_at<M: Model<f64>>(model: &M, instants: &[Instant<f64>]) {
 ///
 /// # Panics
 /// With the first step that differs, or a run that fails.
-pub fn agrees_along<T: Float, M: Model<T>>(
-    model: &M,
+pub fn agrees_along<T: Scalar>(
+    model: &dyn Model<T>,
     start: &[f64],
     (steps, step): (u32, f64),
     relative: f64,
@@ -120,11 +120,7 @@ impl<T: Float> External<T> for Swell {
     }
 }
 
-fn begun<'m, T: Float, M: Model<T>>(
-    model: &'m M,
-    start: &[f64],
-    step: f64,
-) -> Simulation<'m, T, M, Swell> {
+fn begun<T: Scalar>(model: &dyn Model<T>, start: &[f64], step: f64) -> Simulation<T> {
     let mut run = Simulation::with_loads(model, Options::rk4(step), Swell).expect("options");
     let state: Vec<T> = start.iter().map(|&x| T::from_f64(x)).collect();
     run.set_state(0.0, &state).expect("a state");
@@ -132,6 +128,6 @@ fn begun<'m, T: Float, M: Model<T>>(
     run
 }
 
-fn advance<T: Float, M: Model<T>>(run: &mut Simulation<'_, T, M, Swell>, name: &str) {
+fn advance<T: Scalar>(run: &mut Simulation<T>, name: &str) {
     run.step().unwrap_or_else(|error| panic!("{name}: {error}"));
 }

@@ -1,5 +1,6 @@
 //! States along flights of any model: fixed steps of the classical Runge–Kutta method, with the nodes at hand.
 
+use mbd_runtime::Work;
 use mbd_runtime::node::{NodeError, NodeMemory, Nodes};
 use mbd_scene::{Model, Quantity};
 
@@ -7,9 +8,9 @@ use crate::instant::Instant;
 use crate::random::Random;
 
 /// A model under way. Lines decide slack or taut by themselves at every stage.
-pub struct Course<'m, M: Model<f64>> {
+pub struct Course<'m> {
     /// The model.
-    pub model: &'m M,
+    pub model: &'m dyn Model<f64>,
     /// The nodes of the last stage.
     pub nodes: Nodes<f64>,
     /// What they carry from step to step.
@@ -18,15 +19,15 @@ pub struct Course<'m, M: Model<f64>> {
     pub state: Vec<f64>,
     /// Its time [s].
     pub time: f64,
-    work: M::Work,
+    work: Work<f64>,
 }
 
-impl<'m, M: Model<f64>> Course<'m, M> {
+impl<'m> Course<'m> {
     /// Starts at a state, with nodes searched from `guess`.
     ///
     /// # Errors
     /// No equilibrium of a node.
-    pub fn new(model: &'m M, state: &[f64], guess: &[f64]) -> Result<Self, NodeError> {
+    pub fn new(model: &'m dyn Model<f64>, state: &[f64], guess: &[f64]) -> Result<Self, NodeError> {
         let layout = model.layout();
         let mut course = Course {
             nodes: Nodes::new(layout),
@@ -129,7 +130,7 @@ fn along(from: &[f64], slope: &[f64], h: f64) -> Vec<f64> {
     from.iter().zip(slope).map(|(x, k)| x + h * k).collect()
 }
 
-fn normalise<M: Model<f64>>(model: &M, state: &mut [f64]) {
+fn normalise(model: &dyn Model<f64>, state: &mut [f64]) {
     for body in &model.layout().bodies {
         let attitude = &mut state[body.q + 3..body.q + 7];
         let size = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -58,7 +58,7 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
 }
 
 /// A quantity of a model at an instant.
-pub fn value<M: Model<f64>>(model: &M, what: Quantity, instant: &Instant<f64>) -> Vec<f64> {
+pub fn value(model: &dyn Model<f64>, what: Quantity, instant: &Instant<f64>) -> Vec<f64> {
     let mut out = vec![0.0; model.layout().len(what)];
     model.evaluate(what, &instant.at(), &mut model.work(), &mut out);
     out

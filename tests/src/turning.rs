@@ -1,7 +1,7 @@
 //! Parallelograms of equal links that turn through both of their flat positions, in a plane and in space, of any size and in any scalar.
 
-use mbd_runtime::{Options, RunError, Simulation, Statistics};
-use mbd_scene::{AngularVelocity, Float, Layout, Model, Quantity, Scene};
+use mbd_runtime::{Options, RunError, Scalar, Simulation, Statistics};
+use mbd_scene::{AngularVelocity, Layout, Model, Quantity, Scene};
 
 use crate::declared::read;
 use crate::mechanism::{evaluate, with_components};
@@ -148,9 +148,9 @@ impl Parallelogram {
     ///
     /// # Errors
     /// What the run stopped with.
-    pub fn turn<T: Float, M: Model<T>>(
+    pub fn turn<T: Scalar>(
         &self,
-        model: &M,
+        model: &dyn Model<T>,
         options: Options,
         until: f64,
     ) -> Result<Kept, RunError> {

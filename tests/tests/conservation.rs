@@ -34,7 +34,7 @@ fn undamped(confluence: &str) -> Scene {
 }
 
 /// A simulation of case 3 of any model of the scene.
-fn case_three<'m, M: Model<f64>>(model: &'m M, options: Options) -> Simulation<'m, f64, M> {
+fn case_three(model: &dyn Model<f64>, options: Options) -> Simulation<f64> {
     let start = Start::start(TestCase::Three);
     let mut simulation = Simulation::new(model, options).expect("options");
     simulation
@@ -48,7 +48,7 @@ fn case_three<'m, M: Model<f64>>(model: &'m M, options: Options) -> Simulation<'
 }
 
 /// Kinetic, gravitational and elastic energy together [J].
-fn energy<M: Model<f64>>(simulation: &mut Simulation<'_, f64, M>) -> f64 {
+fn energy(simulation: &mut Simulation<f64>) -> f64 {
     let mut out = [0.0; 6];
     simulation
         .evaluate(Quantity::Energy, &mut out)
@@ -122,7 +122,7 @@ fn two_bodies_joined_by_three_lines_keep_their_momentum_to_1e_12() {
             0.4, -0.3, 0.2, 0.5, 0.7, -0.6, -1.1, 0.9, 0.3, -0.4, 0.8, 1.3,
         ]);
         simulation.set_state(0.0, &start).expect("state");
-        let momentum = |simulation: &mut Simulation<'_, f64, _>| {
+        let momentum = |simulation: &mut Simulation<f64>| {
             let mut out = [0.0; 6];
             let found = simulation.evaluate(Quantity::Momentum, &mut out);
             found.expect("no nodes");
@@ -154,7 +154,7 @@ fn two_bodies_joined_by_three_lines_keep_their_momentum_to_1e_12() {
 }
 
 /// Energy gained minus work of loads and dampers over a run, and the work itself [J].
-fn balance<M: Model<f64>>(model: &M, until: f64, rtol: f64) -> [f64; 3] {
+fn balance(model: &dyn Model<f64>, until: f64, rtol: f64) -> [f64; 3] {
     let options = Options {
         work: true,
         ..Options::tsit5(rtol)

@@ -137,7 +137,7 @@ impl Change {
     }
 
     /// A state in the new world (`back`: from there).
-    fn state<M: Model<f64>>(&self, model: &M, state: &[f64], back: bool) -> Vec<f64> {
+    fn state(&self, model: &dyn Model<f64>, state: &[f64], back: bool) -> Vec<f64> {
         let (mut state, layout) = (state.to_vec(), model.layout());
         let turn = if back {
             self.rotation.inverse()
@@ -188,7 +188,7 @@ fn number(formula: &Formula) -> f64 {
 }
 
 /// Where raft, buoy and knot start.
-fn start<M: Model<f64>>(model: &M) -> Vec<f64> {
+fn start(model: &dyn Model<f64>) -> Vec<f64> {
     let layout = model.layout();
     let mut state = vec![0.0; layout.nx()];
     state[..7].copy_from_slice(&[0.2, 0.1, 0.3, 0.96, 0.0, 0.28, 0.0]);
@@ -209,7 +209,7 @@ fn start<M: Model<f64>>(model: &M) -> Vec<f64> {
 const KNOT: [f64; 3] = [0.3, -0.5, 1.4];
 
 /// The states at ten instants of a run of one second.
-fn run<M: Model<f64>>(model: &M, options: Options, from: &[f64], knot: [f64; 3]) -> Vec<Vec<f64>> {
+fn run(model: &dyn Model<f64>, options: Options, from: &[f64], knot: [f64; 3]) -> Vec<Vec<f64>> {
     let mut simulation = Simulation::new(model, options).expect("options");
     simulation.set_state(0.0, from).expect("a state");
     if model.layout().nz == 0 && !model.layout().nodes.is_empty() {

@@ -254,7 +254,7 @@ door!(DoorWorld world);
 
 #[test]
 fn what_acts_along_coordinates_agrees_in_every_execution() {
-    fn check<M: Model<f64>>(model: &M) {
+    fn check(model: &dyn Model<f64>) {
         agrees_at(model, &on_the_joints(model));
         let start = obeying(model.scene(), &mut Random::new(8));
         agrees_along(model, &start, (100, 2e-3), 1e-10);
@@ -276,7 +276,7 @@ fn a_closed_loop_of_four_joints_agrees_in_every_execution() {
 }
 
 /// Random instants on the joints, and near them.
-fn on_the_joints<M: Model<f64>>(model: &M) -> Vec<Instant<f64>> {
+fn on_the_joints(model: &dyn Model<f64>) -> Vec<Instant<f64>> {
     let mut random = Random::new(31);
     let mut instants = Vec::new();
     for _ in 0..5 {
@@ -293,7 +293,7 @@ fn on_the_joints<M: Model<f64>>(model: &M) -> Vec<Instant<f64>> {
 
 #[test]
 fn every_joint_agrees_in_every_execution() {
-    fn check<M: Model<f64>>(model: &M) {
+    fn check(model: &dyn Model<f64>) {
         agrees_at(model, &on_the_joints(model));
     }
     check(&TurningBody::<f64>::new(Default::default()).expect("defaults"));
@@ -308,7 +308,7 @@ fn every_joint_agrees_in_every_execution() {
 
 #[test]
 fn a_run_of_a_tree_is_the_same_in_every_execution() {
-    fn run<M: Model<f64>>(model: &M) {
+    fn run(model: &dyn Model<f64>) {
         let start = obeying(model.scene(), &mut Random::new(8));
         agrees_along(model, &start, (100, 2e-3), 1e-10);
     }
@@ -334,7 +334,7 @@ fn a_run_of_the_closed_loop_is_the_same_in_every_execution() {
 
 #[test]
 fn runs_in_single_precision_have_the_bits_of_the_interpreter() {
-    fn run<M: Model<f32>>(model: &M, start: &[f64]) {
+    fn run(model: &dyn Model<f32>, start: &[f64]) {
         agrees_along(model, start, (50, 2e-3), 1e-4);
     }
     let start = |scene| obeying(scene, &mut Random::new(8));
@@ -356,7 +356,7 @@ fn runs_in_single_precision_have_the_bits_of_the_interpreter() {
 }
 
 /// A state of `reference/loops`, at rest.
-fn of_the_reference<M: Model<f64>>(model: &M, instant: usize) -> Vec<f64> {
+fn of_the_reference(model: &dyn Model<f64>, instant: usize) -> Vec<f64> {
     let file = load("loops/loop_RUSP.json");
     let history = &file["time_history"];
     let layout = model.layout();

@@ -111,7 +111,7 @@ fn every_motorised_joint_runs_where_its_course_says_and_its_power_closes_the_bal
         if let Err(error) = run.start() {
             panic!("{name}: {error}");
         }
-        let energy = |run: &mut Simulation<'_, f64, Generic<f64>>| {
+        let energy = |run: &mut Simulation<f64>| {
             let mut out = [0.0; 6];
             run.evaluate(Quantity::Energy, &mut out).expect("energy");
             out[..3].iter().sum::<f64>()
@@ -213,7 +213,7 @@ fn crank_state(angle: f64) -> Vec<f64> {
 
 #[test]
 fn a_driven_slider_crank_moves_and_pulls_as_its_closed_form_says() {
-    fn follow<M: Model<f64>>(model: &M) {
+    fn follow(model: &dyn Model<f64>) {
         let mut run = Simulation::new(model, Options::rk4(1e-3)).expect("options");
         run.set_state(0.25, &crank_state(9.0 * 0.25))
             .expect("a state");

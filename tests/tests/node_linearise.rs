@@ -68,7 +68,9 @@ fn worst_by_state<M: Model<f64>>(run: &mut Run<M>, span: f64, h: f64) -> f64 {
     let state = run.state.clone();
     run.solve(0.0, span, &state).unwrap();
     let mut linear = Linearisation::new(run.model.layout());
-    linear.evaluate(&run.model, &run.nodes.at(0.0, &state, &[]), &mut run.work);
+    linear
+        .evaluate(&run.model, &run.nodes.at(0.0, &state, &[]), &mut run.work)
+        .expect("derivatives without rows");
     let (n, nodes) = (state.len(), linear.node_by_state().rows());
     let element = |row: usize, column: usize| {
         if row < n {
@@ -177,11 +179,13 @@ fn parameter_derivatives_through_the_node_equal_differences() {
         let at_state = run.state.clone();
         run.solve(0.0, 0.01, &at_state).unwrap();
         let mut linear = Linearisation::new(run.model.layout());
-        linear.evaluate(
-            &run.model,
-            &run.nodes.at(0.0, &at_state, &[]),
-            &mut run.work,
-        );
+        linear
+            .evaluate(
+                &run.model,
+                &run.nodes.at(0.0, &at_state, &[]),
+                &mut run.work,
+            )
+            .expect("derivatives without rows");
         for (column, h) in [1.0, 1e-7, 1e-2].into_iter().enumerate() {
             if column == 2 && damping == 0.0 {
                 continue;
@@ -326,7 +330,9 @@ fn one_ulp_around_the_slack_edge_all_sensitivities_are_finite() {
             rows: &[],
         };
         let mut linear = Linearisation::new(run.model.layout());
-        linear.evaluate(&run.model, &at, &mut run.work);
+        linear
+            .evaluate(&run.model, &at, &mut run.work)
+            .expect("derivatives without rows");
         for matrix in [
             linear.state(),
             linear.node_by_state(),

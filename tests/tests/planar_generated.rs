@@ -110,7 +110,7 @@ fn cranks_standing() -> Vec<f64> {
 
 #[test]
 fn a_planar_linkage_agrees_in_every_execution() {
-    fn check<M: Model<f64>>(model: &M) {
+    fn check(model: &dyn Model<f64>) {
         agrees(model);
         let generic = Generic::new(model.scene().clone(), model.params()).expect("defaults");
         let mut random = Random::new(5);

@@ -1,8 +1,8 @@
 //! One declaration in single and in double precision: what `f32` costs in accuracy is measured, stated and bounded.
 
 use mbd_compiler::Interpreted;
-use mbd_runtime::{Generic, Options, Quantity, Simulation};
-use mbd_scene::{Float, Model};
+use mbd_runtime::{Generic, Options, Quantity, Scalar, Simulation};
+use mbd_scene::Model;
 use models::parachute::scene::{
     Instant as Start, ParachuteMass, ParachuteMassParams, ParachuteStatic, ParachuteStepwise,
     TestCase,
@@ -10,11 +10,7 @@ use models::parachute::scene::{
 use models::parachute::variant::state;
 
 /// Start of case 2 in any precision, for a model whose layout `like` shares.
-fn case_two<'m, T: Float, M: Model<T>>(
-    model: &'m M,
-    like: &impl Model<f64>,
-    step: f64,
-) -> Simulation<'m, T, M> {
+fn case_two<T: Scalar>(model: &dyn Model<T>, like: &impl Model<f64>, step: f64) -> Simulation<T> {
     let start = Start::start(TestCase::Two);
     let options = Options {
         watch: false,
@@ -31,8 +27,8 @@ fn case_two<'m, T: Float, M: Model<T>>(
 }
 
 /// Riser force [N] at every tenth of a second up to `until`.
-fn riser<T: Float, M: Model<T>>(
-    model: &M,
+fn riser<T: Scalar>(
+    model: &dyn Model<T>,
     like: &impl Model<f64>,
     step: f64,
     tenths: u32,

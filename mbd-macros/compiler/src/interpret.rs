@@ -1,7 +1,9 @@
 //! Running a program: the second of the three ways to execute a scene.
 
 use mbd_scene::laws::{LineNumbers, Numbers};
-use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Real, Scene, check_params};
+use std::sync::Arc;
+
+use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Real, Scene, Work, check_params};
 
 use crate::equations::Equations;
 use crate::expression::Slot;
@@ -103,7 +105,7 @@ impl Program {
 /// A scene run by interpreting its programs: same operations in the same order as generated code, without a compiler.
 #[derive(Clone, Debug)]
 pub struct Interpreted<T> {
-    equations: Equations,
+    equations: Arc<Equations>,
     params: Vec<T>,
     derived: Vec<T>,
     lines: Vec<LineNumbers<T>>,
@@ -115,14 +117,18 @@ impl<T: Float> Interpreted<T> {
     /// # Errors
     /// A parameter out of its range, not finite or missing; a mass or an inertia that no body has.
     pub fn new(scene: Scene, params: &[T]) -> Result<Self, ParamError> {
-        Self::from_equations(Equations::trace(&scene), params)
+        Self::from_equations(Arc::new(Equations::trace(&scene)), params)
     }
 
     /// The same for equations already traced.
     ///
     /// # Errors
     /// As [`Interpreted::new`].
-    pub fn from_equations(equations: Equations, params: &[T]) -> Result<Self, ParamError> {
+    pub fn from_equations(
+        equations: impl Into<Arc<Equations>>,
+        params: &[T],
+    ) -> Result<Self, ParamError> {
+        let equations = equations.into();
         check_params(&equations.scene, params)?;
         let mut derived = vec![T::zero(); equations.derived.len];
         let mut registers = Registers::new(equations.derived.registers());
@@ -155,16 +161,25 @@ impl<T: Float> Interpreted<T> {
 }
 
 impl<T: Float> Model<T> for Interpreted<T> {
-    type Work = Registers<T>;
+    fn share(&self) -> Arc<dyn Model<T>> {
+        Arc::new(self.clone())
+    }
 
-    fn work(&self) -> Registers<T> {
+    fn with_params(&self, params: &[T]) -> Result<Arc<dyn Model<T>>, ParamError> {
+        Ok(Arc::new(Self::from_equations(
+            self.equations.clone(),
+            params,
+        )?))
+    }
+
+    fn work(&self) -> Work<T> {
         let programs = self.equations.programs.iter();
-        Registers::new(
+        Work::of(Registers::<T>::new(
             programs
                 .map(|(_, p)| p.registers())
                 .max()
                 .unwrap_or_default(),
-        )
+        ))
     }
 
     fn scene(&self) -> &Scene {
@@ -183,11 +198,11 @@ impl<T: Float> Model<T> for Interpreted<T> {
         &self.lines
     }
 
-    fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Registers<T>, out: &mut [T]) {
-        if let Some(program) = self.equations.program(what)
+    fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]) {
+        if let (Some(program), Some(registers)) = (self.equations.program(what), work.get())
             && out.len() == program.len
         {
-            program.run(at, &self.params, &self.derived, work, out);
+            program.run(at, &self.params, &self.derived, registers, out);
         }
     }
 }

@@ -39,9 +39,9 @@ pub use layout::{
     Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
     PointSlots, Slots, StopSlots,
 };
-pub use model::Model;
+pub use model::{Model, Work};
 pub use packed::Packed;
-pub use params::{ParamError, check_params};
+pub use params::{ParamError, check_params, checked_numbers};
 pub use partition::Partition;
 pub use plane::{Directions, Plane};
 pub use quantity::{Arguments, At, Differentiated, Quantity, Variable};

@@ -1,16 +1,24 @@
 //! The trait behind which generic, interpreted and generated models are the same.
 
+use std::any::Any;
+use std::sync::Arc;
+
 use crate::laws::LineNumbers;
-use crate::{At, Float, Layout, Quantity, Scene};
+use crate::{At, Float, Layout, ParamError, Quantity, Scene};
 
 /// A scene with parameters that can be evaluated: by running the laws (generic), by running the compiled program (interpreted), or by
-/// the code `model!` emitted (generated). Everything that integrates, linearises or draws is written once over this trait.
-pub trait Model<T: Float> {
-    /// Scratch of an evaluation: carries nothing from call to call.
-    type Work;
-
+/// the code `model!` emitted (generated). Everything that integrates, linearises or draws is written once over `dyn Model`, so that it is
+/// compiled once, whatever models there are.
+pub trait Model<T: Float>: Send + Sync {
+    /// The same model, shared: what a run owns. Costs a copy of the parameters, never one of the equations.
+    fn share(&self) -> Arc<dyn Model<T>>;
+    /// The same scene with other parameters (declaration order, SI).
+    ///
+    /// # Errors
+    /// The first parameter that cannot be run.
+    fn with_params(&self, params: &[T]) -> Result<Arc<dyn Model<T>>, ParamError>;
     /// Fresh scratch; the only allocation.
-    fn work(&self) -> Self::Work;
+    fn work(&self) -> Work<T>;
     /// The declaration.
     fn scene(&self) -> &Scene;
     /// Where everything lives.
@@ -21,6 +29,40 @@ pub trait Model<T: Float> {
     fn lines(&self) -> &[LineNumbers<T>];
     /// Writes a quantity into `out`, whose length is [`Layout::len`]. Lists (`Derivative`, `Ends`, …) are written whole; of matrices
     /// (`MassMatrix`, `NodeByAnchor`, `CondensedStiffness`, `Partial`) only the structural non-zeros, so `out` starts at zero there.
-    /// A slice of a wrong length leaves `out` untouched.
-    fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Self::Work, out: &mut [T]);
+    /// A slice of a wrong length, or the scratch of another model, leaves `out` untouched.
+    fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]);
+}
+
+/// Scratch of the evaluations of one model: carries nothing from call to call.
+#[derive(Debug, Default)]
+pub struct Work<T> {
+    /// What generated code hands from kernel to kernel.
+    pub numbers: Vec<T>,
+    other: Option<Box<dyn Any + Send + Sync>>,
+}
+
+impl<T: Float> Work<T> {
+    /// A list of so many numbers.
+    #[must_use]
+    pub fn list(count: usize) -> Self {
+        Work {
+            numbers: vec![T::zero(); count],
+            other: None,
+        }
+    }
+
+    /// Scratch of a kind of its own.
+    #[must_use]
+    pub fn of(other: impl Any + Send + Sync) -> Self {
+        Work {
+            numbers: Vec::new(),
+            other: Some(Box::new(other)),
+        }
+    }
+
+    /// The scratch of that kind; `None` where this is the scratch of another model.
+    #[must_use]
+    pub fn get<W: Any>(&mut self) -> Option<&mut W> {
+        self.other.as_mut()?.downcast_mut()
+    }
 }

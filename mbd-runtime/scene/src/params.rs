@@ -76,14 +76,14 @@ impl std::error::Error for ParamError {}
 /// # Errors
 /// The first value that cannot be run, by name.
 pub fn check_params<T: Float>(scene: &Scene, params: &[T]) -> Result<(), ParamError> {
-    T::numbers(scene, params).map(drop)
+    checked_numbers(scene, params).map(drop)
 }
 
 /// The constants of a scene after these checks.
-pub(crate) fn checked_numbers<T: Float>(
-    scene: &Scene,
-    params: &[T],
-) -> Result<Numbers<T>, ParamError> {
+///
+/// # Errors
+/// As [`check_params`].
+pub fn checked_numbers<T: Float>(scene: &Scene, params: &[T]) -> Result<Numbers<T>, ParamError> {
     if params.len() != scene.params.len() {
         return Err(ParamError::Count {
             expected: scene.params.len(),

@@ -10,10 +10,6 @@ use std::ops::Neg;
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign, Scalar};
 use num_traits::{One, Zero};
 
-use crate::laws::Numbers;
-use crate::params::checked_numbers;
-use crate::{ParamError, Scene};
-
 /// A length below this is treated as this when it divides [m]: far below any taut length, far above what squares to zero in `f32`.
 pub const TINY: f64 = 1e-18;
 
@@ -79,12 +75,6 @@ pub trait Float: Real<Mask = bool> + PartialOrd + Default + Send + Sync {
     fn is_finite(self) -> bool {
         self.is_finite_all()
     }
-    /// The constants of a scene for `params` (SI, declaration order) that [`check_params`](crate::check_params) accepts. Every machine number
-    /// has its own, so that a crate with a model does not compile all of it again.
-    ///
-    /// # Errors
-    /// The first value that cannot be run, by name.
-    fn numbers(scene: &Scene, params: &[Self]) -> Result<Numbers<Self>, ParamError>;
 }
 
 macro_rules! machine_number {
@@ -152,9 +142,6 @@ macro_rules! machine_number {
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 f64::from(self)
-            }
-            fn numbers(scene: &Scene, params: &[Self]) -> Result<Numbers<Self>, ParamError> {
-                checked_numbers(scene, params)
             }
         }
     };

@@ -37,7 +37,7 @@ impl Default for Scales {
 impl Scales {
     /// Scales of a scene: the longest free length of its lines (1 m without lines), that length a second, one radian, one radian a second.
     #[must_use]
-    pub fn of<T: Float, M: Model<T>>(model: &M) -> Self {
+    pub fn of<T: Float>(model: &dyn Model<T>) -> Self {
         let longest = model
             .lines()
             .iter()

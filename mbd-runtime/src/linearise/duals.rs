@@ -5,11 +5,12 @@ use mbd_scene::laws::{self, Numbers, Scratch};
 use mbd_scene::{At, Dual, Float, Model, Quantity, Variable};
 
 const PASS: usize = 8;
-type Slope<T> = Dual<T, PASS>;
+/// In `f64` whatever the scalar of the model: exact enough for both, and compiled once.
+type Slope = Dual<f64, PASS>;
 
 /// ∂(quantity)/∂(state) or ∂(quantity)/∂(parameter) at fixed node unknowns, dense, row by row, with K_e and L_e fixed.
-pub(super) fn by<T: Float, M: Model<T>>(
-    model: &M,
+pub(super) fn by<T: Float>(
+    model: &dyn Model<T>,
     what: Quantity,
     variable: Variable,
     at: &At<'_, T>,
@@ -33,8 +34,8 @@ pub(super) fn by<T: Float, M: Model<T>>(
 }
 
 /// ∂(quantity)/∂(parameter): K_e − K and L_e − L0 of the lines of nodes stay fixed; lines of slack networks (K_e = 0) carry nothing.
-pub(super) fn by_parameter<T: Float, M: Model<T>>(
-    model: &M,
+pub(super) fn by_parameter<T: Float>(
+    model: &dyn Model<T>,
     what: Quantity,
     at: &At<'_, T>,
     out: &mut [T],
@@ -52,7 +53,7 @@ pub(super) fn by_parameter<T: Float, M: Model<T>>(
             for (slots, line) in model.layout().lines.iter().zip(&numbers.lines) {
                 if let Some(effective) = slots.effective
                     && let Some([k, l]) = lists.effective.get_mut(2 * effective..2 * effective + 2)
-                    && k.value != T::zero()
+                    && k.value != 0.0
                 {
                     k.slopes = line.stiffness.slopes;
                     l.slopes = line.free_length.slopes;
@@ -64,38 +65,40 @@ pub(super) fn by_parameter<T: Float, M: Model<T>>(
 }
 
 /// Runs `pass` for every [`PASS`] columns and files the slopes.
-fn passes<T: Float, M: Model<T>>(
-    model: &M,
+fn passes<T: Float>(
+    model: &dyn Model<T>,
     what: Quantity,
     variable: Variable,
     out: &mut [T],
-    mut pass: impl FnMut(&M, usize, usize, &mut [Slope<T>]),
+    mut pass: impl FnMut(&dyn Model<T>, usize, usize, &mut [Slope]),
 ) {
     let (rows, columns) = (model.layout().len(what), model.layout().variables(variable));
     if out.len() != rows * columns {
         return;
     }
-    let mut result = vec![Dual::constant(T::zero()); rows];
+    let mut result = vec![Dual::constant(0.0); rows];
     for first in (0..columns).step_by(PASS) {
         let last = columns.min(first + PASS);
-        result.fill(Dual::constant(T::zero()));
+        result.fill(Dual::constant(0.0));
         pass(model, first, last, &mut result);
         for (row, value) in out.chunks_exact_mut(columns).zip(&result) {
-            row[first..last].copy_from_slice(&value.slopes[..last - first]);
+            for (to, slope) in row[first..last].iter_mut().zip(value.slopes) {
+                *to = T::from_f64(slope);
+            }
         }
     }
 }
 
-fn run<T: Float, M: Model<T>>(
-    model: &M,
+fn run<T: Float>(
+    model: &dyn Model<T>,
     what: Quantity,
-    numbers: &Numbers<Slope<T>>,
+    numbers: &Numbers<Slope>,
     time: T,
-    lists: &Lists<T>,
-    out: &mut [Slope<T>],
+    lists: &Lists,
+    out: &mut [Slope],
 ) {
     let at = At {
-        time: Dual::constant(time),
+        time: Dual::constant(time.to_f64()),
         state: &lists.state,
         nodes: &lists.nodes,
         effective: &lists.effective,
@@ -110,17 +113,17 @@ fn run<T: Float, M: Model<T>>(
 }
 
 /// The arguments of an evaluation as dual numbers.
-struct Lists<T> {
-    state: Vec<Slope<T>>,
-    nodes: Vec<Slope<T>>,
-    effective: Vec<Slope<T>>,
-    hold: Vec<Slope<T>>,
-    ends: Vec<Slope<T>>,
-    inputs: Vec<Slope<T>>,
+struct Lists {
+    state: Vec<Slope>,
+    nodes: Vec<Slope>,
+    effective: Vec<Slope>,
+    hold: Vec<Slope>,
+    ends: Vec<Slope>,
+    inputs: Vec<Slope>,
 }
 
-impl<T: Float> Lists<T> {
-    fn new(at: &At<'_, T>) -> Self {
+impl Lists {
+    fn new<T: Float>(at: &At<'_, T>) -> Self {
         Lists {
             state: constants(at.state),
             nodes: constants(at.nodes),
@@ -132,12 +135,12 @@ impl<T: Float> Lists<T> {
     }
 }
 
-fn constants<T: Float>(list: &[T]) -> Vec<Slope<T>> {
-    list.iter().copied().map(Dual::constant).collect()
+fn constants<T: Float>(list: &[T]) -> Vec<Slope> {
+    list.iter().map(|x| Dual::constant(x.to_f64())).collect()
 }
 
 /// Makes the numbers first … last − 1 variables 0, 1, …, all others constants.
-fn seed<T: Float>(list: &mut [Slope<T>], first: usize, last: usize) {
+fn seed(list: &mut [Slope], first: usize, last: usize) {
     for (index, number) in list.iter_mut().enumerate() {
         *number = if (first..last).contains(&index) {
             Dual::variable(number.value, index - first)

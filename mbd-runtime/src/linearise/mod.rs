@@ -13,9 +13,13 @@
 mod duals;
 mod networks;
 
-use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable};
+use std::fmt;
+
+use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Work};
 
 use networks::Elimination;
+
+use crate::compiled::Scalar;
 
 /// A matrix, dense, row by row.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -133,13 +137,7 @@ impl<T: Float> Partials<T> {
         ]
     }
 
-    fn evaluate<M: Model<T>>(
-        &mut self,
-        model: &M,
-        by: Variable,
-        at: &At<'_, T>,
-        work: &mut M::Work,
-    ) {
+    fn evaluate(&mut self, model: &dyn Model<T>, by: Variable, at: &At<'_, T>, work: &mut Work<T>) {
         for (of, matrix) in self.each() {
             matrix.values.fill(T::zero());
             if !matrix.values.is_empty() {
@@ -165,6 +163,62 @@ impl<T: Float> Total<T> {
     }
 }
 
+/// Why there are no derivatives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LinearisationError {
+    /// The scene has rows of joints: derivatives through the multipliers are not there yet.
+    Joints {
+        /// Number of rows.
+        rows: usize,
+    },
+    /// The model has another layout than this room was made for.
+    OtherModel,
+    /// A partial derivative is not a number here: the model was generated without it, or the state has none.
+    NotFinite {
+        /// The derivative.
+        what: Quantity,
+    },
+}
+
+impl fmt::Display for LinearisationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            LinearisationError::Joints { rows } => write!(
+                f,
+                "the joints of this scene put {rows} rows into its equations, and derivatives of accelerations through rows are not offered: difference the state derivative, or describe the mechanism without joints"
+            ),
+            LinearisationError::OtherModel => write!(
+                f,
+                "the model has another layout than the linearisation: make one with `Linearisation::new(model.layout())`"
+            ),
+            LinearisationError::NotFinite { what } => write!(
+                f,
+                "{what:?} has no finite value here: emit it in the declaration, and look at the state"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for LinearisationError {}
+
+impl<T: Scalar> Linearisation<T> {
+    /// Linearises at `at`, whose node unknowns solve the balance (`Nodes::solve`, `Nodes::at`).
+    ///
+    /// Parameters of node lines enter K_e and L_e as they enter K and L0.
+    ///
+    /// # Errors
+    /// [`LinearisationError`]; the result is then worth nothing.
+    pub fn evaluate(
+        &mut self,
+        model: &dyn Model<T>,
+        at: &At<'_, T>,
+        work: &mut Work<T>,
+    ) -> Result<(), LinearisationError> {
+        T::linearise(self, model, at, work)
+    }
+}
+
 impl<T: Float> Linearisation<T> {
     /// Room for a layout.
     #[must_use]
@@ -177,12 +231,20 @@ impl<T: Float> Linearisation<T> {
         }
     }
 
-    /// Linearises at `at`, whose node unknowns solve the balance (`Nodes::solve`, `Nodes::at`).
-    ///
-    /// Parameters of node lines enter K_e and L_e as they enter K and L0. A model of another layout leaves the result unchanged.
-    pub fn evaluate<M: Model<T>>(&mut self, model: &M, at: &At<'_, T>, work: &mut M::Work) {
+    /// What [`Linearisation::evaluate`] does.
+    pub(crate) fn run(
+        &mut self,
+        model: &dyn Model<T>,
+        at: &At<'_, T>,
+        work: &mut Work<T>,
+    ) -> Result<(), LinearisationError> {
         if *model.layout() != self.layout {
-            return;
+            return Err(LinearisationError::OtherModel);
+        }
+        if self.layout.nc > 0 {
+            return Err(LinearisationError::Joints {
+                rows: self.layout.nc,
+            });
         }
         self.states
             .partials
@@ -209,6 +271,23 @@ impl<T: Float> Linearisation<T> {
         }
         self.states.complete(&self.by_node);
         self.parameters.complete(&self.by_node);
+        self.check_finite()
+    }
+
+    fn check_finite(&mut self) -> Result<(), LinearisationError> {
+        for (by, partials) in [
+            (Variable::Node, &mut self.by_node),
+            (Variable::State, &mut self.states.partials),
+            (Variable::Parameter, &mut self.parameters.partials),
+        ] {
+            for (of, matrix) in partials.each() {
+                if matrix.values.iter().any(|x| !x.is_finite()) {
+                    let what = Quantity::Partial(of, by);
+                    return Err(LinearisationError::NotFinite { what });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// A = dẋ/dx, n_x × n_x.

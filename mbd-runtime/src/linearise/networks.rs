@@ -37,7 +37,7 @@ struct RateDirections<T: Float> {
 
 impl<'a, T: Float> Elimination<'a, T> {
     /// Reads the block of G_y that belongs to a network.
-    pub fn new<M: Model<T>>(model: &'a M, network: usize, by_node: &Matrix<T>) -> Option<Self> {
+    pub fn new(model: &'a dyn Model<T>, network: usize, by_node: &Matrix<T>) -> Option<Self> {
         let network = model.layout().networks.get(network)?;
         let size = 3 * network.nodes.len();
         let mut dense = Dense::new(size);
@@ -80,9 +80,9 @@ impl<'a, T: Float> Elimination<'a, T> {
     }
 
     /// Writes the rows of ∂y that belong to the network.
-    pub fn solve<M: Model<T>>(
+    pub fn solve(
         &self,
-        model: &M,
+        model: &dyn Model<T>,
         at: &At<'_, T>,
         by: Variable,
         balance: &Matrix<T>,
@@ -161,8 +161,8 @@ fn slot(network: &Network, row: usize) -> usize {
 }
 
 /// ∂p̄ of the anchors of a node, or of all anchors of the network if it has none.
-fn mean_anchor<T: Float, M: Model<T>>(
-    model: &M,
+fn mean_anchor<T: Float>(
+    model: &dyn Model<T>,
     network: &Network,
     node: usize,
     ends: &Matrix<T>,
@@ -260,8 +260,8 @@ struct FreeLeg<T: Float> {
 }
 
 impl<T: Float> FreeMotion<T> {
-    fn new<M: Model<T>>(
-        model: &M,
+    fn new(
+        model: &dyn Model<T>,
         at: &At<'_, T>,
         by: Variable,
         network: &Network,

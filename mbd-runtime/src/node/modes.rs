@@ -9,7 +9,7 @@
 //! The same table serves lines between bodies and points with mass and the lines of `rate` nodes; without damping stretch and pull vanish
 //! together and no line is idle. A stop of a joint is such a line: its stretch is the depth, slack is open, taut is touched. Springs and the lines of static and stepwise nodes have no modes and no guards.
 
-use mbd_scene::{Float, Layout, LineEnd, LineKind, Model, NodeModel, Quantity};
+use mbd_scene::{Float, Layout, LineEnd, LineKind, Model, NodeModel, Quantity, Work};
 
 use super::error::NodeError;
 use super::memory::{Mode, NodeMemory};
@@ -53,7 +53,7 @@ impl Mode {
 }
 
 /// Whether a line has modes: tension only, not of a static or stepwise node, and damped if it is of a `rate` node. A stop always has.
-pub(crate) fn has_mode<T: Float, M: Model<T>>(model: &M, line: usize) -> bool {
+pub(crate) fn has_mode<T: Float>(model: &dyn Model<T>, line: usize) -> bool {
     if line >= model.layout().lines.len() {
         return line < model.layout().one_way();
     }
@@ -81,9 +81,9 @@ pub(crate) fn is_node_line(layout: &Layout, line: usize) -> bool {
 
 impl<T: Float> Nodes<T> {
     /// Calls `visit` on every guard: from the values of [`Quantity::Guards`] at any state inside a step (with frozen modes) and the memory.
-    pub fn guards<M: Model<T>>(
+    pub fn guards(
         &self,
-        model: &M,
+        model: &dyn Model<T>,
         values: &[T],
         memory: &NodeMemory<T>,
         mut visit: impl FnMut(Guard<T>),
@@ -131,15 +131,15 @@ impl<T: Float> Nodes<T> {
         clippy::too_many_arguments,
         reason = "the arguments of a pure evaluation: when, where, what changes, what is carried, scratch"
     )]
-    pub fn switch<M: Model<T>>(
+    pub fn switch(
         &mut self,
-        model: &M,
+        model: &dyn Model<T>,
         time: T,
         state: &[T],
         inputs: &[T],
         switches: &[(usize, Mode)],
         memory: &mut NodeMemory<T>,
-        work: &mut M::Work,
+        work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         memory.check(&self.layout)?;
         for &(line, mode) in switches {
@@ -176,14 +176,14 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Decides the modes of all damped lines anew from the state: at the start of a run.
-    pub(crate) fn find_modes<M: Model<T>>(
+    pub(crate) fn find_modes(
         &mut self,
-        model: &M,
+        model: &dyn Model<T>,
         time: T,
         state: &[T],
         inputs: &[T],
         memory: &mut NodeMemory<T>,
-        work: &mut M::Work,
+        work: &mut Work<T>,
     ) {
         let mut guards = std::mem::take(&mut self.guards);
         model.evaluate(
@@ -211,9 +211,9 @@ impl<T: Float> Nodes<T> {
     }
 
     /// The velocity of a rate node at a stage: on the frozen active set, or on the one decided here.
-    pub(crate) fn solve_rate<M: Model<T>>(
+    pub(crate) fn solve_rate(
         &mut self,
-        model: &M,
+        model: &dyn Model<T>,
         plan: &mut Plan<T>,
         state: &[T],
         memory: &NodeMemory<T>,
@@ -230,9 +230,9 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Reads anchors, velocities and carried modes of a rate node and places it where the state has it.
-    pub(crate) fn place_rate<M: Model<T>>(
+    pub(crate) fn place_rate(
         &self,
-        model: &M,
+        model: &dyn Model<T>,
         plan: &mut Plan<T>,
         state: &[T],
         memory: &NodeMemory<T>,

@@ -1,7 +1,7 @@
 //! The networks of a scene as balances: every evaluation is one call of the model, so generic, interpreted and generated code share the solver.
 
 use mbd_scene::laws::line;
-use mbd_scene::{At, Float, Layout, LineEnd, Model, NodeModel, Quantity};
+use mbd_scene::{At, Float, Layout, LineEnd, Model, NodeModel, Quantity, Work};
 use nalgebra::Vector3;
 
 use super::balance::{Balance, Evaluation};
@@ -136,9 +136,9 @@ pub(crate) fn vector<T: Float>(ends: &[LineEnd; 2], anchors: &[T], nodes: &[T]) 
 }
 
 /// One network of a scene at one instant, as a [`Balance`].
-pub(crate) struct SceneBalance<'a, T: Float, M: Model<T>> {
-    pub model: &'a M,
-    pub work: &'a mut M::Work,
+pub(crate) struct SceneBalance<'a, T: Float> {
+    pub model: &'a dyn Model<T>,
+    pub work: &'a mut Work<T>,
     pub network: usize,
     pub members: &'a [usize],
     pub lines: &'a [PlanLine],
@@ -154,7 +154,7 @@ pub(crate) struct SceneBalance<'a, T: Float, M: Model<T>> {
     pub effective: &'a mut [T],
 }
 
-impl<T: Float, M: Model<T>> SceneBalance<'_, T, M> {
+impl<T: Float> SceneBalance<'_, T> {
     /// Writes node positions and line constants where the model reads them.
     pub fn scatter(&mut self, p: &[T], k: &[T], l: &[T]) {
         for (&node, p) in self.members.iter().zip(p.chunks_exact(3)) {
@@ -172,7 +172,7 @@ impl<T: Float, M: Model<T>> SceneBalance<'_, T, M> {
     }
 }
 
-impl<T: Float, M: Model<T>> Balance<T> for SceneBalance<'_, T, M> {
+impl<T: Float> Balance<T> for SceneBalance<'_, T> {
     fn nodes(&self) -> usize {
         self.members.len()
     }

@@ -1,7 +1,7 @@
 //! The nodes of a model at one stage of an integration step.
 
 use mbd_scene::laws::line;
-use mbd_scene::{At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel, Quantity};
+use mbd_scene::{At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel, Quantity, Work};
 
 use super::error::NodeError;
 use super::memory::{Mode, NodeMemory};
@@ -33,8 +33,8 @@ pub struct Nodes<T: Float> {
 }
 
 /// When and where a model is evaluated.
-pub(crate) struct Stage<'a, T, M> {
-    pub model: &'a M,
+pub(crate) struct Stage<'a, T> {
+    pub model: &'a dyn Model<T>,
     pub time: T,
     pub state: &'a [T],
     pub inputs: &'a [T],
@@ -139,15 +139,15 @@ impl<T: Float> Nodes<T> {
         clippy::too_many_arguments,
         reason = "the arguments of a pure evaluation: when, where, what is carried, scratch"
     )]
-    pub fn solve<M: Model<T>>(
+    pub fn solve(
         &mut self,
-        model: &M,
+        model: &dyn Model<T>,
         time: T,
         span: T,
         state: &[T],
         inputs: &[T],
         memory: &NodeMemory<T>,
-        work: &mut M::Work,
+        work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         self.span = span;
         if self.is_idle() {
@@ -231,9 +231,9 @@ impl<T: Float> Nodes<T> {
         }
     }
 
-    fn check_shape<M: Model<T>>(
+    fn check_shape(
         &self,
-        model: &M,
+        model: &dyn Model<T>,
         state: &[T],
         inputs: &[T],
     ) -> Result<(), NodeError> {
@@ -243,13 +243,13 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Reads the anchors and loads of this stage.
-    pub(crate) fn read_ends<M: Model<T>>(
+    pub(crate) fn read_ends(
         &mut self,
-        model: &M,
+        model: &dyn Model<T>,
         time: T,
         state: &[T],
         inputs: &[T],
-        work: &mut M::Work,
+        work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         self.check_shape(model, state, inputs)?;
         if self.plans.is_empty() {
@@ -267,7 +267,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Holds the damped lines outside nodes and the stops in their modes, if modes are frozen.
-    pub(crate) fn hold_lines<M: Model<T>>(&mut self, model: &M, memory: &NodeMemory<T>) {
+    pub(crate) fn hold_lines(&mut self, model: &dyn Model<T>, memory: &NodeMemory<T>) {
         for (index, (hold, mode)) in self.hold.iter_mut().zip(&mut self.modes).enumerate() {
             *mode = Mode::Free;
             *hold = T::zero();
@@ -281,9 +281,9 @@ impl<T: Float> Nodes<T> {
     }
 
     /// The line law of a static or stepwise network at `span` after the last accepted step.
-    pub(crate) fn law<M: Model<T>>(
+    pub(crate) fn law(
         &self,
-        model: &M,
+        model: &dyn Model<T>,
         plan: &mut Plan<T>,
         span: T,
         memory: &NodeMemory<T>,
@@ -308,7 +308,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// The law of a step of length `span` from the stretches in `memory`, first order: the consistent start of damped networks.
-    pub(crate) fn first_law<M: Model<T>>(model: &M, plan: &mut Plan<T>, span: T, stretch: &[T]) {
+    pub(crate) fn first_law(model: &dyn Model<T>, plan: &mut Plan<T>, span: T, stretch: &[T]) {
         for ((line, k), l) in plan.lines.iter().zip(&mut plan.k).zip(&mut plan.l) {
             if let Some(numbers) = model.lines().get(line.line) {
                 let history = History {
@@ -352,11 +352,11 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Solves the balance of a static or stepwise network from `plan.p` with the law in `plan.k`, `plan.l`.
-    pub(crate) fn balance<M: Model<T>>(
+    pub(crate) fn balance(
         &mut self,
-        stage: &Stage<'_, T, M>,
+        stage: &Stage<'_, T>,
         plan: &mut Plan<T>,
-        work: &mut M::Work,
+        work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let mut balance = SceneBalance {
             model: stage.model,
@@ -402,7 +402,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Stretches of the node lines with the nodes where the last solve put them.
-    pub(crate) fn find_stretches<M: Model<T>>(&mut self, model: &M) {
+    pub(crate) fn find_stretches(&mut self, model: &dyn Model<T>) {
         let plans = std::mem::take(&mut self.plans);
         for plan in &plans {
             self.stretch_of(model, plan);
@@ -411,7 +411,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Stretches of the lines of one network.
-    pub(crate) fn stretch_of<M: Model<T>>(&mut self, model: &M, plan: &Plan<T>) {
+    pub(crate) fn stretch_of(&mut self, model: &dyn Model<T>, plan: &Plan<T>) {
         for line in &plan.lines {
             let Some(numbers) = model.lines().get(line.line) else {
                 continue;

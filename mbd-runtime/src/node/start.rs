@@ -1,7 +1,7 @@
 //! The consistent start of a run: where the nodes are, which lines carry, and the forces of a taut start.
 
 use mbd_scene::laws::line as law;
-use mbd_scene::{Float, LineKind, Model, NodeModel};
+use mbd_scene::{Float, LineKind, Model, NodeModel, Work};
 
 use super::confluence::{Tie, Web, WebLine};
 use super::error::NodeError;
@@ -25,15 +25,15 @@ impl<T: Float> Nodes<T> {
         clippy::too_many_arguments,
         reason = "the arguments of a pure evaluation: when, where, what is carried, scratch"
     )]
-    pub fn start<M: Model<T>>(
+    pub fn start(
         &mut self,
-        model: &M,
+        model: &dyn Model<T>,
         time: T,
         state: &mut [T],
         inputs: &[T],
         guess: Option<&[T]>,
         memory: &mut NodeMemory<T>,
-        work: &mut M::Work,
+        work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         memory.check(&self.layout)?;
         memory.step = T::zero();
@@ -65,7 +65,7 @@ impl<T: Float> Nodes<T> {
         Ok(())
     }
 
-    fn check_lines<M: Model<T>>(&self, model: &M) -> Result<(), NodeError> {
+    fn check_lines(&self, model: &dyn Model<T>) -> Result<(), NodeError> {
         for (index, numbers) in model.lines().iter().enumerate() {
             if !is_node_line(&self.layout, index) {
                 continue;
@@ -113,13 +113,13 @@ impl<T: Float> Nodes<T> {
         Ok(())
     }
 
-    fn start_plan<M: Model<T>>(
+    fn start_plan(
         &mut self,
-        (model, time, inputs): (&M, T, &[T]),
+        (model, time, inputs): (&dyn Model<T>, T, &[T]),
         plan: &mut Plan<T>,
         state: &mut [T],
         guess: Option<&[T]>,
-        work: &mut M::Work,
+        work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let damped = plan.lines.iter().any(|line| {
             let numbers = model.lines().get(line.line);
@@ -130,17 +130,23 @@ impl<T: Float> Nodes<T> {
                 (*k, *l) = (numbers.stiffness, numbers.free_length);
             }
         }
-        match guess {
-            Some(guess) => {
+        // A given z is where its node is.
+        let given = match (guess, plan.z) {
+            (None, Some(z)) => Some(triple(state, z)).filter(|p| p.iter().any(|x| *x != T::zero())),
+            _ => None,
+        };
+        match (guess, given) {
+            (Some(guess), _) => {
                 for (&node, p) in plan.nodes.iter().zip(plan.p.chunks_exact_mut(3)) {
                     p.copy_from_slice(triple(guess, 3 * node).as_slice());
                 }
             }
-            None => self.to_mean(plan),
+            (None, Some(place)) => plan.p.copy_from_slice(place.as_slice()),
+            (None, None) => self.to_mean(plan),
         }
         let elastic = plan.model == NodeModel::Static || !damped;
         if plan.model == NodeModel::Rate {
-            if guess.is_none() {
+            if guess.is_none() && given.is_none() {
                 self.balance_alone(plan)?;
             }
             if let Some(target) = plan.z.and_then(|z| state.get_mut(z..z + 3)) {
@@ -219,11 +225,11 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Forces of a damped stepwise network at its start, written as K (d − L_e) with the L_e that gives them.
-    fn start_damped<M: Model<T>>(
+    fn start_damped(
         &mut self,
-        stage: &Stage<'_, T, M>,
+        stage: &Stage<'_, T>,
         plan: &mut Plan<T>,
-        work: &mut M::Work,
+        work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let model = stage.model;
         let all_damped = plan.lines.iter().all(|line| {
@@ -251,11 +257,11 @@ impl<T: Float> Nodes<T> {
     }
 
     /// The forces after one tiny first-order step: for networks, and for nodes with undamped lines or a load.
-    fn tiny_step<M: Model<T>>(
+    fn tiny_step(
         &mut self,
-        stage: &Stage<'_, T, M>,
+        stage: &Stage<'_, T>,
         plan: &mut Plan<T>,
-        work: &mut M::Work,
+        work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let model = stage.model;
         let mut span = None;
@@ -295,11 +301,11 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Solves the balance once more with the carried numbers as the law: the tiny step moved the anchors, and momentum asks for exact balance.
-    fn rebalance<M: Model<T>>(
+    fn rebalance(
         &mut self,
-        stage: &Stage<'_, T, M>,
+        stage: &Stage<'_, T>,
         plan: &mut Plan<T>,
-        work: &mut M::Work,
+        work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let mut is_law = true;
         for (line, (k, l)) in plan.lines.iter().zip(plan.k.iter_mut().zip(&mut plan.l)) {
@@ -323,7 +329,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Effective numbers which give the tensions in `plan.k` at the present node; all zero if nothing pulls.
-    fn carry_tensions<M: Model<T>>(&mut self, model: &M, plan: &Plan<T>) {
+    fn carry_tensions(&mut self, model: &dyn Model<T>, plan: &Plan<T>) {
         self.place(plan);
         let pulls = plan.k.iter().any(|&tension| tension > T::zero());
         for (line, &tension) in plan.lines.iter().zip(&plan.k) {

@@ -1,25 +1,25 @@
 //! Advancing: try a step, test its error, look for events inside it, record, commit.
 
-use mbd_scene::{Float, Model};
+use mbd_scene::Float;
 
 use super::{Pace, Simulation, Stop};
+use crate::compiled::Scalar;
 use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
 use crate::integrate::Verdict;
-use crate::system::External;
 use crate::trajectory::{Trajectory, resolution};
 use crate::watch::{NEGLIGIBLE, suggestion};
 
 /// A step beyond this says nothing about a scene [s].
 const LONGEST: f64 = 1e9;
 
-impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
+impl<T: Scalar> Simulation<T> {
     /// Runs until a time [s].
     ///
     /// # Errors
-    /// What [`StepError`] lists; the state is the last accepted step.
+    /// What [`StepError`] lists; the state is the last accepted step. A time before that of the state cannot be reached.
     pub fn run(&mut self, until: f64) -> Result<Stop, RunError> {
-        self.drive(until, None, &mut |_| true)
+        T::drive(self, until, None, &mut |_| true)
     }
 
     /// Runs until a time [s] and records rows; after an error the rows so far are kept.
@@ -27,7 +27,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     /// # Errors
     /// As [`Simulation::run`].
     pub fn record(&mut self, until: f64, trajectory: &mut Trajectory) -> Result<Stop, RunError> {
-        self.drive(until, Some(trajectory), &mut |_| true)
+        T::drive(self, until, Some(trajectory), &mut |_| true)
     }
 
     /// Runs until a time [s] or until `go_on`, asked with the time of every accepted step, says no.
@@ -40,7 +40,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         trajectory: Option<&mut Trajectory>,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Stop, RunError> {
-        self.drive(until, trajectory, go_on)
+        T::drive(self, until, trajectory, go_on)
     }
 
     /// One accepted step.
@@ -48,9 +48,14 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
     /// # Errors
     /// As [`Simulation::run`].
     pub fn step(&mut self) -> Result<(), RunError> {
-        if !self.started {
-            self.start()?;
-        }
+        T::take_step(self)
+    }
+}
+
+impl<T: Float> Simulation<T> {
+    /// What [`Simulation::step`] does.
+    pub(crate) fn take_step(&mut self) -> Result<(), RunError> {
+        self.enter()?;
         let steps = self.system.counters.steps;
         while self.system.counters.steps == steps {
             let taken = self.advance(f64::INFINITY, &mut None);
@@ -59,7 +64,28 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         Ok(())
     }
 
-    fn drive(
+    /// Starts a run that was not started. In one that was, what the caller supplies may be another than in the last call: the first stage is
+    /// evaluated anew.
+    fn enter(&mut self) -> Result<(), RunError> {
+        if !self.started {
+            return self.begin();
+        }
+        if self.system.inputs.is_empty() {
+            return Ok(());
+        }
+        let begun = self.refresh();
+        begun.map_err(|cause| self.failed(cause))
+    }
+
+    /// The first stage and the margins of the next step, for what the caller supplies now.
+    fn refresh(&mut self) -> Result<(), StepError> {
+        self.method
+            .begin(&mut self.system, self.time, 0.0, &self.state)?;
+        self.begin_noting()
+    }
+
+    /// What [`Simulation::run_while`] does.
+    pub(crate) fn drive(
         &mut self,
         until: f64,
         mut trajectory: Option<&mut Trajectory>,
@@ -71,9 +97,13 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
                 value: until,
             }));
         }
-        if !self.started {
-            self.start()?;
+        if until < self.time - resolution(self.time) {
+            return Err(self.failed(StepError::InvalidInput {
+                slot: format!("end time (the run is at {} s)", self.time),
+                value: until,
+            }));
         }
+        self.enter()?;
         self.chatter.window = 1e-3 * (until - self.time);
         let outcome = self.drive_steps(until, &mut trajectory, go_on);
         if let Some(trajectory) = trajectory {
@@ -157,7 +187,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             for occurrence in self.events.get(before..).unwrap_or(&[]) {
                 trajectory
                     .events
-                    .push((occurrence.time, self.event_name(occurrence.what)));
+                    .push((occurrence.time, self.name_event(occurrence.what)));
             }
         }
         Ok(())
@@ -219,7 +249,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         let tried = self.method.attempt(&mut self.system, time, step, state);
         // A stage came too close to a state where rows repeat each other: the step is made with rows chosen at its start.
         match tried {
-            Err(StepError::SingularConstraints { .. }) if self.system.climb(time, state) => {
+            Err(StepError::SingularConstraints { .. }) if self.system.escalate(time, state) => {
                 self.method.attempt(&mut self.system, time, step, state)
             }
             tried => tried,

@@ -1,19 +1,21 @@
 //! Everything a run needs to go on exactly as it would have.
 
-use mbd_scene::{Float, Model};
+use mbd_scene::Float;
 use serde::{Deserialize, Serialize};
 
 use super::{Pace, Simulation};
+use crate::columns::state_names;
+use crate::compiled::Scalar;
 use crate::error::{RunError, StepError};
+use crate::fallback::SavedStrategy;
 use crate::integrate::Control;
-use crate::ladder::Footing;
 use crate::node::NodeMemory;
-use crate::system::External;
 use crate::watch::Watch;
 
 /// Everything a run needs to go on exactly as it would have: same model, same options, same bits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot<T> {
+    scene: u64,
     time: f64,
     origin: f64,
     count: u64,
@@ -24,7 +26,7 @@ pub struct Snapshot<T> {
     watch_weights: Vec<T>,
     sides: Vec<bool>,
     drift: f64,
-    rows: Footing,
+    rows: SavedStrategy,
 }
 
 impl<T> Snapshot<T> {
@@ -35,11 +37,27 @@ impl<T> Snapshot<T> {
     }
 }
 
-impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
+impl<T: Scalar> Simulation<T> {
     /// Everything needed to go on from here later, in this process or another.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot<T> {
+        T::save(self)
+    }
+
+    /// Continues from a snapshot of the same model with the same options: every later step is equal to the bit.
+    ///
+    /// # Errors
+    /// A snapshot of another model or method, after which the run is as it was; and what the first evaluation may return.
+    pub fn restore(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
+        T::continue_from(self, snapshot)
+    }
+}
+
+impl<T: Float> Simulation<T> {
+    /// What [`Simulation::snapshot`] does.
+    pub(crate) fn save(&self) -> Snapshot<T> {
         Snapshot {
+            scene: self.fingerprint(),
             time: self.time,
             origin: self.origin,
             count: self.count,
@@ -53,16 +71,30 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
             watch_weights: self.watch_weights.clone(),
             sides: self.margins.sides.clone(),
             drift: self.system.drift,
-            rows: self.system.ladder.footing(),
+            rows: self.system.fallback.saved(),
         }
     }
 
-    /// Continues from a snapshot of the same model with the same options: every later step is equal to the bit.
-    ///
-    /// # Errors
-    /// A snapshot of another model or method; and what the first evaluation may return.
-    pub fn restore(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
-        let fits = snapshot.state.len() == self.state.len()
+    /// A number that another scene does not have: of its names and sizes, not of its parameters.
+    fn fingerprint(&self) -> u64 {
+        let (scene, layout) = (self.system.model.scene(), self.system.model.layout());
+        let names = state_names(scene, layout).into_iter().map(|name| name.name);
+        let joints = scene.joints.iter().map(|joint| joint.name.clone());
+        let lines = scene.lines.iter().map(|line| line.name.clone());
+        let words = names.chain(joints).chain(lines);
+        // FNV-1a, 64 bits; 255 ends a word.
+        let bytes = words.flat_map(|word| word.into_bytes().into_iter().chain([255]));
+        bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        })
+    }
+
+    /// What [`Simulation::restore`] does.
+    pub(crate) fn continue_from(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
+        let fits = snapshot.scene == self.fingerprint()
+            && snapshot.state.len() == self.state.len()
+            && snapshot.watch_weights.len() == self.system.nx
+            && snapshot.memory.check(self.system.model.layout()).is_ok()
             && snapshot.sides.len() == self.margins.sides.len()
             && snapshot.control.is_some() == matches!(self.pace, Pace::Adaptive(..));
         if !fits {
@@ -84,11 +116,11 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         }
         self.started = true;
         self.watch_weights.clone_from(&snapshot.watch_weights);
-        self.system.ladder.resume(&snapshot.rows);
+        self.system.fallback.resume(&snapshot.rows);
         let begun = self
             .method
             .begin(&mut self.system, self.time, 0.0, &self.state);
-        self.system.ladder.commit();
+        self.system.fallback.commit();
         self.system.follow_angles(self.time, &self.state, true);
         let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));
         begun.map_err(|cause| self.failed(cause))

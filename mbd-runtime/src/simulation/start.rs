@@ -4,19 +4,44 @@ use mbd_scene::{Float, Model, NodeModel};
 
 use super::{Pace, Simulation};
 use crate::columns::{input_name, node_name, state_names};
+use crate::compiled::Scalar;
 use crate::error::{RunError, StepError};
 use crate::integrate::Control;
 use crate::locate::Chatter;
 use crate::options::{Method, Options};
-use crate::system::{External, WORKS};
+use crate::system::WORKS;
 use crate::watch::Watch;
 
-impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
+impl<T: Scalar> Simulation<T> {
     /// Sets time [s] and state x = [q | v | z]; `rate` nodes are placed by [`Simulation::start`] where z is all zero. Quaternions are normalised.
     ///
     /// # Errors
     /// A number that is not finite, a quaternion off unit length by more than 1e-3, or a wrong length.
     pub fn set_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
+        T::give_state(self, time, state)
+    }
+
+    /// Gives positions of the nodes (3 each) to start their search from; those of `rate` nodes are taken as they are, whatever z is.
+    ///
+    /// # Errors
+    /// A number that is not finite, or a wrong length.
+    pub fn set_nodes(&mut self, guess: &[T]) -> Result<(), RunError> {
+        T::give_nodes(self, guess)
+    }
+
+    /// Makes the start consistent: moves bodies so that the joints hold (the given state chooses the branch), places the nodes, decides the mode of every line, evaluates the first rates. [`Simulation::run`] does it when
+    /// it was not done.
+    ///
+    /// # Errors
+    /// Joints that cannot be satisfied together, or only on a branch they do not mean; no equilibrium of a node; rates that are not finite.
+    pub fn start(&mut self) -> Result<(), RunError> {
+        T::begin(self)
+    }
+}
+
+impl<T: Float> Simulation<T> {
+    /// What [`Simulation::set_state`] does.
+    pub(crate) fn give_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
         let invalid = |slot: String, value: f64| StepError::InvalidInput { slot, value };
         let names = || state_names(self.system.model.scene(), self.system.model.layout());
         let cause = if state.len() != self.system.nx {
@@ -65,11 +90,8 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         Ok(())
     }
 
-    /// Gives positions of the nodes (3 each) to start their search from.
-    ///
-    /// # Errors
-    /// A number that is not finite, or a wrong length.
-    pub fn set_nodes(&mut self, guess: &[T]) -> Result<(), RunError> {
+    /// What [`Simulation::set_nodes`] does.
+    pub(crate) fn give_nodes(&mut self, guess: &[T]) -> Result<(), RunError> {
         let expected = 3 * self.system.model.layout().nodes.len();
         let bad = guess.iter().find(|x| !x.is_finite());
         if guess.len() != expected || bad.is_some() {
@@ -82,12 +104,8 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         Ok(())
     }
 
-    /// Makes the start consistent: moves bodies so that the joints hold (the given state chooses the branch), places the nodes, decides the mode of every line, evaluates the first rates. [`Simulation::run`] does it when
-    /// it was not done.
-    ///
-    /// # Errors
-    /// Joints that cannot be satisfied together, or only on a branch they do not mean; no equilibrium of a node; rates that are not finite.
-    pub fn start(&mut self) -> Result<(), RunError> {
+    /// What [`Simulation::start`] does.
+    pub(crate) fn begin(&mut self) -> Result<(), RunError> {
         self.started = true;
         self.origin = self.time;
         self.count = 0;
@@ -109,7 +127,7 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
         self.system
-            .weigh(self.time, &self.state, self.method.first_mut())?;
+            .check_conditioning(self.time, &self.state, self.method.first_mut())?;
         if let Pace::Adaptive(control, norm) = &mut self.pace {
             // The first step moves no block by more than a hundredth of its scale.
             let speed =
@@ -127,8 +145,8 @@ impl<T: Float, M: Model<T>, E: External<T>> Simulation<'_, T, M, E> {
 }
 
 /// Whether this combination of model, method and loads is offered.
-pub(super) fn offered<T: Float, M: Model<T>>(
-    model: &M,
+pub(super) fn offered<T: Float>(
+    model: &dyn Model<T>,
     options: &Options,
     supplies: bool,
 ) -> Result<(), StepError> {
@@ -158,7 +176,7 @@ pub(super) fn offered<T: Float, M: Model<T>>(
 }
 
 /// The first point with a `stepwise` node.
-pub(super) fn stepwise<T: Float, M: Model<T>>(model: &M) -> Option<usize> {
+pub(super) fn stepwise<T: Float>(model: &dyn Model<T>) -> Option<usize> {
     let nodes = &model.layout().nodes;
     nodes
         .iter()

@@ -1,6 +1,6 @@
 //! The opponent: accelerations by a dense Cholesky of S = Φ_v M⁻¹ Φ_vᵀ, everything allocated beforehand.
 
-use mbd_runtime::{At, Generic, GenericWork, Model, Quantity};
+use mbd_runtime::{At, Generic, Model, Quantity, Work};
 
 /// Room and structure of one mechanism of bodies.
 pub struct Dense {
@@ -63,7 +63,7 @@ impl Dense {
         &mut self,
         model: &Generic<f64>,
         at: &At<'_, f64>,
-        work: &mut GenericWork<f64>,
+        work: &mut Work<f64>,
     ) -> &[f64] {
         let (nv, nc) = (self.nv, self.nc);
         model.evaluate(Quantity::ConstraintJacobian, at, work, &mut self.jacobian);

@@ -1,6 +1,6 @@
 //! Generated against generic against a dense Cholesky solver, in one run, on mechanisms: state derivative, one step of Rk4 with projection.
 //!
-//! `cargo bench -p models --bench joints`. Absolute times drift from day to day; read the ratios. The three are timed in turn, in many
+//! `cargo bench -p benches --bench joints`. Absolute times drift from day to day; read the ratios. The three are timed in turn, in many
 //! short batches, and the median of each is printed.
 //!
 //! - generated: the code that `model!` emits.
@@ -201,7 +201,7 @@ fn chain(half: usize) -> impl Fn(usize) -> Pose {
 }
 
 /// A state with every body in its place; `stir` m/s and rad/s of speeds of all kinds, which the start takes to the joints.
-fn state<M: Model<f64>>(model: &M, place: impl Fn(usize) -> Pose, stir: f64) -> Vec<f64> {
+fn state(model: &dyn Model<f64>, place: impl Fn(usize) -> Pose, stir: f64) -> Vec<f64> {
     let layout = model.layout();
     let mut state = vec![0.0; layout.nx()];
     for (body, slots) in layout.bodies.iter().enumerate() {
@@ -215,7 +215,7 @@ fn state<M: Model<f64>>(model: &M, place: impl Fn(usize) -> Pose, stir: f64) -> 
     state
 }
 
-fn begun<'m, M: Model<f64>>(model: &'m M, state: &[f64]) -> Simulation<'m, f64, M> {
+fn begun(model: &dyn Model<f64>, state: &[f64]) -> Simulation<f64> {
     let mut run = Simulation::new(model, Options::rk4(1e-3)).expect("fixed steps");
     run.set_state(0.0, state).expect("a state of the scene");
     run.start().expect("a consistent start");
@@ -223,7 +223,7 @@ fn begun<'m, M: Model<f64>>(model: &'m M, state: &[f64]) -> Simulation<'m, f64, 
 }
 
 /// Times one mechanism and prints its line of the table.
-fn compare<M: Model<f64>>(name: &str, generated: &M, place: impl Fn(usize) -> Pose) {
+fn compare(name: &str, generated: &dyn Model<f64>, place: impl Fn(usize) -> Pose) {
     let scene = generated.scene().clone();
     let equations = Equations::trace_only(&scene, &[Quantity::Derivative]);
     let operations = equations
@@ -309,7 +309,7 @@ fn compare<M: Model<f64>>(name: &str, generated: &M, place: impl Fn(usize) -> Po
 }
 
 /// Distance of the end of the last rod from where it should be after 1 s, and the time of the run [s].
-fn drop_chain<M: Model<f64>>(model: &M, start: &[f64], steps: u32, want: [f64; 3]) -> (f64, f64) {
+fn drop_chain(model: &dyn Model<f64>, start: &[f64], steps: u32, want: [f64; 3]) -> (f64, f64) {
     let began = Instant::now();
     let step = 1.0 / f64::from(steps);
     let mut run = Simulation::new(model, Options::rk4(step)).expect("fixed steps");
@@ -327,7 +327,7 @@ fn drop_chain<M: Model<f64>>(model: &M, start: &[f64], steps: u32, want: [f64; 3
 }
 
 /// The longest step that puts the end of the chain within 1 mm after 1 s, and what the run takes.
-fn race<M: Model<f64>>(name: &str, model: &M, half: usize, want: [f64; 3]) {
+fn race(name: &str, model: &dyn Model<f64>, half: usize, want: [f64; 3]) {
     let start = state(model, chain(half), 0.0);
     let tried = [
         8, 10, 12, 16, 20, 25, 32, 40, 50, 64, 80, 100, 125, 160, 200, 400, 800,
@@ -351,7 +351,7 @@ fn race<M: Model<f64>>(name: &str, model: &M, half: usize, want: [f64; 3]) {
 }
 
 /// Times a step of coupled four-bars, and says how long a step keeps the first crank within 1e-6 rad for 0.4 s.
-fn four_bars<M: Model<f64>>(name: &str, model: &M, windows: usize) {
+fn four_bars(name: &str, model: &dyn Model<f64>, windows: usize) {
     let layout = model.layout();
     let (flat, moves) = (
         layout.directions.plane.is_some(),

@@ -259,7 +259,7 @@ pub fn fly(plan: &Plan) -> Result<Flight, FlightError> {
 ///
 /// # Errors
 /// What stopped the run.
-pub fn fly_model<M: Model<f64>>(plan: &Plan, model: &M) -> Result<Flight, FlightError> {
+pub fn fly_model(plan: &Plan, model: &dyn Model<f64>) -> Result<Flight, FlightError> {
     let mut simulation = Simulation::new(model, plan.options)?;
     simulation.set_state(plan.from.time, &state(model, &plan.from))?;
     if owner(model) == Owner::Solver {
@@ -294,7 +294,7 @@ enum Owner {
     Solver,
 }
 
-fn owner<M: Model<f64>>(model: &M) -> Owner {
+fn owner(model: &dyn Model<f64>) -> Owner {
     let layout = model.layout();
     match (layout.nodes.is_empty(), layout.nz) {
         (true, _) => Owner::Coordinate,
@@ -305,7 +305,7 @@ fn owner<M: Model<f64>>(model: &M) -> Owner {
 
 /// The state [q | v | z] of a model of the scene at an instant.
 #[must_use]
-pub fn state<M: Model<f64>>(model: &M, at: &Instant) -> Vec<f64> {
+pub fn state(model: &dyn Model<f64>, at: &Instant) -> Vec<f64> {
     let owner = owner(model);
     let mut state = at.q.to_vec();
     if owner == Owner::Coordinate {

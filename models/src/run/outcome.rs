@@ -25,11 +25,11 @@ pub struct Outcome {
 }
 
 /// Numbers that stay the same.
-struct Held<'a>(&'a [f64]);
+struct Held(Vec<f64>);
 
-impl External<f64> for Held<'_> {
+impl External<f64> for Held {
     fn evaluate(&self, _time: f64, _state: &[f64], out: &mut [f64]) {
-        for (to, from) in out.iter_mut().zip(self.0) {
+        for (to, from) in out.iter_mut().zip(&self.0) {
             *to = *from;
         }
     }
@@ -46,13 +46,14 @@ pub fn fly(scene: &Scene, plan: &Plan, progress: &mut Progress) -> Result<Outcom
 
 /// Runs a model as planned. A run that stops early has its reason.
 #[must_use]
-pub fn fly_model<M: Model<f64>>(model: &M, plan: &Plan, progress: &mut Progress) -> Outcome {
+pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -> Outcome {
     let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
     let mut trajectory = Trajectory::new(model, sampling, Content::ALL);
     let started = Instant::now();
     let mut time = 0.0;
     let mut run = || {
-        let mut simulation = Simulation::with_loads(model, plan.options, Held(&plan.inputs))?;
+        let mut simulation =
+            Simulation::with_loads(model, plan.options, Held(plan.inputs.clone()))?;
         simulation.set_state(0.0, &plan.state)?;
         if let Some(nodes) = &plan.nodes {
             simulation.set_nodes(nodes)?;

@@ -77,7 +77,6 @@ lander.z = "-1.2908846518073249 m"
 lander.qw = 0.9961946980917455
 lander.qy = 0.08715574274765817
 lander.vx = "1 m/s"
-confluence.z = "2.1737726 m"
 "#,
     )
 }

@@ -1,8 +1,8 @@
 //! Parallelograms through both of their flat positions in every scalar: on their branch, with their energy, never without a word.
 
 use mbd_compiler::Interpreted;
-use mbd_runtime::{Options, model};
-use mbd_scene::{AngularVelocity, Float};
+use mbd_runtime::{Options, Scalar, model};
+use mbd_scene::AngularVelocity;
 use tests::turning::{Kept, PLAIN, Parallelogram};
 
 /// The same mechanism as each family of coordinates has it.
@@ -18,7 +18,7 @@ fn families(of: Parallelogram) -> [Parallelogram; 3] {
 }
 
 /// Runs its interpreted model.
-fn turn<T: Float>(of: Parallelogram, options: Options, until: f64) -> Kept {
+fn turn<T: Scalar>(of: Parallelogram, options: Options, until: f64) -> Kept {
     let (scene, _) = of.build();
     let model = Interpreted::<T>::new(scene, &[]).expect("a valid scene");
     let kept = of.turn(&model, options, until);

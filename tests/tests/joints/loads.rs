@@ -339,7 +339,7 @@ fn balance(scene: Scene, params: &[f64], start: &[f64]) -> ([f64; 3], usize) {
     };
     let mut run = Simulation::new(&model, options).expect("options");
     run.set_state(0.0, start).expect("a state");
-    let energy = |run: &mut Simulation<'_, f64, _>| {
+    let energy = |run: &mut Simulation<f64>| {
         let mut out = [0.0; 6];
         run.evaluate(Quantity::Energy, &mut out).expect("no nodes");
         out[..3].iter().sum::<f64>()
@@ -553,9 +553,8 @@ fn a_run_goes_on_from_a_snapshot_in_the_middle_of_a_touch_to_the_bit() {
     for run in [&mut run, &mut other] {
         run.run(3.0).expect("a run");
     }
-    let bits = |run: &Simulation<'_, f64, _>| -> Vec<u64> {
-        run.state().iter().map(|x| x.to_bits()).collect()
-    };
+    let bits =
+        |run: &Simulation<f64>| -> Vec<u64> { run.state().iter().map(|x| x.to_bits()).collect() };
     assert_eq!(bits(&run), bits(&other));
     assert!(run.events().len() > 3);
 }

@@ -43,7 +43,7 @@ impl External<f64> for Push {
 }
 
 /// Runs to the times of a history and compares the state with what `want` says.
-fn follow<E: External<f64>>(
+fn follow<E: External<f64> + Send + 'static>(
     scene: &Scene,
     loads: E,
     rtol: f64,

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "every test file uses its own part of this module")]
 
 use mbd_runtime::node::{NodeError, NodeMemory, Nodes};
-use mbd_runtime::{Generic, Model, Quantity};
+use mbd_runtime::{Generic, Model, Quantity, Work};
 use mbd_scene::{
     Body, Formula, Frame, Function, Gravity, Inertia, Line, LineKind, Load, LoadKind, NodeModel,
     Place, Point, PointKind, Scene,
@@ -123,7 +123,7 @@ pub struct Run<M: Model<f64>> {
     pub model: M,
     pub nodes: Nodes<f64>,
     pub memory: NodeMemory<f64>,
-    pub work: M::Work,
+    pub work: Work<f64>,
     pub state: Vec<f64>,
     pub time: f64,
 }

@@ -157,10 +157,10 @@ impl Context<'_> {
         }
     }
 
-    /// `<T: Float>` of an implementation, or nothing.
+    /// `<T: Scalar>` of an implementation, or nothing.
     pub fn float(&self) -> TokenStream {
         if self.settings.generic {
-            quote!(<T: ::mbd_runtime::Float>)
+            quote!(<T: ::mbd_runtime::Scalar>)
         } else {
             quote!()
         }

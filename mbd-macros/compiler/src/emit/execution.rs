@@ -18,7 +18,7 @@ pub fn implementation(context: &Context) -> TokenStream {
         context.scalar(),
     );
     let equations = context.equations;
-    let (zero, work) = (context.zero(), whole(context.kernels.work()));
+    let (params, work) = (context.named("Params"), whole(context.kernels.work()));
     let programs = equations.programs.iter().enumerate();
     let arms = programs.filter(|(_, (_, p))| !p.outputs.is_empty()).map(|(index, (what, program))| {
         let reads = Arguments::of(program, &equations.layout);
@@ -79,31 +79,39 @@ pub fn implementation(context: &Context) -> TokenStream {
     });
     quote! {
         impl #float ::mbd_runtime::Model<#t> for #name #used {
-            /// What the kernels hand on; carries nothing from call to call.
-            type Work = ::std::vec::Vec<#t>;
-
-            fn work(&self) -> Self::Work {
-                ::std::vec![#zero; #work]
+            fn share(&self) -> ::std::sync::Arc<dyn ::mbd_runtime::Model<#t>> {
+                ::std::sync::Arc::new(self.clone())
+            }
+            fn with_params(
+                &self,
+                params: &[#t],
+            ) -> ::core::result::Result<::std::sync::Arc<dyn ::mbd_runtime::Model<#t>>, ::mbd_runtime::ParamError> {
+                let params = #params::from_array(::mbd_runtime::__private::counted(params)?);
+                ::core::result::Result::Ok(::std::sync::Arc::new(Self::new(params)?))
+            }
+            fn work(&self) -> ::mbd_runtime::Work<#t> {
+                ::mbd_runtime::Work::list(#work)
             }
             fn scene(&self) -> &::mbd_runtime::scene::Scene {
-                &self.parts.scene
+                &declared().scene
             }
             fn layout(&self) -> &::mbd_runtime::Layout {
-                &self.parts.layout
+                &declared().layout
             }
             fn params(&self) -> &[#t] {
                 &self.values
             }
             fn lines(&self) -> &[::mbd_runtime::scene::laws::LineNumbers<#t>] {
-                &self.parts.lines
+                &self.lines
             }
             fn evaluate(
                 &self,
                 what: ::mbd_runtime::Quantity,
                 at: &::mbd_runtime::At<'_, #t>,
-                work: &mut Self::Work,
+                work: &mut ::mbd_runtime::Work<#t>,
                 out: &mut [#t],
             ) {
+                let work = work.numbers.as_mut_slice();
                 match what {
                     #(#arms)*
                     #not_emitted

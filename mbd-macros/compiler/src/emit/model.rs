@@ -49,7 +49,7 @@ fn declaration(context: &Context) -> TokenStream {
             params: #params #used,
             values: [#t; #np],
             derived: [#t; #derived],
-            parts: ::mbd_runtime::__private::Parts<#t>,
+            lines: ::mbd_runtime::__private::Lines<#t>,
         }
     }
 }
@@ -270,8 +270,8 @@ fn construction(context: &Context) -> TokenStream {
             /// The first parameter that is not finite, outside its range, or gives a body or line numbers that none has.
             pub fn new(params: #params #used) -> ::core::result::Result<Self, ::mbd_runtime::ParamError> {
                 let values = params.to_array();
-                let parts = ::mbd_runtime::__private::Parts::checked(Self::scene(), redundancy(), &values)?;
-                ::core::result::Result::Ok(Self::assembled(params, values, parts))
+                let lines = <#t as ::mbd_runtime::Scalar>::prepare(&declared().scene, &values)?;
+                ::core::result::Result::Ok(Self::assembled(params, values, lines))
             }
         }
 
@@ -279,19 +279,19 @@ fn construction(context: &Context) -> TokenStream {
             fn assembled(
                 params: #params #used,
                 values: [#t; #np],
-                parts: ::mbd_runtime::__private::Parts<#t>,
+                lines: ::mbd_runtime::__private::Lines<#t>,
             ) -> Self {
                 let mut terms = [#zero; #derived];
                 #compute
-                #name { params, values, derived: terms, parts }
+                #name { params, values, derived: terms, lines }
             }
             /// A model with parameters that nobody has checked: for dual numbers and lanes.
             #[must_use]
             #[inline]
             pub fn unchecked(params: #params #used) -> Self {
                 let values = params.to_array();
-                let parts = ::mbd_runtime::__private::Parts::new(Self::scene(), redundancy(), &values);
-                Self::assembled(params, values, parts)
+                let lines = ::mbd_runtime::__private::unchecked(&declared().scene, &values);
+                Self::assembled(params, values, lines)
             }
             /// The parameters; new ones make a new model.
             #[must_use]
@@ -301,7 +301,7 @@ fn construction(context: &Context) -> TokenStream {
             /// The declaration as data.
             #[must_use]
             pub fn scene() -> ::mbd_runtime::scene::Scene {
-                ::mbd_runtime::__private::scene(#scene)
+                declared().scene.clone()
             }
             /// The equations in the user's names, what was left out, and what everything costs.
             #[must_use]
@@ -311,9 +311,10 @@ fn construction(context: &Context) -> TokenStream {
             #inputs
         }
 
-        /// Which rows of the joints repeat others, as found when this was generated.
-        fn redundancy() -> ::mbd_runtime::scene::Redundancy {
-            ::mbd_runtime::__private::redundancy(#redundancy)
+        /// The declaration and where everything lives, unpacked once; which rows of the joints repeat others is as found when this was generated.
+        fn declared() -> &'static ::mbd_runtime::__private::Declared {
+            static DECLARED: ::std::sync::OnceLock<::mbd_runtime::__private::Declared> = ::std::sync::OnceLock::new();
+            DECLARED.get_or_init(|| ::mbd_runtime::__private::Declared::unpacked(#scene, #redundancy))
         }
     }
 }

@@ -1,0 +1,1 @@
+//! Benchmarks of ready scenes; see `parachute.rs` and `joints/main.rs`.
