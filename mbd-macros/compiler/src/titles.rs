@@ -22,7 +22,7 @@ pub fn titles(
     for name in functions
         .iter()
         .map(String::as_str)
-        .chain(["redundancy", "solution"])
+        .chain(["declared", "solution"])
     {
         unique.name(name);
     }
