@@ -428,16 +428,19 @@ impl<S: Real> System<S> {
         for k in (0..node.free).rev() {
             let (h, _, unit) = self.column(node, k);
             let mut u = scale(self.work[first + k], self.inverse[first + k]);
-            for below in node.others() {
+            let own = (0..n).map(|i| (node.row(k) + i, first + i));
+            let others = node.others().iter().flat_map(|below| {
                 let unknowns = plan.steps[below.step].first..;
-                for (at, other) in node.rows(plan, below).zip(unknowns) {
-                    let factor = self.scaled[at + k];
-                    if !factor.is_zero() {
-                        u -= factor * self.right[other];
-                    }
+                node.rows(plan, below)
+                    .zip(unknowns)
+                    .map(|(at, other)| (at + k, other))
+            });
+            for (factor, other) in own.chain(others) {
+                let factor = self.scaled[factor];
+                if !factor.is_zero() {
+                    u -= factor * self.right[other];
                 }
             }
-            u -= sparse_dot((0..n).map(|i| (self.scaled[node.row(k) + i], self.right[first + i])));
             if node.joint.is_some() {
                 u = u.label("u");
             }

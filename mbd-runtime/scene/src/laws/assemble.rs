@@ -329,6 +329,11 @@ impl<S: Real> Constraints<S> {
                 continue;
             };
             let mut motion = carriage.to_unknowns(&carriage.bias);
+            if layout.directions.plane.is_some() {
+                // In a plane it saves little, and sums along loops would add to the rounding near positions at which rows lose rank.
+                self.hold(evaluation, index - 1, &motion);
+                continue;
+            }
             if let Some(Part::Body(parent)) = parent {
                 motion.linear += self.brought[parent];
             }
