@@ -23,18 +23,18 @@ pub struct Statistics {
     pub node_iterations: u64,
     /// The most iterations one solve took.
     pub node_iterations_max: u64,
-    /// The worst rung a solve needed: 1 warm Newton, 2 stiffness homotopy, 3 slope search; 0 no solve yet.
-    pub node_rung: u64,
+    /// The worst strategy a solve needed: 1 warm Newton, 2 stiffness homotopy, 3 slope search; 0 no solve yet.
+    pub node_strategy: u64,
     /// Slack/taut switches located.
     pub switches: u64,
-    /// The worst rung the rows of joints needed: 1 as emitted, 2 rows chosen anew for a step, 3 the whole matrix, 4 a stage with all rows
+    /// The worst strategy the rows of joints needed: 1 as emitted, 2 rows chosen anew for a step, 3 the whole matrix, 4 a stage with all rows
     /// regularised; 0 no rows.
-    pub rows_rung: u64,
+    pub rows_strategy: u64,
     /// Step boundaries at which rows were chosen anew.
     pub rows_chosen: u64,
     /// Stages solved with all rows regularised, because those held for their step lost rank inside it: such a step is of order two.
     pub rows_regularised: u64,
-    /// Decimal digits of the accelerations that uneven masses cost at the start, on the rung of the run; 0 for masses within three decades.
+    /// Decimal digits of the accelerations that uneven masses cost at the start, on the strategy of the run; 0 for masses within three decades.
     pub lost_digits: u64,
     /// Accepted steps in which an angle with a spring or a stop passed half a turn, where it jumps by a full turn, and the torque with it.
     pub angle_jumps: u64,
@@ -170,8 +170,8 @@ pub enum StepError {
         time: f64,
         /// Decimal digits lost.
         loss_digits: u64,
-        /// The rung they were lost on, as in [`Statistics::rows_rung`].
-        rung: u64,
+        /// The strategy they were lost on, as in [`Statistics::rows_strategy`].
+        strategy: u64,
         /// The largest mass over the smallest.
         ratio: f64,
     },

@@ -20,14 +20,12 @@
 pub mod __private;
 mod columns;
 mod compiled;
-mod dense;
-mod dependence;
 mod error;
 mod event;
+mod fallback;
 mod generated;
 mod generic;
 mod integrate;
-mod ladder;
 mod laws;
 mod linearise;
 mod list;

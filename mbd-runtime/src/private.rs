@@ -143,35 +143,22 @@ pub fn parts<T: Real, const Q: usize, const V: usize, const Z: usize>(
 /// Writes a list into a working list, from a place on; `false` where that is too short.
 #[inline]
 pub fn enter<T: Copy, const N: usize>(work: &mut [T], begin: usize, list: &[T; N]) -> bool {
-    put(work.get_mut(begin..).unwrap_or_default(), *list)
+    let place = work.get_mut(begin..).and_then(<[T]>::first_chunk_mut);
+    place.map(|place| *place = *list).is_some()
 }
 
-/// What a kernel reads, and what it writes from its own place on; nothing to write where there is no such place.
+/// What a kernel may read of a working list, and the block that it writes from its own place on; `None` where the list is too short.
 #[inline(always)]
-pub fn blocks<T>(work: &mut [T], begin: usize) -> (&[T], &mut [T]) {
-    match work.split_at_mut_checked(begin) {
-        Some((known, own)) => (known, own),
-        None => (&[], &mut []),
-    }
+pub fn blocks<T, const N: usize>(work: &mut [T], begin: usize) -> Option<(&[T], &mut [T; N])> {
+    let (known, own) = work.split_at_mut_checked(begin)?;
+    Some((known, own.first_chunk_mut()?))
 }
 
-/// The numbers of a working list from a place on; none where there is no such place.
+/// The numbers of a working list from a place on; `None` where it is too short.
 #[inline(always)]
 #[must_use]
-pub fn window<T>(known: &[T], begin: usize) -> &[T] {
-    known.get(begin..).unwrap_or_default()
-}
-
-/// Writes the results of a kernel; `false` where there is no room.
-#[inline(always)]
-pub fn put<T, const N: usize>(own: &mut [T], results: [T; N]) -> bool {
-    match own.first_chunk_mut() {
-        Some(own) => {
-            *own = results;
-            true
-        }
-        None => false,
-    }
+pub fn window<T, const N: usize>(known: &[T], begin: usize) -> Option<&[T; N]> {
+    known.get(begin..)?.first_chunk()
 }
 
 /// Places of this round of a loop; advances them to the next.
@@ -184,9 +171,6 @@ pub fn next<const N: usize>(places: &mut [usize; N], steps: [isize; N]) -> [usiz
     these
 }
 
-/// A kernel: does its work in a working list, given the places of its own block and of its windows.
-pub type Part<T, const N: usize> = fn(&mut [T], [usize; N]) -> bool;
-
 /// Calls a kernel several times, places advancing evenly, as long as it can do its work.
 #[inline(always)]
 pub fn rounds<T, const N: usize>(
@@ -194,13 +178,10 @@ pub fn rounds<T, const N: usize>(
     count: usize,
     mut places: [usize; N],
     steps: [isize; N],
-    part: Part<T, N>,
+    kernel: impl Fn(&mut [T], [usize; N]) -> bool,
 ) -> bool {
-    (0..count).all(|_| part(work, next(&mut places, steps)))
+    (0..count).all(|_| kernel(work, next(&mut places, steps)))
 }
-
-/// A kernel that takes known numbers too.
-pub type PartWith<T, const N: usize, const K: usize> = fn(&mut [T], [usize; N], &[f64; K]) -> bool;
 
 /// The same for a kernel that takes known numbers: one row a call.
 #[inline(always)]
@@ -209,10 +190,10 @@ pub fn rounds_with<T, const N: usize, const K: usize>(
     rows: &[[f64; K]],
     mut places: [usize; N],
     steps: [isize; N],
-    part: PartWith<T, N, K>,
+    kernel: impl Fn(&mut [T], [usize; N], &[f64; K]) -> bool,
 ) -> bool {
     rows.iter()
-        .all(|row| part(work, next(&mut places, steps), row))
+        .all(|row| kernel(work, next(&mut places, steps), row))
 }
 
 /// Takes every result from its place in a working list; `false` where the list is too short.

@@ -13,8 +13,8 @@ use mbd_scene::laws::{self, Numbers};
 use mbd_scene::{AngularVelocity, At, Float, PointSlots, Quantity};
 
 use crate::columns::joint_name;
-use crate::dependence::{Dependence, NEW, dependent};
 use crate::error::{Source, StepError};
+use crate::fallback::{Dependence, NEW, dependent};
 use crate::list::largest;
 use crate::options::Stabilise;
 use crate::system::System;
@@ -160,10 +160,10 @@ impl<T: Float> System<T> {
 
     /// Decides how the rows of the first step are solved.
     fn begin_rows(&mut self, time: f64, state: &[T]) {
-        self.ladder.margin = f64::NAN;
+        self.fallback.margin = f64::NAN;
         self.measure(time, state);
         self.pick(time, state);
-        self.ladder.commit();
+        self.fallback.commit();
     }
 
     /// Adds Baumgarte's −2α Φ̇ − α² Φ to the right-hand side of the acceleration rows, where the run asks for it. The move of (1) with these as
@@ -303,7 +303,7 @@ impl<T: Float> System<T> {
 
     /// Factorises the rows at a state where no move had to be solved for, to know their margin.
     pub(crate) fn measure(&mut self, time: f64, state: &[T]) {
-        if self.ladder.margin.is_nan() {
+        if self.fallback.margin.is_nan() {
             self.projection.rows.fill(T::zero());
             self.solve_rows(time, state);
         }
@@ -317,7 +317,7 @@ impl<T: Float> System<T> {
         };
         self.model
             .evaluate(Quantity::Correction, &at, &mut self.work, shift);
-        self.ladder.margin = self.projection.margin();
+        self.fallback.margin = self.projection.margin();
     }
 
     /// Moves positions by δ, shortened where it turns a body too far.

@@ -6,8 +6,8 @@ use mbd_scene::{Float, Model, Quantity, Scene, Work};
 
 use crate::columns::{input_name, line_name, node_name, state_names, stop_name};
 use crate::error::{Source, Statistics, StepError};
+use crate::fallback::{Fallback, Strategy};
 use crate::integrate::Rates;
-use crate::ladder::{Ladder, Rung as RowsRung};
 use crate::laws::Laws;
 use crate::list::largest;
 use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
@@ -119,7 +119,7 @@ pub(crate) struct System<T: Float> {
     /// What keeps the state on the joints.
     pub projection: Projection<T>,
     /// How the rows are solved.
-    pub ladder: Ladder,
+    pub fallback: Fallback,
     /// The laws themselves, once something asked for them.
     laws: Option<Laws>,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
@@ -164,7 +164,7 @@ impl<T: Float> System<T> {
             energy: [T::zero(); 6],
             work: model.work(),
             projection: Projection::new(layout.nc, layout.nv, layout.nx()),
-            ladder: Ladder::default(),
+            fallback: Fallback::default(),
             laws: None,
             works,
             angles: has_jumping_angles(model.scene()).then(Default::default),
@@ -177,7 +177,7 @@ impl<T: Float> System<T> {
     pub(crate) fn take(&mut self, model: Arc<dyn Model<T>>) {
         self.model = model;
         self.laws = None;
-        self.ladder = Ladder::default();
+        self.fallback = Fallback::default();
     }
 
     /// Length of the state with the integrals behind it.
@@ -255,7 +255,7 @@ impl<T: Float> System<T> {
         laws.evaluate(&*self.model, what, &at, out);
     }
 
-    /// The same for the multipliers that the ladder found last, where those of the model mean nothing: reactions, energy or outputs.
+    /// The same for the multipliers that the fallback found last, where those of the model mean nothing: reactions, energy or outputs.
     #[cold]
     pub(crate) fn by_multipliers(
         &mut self,
@@ -342,7 +342,7 @@ impl<T: Float> System<T> {
     /// The last solve was at the end of a step that is accepted.
     pub(crate) fn commit(&mut self, step: f64) {
         self.nodes.commit(T::from_f64(step), &mut self.memory);
-        self.ladder.commit();
+        self.fallback.commit();
     }
 
     /// Makes every quaternion a unit quaternion; returns the largest | |q| − 1 | there was. A zero quaternion stays.
@@ -423,20 +423,20 @@ impl<T: Float> System<T> {
             node_solves: nodes.solves,
             node_iterations: nodes.iterations,
             node_iterations_max: nodes.most as u64,
-            node_rung: match nodes.rung {
+            node_strategy: match nodes.rung {
                 _ if nodes.solves == 0 => 0,
                 Rung::Warm => 1,
                 Rung::Homotopy => 2,
                 Rung::Search => 3,
             },
-            rows_rung: match self.ladder.worst {
+            rows_strategy: match self.fallback.worst {
                 _ if !self.projection.any() => 0,
-                RowsRung::Emitted => 1,
-                RowsRung::Chosen => 2,
-                RowsRung::Whole => 3,
-                RowsRung::Proximal => 4,
+                Strategy::Emitted => 1,
+                Strategy::Chosen => 2,
+                Strategy::Whole => 3,
+                Strategy::Regularised => 4,
             },
-            lost_digits: self.ladder.lost_digits,
+            lost_digits: self.fallback.lost_digits,
             ..self.counters
         }
     }
@@ -506,12 +506,12 @@ impl<T: Float> Rates<T> for System<T> {
     }
 
     fn enter(&mut self) {
-        self.ladder.enter();
+        self.fallback.enter();
     }
 
     fn settle(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         self.drift = self.normalise(state);
-        self.ladder.margin = f64::NAN;
+        self.fallback.margin = f64::NAN;
         self.stay(time, state)?;
         if self.projection.any() {
             let state = state.get(..self.nx).unwrap_or_default();

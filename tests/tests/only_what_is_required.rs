@@ -148,8 +148,9 @@ fn a_free_body_costs_its_quaternion_rate_and_the_equation_of_euler() {
     let scene = read(&floater("none", "diag(2.0, 3.0, 4.0) kg*m^2"));
     // q̇ = ½ q ⊗ ω: ½ω 3 mul; three rows of 3 mul, 2 add; the row of w 3 mul, 2 add and a sign.
     let quaternion = [6 + 3, 3 + 9 + 3, 0, 0, 0, 0];
-    // ω̇ = I⁻¹ (I ω × ω): I ω 3 mul, cross product 6 mul, 3 add, I⁻¹ 3 mul. No rotation matrix: no torque is given in world axes.
-    let euler = [3, 12, 0, 0, 0, 0];
+    // ω̇ = I⁻¹ (I ω × ω), about principal axes (I_y − I_z) ω_y ω_z and so on: 3 mul, one more by the difference that is not 1, I⁻¹ 3 mul.
+    // No rotation matrix: no torque is given in world axes.
+    let euler = [0, 7, 0, 0, 0, 0];
     let derivative = cost(&scene, Quantity::Derivative);
     assert_eq!(derivative, sum(&[(1, quaternion), (1, euler)]));
     assert_eq!(
@@ -173,8 +174,9 @@ fn removing_an_inertia_product_removes_the_terms_it_couples() {
         read(&floater("none", full)),
         read(&floater("none", "diag(2.0, 3.0, 4.0) kg*m^2")),
     );
-    // I ω and I⁻¹ M each gain two products and two additions from the pair xy, yx.
-    let product = operations([4, 4, 0, 0, 0, 0]);
+    // I ω and I⁻¹ M each gain two products and two additions from the pair xy, yx; off principal axes the couple is I ω (3 mul) × ω (6 mul,
+    // 3 add) in place of 4 mul.
+    let product = operations([4 + 3, 4 + 5, 0, 0, 0, 0]);
     let what = Quantity::Derivative;
     assert_eq!(cost(&without, what) + product, cost(&with, what));
     let energy = operations([2, 2, 0, 0, 0, 0]);

@@ -58,13 +58,22 @@ pub enum Node {
     Apply(Op<Expr>),
 }
 
+/// The name a law gave to a term.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// The name.
+    pub text: &'static str,
+    /// Whether it is the name of the negative: signs move out of products and sums.
+    pub opposite: bool,
+}
+
 /// All terms of a trace, in the order of their creation; the first is the number zero.
 #[derive(Debug)]
 pub struct Graph {
     nodes: Vec<Node>,
     found: Found,
     /// The name a law gave to each term.
-    names: Vec<Option<&'static str>>,
+    names: Vec<Option<Label>>,
     /// Whether a term depends on anything but constants and parameters.
     live: Vec<bool>,
     /// The last epoch in which a term was asked for.
@@ -152,7 +161,7 @@ impl Graph {
 
     /// The name a law gave to a term.
     #[must_use]
-    pub fn name(&self, expr: Expr) -> Option<&'static str> {
+    pub fn name(&self, expr: Expr) -> Option<Label> {
         self.names[expr.0 as usize]
     }
 
@@ -194,6 +203,23 @@ impl Graph {
         match self.node(expr) {
             Node::Apply(Op::Unary(Unary::Neg, a)) => Some(a),
             _ => None,
+        }
+    }
+
+    /// Names a term, if it is an operation without a name; of −x it names x, too.
+    pub(crate) fn label(&mut self, expr: Expr, text: &'static str) {
+        if let Node::Apply(_) = self.node(expr) {
+            let name = &mut self.names[expr.index()];
+            let opposite = false;
+            *name = name
+                .filter(|known| !known.opposite)
+                .or(Some(Label { text, opposite }));
+        }
+        if let Some(positive) = self.negated(expr)
+            && let Node::Apply(_) = self.node(positive)
+        {
+            let opposite = true;
+            self.names[positive.index()].get_or_insert(Label { text, opposite });
         }
     }
 
@@ -375,13 +401,17 @@ mod tests {
 
     #[test]
     fn the_first_name_of_a_term_wins_and_numbers_have_none() {
-        let ((product, zero), graph) = session(|| {
+        let ((product, cube, zero), graph) = session(|| {
             let x = Expr::slot(Slot::Time);
             let product = (x * x).label("square").label("again");
-            (product, Expr::zero().label("nothing"))
+            let cube = x * x * x;
+            let _ = (-cube).label("pull");
+            (product, cube, Expr::zero().label("nothing"))
         });
-        assert_eq!(graph.name(product), Some("square"));
-        assert_eq!(graph.name(zero), None);
+        let name = |expr: Expr| graph.name(expr).map(|label| (label.text, label.opposite));
+        assert_eq!(name(product), Some(("square", false)));
+        assert_eq!(name(cube), Some(("pull", true)));
+        assert_eq!(name(zero), None);
     }
 
     #[test]

@@ -14,6 +14,8 @@ use crate::expression::Slot;
 use crate::lists::{Arguments, Group};
 use crate::outline::{Piece, Shapes, outline};
 use crate::program::{Operand, Program, Register};
+use crate::solution::Solution;
+use crate::titles::titles;
 
 /// The kernels of all programs of a model.
 #[derive(Default)]
@@ -22,10 +24,14 @@ pub struct Kernels {
     pub kernels: Vec<Kernel>,
     /// How each program calls them, in the order of [`Equations::every_program`]; `None` if it stays one function.
     pub drivers: Vec<Option<Driver>>,
+    /// The quantities that are found together in one function, if there are such.
+    pub solution: Option<Solution>,
 }
 
 /// One function for all pieces of a shape.
 pub struct Kernel {
+    /// Its name: the thing it works for, and what it does for it.
+    pub name: String,
     /// The first program and piece that has it.
     pub first: (usize, usize),
     /// What it takes.
@@ -55,12 +61,16 @@ pub enum Results {
 
 /// How a program calls its kernels.
 pub struct Driver {
+    /// The program that its pieces are of, where that is the one of several quantities.
+    pub shared: Option<Program>,
     /// Its pieces, in order.
     pub pieces: Vec<Piece>,
-    /// The lists it reads, in order.
-    pub lists: Vec<Group>,
+    /// The lists it reads and where each begins, in order.
+    pub lists: Vec<(Group, usize)>,
     /// Known numbers among its results.
     pub kept: Vec<Register>,
+    /// Where these begin.
+    pub kept_at: usize,
     /// How many numbers it works on.
     pub work: usize,
     /// Its calls: the key is the kernel; places of its own block, then of its windows.
@@ -82,24 +92,57 @@ impl Kernels {
             kernels: Vec::new(),
             numbers: Vec::new(),
         };
-        let drivers = programs
-            .iter()
-            .enumerate()
-            .map(|(index, program)| Some(sharing.driver(index, program, outline(program)?)))
-            .collect();
+        let solution = Solution::of(equations);
+        let pieces = solution
+            .as_ref()
+            .filter(|solution| !solution.is_flat())
+            .map(|solution| solution.outline(equations));
+        let mut shared: Vec<usize> = Vec::new();
+        let mut drivers: Vec<Option<Driver>> = Vec::with_capacity(programs.len());
+        for (index, program) in programs.iter().enumerate() {
+            let member = solution
+                .as_ref()
+                .and_then(|s| Some((s, s.member(index)?.1)));
+            drivers.push(match (member, &pieces) {
+                (Some((solution, member)), Some(pieces)) => {
+                    let needed = |piece: &&Piece| piece.instructions.last() < Some(&member.end);
+                    let pieces = pieces.iter().take_while(needed).cloned().collect();
+                    let whole = solution.view(member);
+                    let lists = Arguments::of(program, layout).0;
+                    let mut driver = sharing.driver(index, &whole, pieces, &mut shared);
+                    // What a member does not read no result of its own depends on.
+                    driver.lists.retain(|(group, _)| lists.contains(group));
+                    driver.shared = Some(whole);
+                    Some(driver)
+                }
+                (Some(_), None) => None,
+                (None, _) => outline(program)
+                    .map(|pieces| sharing.driver(index, program, pieces, &mut Vec::new())),
+            });
+        }
+        let mut kernels = sharing.kernels;
+        let titles = titles(equations, &kernels, &drivers);
+        for (kernel, title) in kernels.iter_mut().zip(titles) {
+            kernel.name = title;
+        }
+        let solution = solution.filter(Solution::is_flat);
         Kernels {
-            kernels: sharing.kernels,
+            kernels,
             drivers,
+            solution,
         }
     }
 
     /// Operations of every function of the model: programs that stay whole, then kernels.
     #[must_use]
     pub fn lengths(&self, equations: &Equations) -> Vec<usize> {
-        let programs = equations.every_program().zip(&self.drivers);
+        let solution = self.solution.as_ref();
+        let programs = equations.every_program().zip(&self.drivers).enumerate();
         let whole = programs
-            .filter(|(_, driver)| driver.is_none())
-            .map(|(program, _)| program.instructions.len());
+            .filter(|(_, (_, driver))| driver.is_none())
+            .filter(|&(index, _)| solution.and_then(|s| s.member(index)).is_none())
+            .map(|(_, (program, _))| program.instructions.len())
+            .chain(solution.map(|solution| solution.program.instructions.len()));
         let pieces = self.kernels.iter().filter_map(|kernel| {
             let (program, piece) = kernel.first;
             let driver = self.drivers.get(program)?.as_ref()?;
@@ -127,15 +170,24 @@ struct Sharing<'a> {
 }
 
 impl Sharing<'_> {
-    fn driver(&mut self, index: usize, program: &Program, pieces: Vec<Piece>) -> Driver {
+    /// The driver of a program in `pieces`; the first of these have the kernels `shared`, which those of the others join.
+    fn driver(
+        &mut self,
+        index: usize,
+        program: &Program,
+        pieces: Vec<Piece>,
+        shared: &mut Vec<usize>,
+    ) -> Driver {
         let layout = &self.equations.layout;
-        let lists = Arguments::of(program, layout).0;
+        let mut lists = Vec::new();
         let mut begins: BTreeMap<Group, usize> = BTreeMap::new();
         let mut work = 0;
-        for &group in &lists {
+        for group in Arguments::of(program, layout).0 {
+            lists.push((group, work));
             begins.insert(group, work);
             work += group.len(self.equations);
         }
+        let kept_at = work;
         let first = program.constants.len() + program.slots.len();
         // Where each register is kept, and whose block that is.
         let mut places: Vec<Option<(Owner, usize)>> = vec![None; program.registers()];
@@ -166,12 +218,17 @@ impl Sharing<'_> {
                 places[register] = Some((Owner::Piece(number), work));
                 work += 1;
             }
-            calls.push((self.kernel(program, (index, number), piece, windows), at));
+            if number == shared.len() {
+                shared.push(self.kernel(program, (index, number), piece, windows));
+            }
+            calls.push((shared[number], at));
         }
         Driver {
+            shared: None,
             pieces,
             lists,
             kept,
+            kept_at,
             work,
             calls: cycles(&calls),
             results: results(program, &places),
@@ -202,6 +259,7 @@ impl Sharing<'_> {
         let (known, new) = self.shapes.of(&shape);
         if new {
             self.kernels.push(Kernel {
+                name: String::new(),
                 first: place,
                 windows,
                 users: 1,
@@ -301,6 +359,12 @@ fn results(program: &Program, places: &[Option<(Owner, usize)>]) -> Results {
 }
 
 impl Driver {
+    /// The program that its pieces are of, given the one that it is for.
+    #[must_use]
+    pub fn program<'a>(&'a self, own: &'a Program) -> &'a Program {
+        self.shared.as_ref().unwrap_or(own)
+    }
+
     /// The piece that a call of a round is for.
     #[must_use]
     pub fn piece(&self, cycle: &Cycle, round: usize, item: usize) -> Option<&Piece> {

@@ -22,7 +22,9 @@ mod program;
 mod reading;
 mod resolve;
 mod simplify;
+mod solution;
 mod syntax;
+mod titles;
 #[cfg(feature = "toml")]
 mod toml;
 mod units;
@@ -33,7 +35,7 @@ pub use compile::{compile, emit, immovable};
 pub use cycles::{Cycle, Item};
 pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
-pub use expression::{Expr, Graph, Mask, Node, Slot, Term, recorded, session};
+pub use expression::{Expr, Graph, Label, Mask, Node, Slot, Term, recorded, session};
 pub use interpret::{Interpreted, Registers};
 pub use kernels::{Driver, Kernel, Kernels, Results, Window};
 pub use lists::{Arguments, Group};
@@ -45,5 +47,6 @@ pub use outline::{Local, Piece, outline};
 pub use program::{Instruction, Operand, Program, Register};
 pub use reading::{Options, Reading, Spans, read_text, read_tokens};
 pub use resolve::Named;
+pub use solution::{Member, Solution};
 #[cfg(feature = "toml")]
 pub use toml::{read_toml, write_toml};

@@ -1,6 +1,6 @@
 //! What the reader of generated code calls a number: names of the declaration, made into identifiers.
 
-use mbd_scene::{InputSource, Layout, Place, PointSlots, Scene};
+use mbd_scene::{InputSource, Layout, Place, PointSlots, Quantity, Scene};
 
 use crate::expression::Slot;
 
@@ -80,6 +80,52 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
         Slot::Derived(index) => format!("derived_{index}"),
     }
 }
+
+/// The name of a number of a result, where what it belongs to has one: `upper_vx_rate`, `elbow_gamma_b`.
+#[must_use]
+pub fn result(scene: &Scene, layout: &Layout, what: Quantity, place: usize) -> Option<String> {
+    let speed = |place: usize| state(scene, layout, layout.nq + place);
+    let of_row = |suffix: &str| {
+        let (joint, row) = joint_of(scene, layout, place)?;
+        Some(format!("{joint}_{suffix}_{}", LETTERS.get(row)?))
+    };
+    let six = |names: [&str; 2]| {
+        let name = names.get(place % 6 / 3)?;
+        Some(format!("{name}_{}", axis(place)))
+    };
+    match what {
+        Quantity::Derivative if place < layout.nx() => {
+            Some(format!("{}_rate", state(scene, layout, place)))
+        }
+        Quantity::BiasForce => Some(format!("{}_bias", speed(place))),
+        Quantity::Forces => Some(format!("{}_force", speed(place))),
+        Quantity::Correction if place < layout.nv => Some(format!("{}_move", speed(place))),
+        Quantity::Constraint => of_row("row"),
+        Quantity::ConstraintRate => of_row("rate"),
+        Quantity::ConstraintBias => of_row("gamma"),
+        Quantity::Multipliers => of_row("lambda"),
+        Quantity::Reactions => {
+            let joint = identifier(&scene.joints.get(place / 6)?.name);
+            six(["force", "torque"]).map(|name| format!("{joint}_{name}"))
+        }
+        Quantity::Momentum => six(["momentum", "angular_momentum"]),
+        Quantity::Energy => ENERGIES.get(place).map(|name| (*name).to_owned()),
+        _ => None,
+    }
+}
+
+/// The rows of a joint and its motors.
+const LETTERS: [char; 12] = ['a', 'b', 'c', 'd', 'e', 'f', 'g', 'h', 'i', 'j', 'k', 'l'];
+
+/// The parts of [`Quantity::Energy`].
+const ENERGIES: [&str; 6] = [
+    "kinetic",
+    "gravitational",
+    "elastic",
+    "load_power",
+    "damper_power",
+    "drive_power",
+];
 
 /// Name and SI unit of a number of the state, as a table shows them: `capsule.qw`.
 #[must_use]
@@ -220,15 +266,18 @@ fn end(scene: &Scene, layout: &Layout, index: usize) -> String {
 
 /// The name of a row's right-hand side.
 fn row(scene: &Scene, layout: &Layout, index: usize) -> String {
-    let own = layout
-        .joints
-        .iter()
-        .position(|slots| (slots.row..slots.row + slots.len).contains(&index));
-    let named = own.and_then(|joint| Some((scene.joints.get(joint)?, layout.joints.get(joint)?)));
-    named.map_or_else(
+    joint_of(scene, layout, index).map_or_else(
         || format!("row_{index}"),
-        |(joint, slots)| format!("{}_row_{}", identifier(&joint.name), index - slots.row),
+        |(joint, row)| format!("{joint}_row_{row}"),
     )
+}
+
+/// The joint of a row, and which of its rows it is.
+fn joint_of(scene: &Scene, layout: &Layout, index: usize) -> Option<(String, usize)> {
+    let mut slots = layout.joints.iter().zip(&scene.joints);
+    let (slots, joint) =
+        slots.find(|(slots, _)| (slots.row..slots.row + slots.len).contains(&index))?;
+    Some((identifier(&joint.name), index - slots.row))
 }
 
 /// The name of an input number.

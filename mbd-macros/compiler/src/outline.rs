@@ -70,7 +70,7 @@ pub fn outline(program: &Program) -> Option<Vec<Piece>> {
     if count <= DENSE && is_hot(program) {
         return Some(fewest(program));
     }
-    let pieces = cut(program);
+    let pieces = cut(program, 0..count);
     let mut shapes = Shapes::default();
     let mut distinct = 0;
     for piece in &pieces {
@@ -80,6 +80,25 @@ pub fn outline(program: &Program) -> Option<Vec<Piece>> {
         }
     }
     (count > FLAT || 2 * distinct <= count).then_some(pieces)
+}
+
+/// Cuts a program that begins with the operations of another where that one is cut into `first`, and then at `ends`. Pieces hand on what any
+/// later one needs.
+#[must_use]
+pub fn outline_after(program: &Program, first: &[Piece], ends: &[usize]) -> Vec<Piece> {
+    let mut cutter = Cutter::new(program);
+    let mut start = 0;
+    let mut pieces = Vec::new();
+    for piece in first {
+        let end = piece.instructions.last().map_or(start, |last| last + 1);
+        pieces.push(cutter.measure((start..end).collect()));
+        start = end;
+    }
+    for &end in ends {
+        pieces.extend(cut(program, start..end));
+        start = end;
+    }
+    pieces
 }
 
 /// Whether a run spends its time there; rows and their rates are short beside derivative and correction.
@@ -115,10 +134,10 @@ fn fewest(program: &Program) -> Vec<Piece> {
         .collect()
 }
 
-/// Pieces at the borders of what repeats.
-fn cut(program: &Program) -> Vec<Piece> {
+/// Pieces of a range of a program, at the borders of what repeats.
+fn cut(program: &Program, range: Range<usize>) -> Vec<Piece> {
     let mut cutter = Cutter::new(program);
-    let runs = runs(program);
+    let runs = runs(program, range);
     let mut alone: Vec<Option<Piece>> = runs
         .iter()
         .map(|run| Some(cutter.measure(run.clone())))
@@ -232,10 +251,11 @@ impl Shapes {
 }
 
 /// Runs of instructions that belong to one thing, none longer than [`LONGEST`].
-fn runs(program: &Program) -> Vec<Vec<usize>> {
+fn runs(program: &Program, range: Range<usize>) -> Vec<Vec<usize>> {
     let mut runs: Vec<Vec<usize>> = Vec::new();
     let mut section = None;
-    for (index, instruction) in program.instructions.iter().enumerate() {
+    for index in range {
+        let instruction = &program.instructions[index];
         match runs.last_mut() {
             Some(run) if section == Some(instruction.section) => run.push(index),
             _ => runs.push(vec![index]),

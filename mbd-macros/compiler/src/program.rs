@@ -2,7 +2,8 @@
 
 use mbd_scene::{Cost, Quantity};
 
-use crate::expression::{Expr, Graph, Node, Slot, Term};
+use crate::expression::{Expr, Graph, Label, Node, Slot, Term};
+use crate::hash::Map;
 use crate::operation::{Binary, Comparison, Op, Unary};
 
 /// A place in the register file of a program: constants first, then slots, then one register an instruction.
@@ -24,9 +25,17 @@ pub struct Instruction {
     /// What it does to which registers.
     pub op: Op<Register>,
     /// The name the law gave to its value.
-    pub name: Option<&'static str>,
+    pub name: Option<Label>,
     /// The body, line, node or variable it belongs to: index into [`Program::sections`].
     pub section: usize,
+}
+
+impl Instruction {
+    /// Whether the law named this very value, and not its negative.
+    #[must_use]
+    pub fn is_named(&self) -> bool {
+        self.name.is_some_and(|name| !name.opposite)
+    }
 }
 
 /// The straight-line computation of one list of numbers.
@@ -221,6 +230,67 @@ impl Program {
             len,
             sections: graph.sections().to_vec(),
         }
+    }
+
+    /// One program for the results of several, one list after another: what they share is computed once. The operations of the first come
+    /// first, in their order. Also how many operations the first program, the first two, … have.
+    #[must_use]
+    pub fn merged(programs: &[&Program]) -> (Self, Vec<usize>) {
+        let mut constants: Vec<f64> = Vec::new();
+        let mut slots: Vec<Slot> = Vec::new();
+        for program in programs {
+            for &value in &program.constants {
+                if !constants
+                    .iter()
+                    .any(|known| known.to_bits() == value.to_bits())
+                {
+                    constants.push(value);
+                }
+            }
+            slots.extend(&program.slots);
+        }
+        slots.sort_unstable();
+        slots.dedup();
+        let first = constants.len() + slots.len();
+        let mut instructions: Vec<Instruction> = Vec::new();
+        let mut known: Map<Op<Register>, usize> = Map::default();
+        let (mut outputs, mut len, mut ends) = (Vec::new(), 0, Vec::new());
+        for program in programs {
+            let mut registers: Vec<Register> = Vec::with_capacity(program.registers());
+            let mut enter = |place: usize| registers.push(Register(place as u32));
+            for value in &program.constants {
+                let same = |known: &f64| known.to_bits() == value.to_bits();
+                enter(constants.iter().position(same).unwrap_or_default());
+            }
+            for slot in &program.slots {
+                enter(constants.len() + slots.binary_search(slot).unwrap_or_default());
+            }
+            for instruction in &program.instructions {
+                let op = instruction.op.map(|r| registers[r.index()]);
+                let place = *known.entry(op).or_insert_with(|| {
+                    instructions.push(Instruction { op, ..*instruction });
+                    instructions.len() - 1
+                });
+                registers.push(Register((first + place) as u32));
+            }
+            let own = program.outputs.iter();
+            outputs.extend(own.map(|&(place, r)| (len + place, registers[r.index()])));
+            len += program.len;
+            ends.push(instructions.len());
+        }
+        let first = programs.first();
+        let merged = Program {
+            what: first.and_then(|program| program.what),
+            constants,
+            slots,
+            steps: instructions.iter().map(|i| Step::new(i.op)).collect(),
+            instructions,
+            outputs,
+            len,
+            // Sections are those of the graph, the same for all.
+            sections: first.map_or_else(Vec::new, |program| program.sections.clone()),
+        };
+        (merged, ends)
     }
 
     /// Length of the register file.

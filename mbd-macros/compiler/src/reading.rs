@@ -95,7 +95,7 @@ pub(crate) fn finish(
     lexed: bool,
 ) -> Reading {
     let mut resolver = resolve(model);
-    check(&mut resolver, messages.is_empty());
+    check(&mut resolver, model, messages.is_empty());
     let mut errors = messages;
     if lexed && (errors.is_empty() || !model.items.is_empty()) {
         errors.extend(std::mem::take(&mut resolver.messages));

@@ -47,6 +47,91 @@ fn the_parachute_reads_as_expected() {
     compare("parachute");
 }
 
+/// The names of the terms of an expansion, known numbers apart.
+fn terms(text: &str) -> Vec<&str> {
+    let lets = text
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("let "));
+    let lets = lets.filter(|rest| !rest.starts_with('[') && !rest.contains("= T::from_f64("));
+    lets.filter_map(|rest| rest.split_once(" = "))
+        .flat_map(|(names, _)| names.trim_matches(['(', ')']).split(", "))
+        .collect()
+}
+
+/// Whether a term is called by a number: `elbow_t`, `elbow_t_31`, or the name of another term with a number.
+fn is_numbered(name: &str) -> bool {
+    let last = name.rsplit('_').next().unwrap_or_default();
+    last == "t" || last.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+#[test]
+fn most_terms_of_a_double_pendulum_have_a_name_and_every_part_a_heading() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/pass/double_pendulum.mbd"
+    );
+    let declaration = std::fs::read_to_string(path).expect("part of the repository");
+    let text = formatted(emit(&read_text(&declaration)));
+    let (_, functions) = text.split_once("fn derivative<").expect("emitted");
+    let terms = terms(functions);
+    let numbered = terms.iter().filter(|name| is_numbered(name)).count();
+    assert!(terms.len() > 800);
+    assert!(
+        10 * numbered <= 3 * terms.len(),
+        "{numbered} of {} terms are numbered",
+        terms.len()
+    );
+    for heading in [
+        "/// `upper`: where it is, how it moves.",
+        "/// `elbow`: rows.",
+        "/// `lower`: backward, taken out of the system.",
+        "/// `upper`: forward, what it does.",
+    ] {
+        assert!(text.contains(heading), "{heading}");
+    }
+    // The elimination stands there once; multipliers and reactions take it from there.
+    let (_, multipliers) = text.split_once("fn multipliers<").expect("emitted");
+    let (multipliers, _) = multipliers.split_once("/// Reactions").expect("emitted");
+    assert!(multipliers.contains("solution(") && multipliers.lines().count() < 30);
+    let place = |what: &str| {
+        text.find(what)
+            .unwrap_or_else(|| panic!("{what} is missing"))
+    };
+    let order = [
+        "pub fn new",
+        "pub fn derivative",
+        "pub fn outputs",
+        "pub const NQ",
+        "fn derivative<",
+    ];
+    assert!(
+        order.map(place).is_sorted(),
+        "what a user needs comes first"
+    );
+}
+
+#[test]
+fn kernels_are_named_after_what_they_do() {
+    let chain = "pub model Chain {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        emit: [energy];
+        body rod[i in 0..8] { mass: 1 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2,
+            frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+        joint hold: hinge from world to rod[0].top { axis: y }
+        joint pin[i in 1..8]: hinge from rod[i - 1].end to rod[i].top { axis: y }
+    }";
+    let text = formatted(emit(&read_text(chain)));
+    for name in [
+        "rod_motion",
+        "pin_rows",
+        "rod_backward",
+        "rod_forward",
+        "rod_correction",
+    ] {
+        assert!(text.contains(&format!("fn {name}<")), "{name}");
+    }
+}
+
 #[test]
 fn the_same_scene_gives_the_same_tokens() {
     for scene in scenes::all() {

@@ -4,8 +4,10 @@ mod scenes;
 
 use std::collections::HashSet;
 
-use mbd_compiler::{Equations, Kernels, Op, Operand, Program, outline, read_text};
-use mbd_scene::{AngularVelocity, Gravity, Layout, Place, Quantity, Scene};
+use mbd_compiler::{
+    Equations, Kernels, Op, Operand, Program, Registers, Solution, outline, read_text,
+};
+use mbd_scene::{AngularVelocity, At, Gravity, Layout, Place, Quantity, Scene};
 use scenes::{body, frame, line, numbers};
 
 /// Equal bodies that hang from each other by lines.
@@ -195,6 +197,11 @@ fn the_cost_of_a_string_grows_with_its_length() {
 
 /// Identical rods on spherical joints, as a declaration.
 fn spherical(count: usize) -> Equations {
+    beside_stones(count, 0)
+}
+
+/// The same beside bodies that fall.
+fn beside_stones(count: usize, stones: usize) -> Equations {
     let text = format!(
         "model Chain {{
             gravity: [0.0, 0.0, -9.81] m/s^2;
@@ -202,6 +209,8 @@ fn spherical(count: usize) -> Equations {
                 frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }}
             joint hold: spherical from world to rod[0].top;
             joint pin[i in 1..{count}]: spherical from rod[i - 1].end to rod[i].top;
+            body stone[i in 0..{stones}] {{ mass: 1 kg, inertia: diag(0.1, 0.2, 0.25) kg*m^2 }}
+            joint fall[i in 0..{stones}]: free from world to stone[i].com;
         }}"
     );
     let reading = read_text(&text);
@@ -224,4 +233,62 @@ fn sixty_four_jointed_bodies_are_no_more_code_than_eight_twice_and_no_function_i
     assert!(20 * more.0 <= 21 * many.0, "{more:?} against {many:?}");
     assert!(20 * more.1 <= 21 * many.1, "{more:?} against {many:?}");
     assert!(more.2 <= 1000 && many.2 <= 1000 && eight.2 <= 1000);
+}
+
+#[test]
+fn the_system_is_solved_once_for_accelerations_multipliers_and_reactions() {
+    let state = |layout: &Layout| -> Vec<f64> {
+        let spread = |index: usize| (index * 7919 % 97) as f64 / 97.0 - 0.3;
+        (0..layout.nx()).map(spread).collect()
+    };
+    // The derivative of 3 rods and some stones fits one function, but not with all the rest.
+    for (count, stones, members) in [(3, 0, 3), (3, 9, 2), (12, 0, 3)] {
+        let equations = beside_stones(count, stones);
+        let flat = count == 3;
+        let solution = Solution::of(&equations).expect("three quantities");
+        assert_eq!(
+            solution.members.len(),
+            members,
+            "{count} rods, {stones} stones: {}",
+            solution.program.instructions.len()
+        );
+        let x = state(&equations.layout);
+        let at = At {
+            time: 0.0,
+            state: &x,
+            nodes: &[],
+            effective: &[],
+            hold: &[],
+            ends: &[],
+            inputs: &[],
+            rows: &[],
+        };
+        let run = |program: &Program| {
+            let mut out = vec![0.0; program.len];
+            let mut registers = Registers::new(program.registers());
+            let derived = vec![0.5; equations.derived.len];
+            program.run(&at, &[], &derived, &mut registers, &mut out);
+            out
+        };
+        for &member in &solution.members {
+            let alone = run(equations.program(member.what).expect("traced"));
+            assert!(alone.iter().any(|&value| value != 0.0));
+            let together = run(&solution.view(member));
+            let bits = |list: &[f64]| list.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&alone), bits(&together), "{:?}", member.what);
+        }
+        let length = |what: Quantity| equations.program(what).map_or(0, |p| p.instructions.len());
+        let (whole, first) = (
+            solution.program.instructions.len(),
+            length(solution.members[0].what),
+        );
+        assert!(4 * whole <= 5 * first, "{whole} operations after {first}");
+        // Kernels of the elimination serve all members.
+        let kernels = Kernels::of(&equations);
+        assert_eq!(kernels.solution.is_some(), solution.is_flat());
+        assert_eq!(solution.is_flat(), flat);
+        let drivers = kernels.drivers.iter().flatten();
+        let shared = drivers.filter(|driver| driver.shared.is_some()).count();
+        assert_eq!(shared, if flat { 0 } else { members });
+    }
 }

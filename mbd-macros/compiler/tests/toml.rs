@@ -1,6 +1,7 @@
 //! Scenes in TOML: the same scene, the same mistakes, each at its line and column.
 
 use mbd_compiler::{Reading, read_text, read_toml, write_toml};
+use mbd_scene::Scene;
 
 fn told(reading: &Reading) -> Vec<String> {
     reading
@@ -255,6 +256,135 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
     for (old, new, wanted) in cases {
         assert_eq!(with(old, new), *wanted, "{new}");
     }
+}
+
+/// A body with one thing of every kind that may be repeated, `[?]` in the place of the repetition.
+const REPEATED: &[(&str, &str)] = &[
+    (
+        "world frame",
+        "[world.frame]\n\"hook[?]\" = \"[0, 0, 1] m\"",
+    ),
+    ("frame", "[body.base.frame]\n\"eye[?]\" = \"[0, 0, 1] m\""),
+    (
+        "body",
+        "[body.\"link[?]\"]\nmass = \"1 kg\"\ninertia = \"diag(1, 1, 1) kg*m^2\"",
+    ),
+    ("point", "[point.\"knot[?]\"]\nmass = \"1 kg\""),
+    (
+        "joint",
+        "[joint.\"hold[?]\"]\nkind = \"spherical\"\nfrom = \"world\"\nto = \"base.top\"",
+    ),
+    (
+        "line",
+        "[line.\"side[?]\"]\nfrom = \"world\"\nto = \"base.top\"\nfree_length = \"1 m\"\nstiffness = \"1 kN/m\"",
+    ),
+    (
+        "spring",
+        "[spring.\"coil[?]\"]\nfrom = \"world\"\nto = \"base.top\"\nfree_length = \"1 m\"\nstiffness = \"1 kN/m\"",
+    ),
+    (
+        "load",
+        "[load.\"push[?]\"]\non = \"base\"\nat = \"com\"\nvalue = \"[1, 0, 0] N\"",
+    ),
+    ("output", "[output]\n\"height[?]\" = \"base.position.z\""),
+    (
+        "event",
+        "[event.\"low[?]\"]\nvalue = \"base.position.z\"\nfalls = \"0 m\"",
+    ),
+];
+
+fn repeated(item: &str, repetition: &str) -> Reading {
+    let base = r#"
+model = "Base"
+gravity = "none"
+[joint.base_free]
+kind = "free"
+from = "world"
+to = "base.com"
+[body.base]
+mass = "1 kg"
+inertia = "diag(1, 1, 1) kg*m^2"
+frame.top = "[0, 0, 1] m"
+"#;
+    let item = item.replace("?", repetition);
+    match item.strip_prefix("[body.base.frame]\n") {
+        Some(frame) => read_toml(&format!("{base}frame.{frame}\n")),
+        None => read_toml(&format!("{base}{item}\n")),
+    }
+}
+
+/// How many things of a kind the scene above has beside its base.
+fn count(scene: &Scene, kind: &str) -> usize {
+    match kind {
+        "world frame" => scene.world_frames.len() - 1,
+        "frame" => scene.bodies[0].frames.len() - 2,
+        "body" => scene.bodies.len() - 1,
+        "point" => scene.points.len(),
+        "joint" => scene.joints.len() - 1,
+        "load" => scene.loads.len(),
+        "output" => scene.outputs.len(),
+        "event" => scene.events.len(),
+        _ => scene.lines.len(),
+    }
+}
+
+#[test]
+fn as_many_things_are_resolved_as_are_declared_or_the_repetition_is_an_error() {
+    let floating = "is attached to nothing";
+    for (kind, item) in REPEATED {
+        for (repetition, number) in [
+            ("i in 0..3", 3),
+            ("i in 2..=3", 2),
+            ("i in 1..1", 0),
+            ("4", 1),
+        ] {
+            let reading = repeated(item, repetition);
+            let told = told(&reading);
+            let serious: Vec<&String> = told.iter().filter(|t| !t.contains(floating)).collect();
+            assert!(serious.is_empty(), "{kind} [{repetition}]: {serious:?}");
+            assert_eq!(
+                count(&reading.skeleton, kind),
+                number,
+                "{kind} [{repetition}]"
+            );
+        }
+        for repetition in [
+            "1 in 0..3",
+            "< in 0..3",
+            "* in 0..3",
+            "1.5 in 0..3",
+            "{} in 0..3",
+            "in 0..3",
+            "i in",
+            "i in 0",
+            "i in 0..",
+            "i in ..3",
+            "i on 0..3",
+            "i, in 0..3",
+            "i in 0..3, 4",
+            "i",
+            "*",
+            "",
+        ] {
+            let reading = repeated(item, repetition);
+            let told = told(&reading);
+            assert!(reading.scene.is_none(), "{kind} [{repetition}] was read");
+            assert!(
+                told.iter().all(|told| told.contains("[i in 0..3]")
+                    || told.contains("index")
+                    || told.contains("parameter")
+                    || told.contains("expected")),
+                "{kind} [{repetition}]: {told:?}"
+            );
+            assert_eq!(told.len(), 1, "{kind} [{repetition}]: {told:?}");
+        }
+    }
+    assert_eq!(
+        told(&repeated(REPEATED[1].1, "1 in 0..3")),
+        [
+            "scene.toml:12:12: expected the name of an index before `in`, found `1`: write a word, such as `eye[i in 0..3]`"
+        ]
+    );
 }
 
 #[test]

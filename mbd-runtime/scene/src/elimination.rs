@@ -21,19 +21,18 @@
 //! - or on one body in any way: on the joints, moving that body is moving all the others, so its columns are not missed. This needs joints
 //!   that can hold together; where no state was found at which the loops close, only the first two count.
 //!
-//! The orders differ a lot in cost: a hub with 11 arms costs ten times more bodies first than leaf first, a chain half as much again leaf
-//! first as bodies first. So candidates are counted and the cheapest is taken.
+//! The orders differ a lot in cost, so candidates are counted and the cheapest is taken.
 //!
-//! The last candidate takes a body out **together with the joint that carries it**, leaf to root, where the joint determines part of the
-//! body's speeds exactly, or locks it to its parent up to ways that slide ([`Partition`]): substitution in place of pivots, the
-//! articulated-body recursion on a tree. The rows of the other joints wait as above.
+//! The last candidate takes a body out **together with its parent joint**, leaf to root, where the joint states the columns H that it leaves
+//! free ([`Carrying`]): substitution in place of pivots, the articulated-body recursion on a tree. The rows of the other joints wait as above.
 
+mod carrying;
 mod graph;
 
+pub use carrying::Carrying;
 use graph::Graph;
 
 use crate::layout::{JointSlots, PointSlots};
-use crate::partition::Partition;
 use crate::plane::Directions;
 
 /// What a node of the system is.
@@ -60,10 +59,10 @@ pub struct Step {
     pub diagonal: usize,
     /// Later nodes it is coupled to, in order.
     pub below: Vec<Below>,
-    /// A body that leaves together with the joint that carries it, the next step: how that joint parts its speeds.
-    pub partition: Option<Partition>,
-    /// A joint that leaves together with the body it carries, the step before.
-    pub rides: bool,
+    /// A body that leaves together with its parent joint, the next step: how that joint carries it.
+    pub carrying: Option<Carrying>,
+    /// A joint that leaves together with its child, the step before.
+    pub paired: bool,
 }
 
 /// A coupling to a later node.
@@ -92,101 +91,128 @@ pub struct Elimination {
     pub points: Vec<Option<usize>>,
     /// The step of each joint; `None` where it has no rows.
     pub joints: Vec<Option<usize>>,
-    /// The joint that carries each body out of the system; `None` where none does.
-    pub carriers: Vec<Option<usize>>,
-    /// Estimated operations of the candidates: bodies first, least degree, least cost, articulated bodies.
-    pub candidates: [usize; 4],
+    /// The parent joint of each body, which carries it out of the system; `None` where none does.
+    pub parent_joints: Vec<Option<usize>>,
+    /// Estimated operations of the candidates: least degree, least cost, articulated bodies.
+    pub candidates: [usize; 3],
 }
 
-/// The joint that carries each body: the first that parts its speeds, unless the body carries itself through it.
-fn carriers(
+/// The parent joint of each body: the first that can carry it, unless the body carries itself through it.
+fn parent_joints(
     bodies: usize,
     joints: &[JointSlots],
-    partitions: &[Option<Partition>],
+    carrying: &[Option<Carrying>],
 ) -> Vec<Option<usize>> {
-    let mut carriers: Vec<Option<usize>> = vec![None; bodies];
-    for (index, (joint, partition)) in joints.iter().zip(partitions).enumerate() {
+    let mut parents: Vec<Option<usize>> = vec![None; bodies];
+    for (index, (joint, carrying)) in joints.iter().zip(carrying).enumerate() {
         let [parent, Some(Part::Body(child))] = joint.ends else {
             continue;
         };
-        let parts =
-            joint.all_kept() && partition.is_some_and(|partition| joint.len == partition.rows());
+        let carries = joint.all_kept() && joint.len > 0 && carrying.is_some();
         let mut inboard = parent;
         while let Some(Part::Body(body)) = inboard
             && body != child
         {
-            inboard = carriers[body].and_then(|joint| joints[joint].ends[0]);
+            inboard = parents[body].and_then(|joint| joints[joint].ends[0]);
         }
-        if parts && carriers[child].is_none() && inboard != Some(Part::Body(child)) {
-            carriers[child] = Some(index);
+        if carries && parents[child].is_none() && inboard != Some(Part::Body(child)) {
+            parents[child] = Some(index);
         }
     }
-    carriers
+    parents
+}
+
+/// Chooses the components of the unknowns of every body that a joint carries.
+fn in_components(
+    directions: Directions,
+    parents: &[Option<usize>],
+    joints: &[JointSlots],
+    carrying: &[Option<Carrying>],
+) -> Vec<Option<Carrying>> {
+    let mut carrying = carrying.to_vec();
+    if directions.plane.is_some() {
+        return carrying;
+    }
+    let carried = |body: usize| {
+        let on = move |joint: &usize| joints[*joint].ends[0] == Some(Part::Body(body));
+        parents.iter().flatten().copied().filter(on)
+    };
+    for (body, joint) in parents.iter().enumerate() {
+        if let (Some(joint), None) = (*joint, carried(body).next()) {
+            carrying[joint] = carrying[joint].map(|own| own.of_leaf());
+        }
+    }
+    loop {
+        let before = carrying.clone();
+        for (body, joint) in parents.iter().enumerate() {
+            let others = carried(body).any(|joint| before[joint].is_some_and(|child| !child.own));
+            if let Some(own) = joint.and_then(|joint| carrying[joint].as_mut()) {
+                own.own &= !(others && own.may_turn());
+            }
+        }
+        if carrying == before {
+            return carrying;
+        }
+    }
 }
 
 impl Elimination {
-    /// Chooses the cheapest of the candidate orders and lays out its blocks. `partitions`: how each joint parts the speeds of its child;
-    /// `closed`: whether states are known at which the loops of the joints close.
+    /// Chooses the cheapest of the candidate orders and lays out its blocks. `carrying`: how each joint carries its child; `closed`: whether
+    /// states are known at which the loops of the joints close.
     #[must_use]
     pub fn new(
         directions: Directions,
         bodies: usize,
         points: &[PointSlots],
         joints: &[JointSlots],
-        partitions: &[Option<Partition>],
+        carrying: &[Option<Carrying>],
         closed: bool,
     ) -> Self {
         let graph = Graph::new(directions, bodies, points, joints, closed);
-        let bodies_first = |g: &Graph, n: usize| (usize::from(g.is_joint(n)), g.cost(n));
         let least_degree =
             |g: &Graph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));
         let least_cost = |g: &Graph, n: usize| (g.cost(n), 0);
-        let carriers = carriers(bodies, joints, partitions);
-        let carrying: Vec<Option<usize>> = graph
+        let parents = parent_joints(bodies, joints, carrying);
+        let carrying = in_components(directions, &parents, joints, carrying);
+        let pairs: Vec<Option<(usize, Carrying)>> = graph
             .parts
             .iter()
             .map(|part| match *part {
-                Part::Body(body) => carriers[body].and_then(|joint| graph.node(Part::Joint(joint))),
-                _ => None,
-            })
-            .collect();
-        let ways: Vec<Option<usize>> = graph
-            .parts
-            .iter()
-            .map(|part| match *part {
-                Part::Body(body) => Some(partitions[carriers[body]?]?.locked?.free),
+                Part::Body(body) => {
+                    let joint = parents[body]?;
+                    Some((graph.node(Part::Joint(joint))?, carrying[joint]?))
+                }
                 _ => None,
             })
             .collect();
         let plain = [
-            graph.clone().run(bodies_first),
             graph.clone().run(least_degree),
             graph.clone().run(least_cost),
         ];
-        let articulated = graph.clone().run_articulated(&carrying, &ways);
-        let [a, b, c] = plain.each_ref().map(|(_, cost)| *cost);
+        let articulated = graph.clone().run_articulated(&pairs);
+        let [a, b] = plain.each_ref().map(|(_, cost)| *cost);
         let last = articulated.as_ref().map_or(usize::MAX, |(_, cost)| *cost);
         let mut elimination = Elimination {
-            candidates: [a, b, c, last],
+            candidates: [a, b, last],
             bodies: vec![None; bodies],
             points: vec![None; points.len()],
             joints: vec![None; joints.len()],
-            carriers: vec![None; bodies],
+            parent_joints: vec![None; bodies],
             ..Elimination::default()
         };
         let cheapest = plain.into_iter().min_by_key(|(_, cost)| *cost);
         match (articulated, cheapest) {
             (Some((order, cost)), Some((_, other))) if cost <= other => {
-                elimination.carriers = carriers;
-                elimination.lay_out(graph, &order, partitions);
+                elimination.parent_joints = parents;
+                elimination.lay_out(graph, &order, &carrying);
             }
-            (_, Some((order, _))) => elimination.lay_out(graph, &order, partitions),
+            (_, Some((order, _))) => elimination.lay_out(graph, &order, &carrying),
             _ => {}
         }
         elimination
     }
 
-    fn lay_out(&mut self, mut graph: Graph, order: &[usize], partitions: &[Option<Partition>]) {
+    fn lay_out(&mut self, mut graph: Graph, order: &[usize], carrying: &[Option<Carrying>]) {
         let mut place = vec![0; graph.parts.len()];
         for (step, &node) in order.iter().enumerate() {
             place[node] = step;
@@ -200,16 +226,19 @@ impl Elimination {
             }
             let mut later: Vec<usize> = graph.eliminate(node).iter().map(|&n| place[n]).collect();
             later.sort_unstable();
-            let carrier = match part {
-                Part::Body(body) => self.carriers[body],
+            let parent = match part {
+                Part::Body(body) => self.parent_joints[body],
                 _ => None,
             };
-            let partition = carrier.and_then(|joint| partitions.get(joint).copied().flatten());
-            // What a joint holds of the body that rides out with it, the step before.
-            let carried = self.steps.last().filter(|step| step.partition.is_some());
-            let [width, room, unknowns] = match carried.map(|step| (step.size, step.partition)) {
-                Some((speeds, Some(partition))) => partition.room(speeds),
-                _ => [size, size * size, size],
+            let own = parent.and_then(|joint| carrying.get(joint).copied().flatten());
+            // A joint that leaves with its child, the step before: X a coupling; H, its least pivots and axes; ν.
+            let child = self
+                .steps
+                .last()
+                .and_then(|step| Some((step.size, step.carrying?.free)));
+            let [width, room, unknowns] = match child {
+                Some((speeds, free)) => [speeds, (speeds + 1) * free + 9, speeds],
+                None => [size, size * size, size],
             };
             let diagonal = self.room(room);
             let below = later.iter().map(|&step| Below {
@@ -224,8 +253,8 @@ impl Elimination {
                 size,
                 diagonal,
                 below,
-                partition,
-                rides: matches!(part, Part::Joint(joint) if self.carriers.contains(&Some(joint))),
+                carrying: own,
+                paired: child.is_some(),
             });
             self.unknowns += unknowns;
         }
@@ -246,12 +275,20 @@ impl Elimination {
         self.store - len
     }
 
-    /// Whether the joint of a step locks the body that leaves with it, the step before, to its parent.
+    /// How the parent joint of a body carries it, and which joint that is; `None` where none does.
     #[must_use]
-    pub fn locks(&self, joint: usize) -> bool {
-        let body = joint.checked_sub(1).and_then(|body| self.steps.get(body));
-        let partition = body.and_then(|body| body.partition);
-        partition.is_some_and(|partition| partition.locked.is_some())
+    pub fn carrying(&self, body: usize) -> Option<(usize, Carrying)> {
+        let joint = (*self.parent_joints.get(body)?)?;
+        let step = self.step_of(Part::Body(body))?;
+        Some((joint, self.steps.get(step)?.carrying?))
+    }
+
+    /// The child that a joint carries out of the system, and how; `None` where it carries none.
+    #[must_use]
+    pub fn carried_by(&self, joint: usize) -> Option<(usize, Carrying)> {
+        let own = |parent: &Option<usize>| *parent == Some(joint);
+        let body = self.parent_joints.iter().position(own)?;
+        Some((body, self.carrying(body)?.1))
     }
 
     /// The step of a part; `None` if the system has no such part.

@@ -19,7 +19,6 @@ mod layout;
 mod model;
 mod packed;
 mod params;
-mod partition;
 mod plane;
 mod quantity;
 mod real;
@@ -28,7 +27,7 @@ mod scene;
 
 pub use cost::Cost;
 pub use dual::Dual;
-pub use elimination::{Below, Elimination, Part, Step};
+pub use elimination::{Below, Carrying, Elimination, Part, Step};
 pub use formula::{Formula, Function, Place};
 pub use jet::Jet;
 pub use joints::{
@@ -42,7 +41,6 @@ pub use layout::{
 pub use model::{Model, Work};
 pub use packed::Packed;
 pub use params::{ParamError, check_params, checked_numbers};
-pub use partition::Partition;
 pub use plane::{Directions, Plane};
 pub use quantity::{Arguments, At, Differentiated, Quantity, Variable};
 pub use real::{Float, Real, TINY};

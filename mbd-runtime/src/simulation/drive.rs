@@ -249,7 +249,7 @@ impl<T: Float> Simulation<T> {
         let tried = self.method.attempt(&mut self.system, time, step, state);
         // A stage came too close to a state where rows repeat each other: the step is made with rows chosen at its start.
         match tried {
-            Err(StepError::SingularConstraints { .. }) if self.system.climb(time, state) => {
+            Err(StepError::SingularConstraints { .. }) if self.system.escalate(time, state) => {
                 self.method.attempt(&mut self.system, time, step, state)
             }
             tried => tried,

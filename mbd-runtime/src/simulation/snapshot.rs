@@ -7,8 +7,8 @@ use super::{Pace, Simulation};
 use crate::columns::state_names;
 use crate::compiled::Scalar;
 use crate::error::{RunError, StepError};
+use crate::fallback::SavedStrategy;
 use crate::integrate::Control;
-use crate::ladder::Footing;
 use crate::node::NodeMemory;
 use crate::watch::Watch;
 
@@ -26,7 +26,7 @@ pub struct Snapshot<T> {
     watch_weights: Vec<T>,
     sides: Vec<bool>,
     drift: f64,
-    rows: Footing,
+    rows: SavedStrategy,
 }
 
 impl<T> Snapshot<T> {
@@ -71,7 +71,7 @@ impl<T: Float> Simulation<T> {
             watch_weights: self.watch_weights.clone(),
             sides: self.margins.sides.clone(),
             drift: self.system.drift,
-            rows: self.system.ladder.footing(),
+            rows: self.system.fallback.saved(),
         }
     }
 
@@ -116,11 +116,11 @@ impl<T: Float> Simulation<T> {
         }
         self.started = true;
         self.watch_weights.clone_from(&snapshot.watch_weights);
-        self.system.ladder.resume(&snapshot.rows);
+        self.system.fallback.resume(&snapshot.rows);
         let begun = self
             .method
             .begin(&mut self.system, self.time, 0.0, &self.state);
-        self.system.ladder.commit();
+        self.system.fallback.commit();
         self.system.follow_angles(self.time, &self.state, true);
         let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));
         begun.map_err(|cause| self.failed(cause))

@@ -127,7 +127,7 @@ impl<T: Float> Simulation<T> {
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
         self.system
-            .weigh(self.time, &self.state, self.method.first_mut())?;
+            .check_conditioning(self.time, &self.state, self.method.first_mut())?;
         if let Pace::Adaptive(control, norm) = &mut self.pace {
             // The first step moves no block by more than a hundredth of its scale.
             let speed =

@@ -10,7 +10,7 @@ mod run;
 mod scene_file;
 
 use std::ffi::OsString;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -57,17 +57,26 @@ struct SceneArgs {
 
 /// Reads the arguments, does what they say, and tells how it went.
 pub fn main() -> ExitCode {
-    let (code, text) = match answer(std::env::args_os()) {
-        Ok(text) => (0, text),
-        Err(failure) => (failure.code(), failure.to_string()),
+    let text = answer(std::env::args_os());
+    let Err(failure) = text.and_then(|text| print(&text, &mut std::io::stdout())) else {
+        return ExitCode::SUCCESS;
     };
-    // Nobody reading any more (`mbd list | head`) is no error.
-    let _ = if code == 0 {
-        write!(std::io::stdout(), "{text}")
-    } else {
-        writeln!(std::io::stderr(), "{}", text.trim_end())
-    };
-    ExitCode::from(code)
+    // The exit code tells of the failure when the error stream cannot.
+    let _ = writeln!(std::io::stderr(), "{}", failure.to_string().trim_end());
+    ExitCode::from(failure.code())
+}
+
+/// Writes the whole text. Nobody reading any more (`mbd list | head`) is no error; a full disk is.
+fn print(text: &str, stream: &mut impl Write) -> Result<(), Failure> {
+    let written = stream
+        .write_all(text.as_bytes())
+        .and_then(|()| stream.flush());
+    match written {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Usage(format!(
+            "cannot write the result to the standard output: {error}"
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// The text a command prints.

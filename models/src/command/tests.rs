@@ -43,6 +43,44 @@ fn help_is_no_error_and_a_typing_mistake_is_one() {
     );
 }
 
+/// A buffer before a full disk: it takes everything and fails where it has to give it on.
+struct Full;
+
+impl Write for Full {
+    fn write(&mut self, text: &[u8]) -> std::io::Result<usize> {
+        Ok(text.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Err(ErrorKind::StorageFull.into())
+    }
+}
+
+#[test]
+fn output_that_cannot_be_written_is_an_error_and_a_reader_who_left_is_none() {
+    let folder = Folder::new("full");
+    let out = folder.0.join("out").display().to_string();
+    for arguments in [
+        &["list"][..],
+        &["check", "swing"],
+        &["convert", "swing"],
+        &["run", "swing", "--json", "--until", "0.01 s", "--out", &out],
+    ] {
+        let text = run(arguments).unwrap();
+        let mut streams: Vec<Box<dyn Write>> = vec![Box::new(Full)];
+        let device = std::fs::OpenOptions::new().write(true).open("/dev/full");
+        streams.extend(device.map(|device| Box::new(device) as Box<dyn Write>));
+        for stream in &mut streams {
+            let error = print(&text, stream).unwrap_err();
+            assert_eq!(error.code(), 1, "{arguments:?}");
+            assert!(error.to_string().contains("cannot write"), "{error}");
+        }
+        let (reader, mut writer) = std::io::pipe().unwrap();
+        drop(reader);
+        assert!(print(&text, &mut writer).is_ok(), "{arguments:?}");
+    }
+}
+
 #[test]
 fn an_unknown_scene_is_a_usage_error_with_a_suggestion() {
     let error = run(&["run", "swnig"]).unwrap_err();

@@ -38,7 +38,7 @@ struct Summary<'a> {
     freedoms: usize,
     rows: usize,
     rows_kept: usize,
-    rows_rung: u64,
+    rows_strategy: u64,
     rows_chosen: u64,
     rows_regularised: u64,
     lost_digits: u64,
@@ -103,7 +103,7 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
         freedoms: layout.freedoms(),
         rows: layout.nc,
         rows_kept: layout.rank(),
-        rows_rung: statistics.rows_rung,
+        rows_strategy: statistics.rows_strategy,
         rows_chosen: statistics.rows_chosen,
         rows_regularised: statistics.rows_regularised,
         lost_digits: statistics.lost_digits,
@@ -164,7 +164,7 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
         ));
         rows.push((
             "how the rows were solved",
-            rung(statistics.rows_rung).into(),
+            strategy(statistics.rows_strategy).into(),
         ));
         if statistics.rows_chosen > 0 {
             let chosen = Cell::Count(statistics.rows_chosen);
@@ -207,9 +207,9 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
     table
 }
 
-/// The worst rung of the ladder in words: `Statistics::rows_rung`.
-fn rung(rung: u64) -> &'static str {
-    match rung {
+/// The last strategy of the fallback chain in words: `Statistics::rows_strategy`.
+fn strategy(strategy: u64) -> &'static str {
+    match strategy {
         0 | 1 => "in the order fixed beforehand",
         2 => "at worst, some rows chosen anew for a step",
         3 => "at worst, by the whole matrix with pivots",

@@ -108,7 +108,7 @@ fn accelerations_and_multipliers_satisfy_the_equations_of_motion() {
             for seed in 0..200 {
                 let scene = net(seed, components, plane);
                 let plan = &layout(&scene).elimination;
-                let locked = plan.steps.iter().filter_map(|step| step.partition?.locked);
+                let locked = plan.steps.iter().filter_map(|step| step.carrying);
                 let locked = locked.count();
                 let mut random = Random::new(seed + 900);
                 for _ in 0..3 {

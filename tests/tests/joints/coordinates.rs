@@ -136,7 +136,7 @@ fn rates_and_rows_are_the_derivatives_of_coordinates_along_motions_that_violate_
 }
 
 /// An end in its own components.
-fn end(body: &Instance, seat: &Seat, components: AngularVelocity) -> End<f64> {
+pub fn end(body: &Instance, seat: &Seat, components: AngularVelocity) -> End<f64> {
     let turned = |v: Vector3<f64>| match components {
         AngularVelocity::Body => v,
         AngularVelocity::World => body.rotation() * v,

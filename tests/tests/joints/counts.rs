@@ -124,7 +124,7 @@ fn an_open_chain_costs_the_same_for_every_further_body() {
     let [four, eight, sixteen, many] = [4, 8, 16, 64].map(whole);
     assert_eq!(sixteen - eight, 2 * (eight - four), "linear in n");
     assert_eq!(many - sixteen, 12 * (eight - four), "linear in n");
-    assert!(many <= 560 * 64, "{many}: kinematics, rows, system and all");
+    assert!(many <= 520 * 64, "{many}: kinematics, rows, system and all");
     assert!(solving(&chain(16, false)) <= 310 * 16);
 }
 
@@ -164,6 +164,15 @@ fn screw(axis: Axis) -> JointLaw {
     JointLaw::Screw(Screw { axis, pitch })
 }
 
+fn skew(axis: Axis) -> JointLaw {
+    let [x, y, _] = axis.0;
+    hinge(Axis::new([0.2 + 0.1 * x, 0.3 + 0.2 * y, 0.9]).expect("not zero"))
+}
+
+fn ball(_: Axis) -> JointLaw {
+    JointLaw::Spherical(Spherical::default())
+}
+
 fn cardan(_: Axis) -> JointLaw {
     JointLaw::Universal(Universal::default())
 }
@@ -180,20 +189,22 @@ fn telescope(axis: Axis) -> JointLaw {
 type Kind = fn(Axis) -> JointLaw;
 
 /// Joints, their driven coordinates, and the operations of a state derivative that a body of a chain of 16 may cost.
-const CHAINS: [(&str, Kind, &[usize], usize); 13] = [
-    ("hinge", hinge, &[], 530),
-    ("hinge, driven", hinge, &[0], 370),
-    ("universal", cardan, &[], 510),
-    ("universal, first angle driven", cardan, &[0], 555),
-    ("universal, driven", cardan, &[0, 1], 420),
-    ("prismatic", prismatic, &[], 525),
-    ("hinge and prismatic in turn", telescope, &[], 675),
-    ("prismatic, driven", prismatic, &[0], 410),
-    ("cylindrical", cylindrical, &[], 740),
-    ("cylindrical, angle driven", cylindrical, &[1], 555),
-    ("planar", table, &[], 480),
-    ("planar, angle driven", table, &[2], 640),
-    ("screw", screw, &[], 1_210),
+const CHAINS: [(&str, Kind, &[usize], usize); 15] = [
+    ("hinge", hinge, &[], 485),
+    ("hinge about a skew axis", skew, &[], 560),
+    ("hinge, driven", hinge, &[0], 285),
+    ("spherical", ball, &[], 290),
+    ("universal", cardan, &[], 500),
+    ("universal, first angle driven", cardan, &[0], 535),
+    ("universal, driven", cardan, &[0, 1], 330),
+    ("prismatic", prismatic, &[], 465),
+    ("hinge and prismatic in turn", telescope, &[], 540),
+    ("prismatic, driven", prismatic, &[0], 340),
+    ("cylindrical", cylindrical, &[], 650),
+    ("cylindrical, angle driven", cylindrical, &[1], 420),
+    ("planar", table, &[], 465),
+    ("planar, angle driven", table, &[2], 520),
+    ("screw", screw, &[], 710),
 ];
 
 #[test]
@@ -213,16 +224,16 @@ fn the_cheap_order_of_elimination_is_found() {
         let cheapest = candidates.iter().min().copied();
         candidates.iter().position(|&cost| Some(cost) == cheapest)
     };
-    let articulated = Some(3);
+    let articulated = Some(2);
     assert_eq!(choice(&chain(8, false)), articulated);
     assert_eq!(choice(&chain(8, true)), articulated);
     assert_eq!(choice(&hub(11)), articulated);
     assert_eq!(choice(&tree(15)), articulated);
     let rods = of_distances(8);
     assert_ne!(choice(&rods), articulated, "nothing carries these bodies");
-    assert!(cost(&chain(8, true), Quantity::Derivative) <= 5_100);
-    assert!(cost(&hub(11), Quantity::Derivative) <= 6_200);
-    assert!(cost(&tree(15), Quantity::Derivative) <= 7_000);
+    assert!(cost(&chain(8, true), Quantity::Derivative) <= 4_600);
+    assert!(cost(&hub(11), Quantity::Derivative) <= 5_250);
+    assert!(cost(&tree(15), Quantity::Derivative) <= 6_400);
 }
 
 #[test]
@@ -239,7 +250,11 @@ fn a_joint_pays_for_nothing_it_does_not_need() {
         swing([0.0, 0.0, 0.5], hinge(Axis::Y)),
         swing([0.0, 0.0, 0.5], hinge(odd)),
     );
-    assert!(aligned + 80 < tilted, "{aligned} aligned, {tilted} tilted");
+    // An axis off those of the body costs its direction and the elements that are no longer zero.
+    assert!(
+        aligned <= 120 && aligned + 40 < tilted && tilted <= 175,
+        "{aligned} aligned, {tilted} tilted"
+    );
     let spherical = || JointLaw::Spherical(Spherical::default());
     let (none, one, three) = (
         swing([0.0; 3], spherical()),

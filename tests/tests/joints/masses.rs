@@ -190,7 +190,7 @@ fn error(got: impl IntoIterator<Item = f64>, want: &[f64]) -> f64 {
     })
 }
 
-/// The rates of a run at its start, its rung and the digits it says are lost.
+/// The rates of a run at its start, its strategy and the digits it says are lost.
 fn start<T: Scalar>(scene: &Scene, x: &[f64]) -> Result<(Vec<f64>, [u64; 2]), StepError> {
     let model = Generic::<T>::with_defaults(scene.clone()).expect("a valid scene");
     let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
@@ -199,7 +199,7 @@ fn start<T: Scalar>(scene: &Scene, x: &[f64]) -> Result<(Vec<f64>, [u64; 2]), St
     run.start().map_err(|error| error.cause)?;
     let rates = run.rates().iter().map(|x| x.to_f64()).collect();
     let statistics = run.statistics();
-    Ok((rates, [statistics.rows_rung, statistics.lost_digits]))
+    Ok((rates, [statistics.rows_strategy, statistics.lost_digits]))
 }
 
 const PATTERNS: [(&str, Pattern); 4] = [
@@ -223,24 +223,24 @@ fn accelerations_keep_their_digits_whatever_the_masses() {
             let ratio = 10f64.powf(decade);
             let masses: Vec<f64> = (0..LINKS).map(|k| mass(k, ratio)).collect();
             let (mut random, mut most) = (Random::new(7), [0.0f64; 2]);
-            let (mut rungs, mut digits) = ([0; 5], 0);
+            let (mut strategies, mut digits) = ([0; 5], 0);
             for _ in 0..POSTURES {
                 let (scene, x, want) = chain(&masses, &mut random);
                 let emitted = evaluate(&scene, mbd_scene::Quantity::Derivative, &x, &[], &[]);
-                let (rates, [rung, lost]) =
+                let (rates, [strategy, lost]) =
                     start::<f64>(&scene, &x).unwrap_or_else(|error| panic!("{error}"));
                 most[0] = most[0].max(worst(&emitted, &want));
                 most[1] = most[1].max(worst(&rates, &want));
-                rungs[rung as usize] += 1;
+                strategies[strategy as usize] += 1;
                 digits = digits.max(lost);
             }
-            let [emitted, climbed] = most;
+            let [emitted, chained] = most;
             println!(
-                "{name} 1e{decade}: emitted {emitted:.1e}, ladder {climbed:.1e}, rungs {rungs:?}, digits {digits}"
+                "{name} 1e{decade}: emitted {emitted:.1e}, chain {chained:.1e}, strategies {strategies:?}, digits {digits}"
             );
             let bound = 1e-12 * (ratio * 1e-5).max(1.0);
-            if climbed.is_nan() || climbed > bound {
-                missed.push(format!("{name} 1e{decade}: {climbed:e} > {bound:e}"));
+            if chained.is_nan() || chained > bound {
+                missed.push(format!("{name} 1e{decade}: {chained:e} > {bound:e}"));
             }
         }
     }
@@ -256,23 +256,23 @@ fn accelerations_keep_their_digits_whatever_the_inertias_of_equal_masses() {
             let ratio = 10f64.powf(decade);
             let inertias: Vec<f64> = (0..LINKS).map(|k| inertia(k, ratio) / 12.0).collect();
             let (mut random, mut most) = (Random::new(7), [0.0f64; 2]);
-            let mut rungs = [0; 5];
+            let mut strategies = [0; 5];
             for _ in 0..POSTURES {
                 let (scene, x, want) = chain_of(&masses, &inertias, &mut random);
                 let emitted = evaluate(&scene, mbd_scene::Quantity::Derivative, &x, &[], &[]);
-                let (rates, [rung, _]) =
+                let (rates, [strategy, _]) =
                     start::<f64>(&scene, &x).unwrap_or_else(|error| panic!("{error}"));
                 most[0] = most[0].max(worst(&emitted, &want));
                 most[1] = most[1].max(worst(&rates, &want));
-                rungs[rung as usize] += 1;
+                strategies[strategy as usize] += 1;
             }
-            let [emitted, climbed] = most;
+            let [emitted, chained] = most;
             println!(
-                "{name} 1e{decade}: emitted {emitted:.1e}, ladder {climbed:.1e}, rungs {rungs:?}"
+                "{name} 1e{decade}: emitted {emitted:.1e}, chain {chained:.1e}, strategies {strategies:?}"
             );
             let bound = 1e-12 * (ratio * 1e-5).max(1.0);
-            if climbed.is_nan() || climbed > bound {
-                missed.push(format!("{name} 1e{decade}: {climbed:e} > {bound:e}"));
+            if chained.is_nan() || chained > bound {
+                missed.push(format!("{name} 1e{decade}: {chained:e} > {bound:e}"));
             }
         }
     }
@@ -296,30 +296,30 @@ fn sliders_keep_their_digits_whatever_the_masses() {
             for decade in [0.0, 3.0, 5.0, 7.0, 9.0] {
                 let ratio = 10f64.powf(decade);
                 let masses: Vec<f64> = (0..LINKS).map(|k| mass(k, ratio)).collect();
-                let (mut random, mut most, mut rungs) = (Random::new(5), [0.0f64; 3], [0; 5]);
+                let (mut random, mut most, mut strategies) = (Random::new(5), [0.0f64; 3], [0; 5]);
                 for _ in 0..POSTURES {
                     let (scene, x, want) = sliders(&masses, axes, &mut random);
                     let emitted = evaluate(&scene, mbd_scene::Quantity::Derivative, &x, &[], &[]);
-                    let (rates, [rung, _]) =
+                    let (rates, [strategy, _]) =
                         start::<f64>(&scene, &x).unwrap_or_else(|error| panic!("{error}"));
                     most[0] = most[0].max(error(linear(&emitted), &want));
                     most[1] = most[1].max(error(linear(&rates), &want));
-                    rungs[rung as usize] += 1;
+                    strategies[strategy as usize] += 1;
                     let (rates, _) =
                         start::<f32>(&scene, &x).unwrap_or_else(|error| panic!("{error}"));
                     most[2] = most[2].max(error(linear(&rates), &want));
                 }
-                let [emitted, climbed, single] = most;
+                let [emitted, chained, single] = most;
                 let name = format!("{kind} sliders, {pattern} 1e{decade}");
                 println!(
-                    "{name}: emitted {emitted:.1e}, ladder {climbed:.1e}, f32 {single:.1e}, rungs {rungs:?}"
+                    "{name}: emitted {emitted:.1e}, chain {chained:.1e}, f32 {single:.1e}, strategies {strategies:?}"
                 );
                 let bound = 1e-12 * (ratio * 1e-5).max(1.0);
                 // Single precision: twice what was measured. Up to 1e3 masses are not weighed at the start of a run; above, rounding of the
                 // axes remains.
-                let unweighed = if decade == 3.0 { 3e-4 } else { 3e-5 };
-                if climbed.is_nan() || climbed > bound || single.is_nan() || single > unweighed {
-                    missed.push(format!("{name}: {climbed:e} > {bound:e}, f32 {single:e}"));
+                let unchecked = if decade == 3.0 { 3e-4 } else { 3e-5 };
+                if chained.is_nan() || chained > bound || single.is_nan() || single > unchecked {
+                    missed.push(format!("{name}: {chained:e} > {bound:e}, f32 {single:e}"));
                 }
             }
         }

@@ -48,8 +48,8 @@ fn a_parallelogram_turns_evenly_through_both_flat_positions_with_and_without_a_t
                 tilt = tilt.max(x[7 * count + 6].abs());
             });
             println!(
-                "{count} cranks from {start}: angle {angle:e}, energy {most:e}, tilt {tilt:e}, rung {}, chosen {}",
-                statistics.rows_rung, statistics.rows_chosen
+                "{count} cranks from {start}: angle {angle:e}, energy {most:e}, tilt {tilt:e}, strategy {}, chosen {}",
+                statistics.rows_strategy, statistics.rows_chosen
             );
             // On the other branch the bar turns with the cranks.
             assert!(most < 1e-12 && angle < 1e-11 && tilt < 1e-9);
@@ -92,8 +92,8 @@ fn four_bars(
     }
     let statistics = run.statistics();
     println!(
-        "{n} four-bars, {plane:?}, to {until} s: place {place:e} m, energy {most:e} J, {} steps, rung {}, chosen {}",
-        statistics.steps, statistics.rows_rung, statistics.rows_chosen
+        "{n} four-bars, {plane:?}, to {until} s: place {place:e} m, energy {most:e} J, {} steps, strategy {}, chosen {}",
+        statistics.steps, statistics.rows_strategy, statistics.rows_chosen
     );
     [place, most]
 }

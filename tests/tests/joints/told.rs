@@ -41,7 +41,10 @@ fn reactions_in_passing_a_singular_position_have_the_value_they_tend_to() {
     let model = Generic::<f64>::with_defaults(linkage.scene.clone()).expect("a valid scene");
     let options = Options::rk4(1e-3);
     let history = record(&model, (options, NoLoads), &linkage.state(), 5e-3);
-    assert_eq!((history.undetermined, history.statistics.rows_rung), (0, 2));
+    assert_eq!(
+        (history.undetermined, history.statistics.rows_strategy),
+        (0, 2)
+    );
     // Each crank carries itself and half of the bar around: 1 kg · 4/s² · (0.5 m + 0.5 · 1 m) at its root, the bar's half at its tip. And
     // weight turns them by −2 · 9.81 N m / (5/3 kg m²): the bar falls by more than its weight, −1.962 N on two tips.
     for (joint, along, across) in [
@@ -129,12 +132,12 @@ fn a_motor_drives_through_positions_at_which_rows_lose_rank_and_its_power_is_kno
             most[1] = most[1].max((power[k] - 4.0 * 9.81 * angle.cos()).abs());
         }
         println!(
-            "{start}: energy {:e}, power {:e}, rung {}",
-            most[0], most[1], history.statistics.rows_rung
+            "{start}: energy {:e}, power {:e}, strategy {}",
+            most[0], most[1], history.statistics.rows_strategy
         );
         assert!(most[0] < 1e-9 && most[1] < 1e-4, "{most:?}");
         assert_eq!(
-            (history.undetermined, history.statistics.rows_rung > 1),
+            (history.undetermined, history.statistics.rows_strategy > 1),
             (0, true)
         );
     }

@@ -3,6 +3,7 @@
 //! A check runs when everything it looks at was resolved, so that one mistake is told once.
 
 mod attached;
+mod complete;
 mod inertia;
 mod nodes;
 mod planar;
@@ -14,10 +15,14 @@ use mbd_scene::{Place, PointKind};
 
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
+use crate::syntax::Model;
 
 /// Runs all checks. Where items were lost in reading (not `whole`), what seems missing may be one of them.
-pub fn check(resolver: &mut Resolver<'_>, whole: bool) {
+pub fn check(resolver: &mut Resolver<'_>, model: &Model<'_>, whole: bool) {
     resolver.whole &= whole;
+    if whole {
+        complete::check_complete(resolver, model);
+    }
     check_not_empty(resolver);
     attached::check_attached(resolver);
     attached::check_marks(resolver);

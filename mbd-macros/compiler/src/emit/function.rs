@@ -1,10 +1,12 @@
 //! One program as one function: arguments, named terms, results.
 
+use mbd_scene::Quantity;
 use proc_macro2::TokenStream;
 
 use super::kernel;
 use super::literal::{digits, number_text};
 use super::naming::flat_names;
+use super::quantity;
 use super::terms::{Terms, lets};
 use crate::equations::{Equations, is_matrix};
 use crate::kernels::Kernels;
@@ -12,6 +14,8 @@ use crate::lists::{Arguments, Group};
 use crate::operation::Op;
 use crate::outline::Local;
 use crate::program::{Operand, Program, Register};
+use crate::solution::Solution;
+use crate::titles::headings;
 
 /// The function of a program, which is number `index` of [`Equations::every_program`]: `fn name<T: Real>(lists it reads, out)`, or, for one in
 /// pieces, `fn name<T: Real>(lists it reads, work, out) -> bool`.
@@ -29,11 +33,85 @@ pub fn function(
     out.push_str("#[inline(never)] fn ");
     out.push_str(name);
     out.push_str("<T: ::mbd_runtime::Real>(");
-    match kernels.drivers.get(index) {
-        Some(Some(driver)) => kernel::driver(equations, program, (kernels, driver), &mut out),
+    let together = kernels.solution.as_ref();
+    let together = together.and_then(|solution| Some((solution, solution.member(index)?)));
+    match (kernels.drivers.get(index), together) {
+        (Some(Some(driver)), _) => {
+            kernel::driver(equations, program, (kernels, driver), &mut out);
+        }
+        (_, Some((solution, (place, _)))) => member(equations, solution, program, place, &mut out),
         _ => flat(equations, program, &mut out),
     }
     tokens(&out)
+}
+
+/// The function of the quantities that are found together. rustc takes it into the function of each and leaves out what that does not need.
+pub fn solution(equations: &Equations, solution: &Solution) -> TokenStream {
+    let mut out = String::new();
+    let (scene, layout) = (&equations.scene, &equations.layout);
+    let names: Vec<String> = solution
+        .members
+        .iter()
+        .map(|member| quantity::name(scene, layout, member.what))
+        .collect();
+    let what = format!(" The system solved once: {}.", names.join(", "));
+    document(&mut out, &what);
+    document(&mut out, &format!(" {}.", solution.program.cost()));
+    out.push_str("#[inline(always)] fn solution<T: ::mbd_runtime::Real>(");
+    let lists = Arguments::of(&solution.program, layout).0;
+    taken(equations, &lists, &mut out);
+    let members = solution.members.iter().zip(&names);
+    let given: Vec<String> = members
+        .clone()
+        .map(|(member, name)| format!("{name}: &mut [T; {}]", member.len))
+        .collect();
+    out.push_str(&format!("{}) {{\n", given.join(", ")));
+    let parts: Vec<(usize, Quantity)> = solution
+        .members
+        .iter()
+        .map(|member| (member.begin, member.what))
+        .collect();
+    let terms = body(equations, &solution.program, &parts, &mut out);
+    let values = results(&solution.program, &terms);
+    for (member, name) in members {
+        let own = member.begin..member.begin + member.len;
+        let own = values.iter().filter(|(place, _)| own.contains(place));
+        let own: Vec<&str> = own.map(|&(_, value)| value).collect();
+        out.push_str(&format!("*{name} = [{}];\n", own.join(", ")));
+    }
+    out.push('}');
+    tokens(&out)
+}
+
+/// The function of a quantity that is found with others, from its arguments on. Lists it does not read are zero, as nothing of it depends on them;
+/// what the others find goes nowhere.
+fn member(
+    equations: &Equations,
+    solution: &Solution,
+    program: &Program,
+    place: usize,
+    out: &mut String,
+) {
+    let own = Arguments::of(program, &equations.layout);
+    taken(equations, &own.0, out);
+    let all = Arguments::of(&solution.program, &equations.layout);
+    let passed = |&group: &Group| match group {
+        group if own.reads(group) => group.name().to_owned(),
+        Group::Time => "T::zero()".to_owned(),
+        group => format!("&[T::zero(); {}]", group.len(equations)),
+    };
+    let passed = all.0.iter().map(passed);
+    let written = solution.members.iter().enumerate();
+    let written = written.map(|(index, member)| match index == place {
+        true => "out".to_owned(),
+        false => format!("&mut [T::zero(); {}]", member.len),
+    });
+    let passed: Vec<String> = passed.chain(written).collect();
+    out.push_str(&format!(
+        "out: &mut [T; {}]) {{\nsolution({});\n}}",
+        program.len,
+        passed.join(", ")
+    ));
 }
 
 /// Text that is Rust as tokens at the call of the macro.
@@ -68,26 +146,42 @@ fn flat(equations: &Equations, program: &Program, out: &mut String) {
     out.push_str("out: &mut [T; ");
     digits(out, program.len);
     out.push_str("]) {\n");
+    let parts: Vec<(usize, Quantity)> = program.what.map(|what| (0, what)).into_iter().collect();
+    let terms = body(equations, program, &parts, out);
+    returned(program, &terms, out);
+    out.push('}');
+}
+
+/// What a function reads, knows and computes; the names of all that. `parts`: what the result holds from which place on.
+fn body(
+    equations: &Equations,
+    program: &Program,
+    parts: &[(usize, Quantity)],
+    out: &mut String,
+) -> Terms {
     let (ops, results) = inside(program);
     let lets = lets(
         &ops,
-        |index| program.instructions[index].name.is_some(),
+        |index| program.instructions[index].is_named(),
         &results,
     );
-    let names = flat_names(equations, program, &lets);
-    for &group in arguments.0.iter().filter(|&&group| group != Group::Time) {
-        list(equations, program, group, &names.given, out);
+    let names = flat_names(equations, program, parts, (&ops, &lets));
+    for group in Arguments::of(program, &equations.layout).0 {
+        if group != Group::Time {
+            list(equations, program, group, &names.given, out);
+        }
     }
+    let all: Vec<usize> = (0..ops.len()).collect();
     let terms = Terms {
-        ops: &ops,
+        headings: headings(equations, program, &all, &lets),
+        ops,
         given: names.given,
         constants: names.constants,
         values: names.values,
     };
     constants(&program.constants, &terms.constants, out);
     terms.write(out);
-    returned(program, &terms, out);
-    out.push('}');
+    terms
 }
 
 /// Every operation of a program, arguments counted by kind, and which of them go to the result.
@@ -140,8 +234,8 @@ pub fn constants(values: &[f64], names: &[String], out: &mut String) {
     }
 }
 
-/// `*out = […]` for a list, one assignment a non-zero for a matrix.
-fn returned(program: &Program, terms: &Terms, out: &mut String) {
+/// The name of each number of the result, by its place.
+fn results<'t>(program: &Program, terms: &'t Terms) -> Vec<(usize, &'t str)> {
     let name = |register: Register| match program.operand(register) {
         Operand::Constant(_) => terms.constants.get(register.index()).map(String::as_str),
         Operand::Slot(_) => {
@@ -150,8 +244,15 @@ fn returned(program: &Program, terms: &Terms, out: &mut String) {
         }
         Operand::Value(value) => Some(terms.name(value)),
     };
-    let named = program.outputs.iter();
-    let named = named.map(|&(place, register)| (place, name(register).unwrap_or_default()));
+    let outputs = program.outputs.iter();
+    outputs
+        .map(|&(place, register)| (place, name(register).unwrap_or_default()))
+        .collect()
+}
+
+/// `*out = […]` for a list, one assignment a non-zero for a matrix.
+fn returned(program: &Program, terms: &Terms, out: &mut String) {
+    let named = results(program, terms);
     if program.what.is_some_and(is_matrix) {
         for (place, name) in named {
             out.push_str("out[");
@@ -161,7 +262,7 @@ fn returned(program: &Program, terms: &Terms, out: &mut String) {
             out.push_str(";\n");
         }
     } else {
-        let names: Vec<&str> = named.map(|(_, name)| name).collect();
+        let names: Vec<&str> = named.into_iter().map(|(_, name)| name).collect();
         out.push_str("*out = [");
         out.push_str(&names.join(", "));
         out.push_str("];\n");

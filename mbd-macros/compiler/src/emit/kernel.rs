@@ -1,7 +1,9 @@
 //! A program in pieces: kernels that many share, and the function that calls them.
 //!
-//! The working list belongs to the caller. A kernel splits it where its own block begins: what is before is read, the block is written. No
-//! place can be wrong, since operations only use earlier ones; should the list be too short, a call is `false` and nothing more is written.
+//! The working list belongs to the caller. A kernel takes windows of fixed lengths and writes one block of fixed length: nothing in it can be out
+//! of range. A call cuts them out of the list, which is split where the block begins: what is before is read, the block is written. No place can
+//! be wrong, since operations only use earlier ones; should the list be too short, the driver is `false` and writes nothing. Its length is known
+//! to the driver, so rustc proves the places of every call that is written out.
 
 use proc_macro2::TokenStream;
 
@@ -11,21 +13,24 @@ use super::naming::kernel_names;
 use super::terms::{Terms, lets};
 use crate::cycles::{Cycle, Item};
 use crate::equations::Equations;
-use crate::kernels::{Driver, Kernel, Kernels, Results};
+use crate::kernels::{Driver, Kernel, Kernels, Results, Window};
 use crate::lists::Group;
 use crate::outline::Piece;
-use crate::program::{Operand, Program, Register};
+use crate::program::{Instruction, Operand, Program, Register};
+use crate::titles::headings;
 
 /// Every kernel of a model.
 pub fn kernels(equations: &Equations, kernels: &Kernels) -> TokenStream {
     let programs: Vec<&Program> = equations.every_program().collect();
     let mut out = String::new();
-    for (index, kernel) in kernels.kernels.iter().enumerate() {
+    for kernel in &kernels.kernels {
         let (program, piece) = kernel.first;
         let driver = kernels.drivers.get(program).and_then(Option::as_ref);
+        let program = programs.get(program).zip(driver);
+        let program = program.map(|(program, driver)| driver.program(program));
         let piece = driver.and_then(|driver| driver.pieces.get(piece));
-        if let (Some(program), Some(piece)) = (programs.get(program), piece) {
-            write(equations, program, kernel, piece, index, &mut out);
+        if let (Some(program), Some(piece)) = (program, piece) {
+            write(equations, program, kernel, piece, &mut out);
         }
     }
     tokens(&out)
@@ -36,43 +41,46 @@ fn write(
     program: &Program,
     kernel: &Kernel,
     piece: &Piece,
-    index: usize,
     out: &mut String,
 ) {
-    let begins: Vec<String> = (0..kernel.windows.len())
+    let windows: Vec<String> = (0..kernel.windows.len())
         .map(|index| format!("from_{index}"))
         .collect();
     let named = |at: usize| {
         let instruction = piece.instructions.get(at);
         let instruction = instruction.and_then(|&index| program.instructions.get(index));
-        instruction.is_some_and(|instruction| instruction.name.is_some())
+        instruction.is_some_and(Instruction::is_named)
     };
     let lets = lets(&piece.pattern, named, &piece.results);
     let sharing = (kernel.users > 1, kernel.tabled);
-    let names = kernel_names(equations, program, (piece, &lets), &begins, sharing);
+    let names = kernel_names(equations, program, (piece, &lets), &windows, sharing);
+    let headings = match kernel.users {
+        1 => headings(equations, program, &piece.instructions, &lets),
+        // One that many share has terms of no one thing.
+        _ => Vec::new(),
+    };
     let terms = Terms {
-        ops: &piece.pattern,
+        headings,
+        ops: piece.pattern.clone(),
         given: names.given,
         constants: names.constants,
         values: names.values,
     };
     document(out, &documentation(program, kernel, piece));
-    out.push_str("#[inline(never)] fn part_");
-    digits(out, index);
-    out.push_str("<T: ::mbd_runtime::Real>(work: &mut [T], [begin, ");
-    out.push_str(&begins.join(", "));
-    out.push_str("]: [usize; ");
-    digits(out, 1 + begins.len());
-    out.push(']');
-    if kernel.tabled {
-        out.push_str(", numbers: &[f64; ");
-        digits(out, piece.constants.len());
-        out.push(']');
+    out.push_str(&format!(
+        "#[inline(never)] fn {}<T: ::mbd_runtime::Real>(",
+        kernel.name
+    ));
+    for (window, name) in kernel.windows.iter().zip(&windows) {
+        out.push_str(&format!("{name}: &[T; {}], ", window.len));
     }
-    out.push_str(
-        ") -> bool {\nlet (known, own) = ::mbd_runtime::__private::blocks(work, begin);\n",
-    );
-    windows(kernel, &terms.given, &begins, out);
+    if kernel.tabled {
+        out.push_str(&format!("numbers: &[f64; {}], ", piece.constants.len()));
+    }
+    out.push_str(&format!("own: &mut [T; {}]) {{\n", piece.results.len()));
+    for (window, name) in kernel.windows.iter().zip(&windows) {
+        taken_from(window, &terms.given, name, out);
+    }
     if kernel.tabled {
         out.push_str("let [");
         out.push_str(&terms.constants.join(", "));
@@ -83,27 +91,55 @@ fn write(
         constants(&known.collect::<Vec<f64>>(), &terms.constants, out);
     }
     terms.write(out);
-    out.push_str("::mbd_runtime::__private::put(own, [");
+    out.push_str("*own = [");
     let results: Vec<&str> = piece.results.iter().map(|&at| terms.name(at)).collect();
     out.push_str(&results.join(", "));
-    out.push_str("])\n}\n");
+    out.push_str("];\n}\n");
+    at_places(kernel, piece, &windows, out);
 }
 
-/// `let &[wx, _, wz, ..] = window(known, from_0) else { return false };` for each window.
-fn windows(kernel: &Kernel, given: &[String], begins: &[String], out: &mut String) {
-    for (window, begin) in kernel.windows.iter().zip(begins) {
-        let mut pattern = vec!["_"; window.len];
-        for &(place, index) in &window.given {
-            if let (Some(item), Some(name)) = (pattern.get_mut(place), given.get(index)) {
-                *item = name;
-            }
+/// `let &[wx, _, wz] = from_0;`: what is read of a window.
+fn taken_from(window: &Window, given: &[String], name: &str, out: &mut String) {
+    let mut pattern = vec!["_"; window.len];
+    for &(place, index) in &window.given {
+        if let (Some(item), Some(name)) = (pattern.get_mut(place), given.get(index)) {
+            *item = name;
         }
-        out.push_str("let &[");
-        out.push_str(&pattern.join(", "));
-        out.push_str(", ..] = ::mbd_runtime::__private::window(known, ");
-        out.push_str(begin);
-        out.push_str(") else { return false; };\n");
     }
+    out.push_str(&format!("let &[{}] = {name};\n", pattern.join(", ")));
+}
+
+/// The kernel at places of a working list. Where these are known when the driver is compiled, nothing is left of it but the call.
+fn at_places(kernel: &Kernel, piece: &Piece, windows: &[String], out: &mut String) {
+    let name = &kernel.name;
+    document(out, &format!(" [`{name}`] at places of `work`."));
+    let places: Vec<&str> = ["begin"]
+        .into_iter()
+        .chain(windows.iter().map(String::as_str))
+        .collect();
+    out.push_str(&format!(
+        "#[inline(always)] fn {name}_at<T: ::mbd_runtime::Real>(work: &mut [T], [{}]: [usize; {}]",
+        places.join(", "),
+        places.len()
+    ));
+    if kernel.tabled {
+        out.push_str(&format!(", numbers: &[f64; {}]", piece.constants.len()));
+    }
+    let cut: String = windows
+        .iter()
+        .map(|window| {
+            format!("let ::core::option::Option::Some({window}) = ::mbd_runtime::__private::window(known, {window}) else {{ return false; }};\n")
+        })
+        .collect();
+    out.push_str(&format!(
+        ") -> bool {{
+            let ::core::option::Option::Some((known, own)) = ::mbd_runtime::__private::blocks(work, begin) else {{ return false; }};
+            {cut}{name}({}{}own);
+            true
+        }}\n",
+        windows.iter().map(|window| format!("{window}, ")).collect::<String>(),
+        if kernel.tabled { "numbers, " } else { "" },
+    ));
 }
 
 fn documentation(program: &Program, kernel: &Kernel, piece: &Piece) -> String {
@@ -135,13 +171,18 @@ pub fn driver(
     (kernels, driver): (&Kernels, &Driver),
     out: &mut String,
 ) {
-    taken(equations, &driver.lists, out);
+    let program = driver.program(program);
+    let lists: Vec<Group> = driver.lists.iter().map(|&(group, _)| group).collect();
+    taken(equations, &lists, out);
     out.push_str("work: &mut [T], out: &mut [T; ");
     digits(out, program.len);
-    out.push_str("]) -> bool {\n");
+    out.push_str(&format!(
+        "]) -> bool {{
+        let ::core::option::Option::Some(work) = work.first_chunk_mut::<{}>() else {{ return false; }};\n",
+        driver.work
+    ));
     let mut steps = Steps::default();
-    let mut at = 0;
-    for &group in &driver.lists {
+    for &(group, at) in &driver.lists {
         let list = match group {
             Group::Time => format!("&[{}]", group.name()),
             _ => group.name().to_owned(),
@@ -149,7 +190,6 @@ pub fn driver(
         steps.call(format!(
             "::mbd_runtime::__private::enter(work, {at}, {list})"
         ));
-        at += group.len(equations);
     }
     if !driver.kept.is_empty() {
         let values = driver.kept.iter().filter_map(|&r| constant(program, r));
@@ -158,7 +198,8 @@ pub fn driver(
             .collect();
         let values = values.join(", ");
         steps.call(format!(
-            "::mbd_runtime::__private::enter(work, {at}, &[{values}])"
+            "::mbd_runtime::__private::enter(work, {}, &[{values}])",
+            driver.kept_at
         ));
     }
     for cycle in &driver.calls {
@@ -240,6 +281,10 @@ impl Steps {
 
 /// A call, or rounds of calls.
 fn calls(program: &Program, kernels: &Kernels, driver: &Driver, cycle: &Cycle, steps: &mut Steps) {
+    let name = |item: &Item| {
+        let kernel = kernels.kernels.get(item.key);
+        kernel.map_or("", |kernel| &kernel.name)
+    };
     let tabled = |item: &Item| {
         let kernel = kernels.kernels.get(item.key);
         kernel.is_some_and(|kernel| kernel.tabled)
@@ -261,19 +306,19 @@ fn calls(program: &Program, kernels: &Kernels, driver: &Driver, cycle: &Cycle, s
                 true => format!(", &{}", row(0, index)),
                 false => String::new(),
             };
-            steps.call(format!("part_{}(work, {:?}{table})", item.key, item.at));
+            steps.call(format!("{}_at(work, {:?}{table})", name(item), item.at));
         }
         return;
     }
     if let [item] = cycle.items.as_slice() {
-        let (rounds, part, at, step) = (cycle.rounds, item.key, &item.at, &item.step);
+        let (rounds, name, at, step) = (cycle.rounds, name(item), &item.at, &item.step);
         steps.call(match tabled(item) {
             true => format!(
-                "::mbd_runtime::__private::rounds_with(work, {}, {at:?}, {step:?}, part_{part})",
+                "::mbd_runtime::__private::rounds_with(work, {}, {at:?}, {step:?}, {name}_at)",
                 rows(0)
             ),
             false => format!(
-                "::mbd_runtime::__private::rounds(work, {rounds}, {at:?}, {step:?}, part_{part})"
+                "::mbd_runtime::__private::rounds(work, {rounds}, {at:?}, {step:?}, {name}_at)"
             ),
         });
         return;
@@ -294,7 +339,7 @@ fn calls(program: &Program, kernels: &Kernels, driver: &Driver, cycle: &Cycle, s
             numbers = format!(", numbers_{index}");
         }
         let place = format!("::mbd_runtime::__private::next(&mut at_{index}, {step:?})");
-        body.call(format!("part_{}(work, {place}{numbers})", item.key));
+        body.call(format!("{}_at(work, {place}{numbers})", name(item)));
     }
     body.end();
     steps

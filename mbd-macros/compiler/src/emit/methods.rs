@@ -14,7 +14,8 @@ use crate::program::Program;
 pub fn methods(context: &Context) -> TokenStream {
     let (name, used, real) = (context.named(""), context.used(), context.real());
     let layout = &context.equations.layout;
-    let quantities = layout.quantities();
+    let mut quantities = layout.quantities();
+    quantities.sort_by_key(|&what| order(what));
     let index = |what: Quantity| {
         let mut programs = context.equations.programs.iter();
         programs
@@ -35,6 +36,28 @@ pub fn methods(context: &Context) -> TokenStream {
             #kinematics
         }
     }
+}
+
+/// Methods in the order in which a user needs them, those that serve the runtime last.
+fn order(what: Quantity) -> u8 {
+    match what {
+        Quantity::Derivative => 0,
+        Quantity::Outputs => 1,
+        what if serves_runtime(what) => 3,
+        _ => 2,
+    }
+}
+
+/// Whether a quantity is there for the solvers of the runtime: its method is not in the documentation.
+fn serves_runtime(what: Quantity) -> bool {
+    matches!(
+        what,
+        Quantity::Ends
+            | Quantity::Equilibrium(_)
+            | Quantity::Balance
+            | Quantity::Guards
+            | Quantity::Correction
+    )
 }
 
 /// How a method takes what its function reads.
@@ -128,7 +151,10 @@ fn method(
     let cost = program
         .map(|p| format!("\n{}.", p.cost()))
         .unwrap_or_default();
-    let doc = docs(&escaped(&format!("{text}\n\n{shape}{cost}")));
+    let mut doc = docs(&escaped(&format!("{text}\n\n{shape}{cost}")));
+    if serves_runtime(what) {
+        doc.extend(quote!(#[doc(hidden)]));
+    }
     let Signature {
         taken,
         prepared,

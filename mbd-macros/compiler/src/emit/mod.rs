@@ -1,6 +1,7 @@
 //! Emission: equations become Rust that reads like a document.
 //!
-//! - `function` writes one program as one function, `kernel` a long one as calls of kernels that many share, `terms` what they compute.
+//! - `function` writes one program as one function, `kernel` a long one as calls of kernels that many share, `terms` what they compute,
+//!   `naming` and `wording` name that.
 //! - `interface` writes parameters, state, outputs and loads, `methods` the typed methods, `model` the struct, `execution` the
 //!   trait.
 //! - `explain` says in words what was made.
@@ -14,10 +15,11 @@ mod kernel;
 mod literal;
 mod methods;
 mod model;
-mod naming;
+pub mod naming;
 mod parts;
 pub mod quantity;
 mod terms;
+mod wording;
 
 use proc_macro2::{Span, TokenStream};
 use quote::quote;

@@ -1,12 +1,17 @@
 //! A name for every register of a program.
 
+use mbd_scene::Quantity;
+
+use super::quantity;
+use super::wording::Wording;
 use crate::equations::Equations;
 use crate::expression::Slot;
 use crate::hash::Map;
 use crate::lists::Group;
 use crate::names::{self, identifier};
-use crate::outline::Piece;
-use crate::program::{Operand, Program, Register};
+use crate::operation::Op;
+use crate::outline::{Local, Piece};
+use crate::program::{Instruction, Operand, Program, Register};
 
 /// Identifiers given out once each.
 #[derive(Default)]
@@ -50,11 +55,21 @@ pub struct Names {
     pub values: Vec<Option<String>>,
 }
 
-/// The names of a program in one function: numbers by their value, slots by the declaration, terms by what the law called them.
-pub fn flat_names(equations: &Equations, program: &Program, lets: &[bool]) -> Names {
+/// The names of a program in one function: numbers by their value, slots by the declaration, terms by what the law called them. `parts`: what its
+/// result holds from which place on.
+pub fn flat_names(
+    equations: &Equations,
+    program: &Program,
+    parts: &[(usize, Quantity)],
+    (ops, lets): (&[Op<Local>], &[bool]),
+) -> Names {
     let mut unique = Unique::default();
     for group in Group::ALL.into_iter().filter(|&group| group != Group::Time) {
         unique.take(group.name());
+    }
+    // A function of several quantities writes each to an argument of its name.
+    for &(_, what) in parts {
+        unique.take(quantity::kind(what));
     }
     // Slots first: their names are promised by the declaration.
     let slots = program.slots.iter();
@@ -65,21 +80,13 @@ pub fn flat_names(equations: &Equations, program: &Program, lets: &[bool]) -> Na
     let constants = constants
         .map(|&value| unique.name(&number_name(value)))
         .collect();
-    let things: Vec<String> = program.sections.iter().map(|s| identifier_of(s)).collect();
-    let values = program.instructions.iter().zip(lets);
-    let values = values.map(|(instruction, &has)| {
-        let thing = things.get(instruction.section).map_or("", String::as_str);
-        has.then(|| unique.name(&term_name(thing, instruction.name)))
-    });
-    Names {
-        given,
-        constants,
-        values: values.collect(),
-    }
+    let indices: Vec<usize> = (0..program.instructions.len()).collect();
+    let (law, things) = (Laws::new(equations, program, parts), things(program));
+    let thing = |section: usize| things.get(section).map_or("", String::as_str);
+    value_names(&law, (&indices, ops, lets), thing, given, constants, unique)
 }
 
-/// The names in a kernel, whose windows begin at the names `windows`. One that many share names no one thing, and one whose known numbers are
-/// arguments none of them.
+/// The names in a kernel that takes `windows`. One that many share names no one thing, and one whose known numbers are arguments none of them.
 pub fn kernel_names(
     equations: &Equations,
     program: &Program,
@@ -91,12 +98,14 @@ pub fn kernel_names(
     for name in windows {
         unique.take(name);
     }
-    for name in ["work", "begin", "numbers", "known", "own"] {
+    for name in ["numbers", "own"] {
         unique.take(name);
     }
+    let whole: Vec<(usize, Quantity)> = program.what.map(|what| (0, what)).into_iter().collect();
+    let law = Laws::new(equations, program, &whole);
     let given = piece.given.iter();
     let given = given
-        .map(|&register| unique.name(&given_name(equations, program, register, shared)))
+        .map(|&register| unique.name(&given_name(&law, register, shared)))
         .collect();
     let constants = piece.constants.iter();
     let constants = constants
@@ -105,33 +114,99 @@ pub fn kernel_names(
             _ => unique.name("number"),
         })
         .collect();
-    let mut thing = (None, String::new());
-    let values = piece.instructions.iter().zip(lets);
-    let values = values.map(|(&index, &has)| {
-        let instruction = program.instructions.get(index).filter(|_| has)?;
-        if !shared && thing.0 != Some(instruction.section) {
-            let section = program.sections.get(instruction.section);
-            thing = (
-                Some(instruction.section),
-                section.map_or_else(String::new, |section| identifier_of(section)),
-            );
+    let things = if shared { Vec::new() } else { things(program) };
+    let thing = |section: usize| things.get(section).map_or("", String::as_str);
+    let operations = (
+        piece.instructions.as_slice(),
+        piece.pattern.as_slice(),
+        lets,
+    );
+    value_names(&law, operations, thing, given, constants, unique)
+}
+
+/// What the law and the declaration call the values of a program.
+struct Laws<'a> {
+    equations: &'a Equations,
+    program: &'a Program,
+    /// What its result holds from which place on.
+    parts: &'a [(usize, Quantity)],
+    /// Per instruction, its first place in the result.
+    places: Vec<Option<usize>>,
+}
+
+impl<'a> Laws<'a> {
+    fn new(equations: &'a Equations, program: &'a Program, parts: &'a [(usize, Quantity)]) -> Self {
+        let mut places = vec![None; program.instructions.len()];
+        for &(place, register) in program.outputs.iter().rev() {
+            if let Operand::Value(value) = program.operand(register) {
+                places[value] = Some(place);
+            }
         }
-        Some(unique.name(&term_name(&thing.1, instruction.name)))
-    });
+        Laws {
+            equations,
+            program,
+            parts,
+            places,
+        }
+    }
+
+    /// The name of a value that is a result, with the thing it belongs to.
+    fn result(&self, index: usize) -> Option<String> {
+        let place = (*self.places.get(index)?)?;
+        let mut parts = self.parts.iter().rev();
+        let &(begin, what) = parts.find(|&&(begin, _)| begin <= place)?;
+        let (scene, layout) = (&self.equations.scene, &self.equations.layout);
+        names::result(scene, layout, what, place - begin)
+    }
+}
+
+/// The things that the instructions of a program belong to, as identifiers.
+fn things(program: &Program) -> Vec<String> {
+    program.sections.iter().map(|s| identifier_of(s)).collect()
+}
+
+/// Names the operations `ops`, which are instructions `indices` of a program: by the law, by the result they are, by their operands, else by a
+/// number. `thing` names sections.
+fn value_names<'t>(
+    law: &Laws<'_>,
+    (indices, ops, lets): (&[usize], &[Op<Local>], &[bool]),
+    thing: impl Fn(usize) -> &'t str,
+    given: Vec<String>,
+    constants: Vec<String>,
+    mut unique: Unique,
+) -> Names {
+    let mut wording = Wording::new(ops, &given, &constants);
+    let mut values = Vec::with_capacity(ops.len());
+    for (&index, &has) in indices.iter().zip(lets) {
+        let instruction = law.program.instructions.get(index).filter(|_| has);
+        let Some(instruction) = instruction else {
+            wording.push(None);
+            values.push(None);
+            continue;
+        };
+        let thing = thing(instruction.section);
+        let named = match label_of(instruction) {
+            Some(label) => Some(term_name(thing, Some(&label))),
+            None => {
+                let result = (!thing.is_empty()).then(|| law.result(index)).flatten();
+                result.or_else(|| Some(term_name(thing, Some(&wording.next(thing)?))))
+            }
+        };
+        let name = unique.name(named.as_deref().unwrap_or(&term_name(thing, None)));
+        // A number says nothing in the name of another.
+        wording.push(named.filter(|named| *named == name));
+        values.push(Some(name));
+    }
     Names {
         given,
         constants,
-        values: values.collect(),
+        values,
     }
 }
 
 /// The name of a number that a kernel takes.
-fn given_name(
-    equations: &Equations,
-    program: &Program,
-    register: Register,
-    shared: bool,
-) -> String {
+fn given_name(law: &Laws<'_>, register: Register, shared: bool) -> String {
+    let (equations, program) = (law.equations, law.program);
     match program.operand(register) {
         Operand::Slot(slot) => {
             let name = slot_name(equations, slot);
@@ -145,12 +220,16 @@ fn given_name(
         }
         Operand::Value(value) => {
             let instruction = program.instructions.get(value);
-            let label = instruction.and_then(|instruction| instruction.name);
+            let label = instruction.and_then(label_of);
             let thing = match instruction.and_then(|i| program.sections.get(i.section)) {
                 Some(section) if !shared => identifier_of(section),
                 _ => String::new(),
             };
-            term_name(&thing, label)
+            let result = || law.result(value).filter(|_| !shared);
+            match label {
+                None => result().unwrap_or_else(|| term_name(&thing, None)),
+                Some(label) => term_name(&thing, Some(&label)),
+            }
         }
         Operand::Constant(value) => number_name(value),
     }
@@ -234,21 +313,27 @@ fn term_name(thing: &str, label: Option<&str>) -> String {
     }
 }
 
+/// What the law calls a value.
+fn label_of(instruction: &Instruction) -> Option<String> {
+    let label = instruction.name?;
+    Some(match label.opposite {
+        true => format!("minus_{}", label.text),
+        false => label.text.to_owned(),
+    })
+}
+
 /// A derived term carries the name the law gave it.
 fn slot_name(equations: &Equations, slot: Slot) -> String {
+    let derived = &equations.derived;
     if let Slot::Derived(index) = slot
-        && let Some((_, register)) = equations.derived.outputs.get(index)
-        && let Operand::Value(value) = equations.derived.operand(*register)
-        && let Some(instruction) = equations.derived.instructions.get(value)
-        && let Some(label) = instruction.name
+        && let Some((_, register)) = derived.outputs.get(index)
+        && let Operand::Value(value) = derived.operand(*register)
+        && let Some(instruction) = derived.instructions.get(value)
+        && let Some(label) = label_of(instruction)
     {
-        let section = equations.derived.sections.get(instruction.section);
-        let thing = section.map_or("", String::as_str);
-        return if thing.is_empty() {
-            label.to_owned()
-        } else {
-            format!("{}_{label}", identifier(thing))
-        };
+        let section = derived.sections.get(instruction.section);
+        let thing = identifier_of(section.map_or("", String::as_str));
+        return term_name(&thing, Some(&label));
     }
     names::slot(&equations.scene, &equations.layout, slot)
 }

@@ -2,6 +2,7 @@
 //!
 //! Text, not tokens: a macro is seldom optimised, and the compiler that runs it reads text faster than it takes tokens one by one.
 
+use super::function::document;
 use crate::operation::{Binary, Comparison, Op, Unary};
 use crate::outline::Local;
 
@@ -15,15 +16,17 @@ const SIGN: u8 = 3;
 const CALL: u8 = 4;
 
 /// The operations of one function and the names in it.
-pub struct Terms<'a> {
+pub struct Terms {
     /// Each operation, arguments counted inside the function.
-    pub ops: &'a [Op<Local>],
+    pub ops: Vec<Op<Local>>,
     /// Names of the numbers from outside.
     pub given: Vec<String>,
     /// Names of the numbers known at build time.
     pub constants: Vec<String>,
     /// The name of each operation's value; `None` for one that stands where it is used.
     pub values: Vec<Option<String>>,
+    /// A line of documentation before an operation; as long as `ops`, or empty.
+    pub headings: Vec<Option<String>>,
 }
 
 /// Which operations have a `let`: those that are `named`, those used more or less than once, the `results`, both of a sine and a cosine.
@@ -66,7 +69,7 @@ pub fn lets(ops: &[Op<Local>], named: impl Fn(usize) -> bool, results: &[usize])
     lets
 }
 
-impl Terms<'_> {
+impl Terms {
     /// The `let`s, in order; sine and cosine of one angle are one.
     pub fn write(&self, out: &mut String) {
         let pairs = self.pairs();
@@ -74,6 +77,9 @@ impl Terms<'_> {
             let Some(Some(name)) = self.values.get(index) else {
                 continue;
             };
+            if let Some(Some(heading)) = self.headings.get(index) {
+                document(out, heading);
+            }
             let pair = pairs.iter().find(|pair| pair.contains(&index));
             match pair {
                 Some(&[sin, cos]) if index == sin.min(cos) => {
@@ -219,10 +225,11 @@ mod tests {
         let lets = lets(ops, |_| false, results);
         let name = |(index, &has): (usize, &bool)| has.then(|| format!("t{index}"));
         let terms = Terms {
-            ops,
+            ops: ops.to_vec(),
             given: ["a", "b", "c"].map(str::to_owned).to_vec(),
             constants: vec!["half".to_owned()],
             values: lets.iter().enumerate().map(name).collect(),
+            headings: Vec::new(),
         };
         let mut text = String::new();
         terms.write(&mut text);

@@ -5,7 +5,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 use mbd_scene::Real;
 use num_traits::{One, Zero};
 
-use super::{Expr, Mask, Node, with};
+use super::{Expr, Mask, with};
 use crate::operation::{Binary, Comparison, Unary};
 
 macro_rules! operator {
@@ -94,11 +94,7 @@ impl Real for Expr {
         true
     }
     fn label(self, name: &'static str) -> Self {
-        with(|graph| {
-            if matches!(graph.node(self), Node::Apply(_)) {
-                graph.names[self.index()].get_or_insert(name);
-            }
-        });
+        with(|graph| graph.label(self, name));
         self
     }
     fn section(name: &str) {

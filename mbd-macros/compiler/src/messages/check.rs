@@ -2,6 +2,17 @@
 
 use super::Report;
 use crate::lexeme::Region;
+use crate::syntax::words::ItemWord;
+
+pub fn lost(at: Region, item: &ItemWord) -> Report {
+    Report::new(
+        at,
+        format!(
+            "this `{}` was not understood and would be left out; the form is `{}`",
+            item.word, item.form
+        ),
+    )
+}
 
 pub fn empty(at: Region, name: &str) -> Report {
     Report::new(

@@ -170,6 +170,15 @@ pub fn range(at: Region) -> Report {
     )
 }
 
+pub fn no_index_name(at: Region, name: &str, found: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "expected the name of an index before `in`, found `{found}`: write a word, such as `{name}[i in 0..3]`"
+        ),
+    )
+}
+
 pub fn value_range(at: Region) -> Report {
     Report::new(
         at,

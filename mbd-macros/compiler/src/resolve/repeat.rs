@@ -54,7 +54,15 @@ impl Resolver<'_> {
         if !repeated {
             return self.constant_index(value, outer).map(Index::One);
         }
-        let variable = cursor.word()?;
+        let Some(variable) = cursor.word() else {
+            let (at, found) = (cursor.here(), cursor.peek().map(|lexeme| lexeme.shown()));
+            let name = &name.word.text;
+            return self.fail(say_syntax::no_index_name(
+                at,
+                name,
+                &found.unwrap_or_default(),
+            ));
+        };
         if words::reserved(&variable.text).is_some() || self.names.get(&variable.text).is_some() {
             return self.fail(say_syntax::reserved_name(
                 variable.at.into(),

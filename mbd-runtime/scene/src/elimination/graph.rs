@@ -1,6 +1,6 @@
 //! The graph of bodies and joints while they leave it, and what that costs.
 
-use super::Part;
+use super::{Carrying, Part};
 use crate::layout::{JointSlots, PointSlots};
 use crate::plane::Directions;
 
@@ -156,51 +156,56 @@ impl Graph {
         neighbours
     }
 
-    /// Estimated operations of eliminating a body together with the joint that carries it. A third of the products meets a zero or a one;
-    /// a body that is locked to its parent but for `ways` is added to it.
-    fn pair_cost(&self, body: usize, joint: usize, ways: Option<usize>) -> usize {
-        let rows = self.sizes[joint];
-        let loops = self.coupled(body) - rows;
-        if let Some(ways) = ways {
-            let speeds = self.sizes[body] + loops;
-            return (2 * ways + 1) * speeds * (speeds + 1) / 2;
+    /// Estimated operations of eliminating a body together with its parent joint. What is handed on to other axes or another point is
+    /// multiplied by X, a third of whose products meets a zero or a one.
+    fn pair_cost(&self, body: usize, joint: usize, carrying: &Carrying) -> usize {
+        let loops = self.coupled(body) - self.sizes[joint];
+        let speeds = self.sizes[body] + loops;
+        let release = if carrying.own {
+            // Each column is one speed, which is gone afterwards.
+            (1..=carrying.free)
+                .map(|k| (speeds - k) * (speeds - k + 1))
+                .sum()
+        } else {
+            carrying.free * speeds * (speeds + 1)
+        };
+        if carrying.shared {
+            return release + speeds * (speeds + 1) / 2;
         }
+        let held = self.sizes[body] - carrying.free;
         let outside = loops + self.coupled(joint) - self.sizes[body];
-        let free = (self.sizes[body] - rows) * (rows + loops) * (rows + loops + 1);
-        free + (2 * rows * rows * outside + rows * outside * (outside + 1)) * 7 / 20
+        release + (2 * held * held * outside + held * outside * (outside + 1)) * 7 / 20
     }
 
-    /// Eliminates each body that a joint carries together with that joint, the carried before their carriers, and the rest by cost.
-    /// `carriers`: per node the joint node that carries it; `ways`: what is free where the joint locks it. None if there are no such bodies.
+    /// Eliminates each body that a joint carries together with that joint, the carried before what carries them, and the rest by cost.
+    /// `pairs`: per node its parent joint, as a node, and how that carries it. None if there are no such bodies.
     pub(super) fn run_articulated(
         mut self,
-        carriers: &[Option<usize>],
-        ways: &[Option<usize>],
+        pairs: &[Option<(usize, Carrying)>],
     ) -> Option<(Vec<usize>, usize)> {
-        let mut riding = vec![false; self.parts.len()];
-        for &joint in carriers.iter().flatten() {
-            riding[joint] = true;
+        let mut paired = vec![false; self.parts.len()];
+        for &(joint, _) in pairs.iter().flatten() {
+            paired[joint] = true;
         }
-        let pairs: Vec<(usize, usize)> = carriers
-            .iter()
-            .enumerate()
-            .filter_map(|(node, &joint)| Some((node, joint?)))
-            .collect();
         let (mut order, mut cost) = (Vec::new(), 0);
         loop {
             // What still carries something waits.
             let mut carries = vec![false; self.parts.len()];
-            for &(carried, joint) in pairs.iter().filter(|&&(carried, _)| !self.gone[carried]) {
-                for &node in self.neighbours[joint].iter().filter(|&&n| n != carried) {
+            let left = pairs
+                .iter()
+                .enumerate()
+                .filter(|&(child, _)| !self.gone[child]);
+            for (child, (joint, _)) in left.filter_map(|(child, pair)| Some((child, (*pair)?))) {
+                for &node in self.neighbours[joint].iter().filter(|&&n| n != child) {
                     carries[node] = true;
                 }
             }
-            let price = |graph: &Graph, node: usize| match carriers[node] {
-                Some(joint) => graph.pair_cost(node, joint, ways[node]),
+            let price = |graph: &Graph, node: usize| match pairs[node] {
+                Some((joint, carrying)) => graph.pair_cost(node, joint, &carrying),
                 None => graph.cost(node),
             };
             let next = (0..self.parts.len())
-                .filter(|&node| !self.gone[node] && !riding[node])
+                .filter(|&node| !self.gone[node] && !paired[node])
                 .filter(|&node| match self.is_joint(node) {
                     true => self.ready(node),
                     false => !carries[node],
@@ -210,12 +215,13 @@ impl Graph {
             cost += price(&self, node);
             self.eliminate(node);
             order.push(node);
-            if let Some(joint) = carriers[node] {
+            if let Some((joint, _)) = pairs[node] {
                 self.eliminate(joint);
                 order.push(joint);
             }
         }
-        (!pairs.is_empty() && order.len() == self.parts.len()).then_some((order, cost))
+        let any = paired.contains(&true);
+        (any && order.len() == self.parts.len()).then_some((order, cost))
     }
 
     /// Eliminates everything, always the ready node of the smallest key; the order and its cost.

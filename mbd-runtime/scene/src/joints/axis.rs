@@ -38,6 +38,16 @@ impl Axis {
         Some(Axis(scaled.map(|x| x / length + 0.0)))
     }
 
+    /// Axis number `k` of x, y, z; z beyond.
+    #[must_use]
+    pub const fn unit(k: usize) -> Axis {
+        match k {
+            0 => Axis::X,
+            1 => Axis::Y,
+            _ => Axis::Z,
+        }
+    }
+
     /// Two unit vectors that complete it to right-handed axes u, v, self. The axis z has x and y, and so on round.
     #[must_use]
     pub fn complement(&self) -> [Axis; 2] {

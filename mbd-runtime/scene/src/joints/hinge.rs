@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -38,6 +38,10 @@ impl Joint for Hinge {
         for u in self.axis.complement() {
             rows.perpendicular(ends, &u, &self.axis);
         }
+    }
+
+    fn carried<S: Real>(&self, ends: &Ends<'_, S>, _own: bool) -> Option<Carried<S>> {
+        Some(Carried::coincide().turns(ends, &self.axis))
     }
 
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {

@@ -8,6 +8,7 @@
 
 mod along;
 mod axis;
+mod carried;
 mod coordinate;
 mod field;
 mod motion;
@@ -16,6 +17,7 @@ pub use along::{
     Along, AlongField, FORCE, MOTOR, Measured, NUMBERS, STOP_ORDER, STOPS, Side, in_order,
 };
 pub use axis::Axis;
+pub use carried::{Carried, Held};
 pub use coordinate::{Coordinate, Measure};
 pub use field::{Field, Fields, Rule};
 pub use motion::{Pose, Relative, Twist};
@@ -51,6 +53,12 @@ pub trait Joint: Sized {
 
     /// What it forbids: adds 6 − freedoms rows.
     fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>);
+
+    /// H and N of its child's velocity: see [`Carried`]. `None` where its rows do not split the velocity in closed form: they then stay rows of
+    /// the system. `own`: the ends are written in the child's own components, and the solver is free in the axes of the angular parts.
+    fn carried<S: Real>(&self, _ends: &Ends<'_, S>, _own: bool) -> Option<Carried<S>> {
+        None
+    }
 
     /// What it allows: frame 2 in frame 1.
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S>;
@@ -162,6 +170,13 @@ macro_rules! joints {
             pub fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>) {
                 match self {
                     $(JointLaw::$name(joint) => joint.constrain(ends, rows),)*
+                }
+            }
+
+            /// H and N of its child's velocity: see [`Joint::carried`].
+            pub fn carried<S: Real>(&self, ends: &Ends<'_, S>, own: bool) -> Option<Carried<S>> {
+                match self {
+                    $(JointLaw::$name(joint) => joint.carried(ends, own),)*
                 }
             }
 

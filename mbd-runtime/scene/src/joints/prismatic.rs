@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -45,6 +45,11 @@ impl Joint for Prismatic {
             rows.in_plane(ends, &u);
         }
         rows.lock(ends, self.axes());
+    }
+
+    fn carried<S: Real>(&self, ends: &Ends<'_, S>, _own: bool) -> Option<Carried<S>> {
+        let across = Carried::in_planes(ends, &self.axis.complement());
+        Some(across.locks(ends, self.axes()).slides(ends, &self.axis))
     }
 
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {

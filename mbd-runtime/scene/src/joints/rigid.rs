@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Axis, Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -30,6 +30,10 @@ impl Joint for Rigid {
     fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>) {
         rows.coincide(ends);
         rows.lock(ends, [Axis::X, Axis::Y, Axis::Z]);
+    }
+
+    fn carried<S: Real>(&self, ends: &Ends<'_, S>, _own: bool) -> Option<Carried<S>> {
+        Some(Carried::coincide().locks(ends, [Axis::X, Axis::Y, Axis::Z]))
     }
 
     fn motion<S: Real>(&self, _at: &Relative<'_, S>) -> Pose<S> {

@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 
 use super::field::LENGTH;
 use super::motion::write;
-use super::{Axis, Coordinate, Field, Fields, Joint, Measure, Pose, Relative, Rule, Twist};
-use crate::laws::rows::{Ends, Rows};
+use super::{Axis, Carried, Coordinate, Field, Fields, Joint, Measure, Pose, Relative, Rule, Twist};
+use crate::laws::rows::{Ends, Rows, helix};
 use crate::{Formula, Real};
 
 /// A nut on a thread: 1 freedom, the angle about the axis.
@@ -68,6 +68,20 @@ impl Joint for Screw {
             rows.perpendicular(ends, &u, &self.axis);
         }
         rows.helix(ends, &self.axis, lead(ends.number(0)));
+    }
+
+    fn carried<S: Real>(&self, ends: &Ends<'_, S>, _own: bool) -> Option<Carried<S>> {
+        // The helix row holds the slide of a cylindrical joint: κ ẋ + c·ω, c the couple of the row.
+        let across = Carried::in_planes(ends, &self.axis.complement());
+        let mut carried = across.turns(ends, &self.axis);
+        let row = helix(ends, &self.axis, lead(ends.number(0)));
+        let along = ends.parent.outward.apply(&ends.parent.axis(&self.axis));
+        let inverse = S::one() / row.child.linear.dot(&along);
+        carried.hold_after(Twist::slide(along), inverse);
+        let turn = &mut carried.free[0];
+        let advance = -(row.child.angular.dot(&turn.angular) * inverse);
+        turn.linear = along.map(|x| advance * x);
+        Some(carried)
     }
 
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {

@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::motion::attitude_columns;
-use super::{Fields, Joint, Pose, Relative, Twist};
+use super::{Axis, Carried, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rows::{Ends, Rows};
 
@@ -31,6 +31,14 @@ impl Joint for Spherical {
 
     fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>) {
         rows.coincide(ends);
+    }
+
+    fn carried<S: Real>(&self, _ends: &Ends<'_, S>, _own: bool) -> Option<Carried<S>> {
+        let mut carried = Carried::coincide();
+        let axes = [Axis::X, Axis::Y, Axis::Z];
+        carried.free.extend(axes.map(|axis| Twist::spin(axis.vector())));
+        carried.bias = Some(Twist::zero());
+        Some(carried)
     }
 
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {

@@ -9,12 +9,13 @@
 //! Source: Kamman, Connecting Joints I: universal, 2 freedoms. The columns of H are always perpendicular: two angles never lock.
 //! The reaction torque lies along a1 × b2. Rejected: axes that are not perpendicular; the reader refuses them.
 
+use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
-use super::{Axis, Coordinate, Fields, Joint, Measure, Pose, Relative, Twist};
+use super::{Axis, Carried, Coordinate, Fields, Joint, Measure, Pose, Relative, Twist};
 use crate::Real;
-use crate::laws::rows::{Ends, Rows};
+use crate::laws::rows::{Ends, Rows, couple};
 
 /// A cardan joint: 2 freedoms, the angle about the first axis, then about the second.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,6 +48,32 @@ impl Joint for Universal {
         let [a, b] = self.axes;
         rows.coincide(ends);
         rows.perpendicular(ends, &a, &b);
+    }
+
+    fn carried<S: Real>(&self, ends: &Ends<'_, S>, own: bool) -> Option<Carried<S>> {
+        let [a, b] = self.axes;
+        let mut carried = Carried::coincide();
+        let (first, second) = (ends.in_child(&a), ends.child.axis(&b));
+        let n = couple(ends, &a, &b);
+        let square = n.dot(&n);
+        if own {
+            // The axes n, b × n and b, of length one: free columns of one number each.
+            let inverse = S::one() / square.sqrt();
+            let normal = n.map(|x| x * inverse);
+            // |w|² a·b − (a·w)(b·w), w = ω_p − ω_c: γ besides what the parent brings along.
+            let spin = ends.spin_in_child();
+            let w = spin.difference;
+            let right = spin.square * first.dot(&second) - first.dot(&w) * second.dot(&w);
+            carried.axes = Some(Matrix3::from_columns(&[normal, second.cross(&normal), second]));
+            let [x, y, z] = [Axis::X, Axis::Y, Axis::Z].map(|axis| Twist::spin(axis.vector()));
+            carried.free.extend([y, z]);
+            carried.bias = Some(Twist::spin(Axis::X.vector::<S>().map(|x| x * (right * inverse))));
+            carried.hold(x, inverse);
+        } else {
+            carried.free.extend([Twist::spin(first), Twist::spin(second)]);
+            carried.hold(Twist::spin(n), S::one() / square);
+        }
+        Some(carried)
     }
 
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {

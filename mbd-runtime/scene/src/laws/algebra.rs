@@ -46,10 +46,12 @@ pub fn inverse<S: Real>(m: &Matrix3<S>) -> Matrix3<S> {
 /// Quadratic in the quaternion: off unit length, as inside a step, it gives |q|² R. That turns with the world's axes, so results do not
 /// depend on where these lie; the form 1 − 2(y² + z²) does not.
 pub fn rotation<S: Real>([w, x, y, z]: [S; 4]) -> Matrix3<S> {
-    let (ww, xx, yy, zz) = (w * w, x * x, y * y, z * z);
+    let (ww, xx) = ((w * w).label("q_ww"), (x * x).label("q_xx"));
+    let (yy, zz) = ((y * y).label("q_yy"), (z * z).label("q_zz"));
     let (x2, y2, z2) = (x + x, y + y, z + z);
-    let (xy, xz, yz) = (x2 * y, x2 * z, y2 * z);
-    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+    let (xy, xz) = ((x2 * y).label("twice_q_xy"), (x2 * z).label("twice_q_xz"));
+    let (yz, wx) = ((y2 * z).label("twice_q_yz"), (w * x2).label("twice_q_wx"));
+    let (wy, wz) = ((w * y2).label("twice_q_wy"), (w * z2).label("twice_q_wz"));
     let (sum, difference) = (ww - xx, yy - zz);
     Matrix3::new(
         ((ww + xx) - (yy + zz)).label("r11"),

@@ -32,6 +32,8 @@ pub struct Motion<S: Real> {
     pub position: Vector3<S>,
     /// Rotation body → world.
     pub rotation: Matrix3<S>,
+    /// 1 over the length of the columns of that: 1/|q|², which leaves 1 inside a step.
+    pub unit: S,
     /// What the state carries of it.
     pub attitude: Attitude<S>,
     /// Velocity of the centre of mass, world axes [m/s].
@@ -48,6 +50,7 @@ impl<S: Real> Motion<S> {
         Motion {
             position: Vector3::zeros(),
             rotation: Matrix3::zeros(),
+            unit: S::one(),
             attitude: Attitude::Quaternion([S::zero(); 4]),
             velocity: Vector3::zeros(),
             omega_body: Vector3::zeros(),
@@ -65,12 +68,14 @@ impl<S: Real> Motion<S> {
     ) -> Self {
         let at = slots.q + directions.moves().len();
         let first: Vector3<S> = vector(state, at);
-        let (rotation, attitude) = match directions.plane {
-            Some(plane) => (plane.axis().turn(first.x), Attitude::Angle),
+        let (rotation, unit, attitude) = match directions.plane {
+            Some(plane) => (plane.axis().turn(first.x), S::one(), Attitude::Angle),
             None => {
                 let rest: Vector3<S> = vector(state, at + 1);
                 let quaternion = [first.x, rest.x, rest.y, rest.z];
-                (rotation(quaternion), Attitude::Quaternion(quaternion))
+                let [ww, xx, yy, zz] = quaternion.map(|x| x * x);
+                let unit = S::one() / ((ww + xx) + (yy + zz)).label("square");
+                (rotation(quaternion), unit, Attitude::Quaternion(quaternion))
             }
         };
         let position = directions.linear(state, slots.q);
@@ -86,6 +91,7 @@ impl<S: Real> Motion<S> {
         Motion {
             position,
             rotation,
+            unit,
             attitude,
             velocity,
             omega_body,
@@ -104,6 +110,14 @@ impl<S: Real> Motion<S> {
             self.velocity + self.rotation * self.omega_body.cross(p),
             ["v_x", "v_y", "v_z"],
         )
+    }
+
+    /// Angular velocity in world axes for positions R p: d(R p)/dt = ω × R p whatever the length of the quaternion.
+    pub fn omega_exact(&self, components: AngularVelocity) -> Vector3<S> {
+        match components {
+            AngularVelocity::Body => self.rotation * self.omega_body.map(|x| x * self.unit),
+            AngularVelocity::World => self.omega_world,
+        }
     }
 
     /// Writes the rates of the attitude from `at` on: q̇ by (2), w first; in a plane ω.
@@ -141,12 +155,28 @@ impl<S: Real> Motion<S> {
         }
     }
 
+    /// I′ω′ [N m s], body axes.
+    fn spin(&self, body: &BodyNumbers<S>) -> Vector3<S> {
+        labelled(
+            body.inertia * self.omega_body,
+            ["spin_x", "spin_y", "spin_z"],
+        )
+    }
+
     /// ω′ × I′ω′ [N m], body axes.
     pub fn gyroscopic(&self, body: &BodyNumbers<S>) -> Vector3<S> {
-        labelled(
-            self.omega_body.cross(&(body.inertia * self.omega_body)),
-            ["gyro_x", "gyro_y", "gyro_z"],
-        )
+        let (w, inertia) = (self.omega_body, &body.inertia);
+        let principal = (0..3).all(|k| inertia[(k, (k + 1) % 3)].is_zero());
+        let couple = if principal {
+            // A structural fact of the declaration, not a branch on the state: inertia is constant.
+            Vector3::from_fn(|i, _| {
+                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                (inertia[(k, k)] - inertia[(j, j)]) * (w[j] * w[k])
+            })
+        } else {
+            w.cross(&self.spin(body))
+        };
+        labelled(couple, ["gyro_x", "gyro_y", "gyro_z"])
     }
 
     /// Writes ω̇ for a torque about the centre of mass in world axes [N m] (components by declaration), from (3) or (4).
@@ -162,7 +192,7 @@ impl<S: Real> Motion<S> {
         );
         let acceleration = labelled(
             body.inverse_inertia * (torque - self.gyroscopic(body)),
-            ["spin_x", "spin_y", "spin_z"],
+            ["alpha_x", "alpha_y", "alpha_z"],
         );
         match components {
             AngularVelocity::Body => acceleration,
@@ -172,7 +202,7 @@ impl<S: Real> Motion<S> {
 
     /// Kinetic energy [J].
     pub fn kinetic_energy(&self, body: &BodyNumbers<S>) -> S {
-        let spin = self.omega_body.dot(&(body.inertia * self.omega_body));
+        let spin = self.omega_body.dot(&self.spin(body));
         S::from_f64(0.5) * (body.mass * self.velocity.dot(&self.velocity) + spin)
     }
 

@@ -17,11 +17,12 @@
 use nalgebra::Vector3;
 
 use super::algebra::write;
-use super::block::System;
+use super::assemble::Carriage;
 use super::evaluation::Evaluation;
 use super::forces::Assembly;
+use super::reference::Reference;
 use super::rows::{Columns, End, Ends, Row, Rows, Turn};
-use super::seat::Seat;
+use super::system::System;
 use super::{GravityNumbers, body_gravity, point_gravity};
 use crate::elimination::Part;
 use crate::{AngularVelocity, Directions, Layout, PointSlots, Quantity, Real, Scene};
@@ -34,7 +35,12 @@ pub struct Constraints<S: Real> {
     pub(super) kept: Vec<Rows<S>>,
     pub(super) system: System<S>,
     /// Axes and point of the unknowns of each body.
-    pub(super) seats: Vec<Option<Seat<S>>>,
+    pub(super) references: Vec<Option<Reference<S>>>,
+    /// The linear acceleration of each body that the motion of what carries it brings along: a constant part of its unknowns, which acts on
+    /// its mass alone instead of the inertia of all that it carries.
+    pub(super) brought: Vec<Vector3<S>>,
+    /// What each joint that carries its child says of it.
+    pub(super) carriages: Vec<Option<Carriage<S>>>,
 }
 
 /// The rows of a joint that are in the system.
@@ -72,7 +78,7 @@ pub(super) fn reaction<'a, S: Real>(
 }
 
 /// The acceleration of free fall where it is the same everywhere; zero else, and out of a plane.
-fn common_fall<S: Real>(evaluation: &Evaluation<'_, S>) -> Vector3<S> {
+pub(super) fn common_fall<S: Real>(evaluation: &Evaluation<'_, S>) -> Vector3<S> {
     let GravityNumbers::Uniform(mut fall) = evaluation.numbers.gravity else {
         return Vector3::zeros();
     };
@@ -89,11 +95,13 @@ impl<S: Real> Constraints<S> {
             rows: vec![Rows::default(); layout.joints.len()],
             kept: vec![Rows::default(); layout.joints.len()],
             system: System::new(&layout.elimination),
-            seats: vec![None; layout.bodies.len()],
+            references: vec![None; layout.bodies.len()],
+            brought: vec![Vector3::zeros(); layout.bodies.len()],
+            carriages: vec![None; layout.joints.len()],
         }
     }
 
-    /// Runs the rows of every joint.
+    /// Runs the rows of every joint that has ends.
     pub(super) fn run<'a>(
         &mut self,
         evaluation: &'a Evaluation<'a, S>,
@@ -105,12 +113,12 @@ impl<S: Real> Constraints<S> {
             .iter()
             .zip(&evaluation.layout.joints);
         for (index, ((joint, slots), rows)) in joints.zip(&mut self.rows).enumerate() {
-            rows.begin(slots.law);
             if slots.len == 0 {
                 continue;
             }
             S::section(&joint.name);
             if let Some(ends) = ends(index) {
+                rows.begin(slots.law);
                 joint.law.constrain(&ends, rows);
                 for (coordinate, course) in evaluation.motors(joint) {
                     rows.motor(&ends, &coordinate, &course);
@@ -158,25 +166,33 @@ impl<S: Real> Constraints<S> {
         let (plan, directions) = (&layout.elimination, layout.directions);
         let fall = common_fall(evaluation);
         let uniform = matches!(numbers.gravity, GravityNumbers::Uniform(_));
+        self.bring_along(evaluation);
         for (index, step) in plan.steps.iter().enumerate() {
             enter::<S>(evaluation.scene, step.part);
+            if step.paired {
+                continue;
+            }
             let right = self.system.unknowns_mut(plan, index);
             match step.part {
                 Part::Body(body) => {
                     let (motion, numbers) = (&evaluation.motions[body], &numbers.bodies[body]);
                     let (mut force, torque) = assembly.bodies[body];
+                    let brought = self.brought[body];
                     if !uniform {
                         force += body_gravity(evaluation, body).map(|g| numbers.mass * g);
                     }
-                    let Some(seat) = self.seats[body] else {
+                    if brought.iter().any(|x| !x.is_zero()) {
+                        force -= brought.map(|x| numbers.mass * x);
+                    }
+                    let Some(reference) = self.references[body] else {
                         continue;
                     };
                     let (own, gyroscopic) = (assembly.own[body], motion.gyroscopic(numbers));
-                    let mut torque = match seat.turn {
-                        Turn::None => seat.outward.back(&torque) + own - gyroscopic,
-                        turn => seat.outward.back(&torque) + turn.apply(&(own - gyroscopic)),
+                    let mut torque = match reference.turn {
+                        Turn::None => reference.outward.back(&torque) + own - gyroscopic,
+                        turn => reference.outward.back(&torque) + turn.apply(&(own - gyroscopic)),
                     };
-                    for (k, lever) in seat.levers().iter().flatten().enumerate() {
+                    for (k, lever) in reference.levers().iter().flatten().enumerate() {
                         torque += lever.map(|x| x * force[k]);
                     }
                     directions.write_linear(right, 0, &force);
@@ -200,12 +216,25 @@ impl<S: Real> Constraints<S> {
                             [Some(_), None] => row.bias - row.parent.linear.dot(&fall),
                             _ => row.bias - row.child.linear.dot(&fall),
                         };
+                        for (end, columns) in ends.into_iter().zip([&row.parent, &row.child]) {
+                            if let Some(Part::Body(body)) = end {
+                                *slot -= columns.linear.dot(&self.brought[body]);
+                            }
+                        }
                     }
                 }
             }
         }
         self.system
             .solve(plan, |part| enter::<S>(evaluation.scene, part));
+        for (index, step) in plan.steps.iter().enumerate() {
+            if let Part::Body(body) = step.part {
+                enter::<S>(evaluation.scene, step.part);
+                let unknowns = self.system.unknowns_mut(plan, index);
+                let linear: Vector3<S> = directions.linear(unknowns, 0);
+                directions.write_linear(unknowns, 0, &(linear + self.brought[body]));
+            }
+        }
     }
 
     /// Linear acceleration (world axes) and ω̇ (components of the state) of a body that joints hold, after [`Constraints::accelerate`].
@@ -245,7 +274,11 @@ impl<S: Real> Constraints<S> {
                 continue;
             };
             enter::<S>(evaluation.scene, Part::Joint(index));
-            let unknowns = self.system.unknowns(&layout.elimination, step);
+            let carried = self.multipliers(evaluation, index);
+            let unknowns = match &carried {
+                Some(multipliers) => &multipliers[..slots.len],
+                None => self.system.unknowns(&layout.elimination, step),
+            };
             if what == Quantity::Multipliers {
                 let own = &mut out[slots.row..slots.row + slots.len];
                 own.fill(S::zero());
@@ -256,8 +289,11 @@ impl<S: Real> Constraints<S> {
             }
             let rows = in_system(layout, index, &self.rows, &self.kept);
             let unknowns = unknowns.iter().copied();
-            let outward = match slots.ends[1] {
-                Some(Part::Body(body)) => self.seats[body].map_or(Turn::None, |seat| seat.outward),
+            let outward = match (&self.carriages[index], slots.ends[1]) {
+                (Some(carriage), _) => carriage.outward,
+                (None, Some(Part::Body(body))) => {
+                    self.references[body].map_or(Turn::None, |reference| reference.outward)
+                }
                 _ => Turn::None,
             };
             let [force, torque] = reaction(evaluation, &outward, rows.iter().zip(unknowns));
@@ -279,7 +315,11 @@ impl<S: Real> Constraints<S> {
             let Some(ends) = evaluation.ends(index, AngularVelocity::Body) else {
                 continue;
             };
-            let unknowns = self.system.unknowns(&layout.elimination, step);
+            let carried = self.multipliers(evaluation, index);
+            let unknowns = match &carried {
+                Some(multipliers) => multipliers,
+                None => self.system.unknowns(&layout.elimination, step),
+            };
             let rows = in_system(layout, index, &self.rows, &self.kept);
             for (row, &unknown) in rows.iter().zip(unknowns) {
                 power += unknown * row.prescribed_rate(&ends);
@@ -318,18 +358,19 @@ impl<S: Real> Constraints<S> {
         body: usize,
         unknowns: &[S],
     ) -> Option<[Vector3<S>; 2]> {
-        let (directions, seat) = (evaluation.layout.directions, (*self.seats.get(body)?)?);
+        let directions = evaluation.layout.directions;
+        let reference = (*self.references.get(body)?)?;
         let (at_reference, spin): (Vector3<S>, Vector3<S>) = (
             directions.linear(unknowns, 0),
             directions.angular(unknowns, 0),
         );
-        let at_centre = match seat.levers() {
+        let at_centre = match reference.levers() {
             Some(levers) => Vector3::from_fn(|k, _| at_reference[k] + levers[k].dot(&spin)),
             None => at_reference,
         };
         let spin = match evaluation.scene.angular_velocity {
-            AngularVelocity::Body => seat.turn.back(&spin),
-            AngularVelocity::World => seat.outward.apply(&spin),
+            AngularVelocity::Body => reference.to_own(&spin),
+            AngularVelocity::World => reference.outward.apply(&spin),
         };
         Some([at_centre, spin])
     }
@@ -350,6 +391,9 @@ impl<S: Real> Constraints<S> {
                 self.each_kept(evaluation, joint, |number, row, part| {
                     right[number] -= asked[row] * part;
                 });
+                if self.hold_rows(evaluation, (joint, step), &right) {
+                    continue;
+                }
                 let own = self.system.unknowns_mut(plan, step);
                 own.copy_from_slice(&right[..own.len()]);
             }

@@ -19,49 +19,45 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
-use super::rows::{Ends, Row, in_plane, perpendicular};
+use super::rows::{Ends, Row, in_plane, turned};
 use crate::Real;
 use crate::joints::{Axis, Coordinate, Measure};
 
-/// A turn on its way: the rows of its cosine and sine, and 1/ρ.
+/// A turn on its way: C and S, the rows C Φ(S) − S Φ(C) and C Φ(C) + S Φ(S) at these, and 1/ρ.
 struct Turning<S: Real> {
-    cosine: Row<S>,
-    sine: Row<S>,
+    products: [S; 2],
+    behind: Row<S>,
+    ahead: Row<S>,
     inverse: S,
 }
 
 impl<S: Real> Turning<S> {
-    fn new(ends: &Ends<'_, S>, [a, b]: &[Axis; 2], [c, d]: &[Axis; 2]) -> Self {
-        let (cosine, sine) = (perpendicular(ends, a, b), perpendicular(ends, c, d));
-        let (x, y) = (cosine.value, sine.value);
+    fn new(ends: &Ends<'_, S>, cosine: &[Axis; 2], sine: &[Axis; 2]) -> Self {
+        let [x, y] = [cosine, sine].map(|[a, b]| ends.cosine(a, b));
+        let [behind, ahead] = turned(ends, cosine, sine, (y, x));
         Turning {
+            products: [x, y],
+            behind,
+            ahead,
             inverse: S::one() / (x * x + y * y),
-            cosine,
-            sine,
         }
     }
 
     /// Φ_v by (3).
     fn parent(&self) -> Vector3<S> {
-        let (x, y) = (self.cosine.value, self.sine.value);
-        let swept =
-            self.sine.parent.angular.map(|n| x * n) - self.cosine.parent.angular.map(|n| y * n);
-        swept.map(|n| n * self.inverse)
+        self.behind.parent.angular.map(|n| n * self.inverse)
     }
 
     /// θ, Φ_v and γ by (2) to (4); w = ω_p − ω_c.
     fn row(&self, w: &Vector3<S>) -> Row<S> {
-        let (x, y) = (self.cosine.value, self.sine.value);
-        let row = self
-            .sine
-            .scaled(x * self.inverse)
-            .plus(&self.cosine.scaled(-(y * self.inverse)));
-        let [x_rate, y_rate] = [&self.cosine, &self.sine].map(|row| row.parent.angular.dot(w));
-        let stretching = S::from_f64(2.0) * (x * x_rate + y * y_rate);
-        let rate = row.parent.angular.dot(w);
+        let [x, y] = self.products;
+        let row = self.behind.scaled(self.inverse);
+        let stretching = S::from_f64(2.0) * self.ahead.parent.angular.dot(w);
+        let own = row.parent.angular.dot(w) * (stretching * self.inverse);
         Row {
             value: y.atan2(x),
-            bias: row.bias + rate * (stretching * self.inverse),
+            bias: row.bias + own,
+            relative: row.relative + own,
             ..row
         }
     }
@@ -115,8 +111,7 @@ impl<S: Real> Ends<'_, S> {
 
     /// Its rate [m/s]: a1·(u − ω_p × e).
     fn way_rate(&self, axis: &Axis) -> S {
-        let carried = self.parent.omega.cross(&self.reach());
-        self.parent.axis(axis).dot(&(self.reach_rate() - carried))
+        self.parent.axis(axis).dot(&self.slide_rate())
     }
 
     /// Way along the axis per radian [m/rad].

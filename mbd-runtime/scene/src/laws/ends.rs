@@ -8,6 +8,7 @@ use std::cell::OnceCell;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::algebra::labelled;
 use super::ground::FrameMotion;
 use crate::joints::Axis;
 use crate::{AngularVelocity, Real};
@@ -68,6 +69,15 @@ impl<S: Real> Turn<S> {
             (Turn::None, other) => *other,
             (turn, Turn::None) => *turn,
             (Turn::By(a), Turn::By(b)) => Turn::By(a * b),
+        }
+    }
+
+    /// self otherᵀ: other back first.
+    pub fn after_back(&self, other: &Turn<S>) -> Turn<S> {
+        match (self, other) {
+            (turn, Turn::None) => *turn,
+            (Turn::None, Turn::By(r)) => Turn::By(r.transpose()),
+            (Turn::By(a), Turn::By(b)) => Turn::By(a * b.transpose()),
         }
     }
 
@@ -160,9 +170,33 @@ pub struct Spin<S: Real> {
     pub difference: Vector3<S>,
     /// w·w.
     pub square: S,
-    /// ω_p × A ω_c.
+    /// ω_p × ω_c.
     pub cross: Vector3<S>,
 }
+
+impl<S: Real> Spin<S> {
+    fn new(parent: &Vector3<S>, child: &Vector3<S>) -> Self {
+        let child = labelled(*child, ["child_w_x", "child_w_y", "child_w_z"]);
+        let difference = labelled(
+            parent - child,
+            ["relative_w_x", "relative_w_y", "relative_w_z"],
+        );
+        Spin {
+            difference,
+            square: difference.dot(&difference).label("relative_w_squared"),
+            cross: labelled(
+                parent.cross(&child),
+                ["w_cross_x", "w_cross_y", "w_cross_z"],
+            ),
+        }
+    }
+}
+/// The elements of A.
+const RELATIVE: [[&str; 3]; 3] = [
+    ["a11", "a12", "a13"],
+    ["a21", "a22", "a23"],
+    ["a31", "a32", "a33"],
+];
 
 /// Parent end and child end of a joint, and its numbers.
 #[derive(Clone, Debug)]
@@ -175,6 +209,7 @@ pub struct Ends<'a, S: Real> {
     components: AngularVelocity,
     relative: OnceCell<Turn<S>>,
     spin: OnceCell<Spin<S>>,
+    spin_in_child: OnceCell<Spin<S>>,
 }
 
 impl<'a, S: Real> Ends<'a, S> {
@@ -192,6 +227,7 @@ impl<'a, S: Real> Ends<'a, S> {
             components,
             relative: OnceCell::new(),
             spin: OnceCell::new(),
+            spin_in_child: OnceCell::new(),
         }
     }
 
@@ -207,21 +243,36 @@ impl<'a, S: Real> Ends<'a, S> {
     pub fn relative(&self) -> &Turn<S> {
         self.relative.get_or_init(|| match self.components {
             AngularVelocity::World => Turn::None,
-            AngularVelocity::Body => self.parent.outward.to(&self.child.outward),
+            AngularVelocity::Body => match self.parent.outward.to(&self.child.outward) {
+                Turn::By(rotation) => Turn::By(Matrix3::from_fn(|row, column| {
+                    rotation[(row, column)].label(RELATIVE[row][column])
+                })),
+                Turn::None => Turn::None,
+            },
         })
     }
 
     /// The child's angular velocity seen from the parent.
     pub fn spin(&self) -> &Spin<S> {
         self.spin.get_or_init(|| {
-            let child = self.relative().apply(&self.child.omega);
-            let difference = self.parent.omega - child;
-            Spin {
-                difference,
-                square: difference.dot(&difference),
-                cross: self.parent.omega.cross(&child),
-            }
+            Spin::new(
+                &self.parent.omega,
+                &self.relative().apply(&self.child.omega),
+            )
         })
+    }
+
+    /// The same in child components.
+    pub fn spin_in_child(&self) -> &Spin<S> {
+        self.spin_in_child.get_or_init(|| {
+            let parent = self.relative().back(&self.parent.omega);
+            Spin::new(&parent, &self.child.omega)
+        })
+    }
+
+    /// An axis of frame 1, child components.
+    pub fn in_child(&self, axis: &Axis) -> Vector3<S> {
+        self.relative().back(&self.parent.axis(axis))
     }
 
     /// d: the child's joint point from the parent's, world axes [m].
@@ -246,6 +297,11 @@ impl<'a, S: Real> Ends<'a, S> {
     pub fn reach_rate(&self) -> Vector3<S> {
         let (p, c) = (&self.parent, &self.child);
         p.outward.back(&(c.velocity - p.velocity)) + self.relative().apply(&c.swing())
+    }
+
+    /// u − ω_p × e: velocity of the child's joint point seen from the parent, parent components [m/s].
+    pub fn slide_rate(&self) -> Vector3<S> {
+        self.reach_rate() - self.parent.omega.cross(&self.reach())
     }
 
     /// Axis number `k` of frame 1, world axes.

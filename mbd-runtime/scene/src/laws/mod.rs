@@ -2,13 +2,13 @@
 
 mod algebra;
 mod along;
-mod block;
+mod articulated;
+mod assemble;
 mod body;
 mod constraint;
 mod coordinate;
 mod ends;
 mod evaluation;
-mod fill;
 mod forces;
 mod formula;
 mod given;
@@ -17,15 +17,13 @@ mod ground;
 mod joint_ends;
 mod kinematics;
 pub mod line;
-mod locked;
 mod motor;
 mod node;
 mod numbers;
-mod pair;
 mod posture;
+mod reference;
 pub mod rows;
-mod seat;
-mod turned;
+mod system;
 
 use algebra::{elements, vector, write};
 use constraint::Constraints;

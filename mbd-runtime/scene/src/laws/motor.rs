@@ -7,12 +7,13 @@
 //! thread    as (1), for θ = a1·d/h                                                                                 [rad]    (4)
 //! ```
 //!
+//! One of the two axes of C is that of S, so that (2) is the product of that axis and of the other two turned by f: one row, whatever f.
 //! C and S are the cosine and the sine of the angle as in [`super::coordinate`], so that (2) is sin(θ − f): f may count turns, and nothing
 //! jumps. It also holds half a turn off: the start must satisfy cos(θ − f) > 0. The multiplier of the row is the force [N] or the torque
 //! [N m] of the motor along the coordinate. Singular, half a turn off apart, only where nothing is left to move.
 //! Rejected: θ − f with θ from atan2, which jumps once a turn. Source: derived.
 
-use super::rows::{Ends, Row, perpendicular};
+use super::rows::{Ends, Row, turned};
 use crate::joints::{Coordinate, Measure};
 use crate::{Jet, Real};
 
@@ -25,21 +26,20 @@ impl<S: Real> Ends<'_, S> {
                 value: row.value - course.value,
                 time: row.time - course.rate,
                 bias: row.bias + course.curve,
+                relative: row.relative + course.curve,
                 ..row
             };
         };
-        let across = perpendicular(self, &sine[0], &sine[1]);
-        let along = perpendicular(self, &cosine[0], &cosine[1]);
-        let (sin, cos) = course.value.sin_cos();
-        let row = across.scaled(cos).plus(&along.scaled(-sin));
-        let ahead = across.value * sin + along.value * cos;
-        let turning = across.rate(self) * sin + along.rate(self) * cos;
+        let [row, ahead] = turned(self, cosine, sine, course.value.sin_cos());
+        let turning = ahead.parent.angular.dot(&self.spin().difference);
+        let ahead = ahead.value;
+        let own = (turning + turning) * course.rate
+            + ahead * course.curve
+            + row.value * (course.rate * course.rate);
         Row {
             time: -(ahead * course.rate),
-            bias: row.bias
-                + (turning + turning) * course.rate
-                + ahead * course.curve
-                + row.value * (course.rate * course.rate),
+            bias: row.bias + own,
+            relative: row.relative + own,
             ..row
         }
     }

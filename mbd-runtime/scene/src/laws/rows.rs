@@ -19,6 +19,12 @@
 //! Φ_t = Φ_v v of the prescribed end,   γ = −(dΦ_v/dt) v − Φ_v v̇ of the prescribed end                            (6)
 //! ```
 //!
+//! What the motion of the parent brings along, as an acceleration of the child's joint point: the rows (1) and (3) times it are their γ,
+//!
+//! ```text
+//! coincide  ω_p×(ω_p×s1) − ω_c×(ω_c×s2)         in-plane  2 ω_p×u − ω_p×(ω_p×e) − ω_c×(ω_c×s2)         angular  ω_p×ω_c              (7)
+//! ```
+//!
 //! with s = R p and u = ṙ_c + ω_c×s2 − ṙ_p. In body components the same rows are written from p1, p2, ω′ and A = R_pᵀ R_c alone:
 //!
 //! ```text
@@ -33,6 +39,7 @@
 
 use nalgebra::Vector3;
 
+use super::algebra::labelled;
 pub use super::ends::{End, Ends, Spin, Turn};
 use crate::joints::{Axis, Coordinate};
 use crate::{Jet, Real, RowSet};
@@ -61,35 +68,8 @@ pub struct Row<S: Real> {
     pub couple: Vector3<S>,
     /// γ.
     pub bias: S,
-    /// What it forbids.
-    pub kind: RowKind,
-}
-
-/// What a row forbids.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RowKind {
-    /// One of three rows: the joint points part.
-    Coincide,
-    /// The child's joint point leaves the plane normal to this axis of frame 1.
-    Along(Axis),
-    /// The child turns: about an axis that is perpendicular to this axis of frame 2.
-    Perpendicular(Axis),
-    /// The child turns: about any axis.
-    Turned,
-    /// Another motion.
-    Other,
-}
-
-impl RowKind {
-    /// What a sum of multiples of two rows forbids.
-    fn summed(self, other: Self) -> Self {
-        use RowKind::{Other, Perpendicular, Turned};
-        match (self, other) {
-            (Perpendicular(a), Perpendicular(b)) if a == b => self,
-            (Perpendicular(_) | Turned, Perpendicular(_) | Turned) => Turned,
-            _ => Other,
-        }
-    }
+    /// γ less what the parent's motion brings along: less (7) times the columns of the child.
+    pub relative: S,
 }
 
 impl<S: Real> Columns<S> {
@@ -128,7 +108,7 @@ impl<S: Real> Columns<S> {
 
 impl<S: Real> Row<S> {
     /// Columns, couple and γ of `factor` × row; Φ likewise.
-    pub(super) fn scaled(&self, factor: S) -> Self {
+    pub fn scaled(&self, factor: S) -> Self {
         Row {
             value: factor * self.value,
             parent: self.parent.scaled(factor),
@@ -136,11 +116,12 @@ impl<S: Real> Row<S> {
             time: factor * self.time,
             couple: self.couple.map(|x| factor * x),
             bias: factor * self.bias,
-            kind: self.kind.summed(self.kind),
+            relative: factor * self.relative,
         }
     }
 
-    pub(super) fn plus(&self, other: &Self) -> Self {
+    /// The sum of two rows.
+    pub fn plus(&self, other: &Self) -> Self {
         Row {
             value: self.value + other.value,
             parent: self.parent.plus(&other.parent),
@@ -148,7 +129,7 @@ impl<S: Real> Row<S> {
             time: self.time + other.time,
             couple: self.couple + other.couple,
             bias: self.bias + other.bias,
-            kind: self.kind.summed(other.kind),
+            relative: self.relative + other.relative,
         }
     }
 
@@ -266,7 +247,7 @@ impl<S: Real> Rows<S> {
         self.coincide = Some((first, axes));
         let (parent, child) = (&ends.parent, &ends.child);
         let gap = ends.gap();
-        let bias = pull(parent) - pull(child);
+        let bias = labelled(ends.meeting(), ["gamma_x", "gamma_y", "gamma_z"]);
         for k in axes.rows() {
             let unit = Turn::None.row(k);
             self.rows.push(Row {
@@ -282,7 +263,7 @@ impl<S: Real> Rows<S> {
                 time: S::zero(),
                 couple: Vector3::zeros(),
                 bias: bias[k],
-                kind: RowKind::Coincide,
+                relative: S::zero(),
             });
         }
     }
@@ -342,8 +323,8 @@ impl<S: Real> Rows<S> {
             },
             time: S::zero(),
             couple: Vector3::zeros(),
-            bias: direction.dot(&(pull(parent) - pull(child))) - rate.dot(&rate) * shrink,
-            kind: RowKind::Other,
+            bias: direction.dot(&ends.meeting()) - rate.dot(&rate) * shrink,
+            relative: -(rate.dot(&rate) * shrink),
         });
     }
 
@@ -358,24 +339,7 @@ impl<S: Real> Rows<S> {
         if !self.next() {
             return;
         }
-        let [u, v] = axis.complement();
-        let (along, across) = (perpendicular(ends, &u, &u), perpendicular(ends, &v, &u));
-        let way = in_plane(ends, axis);
-        let (sin, cos) = (way.value / lead).sin_cos();
-        let advance = along.value * cos + across.value * sin;
-        let miss = along.value * sin - across.value * cos;
-        let speed = way.rate(ends);
-        let turning = along.rate(ends) * cos + across.rate(ends) * sin;
-        let row = along
-            .scaled(lead * sin)
-            .plus(&across.scaled(-(lead * cos)))
-            .plus(&way.scaled(advance));
-        let two = S::from_f64(2.0);
-        self.rows.push(Row {
-            value: lead * miss,
-            bias: row.bias - two * (turning * speed) + miss * (speed * speed) / lead,
-            ..row
-        });
+        self.rows.push(helix(ends, axis, lead));
     }
 }
 
@@ -388,20 +352,50 @@ impl<S: Real> Ends<'_, S> {
     }
 }
 
-/// ω × (ω × arm), world axes [m/s²]: centripetal acceleration of the joint's point.
+impl<S: Real> Ends<'_, S> {
+    /// The first of (7): points that coincide, world axes [m/s²].
+    pub fn meeting(&self) -> Vector3<S> {
+        parent_pull(&self.parent) - child_pull(&self.child)
+    }
+
+    /// The second of (7): the child's point moves in the parent, world axes [m/s²].
+    pub fn sliding(&self) -> Vector3<S> {
+        let twice = self.reach_rate() + self.slide_rate();
+        let coriolis = self.parent.omega.cross(&twice);
+        self.parent.outward.apply(&coriolis) - child_pull(&self.child)
+    }
+}
+
+/// ω × (ω × arm) of the parent's end, world axes [m/s²]: the centripetal acceleration of the joint's point.
+fn parent_pull<S: Real>(end: &End<S>) -> Vector3<S> {
+    labelled(
+        pull(end),
+        ["parent_pull_x", "parent_pull_y", "parent_pull_z"],
+    )
+}
+
+/// The same of the child's end.
+fn child_pull<S: Real>(end: &End<S>) -> Vector3<S> {
+    labelled(pull(end), ["child_pull_x", "child_pull_y", "child_pull_z"])
+}
+
 fn pull<S: Real>(end: &End<S>) -> Vector3<S> {
     end.outward.apply(&end.omega.cross(&end.swing()))
 }
 
 /// (2).
-pub(super) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
-    let kind = RowKind::Perpendicular(*b);
-    let (a, b) = (ends.parent.axis(a), ends.child.axis(b));
-    let (b_parent, a_child) = (ends.relative().apply(&b), ends.relative().back(&a));
+pub(crate) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
+    across(ends, &ends.parent.axis(a), &ends.child.axis(b))
+}
+
+/// (2) for directions in the components of their ends.
+fn across<S: Real>(ends: &Ends<'_, S>, a: &Vector3<S>, b: &Vector3<S>) -> Row<S> {
+    let (b_parent, a_child) = (ends.relative().apply(b), ends.relative().back(a));
     let spin = ends.spin();
     let (normal, couple) = (a.cross(&b_parent), b.cross(&a_child));
     let cosine = a.dot(&b_parent);
     let along = a.dot(&spin.difference) * b_parent.dot(&spin.difference);
+    let relative = spin.square * cosine - along;
     Row {
         value: cosine,
         parent: Columns {
@@ -414,15 +408,37 @@ pub(super) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> 
         },
         time: S::zero(),
         couple,
-        bias: spin.square * cosine - along - normal.dot(&spin.cross),
-        kind,
+        bias: relative - normal.dot(&spin.cross),
+        relative,
     }
+}
+
+/// a, b → a cos − b sin and a sin + b cos.
+fn rotated<S: Real>([a, b]: [Vector3<S>; 2], (sin, cos): (S, S)) -> [Vector3<S>; 2] {
+    let sum = |x: S, y: S| a.map(|a| a * x) + b.map(|b| b * y);
+    [sum(cos, -sin), sum(sin, cos)]
+}
+
+/// The rows of S cos − C sin and S sin + C cos, for the products C of the first pair of axes and S of the second, one of which both share.
+pub(super) fn turned<S: Real>(
+    ends: &Ends<'_, S>,
+    cosine: &[Axis; 2],
+    sine: &[Axis; 2],
+    turn: (S, S),
+) -> [Row<S>; 2] {
+    if cosine[1] == sine[1] {
+        let both = [sine[0], cosine[0]].map(|axis| ends.parent.axis(&axis));
+        let own = ends.child.axis(&cosine[1]);
+        return rotated(both, turn).map(|direction| across(ends, &direction, &own));
+    }
+    let own = ends.parent.axis(&cosine[0]);
+    let both = [sine[1], cosine[1]].map(|axis| ends.child.axis(&axis));
+    rotated(both, turn).map(|direction| across(ends, &own, &direction))
 }
 
 /// (3).
 pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
     let (parent, child) = (&ends.parent, &ends.child);
-    let kind = RowKind::Along(*a);
     let a = parent.axis(a);
     let a_child = ends.relative().back(&a);
     let (reach, rate) = (ends.reach(), ends.reach_rate());
@@ -444,6 +460,34 @@ pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
         time: S::zero(),
         couple: Vector3::zeros(),
         bias: a.dot(&(coriolis - carried)) - a_child.dot(&own),
-        kind,
+        relative: S::zero(),
     }
+}
+
+/// (5), with the axes of frame 1 turned by φ: m = u1 sin φ − v1 cos φ and n = u1 cos φ + v1 sin φ.
+pub(crate) fn helix<S: Real>(ends: &Ends<'_, S>, axis: &Axis, lead: S) -> Row<S> {
+    let [u, v] = axis.complement();
+    let way = in_plane(ends, axis);
+    let (sin, cos) = (way.value / lead).sin_cos();
+    let own = [u, v].map(|axis| ends.parent.axis(&axis));
+    // v cos − u sin and v sin + u cos.
+    let [behind, ahead] = rotated([own[1], own[0]], (sin, cos));
+    let u = ends.child.axis(&u);
+    let (miss, advance) = (across(ends, &-behind, &u), across(ends, &ahead, &u));
+    let speed = ends.parent.axis(axis).dot(&ends.slide_rate());
+    let turning = advance.parent.angular.dot(&ends.spin().difference);
+    let row = miss.scaled(lead).plus(&way.scaled(advance.value));
+    let two = S::from_f64(2.0);
+    let own = (miss.value * speed / lead - two * turning) * speed;
+    Row {
+        bias: row.bias + own,
+        relative: row.relative + own,
+        value: lead * miss.value,
+        ..row
+    }
+}
+
+/// The couple on the child of a row (2), child components.
+pub(crate) fn couple<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Vector3<S> {
+    ends.child.axis(b).cross(&ends.in_child(a))
 }

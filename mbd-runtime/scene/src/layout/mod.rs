@@ -9,8 +9,8 @@ pub use slots::{
     Slots, StopSlots,
 };
 
-use crate::elimination::Elimination;
-use crate::partition::Partition;
+use crate::elimination::{Carrying, Elimination};
+use crate::formula::Place;
 use crate::plane::Directions;
 use crate::redundancy::{Redundancy, RowSet};
 use crate::scene::Scene;
@@ -95,11 +95,20 @@ impl Layout {
             }
         }
         let joints = scene.joints.iter().zip(&self.joints);
-        let partitions: Vec<Option<Partition>> = joints
+        let carrying: Vec<Option<Carrying>> = joints
             .map(|(joint, slots)| {
-                let motors = joint.motors();
-                let motors = motors.filter_map(|(index, _)| joint.law.coordinate(index));
-                Partition::of(&joint.law, slots.law, motors, self.directions)
+                let driven = joint.motors();
+                let driven = driven.map(|(index, _)| Some((index, joint.law.coordinate(index)?)));
+                let motors: Vec<_> = driven.collect::<Option<_>>()?;
+                let aligned = match joint.child {
+                    Place::Body(body, frame) => {
+                        let body = scene.bodies.get(body)?;
+                        body.frames.get(frame)?.rotation.is_none()
+                    }
+                    _ => false,
+                };
+                let directions = (self.directions, aligned);
+                Carrying::of(&joint.law, slots.law, &motors, directions)
             })
             .collect();
         self.elimination = Elimination::new(
@@ -107,7 +116,7 @@ impl Layout {
             self.bodies.len(),
             &self.points,
             &self.joints,
-            &partitions,
+            &carrying,
             redundancy.closed,
         );
         self.redundancy = redundancy;

@@ -11,7 +11,7 @@ use super::{Redundancy, RowSet};
 use crate::elimination::Part;
 use crate::joints::Relative;
 use crate::laws::Posture;
-use crate::laws::rows::{Columns, Row, RowKind, Rows};
+use crate::laws::rows::{Columns, Row, Rows};
 use crate::{Directions, Joint, Layout, Place, Scene};
 
 /// A row is new when more than this part of it is.
@@ -111,10 +111,7 @@ impl Layout {
             let largest = fixed.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
             apart.extend(largest.map(|row| Apart {
                 joint: index,
-                gap: match row.kind {
-                    RowKind::Perpendicular(_) | RowKind::Turned => None,
-                    _ => Some(row.value.abs()),
-                },
+                gap: (row.child.linear != Vector3::zeros()).then(|| row.value.abs()),
             }));
         }
         apart

@@ -1,5 +1,5 @@
-//! The ladder behind the emitted solver of rows: a stage inside a step at which rows lose rank, parameters that change the rank, masses
-//! that nothing can hold together, and a run that goes on from a snapshot on the rung it was on.
+//! The fallback chain behind the emitted solver of rows: a stage inside a step at which rows lose rank, parameters that change the rank, masses
+//! that nothing can hold together, and a run that goes on from a snapshot on the strategy it was on.
 
 use mbd_runtime::{Generic, Method, Options, Scalar, Simulation, Statistics, StepError};
 use mbd_scene::{Layout, Quantity, Scene};
@@ -54,11 +54,11 @@ fn a_stage_that_falls_on_a_singular_position_is_passed_on_the_branch() {
         for part in near.into_iter().chain(far) {
             let (change, tilt, s) = pass_flat::<f64>(part, 2.0, Options::rk4(h), h, 10);
             println!(
-                "h {h}, {part}: energy {change:e}, tilt {tilt:e}, rung {}, chosen {}, regularised {}",
-                s.rows_rung, s.rows_chosen, s.rows_regularised
+                "h {h}, {part}: energy {change:e}, tilt {tilt:e}, strategy {}, chosen {}, regularised {}",
+                s.rows_strategy, s.rows_chosen, s.rows_regularised
             );
             let hit = near.contains(&part);
-            assert_eq!((s.rows_rung == 4, s.rows_regularised > 0), (hit, hit));
+            assert_eq!((s.rows_strategy == 4, s.rows_regularised > 0), (hit, hit));
             // On the other branch the bar turns with the cranks.
             assert!(tilt < 1e-13, "{tilt:e}");
             *worst = worst.max(change);
@@ -75,17 +75,17 @@ fn a_stage_that_falls_on_a_singular_position_is_passed_on_the_branch() {
     };
     let (change, tilt, s) = pass_flat::<f64>(0.161, 2.0, options, 1e-3, 100);
     println!(
-        "adaptive: energy {change:e}, tilt {tilt:e}, rung {}",
-        s.rows_rung
+        "adaptive: energy {change:e}, tilt {tilt:e}, strategy {}",
+        s.rows_strategy
     );
-    assert!(change < 1e-8 && tilt < 1e-12 && s.rows_rung == 4);
+    assert!(change < 1e-8 && tilt < 1e-12 && s.rows_strategy == 4);
     let (change, tilt, s) = pass_flat::<f32>(0.5, 2.0, Options::rk4(1e-2), 1e-2, 10);
     println!(
-        "f32: energy {change:e}, tilt {tilt:e}, rung {}",
-        s.rows_rung
+        "f32: energy {change:e}, tilt {tilt:e}, strategy {}",
+        s.rows_strategy
     );
     // In f32 the start itself is too close to the flat position for the emitted rows.
-    assert!(change < 1e-5 && tilt < 1e-5 && s.rows_rung >= 2);
+    assert!(change < 1e-5 && tilt < 1e-5 && s.rows_strategy >= 2);
 }
 
 #[test]
@@ -185,12 +185,12 @@ fn a_parameter_that_makes_rows_repeat_others_lets_the_mechanism_move_as_declared
         let (want, _) = run_with(&planar, 0.0, options).expect("a run");
         let (got, s) = run_with(&locked, 0.0, options).expect("a run");
         println!(
-            "moves: rung {}, chosen {}, regularised {}",
-            s.rows_rung, s.rows_chosen, s.rows_regularised
+            "moves: strategy {}, chosen {}, regularised {}",
+            s.rows_strategy, s.rows_chosen, s.rows_regularised
         );
         assert!((want[0] - upright(&planar)[0]).abs() > 0.1, "it swings");
         assert_close(&got, &want, 1e-8, 1e-8, "rank 17 of rows kept as 18");
-        assert_eq!(s.rows_rung, 2);
+        assert_eq!(s.rows_strategy, 2);
     }
 }
 
@@ -199,11 +199,11 @@ fn a_parameter_that_makes_repeated_rows_count_locks_the_mechanism() {
     let planar = tilted(0.0);
     let (got, s) = run_with(&planar, 0.3, Options::rk4(2e-3)).expect("a run");
     println!(
-        "locked: rung {}, chosen {}, regularised {}",
-        s.rows_rung, s.rows_chosen, s.rows_regularised
+        "locked: strategy {}, chosen {}, regularised {}",
+        s.rows_strategy, s.rows_chosen, s.rows_regularised
     );
     assert_close(&got, &upright(&planar), 0.0, 1e-9, "nothing moves");
-    assert_eq!(s.rows_rung, 2);
+    assert_eq!(s.rows_strategy, 2);
 }
 
 #[test]

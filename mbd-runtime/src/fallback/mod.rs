@@ -1,45 +1,39 @@
-//! The ladder behind the emitted solver of rows, climbed at step boundaries only and held for a whole step.
+//! What solves the rows of joints where the emitted elimination cannot: a chain of strategies, chosen at step boundaries and held for a step.
 //!
-//! 1. The rows kept in the declaration, in the emitted elimination.
-//! 2. Where other rows leave less than 1e-10 (in f32 5e-3) to the pivot of one of them: rows chosen anew at the start of the step, by what is new in
-//!    each, solved without structure; in passing such a state, with the multipliers they tend to there (`beside`). Stages of the step
+//! 1. `Emitted`: the rows kept in the declaration, in the emitted elimination.
+//! 2. `Chosen`: where other rows leave too little to the pivot of one of them, rows chosen anew at the start of the step, by what is new in
+//!    each, solved without structure; in passing such a state, with the multipliers at the limit (`limit`). Stages of the step
 //!    that are regular again keep the emitted rows, unless one of them fails.
-//! 3. Where masses differ so much that the emitted elimination loses digits: the whole matrix with row exchange.
-//! 4. Where the rows held for a step fail at a stage inside it: that stage alone with all rows, regularised and refined until nothing is
-//!    gained, and only if the equations then hold. The last rung before [`StepError::SingularConstraints`]: near a state where rows lose
-//!    rank such a step is of order two.
+//! 3. `Whole`: where masses differ so much that the emitted elimination loses digits, the whole matrix with row exchange.
+//! 4. `Regularised`: where the rows held for a step fail at a stage inside it, that stage alone with all rows, regularised and refined until
+//!    nothing is gained, and only if the equations then hold. The last strategy before [`StepError::SingularConstraints`]: near a state
+//!    where rows lose rank such a step is of order two.
 //!
 //! Rows are never chosen again inside a step: order four would drop to two.
 //! A step that passes close to a singular state can have a stage there although both its ends are regular. Between rows at an angle α the
 //! margin is sin² α, so its root runs straight towards such a state: stages are measured one by one in the steps that could reach it.
+//!
+//! A step on the emitted strategy passes [`System::accelerate`] with one comparison; everything else here is cold.
 
 use mbd_scene::{Float, PointSlots, Quantity};
 use serde::{Deserialize, Serialize};
 
-use crate::dense::Dense;
+use self::dense::Dense;
+pub(crate) use self::dependence::{Dependence, dependent};
+pub(crate) use self::limits::NEW;
+use self::limits::{LASTING, LEFT, LEFT_INSIDE, MARGIN, NEAR, PASSING};
 use crate::error::StepError;
 use crate::system::System;
 
-mod beside;
-mod weigh;
+mod conditioning;
+mod dense;
+mod dependence;
+mod limit;
+mod limits;
 
-/// Part left to a pivot below which its row counts as dependent on others; more where the scalar has fewer digits.
-const MARGIN: f64 = 1e-10;
-/// What rounding ε of a state may cost accelerations in passing a state where rows lose rank, relative. It costs them ε over the margin: closer
-/// than that, what they tend to from farther away (`beside`) is better. In f32 that is good to ε^(4/7) = 1e-4; in f64 [`MARGIN`] is wider.
-const PASSING: f64 = 2.5e-5;
-/// The same where rows stay near such a state and nothing better is known.
-const LASTING: f64 = 2e-2;
-/// What a solution without all rows may leave of a row, relative, at least.
-const LEFT: f64 = 1e-3;
-/// What a regularised stage may leave of a row, relative: inside a step rows disagree by the step times the rate of the motion.
-const LEFT_INSIDE: f64 = 3e-2;
-/// A step is watched at its stages while the root of the margin is less than this many times its change over the step before.
-const NEAR: f64 = 2.0;
-
-/// A way to solve the rows.
+/// How the rows are solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub(crate) enum Rung {
+pub(crate) enum Strategy {
     /// As emitted.
     #[default]
     Emitted,
@@ -48,13 +42,13 @@ pub(crate) enum Rung {
     /// The whole matrix.
     Whole,
     /// All rows, regularised: a stage, never a step.
-    Proximal,
+    Regularised,
 }
 
 /// What is held for a step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Held {
-    rung: Rung,
+    strategy: Strategy,
     rows: Vec<usize>,
     /// Whether every stage of the step takes these rows: one of them could not be solved otherwise.
     whole_step: bool,
@@ -66,23 +60,23 @@ struct Held {
 
 /// What a run needs to go on solving its rows as it did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Footing {
+pub(crate) struct SavedStrategy {
     held: Held,
-    base: Rung,
+    base: Strategy,
     lasting: bool,
 }
 
-/// The ladder of one run.
+/// The chain of one run.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Ladder {
+pub(crate) struct Fallback {
     /// Of the step that is tried.
     now: Held,
     /// Of the step after it.
     next: Held,
     /// Whether the stage to come is the first of the step after.
     at_end: bool,
-    /// The rung of a run away from singular states.
-    base: Rung,
+    /// The strategy of a run away from singular states.
+    base: Strategy,
     /// What the last factor left to its smallest pivot; NaN when there was none since the last step.
     pub margin: f64,
     dense: Dense,
@@ -97,13 +91,13 @@ pub(crate) struct Ladder {
     bias: Vec<f64>,
     /// Room for rows chosen in a projection.
     spare: Vec<usize>,
-    /// The worst rung used.
-    pub worst: Rung,
-    /// Decimal digits that uneven masses cost on the rung of the run.
+    /// The worst strategy used.
+    pub worst: Strategy,
+    /// Decimal digits that uneven masses cost on the strategy of the run.
     pub lost_digits: u64,
 }
 
-impl Ladder {
+impl Fallback {
     fn held(&self) -> &Held {
         if self.at_end { &self.next } else { &self.now }
     }
@@ -128,16 +122,16 @@ impl Ladder {
     }
 
     /// What the step to come is solved with.
-    pub(crate) fn footing(&self) -> Footing {
-        Footing {
+    pub(crate) fn saved(&self) -> SavedStrategy {
+        SavedStrategy {
             held: self.now.clone(),
             base: self.base,
             lasting: self.lasting,
         }
     }
 
-    /// Takes up what another run held, for the stage at its last step; [`Ladder::commit`] follows.
-    pub(crate) fn resume(&mut self, footing: &Footing) {
+    /// Takes up what another run held, for the stage at its last step; [`Fallback::commit`] follows.
+    pub(crate) fn resume(&mut self, footing: &SavedStrategy) {
         self.next.clone_from(&footing.held);
         self.base = footing.base;
         self.lasting = footing.lasting;
@@ -148,7 +142,7 @@ impl Ladder {
 impl<T: Float> System<T> {
     /// Whether the last factor of the emitted elimination can be trusted.
     pub(crate) fn is_regular(&self) -> bool {
-        self.ladder.margin >= self.trusted_from(self.ladder.lasting)
+        self.fallback.margin >= self.trusted_from(self.fallback.lasting)
     }
 
     /// The margin from which on the emitted elimination is trusted, near a state that is passed or that lasts.
@@ -160,46 +154,46 @@ impl<T: Float> System<T> {
     /// Rows that were left out have come apart: from here on as many as can be are taken. False if they are already.
     #[cold]
     pub(crate) fn takes_more_rows(&mut self) -> bool {
-        let more = !self.ladder.lasting && self.trusted_from(true) < self.trusted_from(false);
-        self.ladder.lasting |= more;
+        let more = !self.fallback.lasting && self.trusted_from(true) < self.trusted_from(false);
+        self.fallback.lasting |= more;
         more
     }
 
     /// Part of a row that is new in rows that are independent.
     pub(crate) fn new_from(&self) -> f64 {
-        // Where masses and not a position ask for another rung, a row is left out only if it cannot be told from others.
-        let lasting = self.ladder.lasting || self.ladder.base != Rung::Emitted;
+        // Where masses and not a position ask for another strategy, a row is left out only if it cannot be told from others.
+        let lasting = self.fallback.lasting || self.fallback.base != Strategy::Emitted;
         self.trusted_from(lasting).sqrt()
     }
 
-    /// Whether the rung of the run solves without the emitted elimination.
+    /// Whether the strategy of the run solves without the emitted elimination.
     pub(crate) fn solves_chosen(&self) -> bool {
-        self.ladder.base == Rung::Chosen
+        self.fallback.base == Strategy::Chosen
     }
 
-    /// Takes another rung for the whole run: the rows that were kept are not enough.
+    /// Takes another strategy for the whole run: the rows that were kept are not enough.
     #[cold]
     pub(crate) fn choose_always(&mut self) {
-        self.ladder.base = Rung::Chosen;
+        self.fallback.base = Strategy::Chosen;
     }
 
     /// Decides how the rows of the step that starts at a projected state are solved.
     pub(crate) fn pick(&mut self, time: f64, state: &[T]) {
-        let size = self.ladder.margin.max(0.0).sqrt();
-        let change = (size - self.ladder.now.size).abs();
-        self.ladder.at_end = true;
-        self.ladder.next.rung = self.ladder.base;
-        self.ladder.next.whole_step = false;
-        self.ladder.next.size = size;
+        let size = self.fallback.margin.max(0.0).sqrt();
+        let change = (size - self.fallback.now.size).abs();
+        self.fallback.at_end = true;
+        self.fallback.next.strategy = self.fallback.base;
+        self.fallback.next.whole_step = false;
+        self.fallback.next.size = size;
         // Also where there was no step before.
-        self.ladder.next.near = !matches!(
+        self.fallback.next.near = !matches!(
             size.partial_cmp(&(NEAR * change)),
             Some(std::cmp::Ordering::Greater)
         );
-        if self.ladder.margin >= self.trusted_from(false) {
-            self.ladder.lasting = false;
+        if self.fallback.margin >= self.trusted_from(false) {
+            self.fallback.lasting = false;
         }
-        if self.is_regular() && self.ladder.base == Rung::Emitted {
+        if self.is_regular() && self.fallback.base == Strategy::Emitted {
             return;
         }
         self.pick_anew(time, state);
@@ -207,49 +201,49 @@ impl<T: Float> System<T> {
 
     #[cold]
     fn pick_anew(&mut self, time: f64, state: &[T]) {
-        let rung = self.ladder.base.max(Rung::Chosen);
+        let strategy = self.fallback.base.max(Strategy::Chosen);
         self.read_dense(time, state);
-        let mut rows = std::mem::take(&mut self.ladder.next.rows);
-        self.ladder.dense.choose(&mut rows);
-        let whole_step = rung == Rung::Whole || self.ladder.base == Rung::Chosen;
-        self.ladder.next = Held {
-            rung,
+        let mut rows = std::mem::take(&mut self.fallback.next.rows);
+        self.fallback.dense.choose(&mut rows);
+        let whole_step = strategy == Strategy::Whole || self.fallback.base == Strategy::Chosen;
+        self.fallback.next = Held {
+            strategy,
             rows,
             whole_step,
-            ..self.ladder.next
+            ..self.fallback.next
         };
-        self.ladder.worst = self.ladder.worst.max(rung);
+        self.fallback.worst = self.fallback.worst.max(strategy);
         self.counters.rows_chosen = self.counters.rows_chosen.saturating_add(1);
     }
 
     /// The rows of the step that is tried cannot be solved as they are: chooses them anew at its start. False if that was done before.
     #[cold]
-    pub(crate) fn climb(&mut self, time: f64, state: &[T]) -> bool {
-        if self.ladder.now.rung != Rung::Emitted || self.model.layout().nc == 0 {
+    pub(crate) fn escalate(&mut self, time: f64, state: &[T]) -> bool {
+        if self.fallback.now.strategy != Strategy::Emitted || self.model.layout().nc == 0 {
             return false;
         }
         let state = state.get(..self.nx).unwrap_or_default();
         self.pick_anew(time, state);
-        self.ladder.next.whole_step = true;
-        self.ladder.commit();
+        self.fallback.next.whole_step = true;
+        self.fallback.commit();
         true
     }
 
-    /// Overwrites the accelerations of a stage where the rung of its step is not the emitted one.
+    /// Overwrites the accelerations of a stage where the strategy of its step is not the emitted one.
     ///
     /// # Errors
-    /// [`StepError::SingularConstraints`] where this rung cannot solve the stage.
+    /// [`StepError::SingularConstraints`] where this strategy cannot solve the stage.
     pub(crate) fn accelerate(
         &mut self,
         time: f64,
         state: &[T],
         rates: &mut [T],
     ) -> Result<(), StepError> {
-        (self.ladder.anew, self.ladder.regularised) = (false, false);
-        let held = self.ladder.held();
-        match held.rung {
-            Rung::Emitted if self.ladder.at_end || !held.near => Ok(()),
-            Rung::Emitted => self.check_stage(time, state),
+        (self.fallback.anew, self.fallback.regularised) = (false, false);
+        let held = self.fallback.held();
+        match held.strategy {
+            Strategy::Emitted if self.fallback.at_end || !held.near => Ok(()),
+            Strategy::Emitted => self.check_stage(time, state),
             _ => self.accelerate_anew(time, state, rates),
         }
     }
@@ -260,9 +254,9 @@ impl<T: Float> System<T> {
         if !self.projection.any() {
             return Ok(());
         }
-        self.ladder.margin = f64::NAN;
+        self.fallback.margin = f64::NAN;
         self.measure(time, state);
-        if self.is_regular() || self.ladder.margin.is_nan() {
+        if self.is_regular() || self.fallback.margin.is_nan() {
             return Ok(());
         }
         Err(self.singular(time, state))
@@ -275,9 +269,9 @@ impl<T: Float> System<T> {
         state: &[T],
         rates: &mut [T],
     ) -> Result<(), StepError> {
-        if !self.ladder.at_end && !self.ladder.now.whole_step {
+        if !self.fallback.at_end && !self.fallback.now.whole_step {
             // Only the start of this step is singular; a stage that is not keeps its rows.
-            self.ladder.margin = f64::NAN;
+            self.fallback.margin = f64::NAN;
             self.measure(time, state);
             if self.is_regular() {
                 return Ok(());
@@ -285,13 +279,13 @@ impl<T: Float> System<T> {
         }
         self.read_dense(time, state);
         self.read_right(time, state);
-        let Ladder {
+        let Fallback {
             now,
             next,
             at_end,
             dense,
             ..
-        } = &mut self.ladder;
+        } = &mut self.fallback;
         let held = if *at_end { &*next } else { &*now };
         if !dense.are_independent(&held.rows) {
             let left = dense.accelerate_regularised(T::EPSILON.to_f64());
@@ -299,28 +293,28 @@ impl<T: Float> System<T> {
             if left > LEFT_INSIDE {
                 return Err(self.singular(time, state));
             }
-            self.ladder.worst = Rung::Proximal;
-            self.ladder.regularised = true;
+            self.fallback.worst = Strategy::Regularised;
+            self.fallback.regularised = true;
             self.counters.rows_regularised = self.counters.rows_regularised.saturating_add(1);
-        } else if held.rung == Rung::Whole {
+        } else if held.strategy == Strategy::Whole {
             dense.accelerate_whole(&held.rows);
         } else {
             dense.factor(&held.rows);
             dense.accelerate(&held.rows);
             // As many as there ever are: nothing is left open.
-            if self.ladder.held().rows.len() < self.model.layout().rank() {
-                self.tend(time, state);
+            if self.fallback.held().rows.len() < self.model.layout().rank() {
+                self.approach_limit(time, state);
             }
             // Speeds that the rows allow at an instant need not belong to any motion; rows left out for what little is new in them disagree.
-            if self.ladder.dense.left() > LEFT.max(0.5 * self.trusted_from(false).sqrt()) {
+            if self.fallback.dense.left() > LEFT.max(0.5 * self.trusted_from(false).sqrt()) {
                 return Err(self.singular(time, state));
             }
         }
         let rates = rates.iter_mut().skip(self.model.layout().nq);
-        for (rate, found) in rates.zip(&self.ladder.dense.force) {
+        for (rate, found) in rates.zip(&self.fallback.dense.force) {
             *rate = T::from_f64(*found);
         }
-        self.ladder.anew = true;
+        self.fallback.anew = true;
         Ok(())
     }
 
@@ -328,7 +322,7 @@ impl<T: Float> System<T> {
     #[cold]
     pub(crate) fn correct_anew(&mut self, time: f64, state: &[T], rows: &[T], moves: &mut [T]) {
         self.read_dense(time, state);
-        let Ladder { dense, spare, .. } = &mut self.ladder;
+        let Fallback { dense, spare, .. } = &mut self.fallback;
         dense.choose(spare);
         for (to, from) in dense.right.iter_mut().zip(rows) {
             *to = from.to_f64();
@@ -345,38 +339,38 @@ impl<T: Float> System<T> {
         let model = self.model.clone();
         let layout = model.layout();
         let new_from = self.new_from();
-        if self.ladder.dense.mass.is_empty() {
-            self.ladder.dense = Dense::new(layout.nv, layout.nc, new_from);
-            self.ladder.bias = vec![0.0; layout.nv];
+        if self.fallback.dense.mass.is_empty() {
+            self.fallback.dense = Dense::new(layout.nv, layout.nc, new_from);
+            self.fallback.bias = vec![0.0; layout.nv];
         }
-        let mut dense = std::mem::take(&mut self.ladder.dense);
+        let mut dense = std::mem::take(&mut self.fallback.dense);
         dense.new_from = new_from;
         self.by_laws(Quantity::MassMatrix, time, state, &mut dense.mass);
         let jacobian = &mut dense.jacobian;
         self.by_laws(Quantity::ConstraintJacobian, time, state, jacobian);
         let directions = layout.directions;
         for slots in &layout.bodies {
-            dense.weigh(slots.v, directions.speeds());
+            dense.set_mass(slots.v, directions.speeds());
         }
         for slots in &layout.points {
             if let PointSlots::Mass(slots) = slots {
-                dense.weigh(slots.v, directions.moves().len());
+                dense.set_mass(slots.v, directions.moves().len());
             }
         }
-        self.ladder.dense = dense;
+        self.fallback.dense = dense;
     }
 
     /// Reads γ and f − h.
     fn read_right(&mut self, time: f64, state: &[T]) {
-        let mut dense = std::mem::take(&mut self.ladder.dense);
+        let mut dense = std::mem::take(&mut self.fallback.dense);
         self.by_laws(Quantity::ConstraintBias, time, state, &mut dense.right);
         self.by_laws(Quantity::Forces, time, state, &mut dense.force);
-        let mut bias = std::mem::take(&mut self.ladder.bias);
+        let mut bias = std::mem::take(&mut self.fallback.bias);
         self.by_laws(Quantity::BiasForce, time, state, &mut bias);
         for (force, bias) in dense.force.iter_mut().zip(&bias) {
             *force -= bias;
         }
-        self.ladder.bias = bias;
-        self.ladder.dense = dense;
+        self.fallback.bias = bias;
+        self.fallback.dense = dense;
     }
 }

@@ -13,13 +13,7 @@
 //! the same for every solution.
 
 use super::{Dense, dot, largest};
-
-/// ε: σ² of a row of size 1 below which a direction is left alone. Smaller ones follow the inconsistency of a stage, larger ones converge slowly.
-const GIVE: f64 = 1e-6;
-/// Rounds of (2) at most.
-const ROUNDS: usize = 50;
-/// Rounds after which it may stop: by then rows far from those that stall are solved to the last digit.
-const LEAST: usize = 3;
+use crate::fallback::limits::{GIVE, LEAST, ROUNDS};
 
 impl Dense {
     /// v̇ by (2) into `force`, from `mass`, `jacobian`, `right` and `force`, whose numbers are good to `epsilon`; the largest row that is left,
@@ -82,7 +76,7 @@ impl Dense {
 
 #[cfg(test)]
 mod tests {
-    use crate::dense::tests::pair;
+    use crate::fallback::dense::tests::pair;
 
     #[test]
     fn rows_that_repeat_are_solved_together_and_a_contradiction_is_left_over() {

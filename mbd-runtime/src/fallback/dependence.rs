@@ -2,10 +2,7 @@
 
 use mbd_scene::Float;
 
-/// Part of a row that must be new for it to count as independent: what rounding leaves of a row that repeats others is less.
-pub(crate) const NEW: f64 = 1e-9;
-/// Part of a combination from which on a row takes part in it.
-const INVOLVED: f64 = 1e-6;
+use super::limits::INVOLVED;
 
 /// What depends on what.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -92,7 +89,8 @@ fn subtract(from: &mut [f64], times: f64, what: &[f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{NEW, dependent};
+    use super::dependent;
+    use crate::fallback::NEW;
 
     #[test]
     fn a_sum_of_two_rows_is_found_with_its_parts_and_its_contradiction() {

@@ -15,11 +15,10 @@
 //! [Φ_v   0] [−λ] = [  γ  ]     by elimination with row exchange, not scaled, residuals of the solution in twice the digits        (4)
 //! ```
 
-mod lead;
+mod blend;
 mod regularised;
 
-/// Corrections of a solution of (4).
-const CORRECTIONS: usize = 3;
+use super::limits::CORRECTIONS;
 
 /// Room for one scene.
 #[derive(Clone, Debug, Default)]
@@ -89,7 +88,7 @@ impl Dense {
     }
 
     /// Says that these speeds move one part; the first is a velocity of its centre of mass.
-    pub(crate) fn weigh(&mut self, first: usize, count: usize) {
+    pub(crate) fn set_mass(&mut self, first: usize, count: usize) {
         let mass = self.mass.get(first * self.nv + first).copied();
         let weights = self.weights.iter_mut().skip(first).take(count);
         weights.for_each(|weight| *weight = mass.unwrap_or(1.0));

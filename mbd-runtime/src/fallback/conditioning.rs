@@ -1,26 +1,20 @@
-//! Masses that differ by decades: what they cost on the emitted rung, and whether the whole matrix takes over for a run.
+//! Masses that differ by decades: what they cost on the emitted strategy, and whether the whole matrix takes over for a run.
 
 use mbd_scene::Float;
 use mbd_scene::laws::Numbers;
 
-use super::{Held, Rung};
+use super::limits::{LOSS, RATIO, TOO_MUCH};
+use super::{Held, Strategy};
 use crate::error::StepError;
 use crate::system::System;
 
-/// A ratio of masses from which on the emitted elimination is compared with the whole matrix.
-const RATIO: f64 = 1e3;
-/// What accelerations may be off by, relative, up to a ratio of masses of 1e5; above it in proportion, up to 1e9. Beyond half of it the
-/// whole matrix takes over.
-const LOSS: f64 = 1e-12;
-/// A relative loss that no run goes on with.
-const TOO_MUCH: f64 = 1e-3;
 impl<T: Float> System<T> {
     /// At a start: whether masses cost digits, by comparison with the whole matrix. Rates are those of the start.
     ///
     /// # Errors
-    /// [`StepError::IllConditioned`] where no rung keeps three digits.
+    /// [`StepError::IllConditioned`] where no strategy keeps three digits.
     #[cold]
-    pub(crate) fn weigh(
+    pub(crate) fn check_conditioning(
         &mut self,
         time: f64,
         state: &[T],
@@ -30,16 +24,16 @@ impl<T: Float> System<T> {
         let (nq, nv) = (self.model.layout().nq, self.model.layout().nv);
         let ratio = self.mass_ratio();
         let even = ratio.is_nan() || ratio <= RATIO;
-        if self.model.layout().nc == 0 || self.ladder.now.rung != Rung::Emitted || even {
+        if self.model.layout().nc == 0 || self.fallback.now.strategy != Strategy::Emitted || even {
             return Ok(());
         }
-        let mut rows = std::mem::take(&mut self.ladder.spare);
+        let mut rows = std::mem::take(&mut self.fallback.spare);
         self.read_dense(time, state);
         // The emitted elimination solves them all here: none of them is left out that can be told from the others.
-        self.ladder.dense.new_from = self.trusted_from(true).sqrt();
-        self.ladder.dense.choose(&mut rows);
+        self.fallback.dense.new_from = self.trusted_from(true).sqrt();
+        self.fallback.dense.choose(&mut rows);
         let unsettled = self.accelerate_whole(time, state, &rows);
-        let precise = self.ladder.dense.force.clone();
+        let precise = self.fallback.dense.force.clone();
         let emitted = rates.get(nq..nq + nv).unwrap_or_default();
         let emitted = difference(emitted.iter().map(|x| x.to_f64()), &precise);
         // What rounding of the state itself changes: no way to solve the rows is better.
@@ -54,7 +48,7 @@ impl<T: Float> System<T> {
         let nudged: Vec<T> = state.iter().enumerate().map(nudge).collect();
         self.read_dense(time, &nudged);
         self.accelerate_whole(time, &nudged, &rows);
-        let sensitive = difference(self.ladder.dense.force.iter().copied(), &precise);
+        let sensitive = difference(self.fallback.dense.force.iter().copied(), &precise);
         let mut loss = emitted.max(sensitive);
         let epsilon = T::EPSILON.to_f64();
         let promised = LOSS * (1e-5 * ratio).clamp(1.0, 1e4);
@@ -62,28 +56,28 @@ impl<T: Float> System<T> {
         // Where the whole matrix does not settle either, it is no witness.
         if emitted > 0.5 * promised && unsettled < 0.1 * emitted {
             loss = unsettled.max(sensitive);
-            self.ladder.base = Rung::Whole;
-            self.ladder.worst = Rung::Whole;
-            self.ladder.next = Held {
-                rung: Rung::Whole,
+            self.fallback.base = Strategy::Whole;
+            self.fallback.worst = Strategy::Whole;
+            self.fallback.next = Held {
+                strategy: Strategy::Whole,
                 rows,
                 whole_step: true,
-                ..self.ladder.now
+                ..self.fallback.now
             };
-            self.ladder.commit();
+            self.fallback.commit();
             self.accelerate(time, state, rates)?;
         } else {
-            self.ladder.spare = rows;
+            self.fallback.spare = rows;
         }
         let digits = (loss / epsilon).log10().ceil();
-        self.ladder.lost_digits = digits.clamp(0.0, -epsilon.log10()) as u64;
+        self.fallback.lost_digits = digits.clamp(0.0, -epsilon.log10()) as u64;
         if loss <= TOO_MUCH {
             return Ok(());
         }
         Err(StepError::IllConditioned {
             time,
-            loss_digits: self.ladder.lost_digits,
-            rung: self.statistics().rows_rung,
+            loss_digits: self.fallback.lost_digits,
+            strategy: self.statistics().rows_strategy,
             ratio,
         })
     }
@@ -91,7 +85,7 @@ impl<T: Float> System<T> {
     /// v̇ of the whole matrix under these rows, after [`System::read_dense`]; how far its last correction was from nothing, relative.
     fn accelerate_whole(&mut self, time: f64, state: &[T], rows: &[usize]) -> f64 {
         self.read_right(time, state);
-        self.ladder.dense.accelerate_whole(rows)
+        self.fallback.dense.accelerate_whole(rows)
     }
 
     /// The largest mass of a body or a point over the smallest.

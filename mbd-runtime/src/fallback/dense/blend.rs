@@ -10,13 +10,11 @@
 //! of the distance to the state, as with masses that are not symmetric, half of its force is lost.
 
 use super::{Dense, dot};
-
-/// Part of the largest terms of a row below which every sum is nothing: the motion is free.
-const FREE: f64 = 1e-3;
+use crate::fallback::limits::FREE;
 
 impl Dense {
     /// Takes v̇, after [`Dense::accelerate`], to (1) for the accelerations `smooth` and the speeds of the state.
-    pub(crate) fn lead(&mut self, chosen: &[usize], smooth: &[f64], speeds: &[f64]) {
+    pub(crate) fn blend(&mut self, chosen: &[usize], smooth: &[f64], speeds: &[f64]) {
         let n = self.nv;
         let own = std::mem::replace(&mut self.force, vec![0.0; n]);
         let bias = self.right.clone();
@@ -48,7 +46,7 @@ impl Dense {
 
 #[cfg(test)]
 mod tests {
-    use crate::dense::tests::pair;
+    use crate::fallback::dense::tests::pair;
 
     #[test]
     fn chosen_rows_and_the_power_of_the_motion_outweigh_what_is_handed_in() {
@@ -58,12 +56,12 @@ mod tests {
         dense.accelerate(&chosen);
         let want = dense.force.clone();
         // One row of two bodies leaves one motion: nothing of what is handed in remains.
-        dense.lead(&chosen, &[7.0, -3.0], &[1.0, 1.0]);
+        dense.blend(&chosen, &[7.0, -3.0], &[1.0, 1.0]);
         for (got, want) in dense.force.iter().zip(&want) {
             assert!((got - want).abs() < 1e-13, "{got} {want}");
         }
         // Speeds that no row allows are prescribed: the sum of momenta is that of what is handed in.
-        dense.lead(&chosen, &[7.0, -3.0], &[1.0, -1.0]);
+        dense.blend(&chosen, &[7.0, -3.0], &[1.0, -1.0]);
         let (a, b) = (dense.force[0], dense.force[1]);
         assert!((a - b - 0.5).abs() < 1e-13 && (2.0 * a + 3.0 * b - 5.0).abs() < 1e-13);
     }

@@ -1,5 +1,5 @@
-//! States at which rows lose rank: what accelerations and multipliers tend to there, from states on both sides along the motion, and what is
-//! recorded there.
+//! Limits at a singularity: accelerations and multipliers where rows lose rank, extrapolated from states on both sides along the motion, and
+//! what is recorded there.
 //!
 //! Rows that lose rank for an instant leave some multipliers open there, but not before and after it, and λ runs through:
 //!
@@ -16,67 +16,62 @@
 use mbd_scene::laws::Numbers;
 use mbd_scene::{Float, Place, PointSlots, Quantity};
 
-use crate::dependence::dependent;
+use super::dependent;
+use super::limits::{POWER, WIDER};
 use crate::system::System;
 
-/// The power of the rounding unit ε that δ is, over the time in which the fastest point crosses the scene, as it goes or from rest: what
-/// rounding leaves of λ grows with ε/δ³, what (1) neglects with δ⁴.
-const POWER: f64 = 1.0 / 7.0;
-/// Times δ that are tried where rows lose rank also beside the state.
-const WIDER: [f64; 3] = [1.0, 2.0, 4.0];
-
-/// What multipliers and accelerations tend to.
-struct Beside {
+/// Limits of multipliers and accelerations at a state where rows lose rank.
+struct Limit {
     multipliers: Vec<f64>,
     accelerations: Vec<f64>,
 }
 
 impl<T: Float> System<T> {
-    /// Takes the accelerations to what they tend to on the way through a state where rows lose rank: rows chosen there leave open how fast
+    /// Takes the accelerations to their limit on the way through a state where rows lose rank: rows chosen there leave open how fast
     /// the motion bends away from other branches.
-    pub(super) fn tend(&mut self, time: f64, state: &[T]) {
-        if self.ladder.lasting {
+    pub(super) fn approach_limit(&mut self, time: f64, state: &[T]) {
+        if self.fallback.lasting {
             return;
         }
-        let chosen = self.ladder.dense.clone();
-        let found = self.beside(time, state, &chosen.force);
-        self.ladder.dense = chosen;
-        let mut rows = std::mem::take(&mut self.ladder.held_mut().rows);
+        let chosen = self.fallback.dense.clone();
+        let found = self.find_limit(time, state, &chosen.force);
+        self.fallback.dense = chosen;
+        let mut rows = std::mem::take(&mut self.fallback.held_mut().rows);
         match found {
-            Some(beside) => {
+            Some(limit) => {
                 let model = self.model.clone();
                 let layout = model.layout();
                 let speeds = state.iter().skip(layout.nq).take(layout.nv);
                 let speeds: Vec<f64> = speeds.map(|v| v.to_f64()).collect();
-                let dense = &mut self.ladder.dense;
-                dense.lead(&rows, &beside.accelerations, &speeds);
-                dense.multipliers.copy_from_slice(&beside.multipliers);
+                let dense = &mut self.fallback.dense;
+                dense.blend(&rows, &limit.accelerations, &speeds);
+                dense.multipliers.copy_from_slice(&limit.multipliers);
             }
             None => {
                 // Rows that are nearly dependent for good are all that holds here: fewer of them can be left out.
-                self.ladder.lasting = true;
+                self.fallback.lasting = true;
                 self.read_dense(time, state);
                 self.read_right(time, state);
-                let dense = &mut self.ladder.dense;
+                let dense = &mut self.fallback.dense;
                 dense.choose(&mut rows);
                 dense.factor(&rows);
                 dense.accelerate(&rows);
             }
         }
-        self.ladder.held_mut().rows = rows;
+        self.fallback.held_mut().rows = rows;
     }
 
     /// Energy and power of the stage that was evaluated last, where its multipliers are not those of the emitted elimination.
     pub(crate) fn power_anew(&mut self, time: f64, state: &[T]) {
-        if !self.ladder.anew {
+        if !self.fallback.anew {
             return;
         }
-        let mut found = self.ladder.dense.multipliers.clone();
-        if self.ladder.regularised {
-            let forced = self.ladder.dense.force.clone();
+        let mut found = self.fallback.dense.multipliers.clone();
+        if self.fallback.regularised {
+            let forced = self.fallback.dense.force.clone();
             found = self
-                .beside(time, state, &forced)
-                .map_or(found, |beside| beside.multipliers);
+                .find_limit(time, state, &forced)
+                .map_or(found, |limit| limit.multipliers);
         }
         let mut energy = self.energy;
         self.by_multipliers(Quantity::Energy, (time, state), &found, &mut energy);
@@ -89,24 +84,24 @@ impl<T: Float> System<T> {
         if !self.projection.any() {
             return false;
         }
-        let margin = std::mem::replace(&mut self.ladder.margin, f64::NAN);
+        let margin = std::mem::replace(&mut self.fallback.margin, f64::NAN);
         self.measure(time, state);
         let regular = self.is_regular();
-        self.ladder.margin = margin;
+        self.fallback.margin = margin;
         !regular || self.solves_chosen()
     }
 
-    /// Multipliers at a state that is looked at: what they tend to there, or else by rows chosen there; and the same with no numbers where
+    /// Multipliers at a state that is looked at: their limit there, or else by rows chosen there; and the same with no numbers where
     /// they have no value, for joints whose rows take part in what repeats.
     #[cold]
     pub(crate) fn read_anew(&mut self, time: f64, state: &[T]) -> [Vec<f64>; 2] {
         let model = self.model.clone();
         let layout = model.layout();
         self.read_dense(time, state);
-        let mut rows = std::mem::take(&mut self.ladder.spare);
-        self.ladder.dense.choose(&mut rows);
+        let mut rows = std::mem::take(&mut self.fallback.spare);
+        self.fallback.dense.choose(&mut rows);
         self.read_right(time, state);
-        let dense = &mut self.ladder.dense;
+        let dense = &mut self.fallback.dense;
         dense.factor(&rows);
         dense.accelerate(&rows);
         let multipliers = dense.multipliers.clone();
@@ -121,16 +116,16 @@ impl<T: Float> System<T> {
                 own.fill(f64::NAN);
             }
         }
-        self.ladder.spare = rows;
-        match self.beside(time, state, &forced) {
-            Some(Beside { multipliers, .. }) => [multipliers.clone(), multipliers],
+        self.fallback.spare = rows;
+        match self.find_limit(time, state, &forced) {
+            Some(Limit { multipliers, .. }) => [multipliers.clone(), multipliers],
             None => [multipliers, determined],
         }
     }
 
-    /// λ and v̇ by (1), for accelerations `forced` by rows chosen at the state; `None` where they tend to nothing.
+    /// λ and v̇ by (1), for accelerations `forced` by rows chosen at the state; `None` where they have no limit.
     #[cold]
-    fn beside(&mut self, time: f64, state: &[T], forced: &[f64]) -> Option<Beside> {
+    fn find_limit(&mut self, time: f64, state: &[T], forced: &[f64]) -> Option<Limit> {
         let model = self.model.clone();
         let layout = model.layout();
         // Forces at equilibrium points do not follow a state that is only looked at.
@@ -149,21 +144,21 @@ impl<T: Float> System<T> {
         if !step.is_finite() || rates.iter().any(|rate| !rate.is_finite()) {
             return None;
         }
-        let (margin, inputs) = (self.ladder.margin, self.inputs.clone());
+        let (margin, inputs) = (self.fallback.margin, self.inputs.clone());
         let found = WIDER
             .into_iter()
             .find_map(|wider| self.limit(time, wider * step, state, &rates));
-        self.ladder.margin = margin;
+        self.fallback.margin = margin;
         self.inputs = inputs;
         found
     }
 
-    /// (1) for one δ; `None` where rows lose rank beside the state, too.
-    fn limit(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<Beside> {
+    /// (1) for one δ; `None` where rows lose rank at the neighbouring states, too.
+    fn limit(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<Limit> {
         let model = self.model.clone();
         let layout = model.layout();
         let (near, far) = (4.0 / 6.0, -1.0 / 6.0);
-        let mut sum = Beside {
+        let mut sum = Limit {
             multipliers: vec![0.0; layout.nc],
             accelerations: vec![0.0; layout.nv],
         };
@@ -210,7 +205,7 @@ impl<T: Float> System<T> {
     /// Twice the largest distance of a joint's frame from the centre of mass of its body; without one the length of the scene [m].
     fn reach(&mut self) -> f64 {
         let (model, length) = (&self.model, self.projection.length);
-        *self.ladder.reach.get_or_insert_with(|| {
+        *self.fallback.reach.get_or_insert_with(|| {
             let numbers = Numbers::new(model.scene(), model.params());
             let ends = model.scene().joints.iter();
             let ends = ends.flat_map(|joint| [joint.parent, joint.child]);
@@ -228,7 +223,7 @@ impl<T: Float> System<T> {
     }
 
     /// λ and v̇ at (2).
-    fn after(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<Beside> {
+    fn after(&mut self, time: f64, step: f64, state: &[T], rates: &[f64]) -> Option<Limit> {
         let model = self.model.clone();
         let layout = model.layout();
         let time = time + step;
@@ -239,7 +234,7 @@ impl<T: Float> System<T> {
         self.normalise(&mut moved);
         self.supply(time, &moved).ok()?;
         self.put_on_joints(time, &mut moved).ok()?;
-        self.ladder.margin = f64::NAN;
+        self.fallback.margin = f64::NAN;
         self.measure(time, &moved);
         let mut multipliers = vec![0.0; layout.nc];
         self.by_laws(Quantity::Multipliers, time, &moved, &mut multipliers);
@@ -249,7 +244,7 @@ impl<T: Float> System<T> {
         accelerations.truncate(layout.nv);
         let mut all = multipliers.iter().chain(&accelerations);
         let found = self.is_regular() && all.all(|x| x.is_finite());
-        found.then_some(Beside {
+        found.then_some(Limit {
             multipliers,
             accelerations,
         })

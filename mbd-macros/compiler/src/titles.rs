@@ -1,0 +1,236 @@
+//! Names of kernels and headings of their terms: the body, joint, line or variable they work for, and what they do for it, such as
+//! `elbow_backward`.
+
+use mbd_scene::Quantity;
+
+use crate::emit::naming::Unique;
+use crate::emit::quantity;
+use crate::equations::Equations;
+use crate::kernels::{Driver, Kernel};
+use crate::names::identifier;
+use crate::program::Program;
+
+/// The name of every kernel, each different, and different from those of the model's functions.
+pub fn titles(
+    equations: &Equations,
+    kernels: &[Kernel],
+    drivers: &[Option<Driver>],
+) -> Vec<String> {
+    let programs: Vec<&Program> = equations.every_program().collect();
+    let mut unique = Unique::default();
+    let functions: Vec<String> = programs.iter().map(|p| function(equations, p)).collect();
+    for name in functions
+        .iter()
+        .map(String::as_str)
+        .chain(["declared", "solution"])
+    {
+        unique.name(name);
+    }
+    let phases: Vec<Vec<String>> = programs
+        .iter()
+        .zip(drivers)
+        .zip(&functions)
+        .map(|((program, driver), function)| match driver {
+            Some(driver) => phases(equations, driver.program(program), driver, function),
+            None => Vec::new(),
+        })
+        .collect();
+    let title = |kernel: &Kernel| {
+        let (program, piece) = kernel.first;
+        let phase = phases.get(program).and_then(|phases| phases.get(piece));
+        unique.name(phase.map_or("kernel", String::as_str))
+    };
+    kernels.iter().map(title).collect()
+}
+
+/// The name of the function of a program.
+fn function(equations: &Equations, program: &Program) -> String {
+    match program.what {
+        Some(what) => quantity::name(&equations.scene, &equations.layout, what),
+        None if std::ptr::eq(program, &equations.derived) => "derived".to_owned(),
+        None => "kinematics".to_owned(),
+    }
+}
+
+/// What a run of operations does for the thing it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Where a body or point is and how it moves.
+    Motion,
+    /// The rows of a joint.
+    Rows,
+    /// Length, stretch and tension of a line.
+    Tension,
+    /// The force of a load.
+    Load,
+    /// From the tips to the root: it is taken out of the system.
+    Backward,
+    /// From the root to the tips: its accelerations and forces are found.
+    Forward,
+    /// Something else.
+    Other,
+}
+
+impl Phase {
+    /// Its part of a name.
+    fn word(self) -> Option<&'static str> {
+        match self {
+            Phase::Motion => Some("motion"),
+            Phase::Rows => Some("rows"),
+            Phase::Tension => Some("tension"),
+            Phase::Load => Some("load"),
+            Phase::Backward => Some("backward"),
+            Phase::Forward => Some("forward"),
+            Phase::Other => None,
+        }
+    }
+
+    /// What it is called in a heading.
+    fn heading(self) -> &'static str {
+        match self {
+            Phase::Motion => ": where it is, how it moves",
+            Phase::Rows => ": rows",
+            Phase::Tension => ": length and tension",
+            Phase::Load => ": load",
+            Phase::Backward => ": backward, taken out of the system",
+            Phase::Forward => ": forward, what it does",
+            Phase::Other => "",
+        }
+    }
+}
+
+/// The phase of visit number `visit` of `all` that a program pays to a section. A solution comes to a thing up to three times: to see where it
+/// is and what acts on it, backward from the tips to the root to take it out, and forward again.
+fn phase(equations: &Equations, program: &Program, section: &str, visit: [usize; 2]) -> Phase {
+    let scene = &equations.scene;
+    let solves = matches!(
+        program.what,
+        Some(
+            Quantity::Derivative
+                | Quantity::Multipliers
+                | Quantity::Reactions
+                | Quantity::Correction
+        )
+    );
+    let moves = scene.bodies.iter().any(|body| body.name == section)
+        || scene.points.iter().any(|point| point.name == section);
+    let joint = scene.joints.iter().any(|joint| joint.name == section);
+    match visit {
+        _ if scene.loads.iter().any(|load| load.name == section) => Phase::Load,
+        [0, _] if joint => Phase::Rows,
+        [0, _] if scene.lines.iter().any(|line| line.name == section) => Phase::Tension,
+        [0, all] if moves && (all > 1 || !solves) => Phase::Motion,
+        _ if !solves || !(moves || joint) => Phase::Other,
+        [visit, all] if visit + 1 == all => Phase::Forward,
+        _ => Phase::Backward,
+    }
+}
+
+/// What each piece of a program does.
+fn phases(
+    equations: &Equations,
+    program: &Program,
+    driver: &Driver,
+    function: &str,
+) -> Vec<String> {
+    let pieces = driver.pieces.iter();
+    let things: Vec<usize> = pieces
+        .map(|piece| busiest(program, &piece.instructions))
+        .collect();
+    let name = |(&thing, visit): (&usize, [usize; 2])| {
+        let section = program.sections.get(thing).map_or("", String::as_str);
+        // A kernel of the state derivative is named after the phase, one of another quantity after the quantity.
+        let phase = match program.what {
+            Some(Quantity::Derivative) => phase(equations, program, section, visit).word(),
+            _ => None,
+        };
+        let phase = phase.unwrap_or(function);
+        // Kernels of a repetition are shared by its members.
+        match section.split('[').next().unwrap_or_default() {
+            "" => phase.to_owned(),
+            family => format!("{}_{phase}", identifier(family)),
+        }
+    };
+    things.iter().zip(visits(&things)).map(name).collect()
+}
+
+/// A heading where the terms of another thing begin, for each of the instructions `indices` of a program: one that has a `let`.
+pub fn headings(
+    equations: &Equations,
+    program: &Program,
+    indices: &[usize],
+    lets: &[bool],
+) -> Vec<Option<String>> {
+    let mut headings = vec![None; indices.len()];
+    let written = indices.iter().zip(lets).enumerate();
+    let written: Vec<(usize, usize)> = written
+        .filter(|&(_, (_, &has))| has)
+        .map(|(at, (&index, _))| (at, program.instructions[index].section))
+        .collect();
+    let runs: Vec<&[(usize, usize)]> = written.chunk_by(|(_, a), (_, b)| a == b).collect();
+    let runs: Vec<&[(usize, usize)]> = runs.into_iter().filter(|run| run.len() >= HEADED).collect();
+    let things: Vec<usize> = runs.iter().map(|run| run[0].1).collect();
+    let mut last = String::new();
+    for (run, visit) in runs.iter().zip(visits(&things)) {
+        let (at, thing) = run[0];
+        let section = program.sections.get(thing).map_or("", String::as_str);
+        if !section.is_empty() {
+            let what = phase(equations, program, section, visit).heading();
+            let heading = format!(" `{section}`{what}.");
+            if last != heading {
+                headings[at] = Some(heading.clone());
+            }
+            last = heading;
+        }
+    }
+    headings
+}
+
+/// Fewer terms of a thing have no heading.
+const HEADED: usize = 4;
+
+/// The section that most of the instructions belong to, the first of those.
+fn busiest(program: &Program, instructions: &[usize]) -> usize {
+    let mut counts: Vec<(usize, usize)> = Vec::new();
+    for &index in instructions {
+        let section = program.instructions[index].section;
+        match counts.iter_mut().find(|(known, _)| *known == section) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((section, 1)),
+        }
+    }
+    let most = counts.iter().map(|&(_, count)| count).max();
+    let found = counts.iter().find(|&&(_, count)| Some(count) == most);
+    found.map_or(0, |&(section, _)| section)
+}
+
+/// For each piece, given the thing it works for, how many earlier visits to that thing there are, and how many in all. Pieces on one thing that
+/// follow one another are one visit.
+fn visits(things: &[usize]) -> Vec<[usize; 2]> {
+    let mut counts = vec![0; things.iter().max().map_or(0, |most| most + 1)];
+    let mut visits = Vec::with_capacity(things.len());
+    let mut last = None;
+    for &thing in things {
+        if last != Some(thing) {
+            counts[thing] += 1;
+        }
+        last = Some(thing);
+        visits.push((thing, counts[thing] - 1));
+    }
+    let all = |(thing, visit): (usize, usize)| [visit, counts[thing]];
+    visits.into_iter().map(all).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thing_is_visited_again_after_another() {
+        assert_eq!(
+            visits(&[0, 0, 1, 0, 1, 2]),
+            [[0, 2], [0, 2], [0, 2], [1, 2], [1, 2], [0, 1]]
+        );
+        assert!(visits(&[]).is_empty());
+    }
+}

@@ -1,0 +1,1 @@
+//! What a run allocates is counted in `tests/steps.rs`.

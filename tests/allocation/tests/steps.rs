@@ -1,0 +1,134 @@
+//! After construction and start a run allocates nothing, whatever it meets: nodes, slack lines, joints, events, changed parameters.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use mbd_runtime::{Generic, Model, Options, Simulation, model};
+use models::parachute::scene::{
+    Instant, ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise, TestCase,
+};
+use models::parachute::variant::state;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+/// The system's allocator, counting what each thread asks for.
+struct Counting;
+
+fn count() {
+    // A thread that ends has no counter any more.
+    let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+}
+
+// SAFETY: every call is handed on to the system's allocator unchanged; counting does not allocate.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promise about `layout` is that of `System`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        // SAFETY: `at` came from `System` with this layout.
+        unsafe { System.dealloc(at, layout) }
+    }
+
+    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: `at` came from `System` with this layout.
+        unsafe { System.realloc(at, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// How often the thread asked for memory meanwhile.
+fn allocations(work: impl FnOnce()) -> u64 {
+    let before = COUNT.with(Cell::get);
+    work();
+    COUNT.with(Cell::get) - before
+}
+
+model! {
+    /// A driven crank, a rod on a damped joint with stops, a cord that slackens, an event.
+    model Machine {
+        units: si;
+        gravity: [0, 0, -9.81];
+        param cord_stiffness = 800 in 100 ..= 2000;
+        world { frame eye at [1, 0, 1] }
+        body crank { mass: 2, inertia: diag(0.1, 0.1, 0.02), frame pin at [0, 0, 0.3], frame tip at [0, 0, -0.3] }
+        body rod { mass: 1, inertia: diag(0.05, 0.05, 0.01), frame top at [0, 0, 0.4], frame end at [0, 0, -0.4] }
+        joint shoulder: hinge from world to crank.pin { axis: [0, 1, 0] };
+        joint elbow: universal from crank.tip to rod.top;
+        line cord from world.eye to rod.end { free_length: 1.9, stiffness: cord_stiffness, damping: 5 }
+        event low = rod.end.position.z crosses -0.9;
+        output pull = cord.tension;
+    }
+}
+
+fn silent(name: &str, run: &mut Simulation<f64>, until: f64) {
+    run.start()
+        .unwrap_or_else(|error| panic!("{name}: {error}"));
+    let count = allocations(|| {
+        run.run(until)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        for _ in 0..10 {
+            run.step().unwrap_or_else(|error| panic!("{name}: {error}"));
+        }
+    });
+    assert!(run.statistics().steps > 10, "{name}");
+    assert_eq!(
+        count,
+        0,
+        "{name}: allocations in {} steps",
+        run.statistics().steps
+    );
+}
+
+#[test]
+fn a_parachute_flies_without_asking_for_memory() {
+    let from = Instant::start(TestCase::Two);
+    let fly = |name: &str, model: &dyn Model<f64>, options: Options| {
+        let mut run = Simulation::new(model, options).expect("options that fit");
+        run.set_state(0.0, &state(model, &from)).expect("a state");
+        if model.layout().nz == 0 && !model.layout().nodes.is_empty() {
+            run.set_nodes(&from.point).expect("one node");
+        }
+        // Slack for 0.7 s, then taut with a jerk.
+        silent(name, &mut run, 1.5);
+    };
+    let mass = ParachuteMass::new(Default::default()).expect("defaults");
+    fly("mass, rk4", &mass, Options::rk4(5e-5));
+    fly("mass, tsit5", &mass, Options::tsit5(1e-6));
+    let rate = ParachuteRate::new(Default::default()).expect("defaults");
+    fly("rate, rk4", &rate, Options::rk4(5e-3));
+    fly("rate, tsit5", &rate, Options::tsit5(1e-6));
+    let fixed = ParachuteStatic::new(Default::default()).expect("defaults");
+    fly("static, rk4", &fixed, Options::rk4(1e-3));
+    let stepwise = ParachuteStepwise::new(Default::default()).expect("defaults");
+    fly("stepwise, rk4", &stepwise, Options::rk4(5e-3));
+}
+
+#[test]
+fn a_machine_runs_without_asking_for_memory() {
+    let machine = Machine::new(MachineParams::default()).expect("defaults");
+    let mut start = MachineState::at_origin();
+    start.set_crank(mbd_runtime::BodyState::at([0.0, 0.0, -0.3]));
+    start.set_rod(mbd_runtime::BodyState::at([0.0, 0.0, -1.0]));
+    let mut start = start.to_vec();
+    // The crank turns with 4 rad/s about its pin, the rod goes along.
+    start[14] = -1.2;
+    start[18] = 4.0;
+    start[20] = -2.4;
+    let generic = Generic::<f64>::with_defaults(machine.scene().clone()).expect("a scene");
+    let both: [(&str, &dyn Model<f64>); 2] = [("generated", &machine), ("generic", &generic)];
+    for (kind, model) in both {
+        for (method, options) in [("rk4", Options::rk4(1e-3)), ("tsit5", Options::tsit5(1e-7))] {
+            let mut run = Simulation::new(model, options).expect("options that fit");
+            run.set_state(0.0, &start).expect("a state");
+            silent(&format!("{kind}, {method}"), &mut run, 1.0);
+        }
+    }
+}
