@@ -1,7 +1,7 @@
 //! What generated code calls and nobody else should.
 
 use mbd_scene::laws::{LineNumbers, Numbers};
-use mbd_scene::{Float, Layout, Packed, ParamError, Real, Redundancy, Scene, checked_numbers};
+use mbd_scene::{Float, Layout, Packed, ParamError, Plan, Real, Scene, checked_numbers};
 
 use crate::{CoordInfo, LineState, Reaction};
 
@@ -18,13 +18,13 @@ pub struct Declared {
 }
 
 impl Declared {
-    /// The declaration, and which rows of its joints repeat others, from the texts that the compiler wrote.
+    /// The declaration and the plan of its solution, from the texts that the compiler wrote.
     #[must_use]
-    pub fn unpacked(scene: &str, redundancy: &str) -> Self {
+    pub fn unpacked(scene: &str, plan: &str) -> Self {
         let scene = Scene::unpacked(scene).unwrap_or_default();
-        let redundancy = Redundancy::unpacked(redundancy).unwrap_or_default();
+        let plan = Plan::unpacked(plan).unwrap_or_default();
         Declared {
-            layout: Layout::keeping(&scene, redundancy),
+            layout: Layout::planned(&scene, plan),
             scene,
         }
     }

@@ -3,7 +3,7 @@
 mod scenes;
 
 use mbd_compiler::{Equations, NameSpans, Settings, compile, emit, emit_model, read_text};
-use mbd_scene::{Layout, Packed, Redundancy, Scene};
+use mbd_scene::{Layout, Packed, Plan, Scene};
 use proc_macro2::TokenStream;
 
 fn formatted(tokens: TokenStream) -> String {
@@ -165,8 +165,10 @@ fn a_packed_scene_is_the_scene() {
         assert_eq!(Scene::unpacked(&text).as_ref(), Some(&scene), "{text}");
         assert_eq!(Scene::unpacked(&text[..text.len() - 1]), None);
         assert_eq!(Scene::unpacked(&format!("{text}0 ")), None);
-        let redundancy = Layout::new(&scene).redundancy;
-        assert_eq!(Redundancy::unpacked(&redundancy.packed()), Some(redundancy));
+        let layout = Layout::new(&scene);
+        let plan = layout.plan();
+        assert_eq!(Plan::unpacked(&plan.packed()).as_ref(), Some(&plan));
+        assert_eq!(Layout::planned(&scene, plan), layout);
     }
     assert_eq!(Scene::unpacked("9999999999999999999 "), None);
 }

@@ -32,11 +32,13 @@ mod graph;
 pub use carrying::Carrying;
 use graph::Graph;
 
+use serde::{Deserialize, Serialize};
+
 use crate::layout::{JointSlots, PointSlots};
 use crate::plane::Directions;
 
 /// What a node of the system is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Part {
     /// The speeds of a body: six, in a plane three.
     Body(usize),
@@ -76,6 +78,17 @@ pub struct Below {
     pub targets: Vec<usize>,
 }
 
+/// The order in which the nodes of a system leave it: found once, by counting, when a scene is compiled.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Order {
+    /// The nodes, first eliminated first.
+    pub parts: Vec<Part>,
+    /// Whether each body that a joint carries leaves together with that joint.
+    pub articulated: bool,
+    /// Estimated operations of the candidates: least degree, least cost, articulated bodies.
+    pub candidates: [usize; 3],
+}
+
 /// The order of elimination of a scene, and where its blocks live.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Elimination {
@@ -93,8 +106,8 @@ pub struct Elimination {
     pub joints: Vec<Option<usize>>,
     /// The parent joint of each body, which carries it out of the system; `None` where none does.
     pub parent_joints: Vec<Option<usize>>,
-    /// Estimated operations of the candidates: least degree, least cost, articulated bodies.
-    pub candidates: [usize; 3],
+    /// The order it was laid out in.
+    pub order: Order,
 }
 
 /// The parent joint of each body: the first that can carry it, unless the body carries itself through it.
@@ -156,24 +169,41 @@ fn in_components(
     }
 }
 
-impl Elimination {
-    /// Chooses the cheapest of the candidate orders and lays out its blocks. `carrying`: how each joint carries its child; `closed`: whether
-    /// states are known at which the loops of the joints close.
-    #[must_use]
-    pub fn new(
-        directions: Directions,
-        bodies: usize,
-        points: &[PointSlots],
-        joints: &[JointSlots],
-        carrying: &[Option<Carrying>],
-        closed: bool,
-    ) -> Self {
-        let graph = Graph::new(directions, bodies, points, joints, closed);
+/// What an order is chosen for.
+pub(crate) struct System<'a> {
+    /// The axes along which things move and about which bodies turn.
+    pub directions: Directions,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// What each point owns.
+    pub points: &'a [PointSlots],
+    /// The rows of each joint and what it sits on.
+    pub joints: &'a [JointSlots],
+    /// How each joint carries its child.
+    pub carrying: &'a [Option<Carrying>],
+    /// Whether states are known at which the loops of the joints close.
+    pub closed: bool,
+}
+
+impl System<'_> {
+    fn graph(&self) -> Graph {
+        Graph::new(
+            self.directions,
+            self.bodies,
+            self.points,
+            self.joints,
+            self.closed,
+        )
+    }
+
+    /// The cheapest of the candidate orders.
+    pub(crate) fn choose(&self) -> Order {
+        let graph = self.graph();
         let least_degree =
             |g: &Graph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));
         let least_cost = |g: &Graph, n: usize| (g.cost(n), 0);
-        let parents = parent_joints(bodies, joints, carrying);
-        let carrying = in_components(directions, &parents, joints, carrying);
+        let parents = parent_joints(self.bodies, self.joints, self.carrying);
+        let carrying = in_components(self.directions, &parents, self.joints, self.carrying);
         let pairs: Vec<Option<(usize, Carrying)>> = graph
             .parts
             .iter()
@@ -192,26 +222,53 @@ impl Elimination {
         let articulated = graph.clone().run_articulated(&pairs);
         let [a, b] = plain.each_ref().map(|(_, cost)| *cost);
         let last = articulated.as_ref().map_or(usize::MAX, |(_, cost)| *cost);
-        let mut elimination = Elimination {
-            candidates: [a, b, last],
-            bodies: vec![None; bodies],
-            points: vec![None; points.len()],
-            joints: vec![None; joints.len()],
-            parent_joints: vec![None; bodies],
-            ..Elimination::default()
-        };
         let cheapest = plain.into_iter().min_by_key(|(_, cost)| *cost);
-        match (articulated, cheapest) {
-            (Some((order, cost)), Some((_, other))) if cost <= other => {
-                elimination.parent_joints = parents;
-                elimination.lay_out(graph, &order, &carrying);
-            }
-            (_, Some((order, _))) => elimination.lay_out(graph, &order, &carrying),
-            _ => {}
+        let (order, paired) = match (articulated, cheapest) {
+            (Some((order, cost)), Some((_, other))) if cost <= other => (order, true),
+            (_, cheapest) => (cheapest.unwrap_or_default().0, false),
+        };
+        Order {
+            parts: order.into_iter().map(|node| graph.parts[node]).collect(),
+            articulated: paired,
+            candidates: [a, b, last],
         }
-        elimination
     }
 
+    /// The blocks of an order; those of the order that [`System::choose`] takes where this one is not of this system.
+    pub(crate) fn lay_out(&self, order: Order) -> Elimination {
+        let graph = self.graph();
+        let nodes = |order: &Order| {
+            let nodes = order.parts.iter().map(|&part| graph.node(part));
+            let nodes: Option<Vec<usize>> = nodes.collect();
+            nodes.filter(|nodes| nodes.len() == graph.parts.len())
+        };
+        let (order, nodes) = match nodes(&order) {
+            Some(nodes) => (order, nodes),
+            None => {
+                let order = self.choose();
+                let nodes = nodes(&order).unwrap_or_default();
+                (order, nodes)
+            }
+        };
+        let parents = parent_joints(self.bodies, self.joints, self.carrying);
+        let carrying = in_components(self.directions, &parents, self.joints, self.carrying);
+        let mut elimination = Elimination {
+            bodies: vec![None; self.bodies],
+            points: vec![None; self.points.len()],
+            joints: vec![None; self.joints.len()],
+            parent_joints: match order.articulated {
+                true => parents,
+                false => vec![None; self.bodies],
+            },
+            order,
+            ..Elimination::default()
+        };
+        elimination.lay_out(graph, &nodes, &carrying);
+        elimination
+    }
+}
+
+impl Elimination {
     fn lay_out(&mut self, mut graph: Graph, order: &[usize], carrying: &[Option<Carrying>]) {
         let mut place = vec![0; graph.parts.len()];
         for (step, &node) in order.iter().enumerate() {

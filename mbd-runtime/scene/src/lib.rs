@@ -27,7 +27,7 @@ mod scene;
 
 pub use cost::Cost;
 pub use dual::Dual;
-pub use elimination::{Below, Carrying, Elimination, Part, Step};
+pub use elimination::{Below, Carrying, Elimination, Order, Part, Step};
 pub use formula::{Formula, Function, Place};
 pub use jet::Jet;
 pub use joints::{
@@ -35,7 +35,7 @@ pub use joints::{
     PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical, Universal,
 };
 pub use layout::{
-    Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
+    Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node, Plan,
     PointSlots, Slots, StopSlots,
 };
 pub use model::{Model, Work};

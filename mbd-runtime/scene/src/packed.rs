@@ -11,7 +11,7 @@ use serde::de::{self, DeserializeSeed, IntoDeserializer, Visitor};
 use serde::ser::{self, Serialize};
 use serde::{Deserialize, Deserializer, Serializer};
 
-use crate::{Redundancy, Scene};
+use crate::{Plan, Scene};
 
 /// What can be one text.
 pub trait Packed: Serialize + de::DeserializeOwned {
@@ -29,7 +29,7 @@ pub trait Packed: Serialize + de::DeserializeOwned {
 }
 
 impl Packed for Scene {}
-impl Packed for Redundancy {}
+impl Packed for Plan {}
 
 fn packed(value: &impl Serialize) -> String {
     let mut text = String::new();

@@ -220,7 +220,7 @@ fn chains_of_joints_that_hold_more_cost_no_more_than_hinges() {
 #[test]
 fn the_cheap_order_of_elimination_is_found() {
     let choice = |scene: &Scene| {
-        let candidates = Layout::new(scene).elimination.candidates;
+        let candidates = Layout::new(scene).elimination.order.candidates;
         let cheapest = candidates.iter().min().copied();
         candidates.iter().position(|&cost| Some(cost) == cheapest)
     };
@@ -352,7 +352,10 @@ fn counts() {
     ];
     for (name, scene) in scenes {
         let layout = Layout::new(&scene);
-        println!("{name}: estimates {:?}", layout.elimination.candidates);
+        println!(
+            "{name}: estimates {:?}",
+            layout.elimination.order.candidates
+        );
         for what in [
             Quantity::Constraint,
             Quantity::ConstraintJacobian,

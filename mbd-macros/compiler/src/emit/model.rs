@@ -251,7 +251,7 @@ fn construction(context: &Context) -> TokenStream {
         &quote!(&mut terms),
     );
     let scene = context.scene().packed();
-    let redundancy = context.equations.layout.redundancy.packed();
+    let plan = context.equations.layout.plan().packed();
     let explanation = explain::explanation(context);
     let inputs = (context.equations.layout.ni > 0).then(|| {
         let (loads, count, gather) = (context.named("Loads"), whole(context.equations.layout.ni), gather(context));
@@ -311,10 +311,10 @@ fn construction(context: &Context) -> TokenStream {
             #inputs
         }
 
-        /// The declaration and where everything lives, unpacked once; which rows of the joints repeat others is as found when this was generated.
+        /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
         fn declared() -> &'static ::mbd_runtime::__private::Declared {
             static DECLARED: ::std::sync::OnceLock<::mbd_runtime::__private::Declared> = ::std::sync::OnceLock::new();
-            DECLARED.get_or_init(|| ::mbd_runtime::__private::Declared::unpacked(#scene, #redundancy))
+            DECLARED.get_or_init(|| ::mbd_runtime::__private::Declared::unpacked(#scene, #plan))
         }
     }
 }

@@ -9,7 +9,9 @@ pub use slots::{
     Slots, StopSlots,
 };
 
-use crate::elimination::{Carrying, Elimination};
+use serde::{Deserialize, Serialize};
+
+use crate::elimination::{Carrying, Elimination, Order, System};
 use crate::formula::Place;
 use crate::plane::Directions;
 use crate::redundancy::{Redundancy, RowSet};
@@ -69,24 +71,48 @@ pub struct Layout {
     pub elimination: Elimination,
 }
 
+/// What is found once, when a scene is compiled: which rows repeat others, and in which order the system is solved.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// The rows that repeat others.
+    pub redundancy: Redundancy,
+    /// The order of elimination.
+    pub order: Order,
+}
+
 impl Layout {
-    /// Lays out a scene, and finds the rows of its joints that repeat others ([`Redundancy`]): a search at random states wherever joints
-    /// close a loop. Where that has been done before, [`Layout::keeping`] takes its result.
+    /// Lays out a scene and plans its solution: finds the rows of its joints that repeat others ([`Redundancy`]: a search at random states
+    /// wherever joints close a loop) and the cheapest order of elimination. Where that has been done before, [`Layout::planned`] takes the result.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         let layout = Self::places(scene);
         let redundancy = Redundancy::find(scene, &layout);
-        layout.kept(scene, redundancy)
+        layout.with(scene, redundancy, None)
     }
 
-    /// Lays out a scene whose redundancy is known. The default one keeps every row.
+    /// Lays out a scene whose redundancy is known, and finds the order. The default redundancy keeps every row.
     #[must_use]
     pub fn keeping(scene: &Scene, redundancy: Redundancy) -> Self {
-        Self::places(scene).kept(scene, redundancy)
+        Self::places(scene).with(scene, redundancy, None)
     }
 
-    /// Leaves repeated rows out of the system and orders its elimination.
-    fn kept(mut self, scene: &Scene, redundancy: Redundancy) -> Self {
+    /// Lays out a scene whose plan is known: nothing is searched for.
+    #[must_use]
+    pub fn planned(scene: &Scene, plan: Plan) -> Self {
+        Self::places(scene).with(scene, plan.redundancy, Some(plan.order))
+    }
+
+    /// What was found when the scene was laid out: what a compiled model carries.
+    #[must_use]
+    pub fn plan(&self) -> Plan {
+        Plan {
+            redundancy: self.redundancy.clone(),
+            order: self.elimination.order.clone(),
+        }
+    }
+
+    /// Leaves repeated rows out of the system and lays out its elimination, in this order or in the cheapest.
+    fn with(mut self, scene: &Scene, redundancy: Redundancy, order: Option<Order>) -> Self {
         for repeat in &redundancy.repeats {
             if let Some(slots) = self.joints.get_mut(repeat.joint) {
                 // Motors follow the rows of the law: what they prescribe is never left out.
@@ -111,14 +137,16 @@ impl Layout {
                 Carrying::of(&joint.law, slots.law, &motors, directions)
             })
             .collect();
-        self.elimination = Elimination::new(
-            self.directions,
-            self.bodies.len(),
-            &self.points,
-            &self.joints,
-            &carrying,
-            redundancy.closed,
-        );
+        let system = System {
+            directions: self.directions,
+            bodies: self.bodies.len(),
+            points: &self.points,
+            joints: &self.joints,
+            carrying: &carrying,
+            closed: redundancy.closed,
+        };
+        let order = order.unwrap_or_else(|| system.choose());
+        self.elimination = system.lay_out(order);
         self.redundancy = redundancy;
         self
     }
