@@ -11,6 +11,7 @@
 mod cost;
 mod dual;
 mod elimination;
+mod few;
 mod formula;
 mod jet;
 pub mod joints;

@@ -14,6 +14,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
+use crate::few::Few;
 use crate::joints::{Axis, Carried, Coordinate, JointLaw, Twist};
 use crate::laws::rows::{Columns, End, Ends, Row, Rows, Turn};
 use crate::{AngularVelocity, Directions, Jet, RowSet};
@@ -184,18 +185,10 @@ impl<S: crate::Real> Carried<S> {
             linear[plane.normal()] = S::zero();
             linear
         };
-        let points: Vec<Vector3<S>> = carrying
-            .points
-            .rows()
-            .filter_map(|row| rows.get(row).map(flat))
-            .collect();
-        let mut carried = Carried {
-            free: Vec::with_capacity(3),
-            held: Vec::with_capacity(3),
-            axes: None,
-            bias: None,
-            meets: carrying.meets,
-        };
+        let mut points: Few<Vector3<S>, 3> = Few::new(Vector3::zeros());
+        let at_points = carrying.points.rows();
+        points.extend(at_points.filter_map(|row| rows.get(row).map(flat)));
+        let mut carried = Carried::new(carrying.meets);
         let mut next = 0;
         for (number, row) in rows.iter().enumerate() {
             if !carrying.points.contains(number) {

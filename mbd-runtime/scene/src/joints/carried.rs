@@ -15,6 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{Axis, Twist};
 use crate::Real;
+use crate::few::Few;
 use crate::laws::rows::{Ends, couple};
 
 /// A column of N.
@@ -32,9 +33,9 @@ pub struct Held<S: Real> {
 #[derive(Clone, Debug)]
 pub struct Carried<S: Real> {
     /// H, one column a freedom; that of a coordinate at the coordinate's number, seen by no motor but its own.
-    pub free: Vec<Twist<S>>,
+    pub free: Few<Twist<S>, 3>,
     /// N, one column a row, in the order of the rows.
-    pub held: Vec<Held<S>>,
+    pub held: Few<Held<S>, 6>,
     /// The axes of the angular parts, as columns, where they are not those of the child's end.
     pub axes: Option<Matrix3<S>>,
     /// N γ of the rows that are not `after`, besides what (1) brings along with the parent's motion, where there is a short form for it.
@@ -54,10 +55,11 @@ impl<S: Real> Held<S> {
 }
 
 impl<S: Real> Carried<S> {
-    fn new(meets: bool) -> Self {
+    /// Nothing free and nothing held yet.
+    pub(crate) fn new(meets: bool) -> Self {
         Carried {
-            free: Vec::with_capacity(3),
-            held: Vec::with_capacity(6),
+            free: Few::new(Twist::zero()),
+            held: Few::new(Held::new(Twist::zero(), S::zero())),
             axes: None,
             bias: None,
             meets,

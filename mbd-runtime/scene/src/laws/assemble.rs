@@ -5,6 +5,7 @@ use super::evaluation::Evaluation;
 use super::reference::{Reference, turned};
 use super::rows::{Ends, Row, Rows, Turn};
 use crate::elimination::{Carrying, Part};
+use crate::few::Few;
 use crate::joints::{Carried, Twist};
 use crate::{Place, Real};
 use nalgebra::{Matrix3, Vector3};
@@ -15,7 +16,7 @@ pub struct Carriage<S: Real> {
     /// H and N; of the columns of H those that nothing drives.
     carried: Carried<S>,
     /// The columns of its rows on the child.
-    rows: Vec<Twist<S>>,
+    rows: Few<Twist<S>, 8>,
     /// N γ, and what the motion of the parent brings along.
     pub(super) bias: Twist<S>,
     /// Components of the rows on the child → world axes.
@@ -47,9 +48,11 @@ impl<S: Real> Carriage<S> {
             linear: row.child.linear,
             angular: axes.back(&row.child.angular),
         };
-        let columns: Vec<Twist<S>> = rows.iter().map(columns).collect();
+        let mut along: Few<Twist<S>, 8> = Few::new(Twist::zero());
+        along.extend(rows.iter().map(columns));
+        let columns = along;
         if layout.directions.plane.is_none() {
-            let mut driven = Vec::new();
+            let mut driven: Few<usize, 3> = Few::new(0);
             for ((index, _), row) in declared
                 .motors()
                 .zip(columns.iter().skip(declared.law.rows()))
