@@ -43,7 +43,9 @@ fn operations_are_linear_in_the_knots_of_a_chain() {
 }
 
 #[test]
-fn a_chain_of_forty_knots_is_emitted_as_declared() {
-    let emitted = emit(&read_text(&chain(40))).to_string();
-    assert!(!emitted.contains("compile_error"));
+fn chains_of_forty_and_of_two_hundred_knots_are_emitted_as_declared() {
+    for knots in [40, 200] {
+        let emitted = emit(&read_text(&chain(knots))).to_string();
+        assert!(!emitted.contains("compile_error"), "{knots} knots");
+    }
 }
