@@ -1,7 +1,7 @@
 //! Slack/taut switches and declared events: which quantity must keep its sign inside a step, and where it loses it.
 //!
 //! With the modes of all lines frozen a step is smooth. Every line that can switch has one **margin** [m], not negative while its mode holds;
-//! s is the stretch, e = (K s + C ṡ)/K the pull in metres (`equilibrium.md` §11, `numerics.md` §2.5):
+//! s is the stretch, e = (f(s) + C ṡ)/K the pull in metres, K = f′(0) (`equilibrium.md` §11, `numerics.md` §2.5):
 //!
 //! ```text
 //! line without a node        active: min(s, e)         otherwise: −min(s, e)
@@ -14,9 +14,9 @@
 //! the end of a step only (a margin can leave and return inside it).
 
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{Direction, Float, Layout, LineEnd, LineKind, Model, NodeModel, PointSlots};
+use mbd_scene::{Direction, Float, Layout, Model, PointSlots};
 
-use crate::node::Mode;
+use crate::node::{Mode, is_node_line, switches};
 
 /// What can happen inside a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,31 +88,12 @@ impl Margins {
     pub(crate) fn new<T: Float>(model: &dyn Model<T>, locate: bool, tolerance: f64) -> Self {
         let (scene, layout) = (model.scene(), model.layout());
         let mut watched = Vec::new();
-        for (line, (declared, slots)) in scene.lines.iter().zip(&layout.lines).enumerate() {
-            let node = slots.ends.iter().find_map(|end| match end {
-                LineEnd::Node(node) => layout.nodes.get(*node),
-                _ => None,
-            });
-            let located = declared.kind == LineKind::Line
-                && node.is_none_or(|node| node.model == NodeModel::Rate);
-            let Some(numbers) = model.lines().get(line) else {
-                continue;
-            };
-            if locate && located {
+        for (line, numbers) in model.lines().iter().enumerate() {
+            if locate && switches(model, line) {
                 watched.push(Watched::Line {
                     line,
                     softness: 1.0 / numbers.stiffness.to_f64(),
-                    rate: node.is_some(),
-                });
-            }
-        }
-        let stops = (0..layout.stops.len()).map(|stop| layout.lines.len() + stop);
-        for (line, numbers) in stops.zip(model.lines().iter().skip(layout.lines.len())) {
-            if locate {
-                watched.push(Watched::Line {
-                    line,
-                    softness: 1.0 / numbers.stiffness.to_f64(),
-                    rate: false,
+                    rate: is_node_line(layout, line),
                 });
             }
         }

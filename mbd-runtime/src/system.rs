@@ -401,6 +401,10 @@ impl<T: Float> System<T> {
                 slot: format!("{what} of line {}", line_name(scene, line)),
                 value,
             },
+            NodeError::LineAtNode { line, why } => StepError::Unsupported {
+                what: format!("line `{}` at a point without mass,", line_name(scene, line)),
+                instead: format!("{why}, or give the point a mass"),
+            },
             NodeError::NotFinite { .. } => StepError::NonFinite {
                 time,
                 source: Source::Node(name(0)),

@@ -57,7 +57,10 @@ pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Ve
         let lines = scene.lines.iter().zip(model.lines());
         let attached = lines.filter(|(line, _)| owner.holds(line.from) || owner.holds(line.to));
         let stiffness: f64 = attached
-            .map(|(_, numbers)| numbers.stiffness.to_f64())
+            .map(|(line, numbers)| {
+                let slope = numbers.stiffness.to_f64();
+                line.kind.stiffest(&scene.tables, slope)
+            })
             .sum();
         // A turn by the angle a moves the quaternion by a/2: its inertia is the mean of the three moments.
         let inertia = inertia_of(slots.v);

@@ -3,8 +3,8 @@
 use mbd_compiler::Equations;
 use mbd_runtime::scene::laws::Numbers;
 use mbd_runtime::scene::{
-    Clamp, Cost, Difference, Differentiated, Gravity, Layout, LineKind, NodeModel, Place,
-    PointKind, Quantity, Scene, Variable,
+    Clamp, Cost, Difference, Differentiated, Gravity, Layout, NodeModel, Place, PointKind,
+    Quantity, Scene, Variable,
 };
 
 use crate::report::{Cell, Table};
@@ -13,7 +13,10 @@ use crate::report::{Cell, Table};
 #[must_use]
 pub fn counts(scene: &Scene) -> Table {
     let layout = Layout::new(scene);
-    let kind = |kind: LineKind| scene.lines.iter().filter(|line| line.kind == kind).count();
+    let lines = |one_way: bool| {
+        let kinds = scene.lines.iter().map(|line| line.kind);
+        kinds.filter(|kind| kind.is_one_way() == one_way).count()
+    };
     let rows: [(&str, usize); 18] = [
         ("bodies", scene.bodies.len()),
         ("points with mass", scene.points.len() - layout.nodes.len()),
@@ -26,8 +29,8 @@ pub fn counts(scene: &Scene) -> Table {
         ("rows of the joints", layout.nc),
         ("of them independent", layout.rank()),
         ("loops of joints", layout.redundancy.loops),
-        ("lines (tension only)", kind(LineKind::Line)),
-        ("springs (both ways)", kind(LineKind::Spring)),
+        ("lines (tension only)", lines(true)),
+        ("springs (both ways)", lines(false)),
         ("loads", scene.loads.len()),
         ("coordinates q", layout.nq),
         ("speeds v", layout.nv),
@@ -380,7 +383,7 @@ fn quantity(what: Quantity) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mbd_runtime::scene::{Formula, Line, Parameter, Point, Unit};
+    use mbd_runtime::scene::{Formula, Line, LineKind, Parameter, Point, Unit};
 
     /// A point of 2 kg between two lines.
     fn swing() -> Scene {

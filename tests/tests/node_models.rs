@@ -197,7 +197,7 @@ fn node_models_refuse_scenes_they_cannot_hold() {
     sprung.lines[2].kind = LineKind::Spring;
     assert!(matches!(
         start(sprung),
-        Some(NodeError::InvalidLine { line: 2, .. })
+        Some(NodeError::LineAtNode { line: 2, .. })
     ));
     let mut coupled = parachute(PointKind::Node(NodeModel::Rate), 1.0);
     coupled.points.push(node("second", NodeModel::Rate));

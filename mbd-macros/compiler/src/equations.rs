@@ -50,7 +50,12 @@ impl Equations {
     /// Traces some quantities of a scene that has been laid out.
     #[must_use]
     pub fn trace_in(scene: &Scene, layout: Layout, wanted: &[Quantity]) -> Self {
-        let ((constants, traced), graph) = session(|| trace(scene, &layout, wanted));
+        let wanted: Vec<Quantity> = wanted
+            .iter()
+            .copied()
+            .filter(|&what| layout.spells_out(what))
+            .collect();
+        let ((constants, traced), graph) = session(|| trace(scene, &layout, &wanted));
         let derived = derived(&graph, &traced);
         let outputs: Vec<(usize, Expr)> = derived.iter().copied().enumerate().collect();
         let places = Places::new(&graph, &derived);

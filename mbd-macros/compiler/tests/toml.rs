@@ -168,7 +168,7 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
             "stiffness",
             "stifness",
             &[
-                "scene.toml:36:1: unknown field `stifness`; did you mean `stiffness`? fields here: free_length, stiffness, damping",
+                "scene.toml:36:1: unknown field `stifness`; did you mean `stiffness`? fields here: free_length, stiffness, force, damping",
             ],
         ),
         (
@@ -194,7 +194,7 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
             "from = \"world.anchor\"\n",
             "",
             &[
-                "scene.toml:32:8: this line has no `from`; its keys: from, to, free_length, stiffness, damping",
+                "scene.toml:32:8: this line has no `from`; its keys: from, to, free_length, stiffness, force, damping",
             ],
         ),
         (

@@ -17,6 +17,7 @@ mod jet;
 pub mod joints;
 pub mod laws;
 mod layout;
+mod lines;
 mod model;
 mod packed;
 mod params;
@@ -39,6 +40,7 @@ pub use layout::{
     Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node, Plan,
     PointSlots, Slots, StopSlots,
 };
+pub use lines::LineKind;
 pub use model::{Model, Work};
 pub use packed::Packed;
 pub use params::{ParamError, check_params, checked_numbers};
@@ -48,6 +50,6 @@ pub use real::{Float, Real, TINY};
 pub use redundancy::{Apart, HeldMotor, Redundancy, Repeat, RowSet};
 pub use scene::{
     AngularVelocity, Body, Clamp, Constant, Coordinates, Difference, Dimension, Direction, Event,
-    Frame, Gravity, Inertia, Input, Joint, Line, LineKind, Load, LoadKind, NodeModel, Output,
-    Parameter, Point, PointKind, Scene, Table, Triple, Unit,
+    Frame, Gravity, Inertia, Input, Joint, Line, Load, LoadKind, NodeModel, Output, Parameter,
+    Point, PointKind, Scene, Table, Triple, Unit,
 };

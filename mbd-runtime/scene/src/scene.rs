@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::formula::{Formula, Place};
 use crate::joints::{Along, Coordinate, JointLaw, Side};
+use crate::lines::LineKind;
 use crate::plane::{Directions, Plane};
 
 /// Three scalar formulas: a vector known in components.
@@ -372,7 +373,7 @@ pub struct Line {
     pub name: String,
     /// Documentation.
     pub doc: String,
-    /// Tension only, or both ways.
+    /// Its law.
     pub kind: LineKind,
     /// First end.
     pub from: Place,
@@ -380,19 +381,10 @@ pub struct Line {
     pub to: Place,
     /// Free length L0 [m], ≥ 0.
     pub free_length: Formula,
-    /// Stiffness K [N/m], > 0.
+    /// Stiffness K [N/m], > 0; the number 0 where the law follows a table.
     pub stiffness: Formula,
     /// Damping C [N s/m], ≥ 0; the number 0 when none is declared.
     pub damping: Formula,
-}
-
-/// Which signs of tension a line carries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum LineKind {
-    /// Tension only: zero when slack.
-    Line,
-    /// Tension and compression.
-    Spring,
 }
 
 /// A load on a body or a point.

@@ -284,8 +284,8 @@ impl<T: Float> FreeMotion<T> {
             let geometry = line::geometry(&vector, numbers.free_length);
             let slip = triple(at.ends, 6 * anchor + 3) - velocity;
             let active = at.hold.get(index).is_some_and(|hold| *hold > T::zero());
-            let pull = numbers.stiffness * geometry.stretch
-                + numbers.damping * geometry.direction.dot(&slip);
+            let law = line::Element::linear(*numbers);
+            let pull = law.pull(geometry.stretch, geometry.direction.dot(&slip));
             let tension = if active {
                 pull.max(T::zero())
             } else {

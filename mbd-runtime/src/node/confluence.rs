@@ -268,7 +268,7 @@ impl<T: Float> Balance<T> for WebBalance<'_, T> {
             }
             let tension = law::effective_tension(k, geometry.stretch);
             let force = geometry.direction.map(|u| tension * u);
-            let stiffness = law::stiffness(&geometry, k, l, tension);
+            let stiffness = law::stiffness(&geometry, &law::Tangent::linear(k, l), tension);
             let mut reach = geometry.length;
             for (tie, sign) in line.ends.iter().zip([-T::one(), T::one()]) {
                 let &Tie::Node(n) = tie else { continue };

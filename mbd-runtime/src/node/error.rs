@@ -17,6 +17,13 @@ pub enum NodeError {
         /// Its value [SI].
         value: f64,
     },
+    /// The law of a line cannot hold a node.
+    LineAtNode {
+        /// Index of the line.
+        line: usize,
+        /// Why.
+        why: &'static str,
+    },
     /// A number is infinite or NaN.
     NotFinite {
         /// The list it stands in.
@@ -109,6 +116,9 @@ impl fmt::Display for NodeError {
         match self {
             NodeError::InvalidLine { line, what, value } => {
                 write!(f, "line {line}: {what} is {value}")
+            }
+            NodeError::LineAtNode { line, why } => {
+                write!(f, "line {line} cannot end at a node: {why}")
             }
             NodeError::NotFinite { what, index } => {
                 write!(f, "{what}: number {index} is not finite")

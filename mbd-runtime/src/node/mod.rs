@@ -29,6 +29,7 @@ pub use error::NodeError;
 pub use factor::{Block, BlockCholesky};
 pub use memory::{Mode, NodeMemory};
 pub use modes::Guard;
+pub(crate) use modes::{is_node_line, switches};
 pub use rate::{Leg, RateNode, Spread};
 pub use solver::{Outcome, Rung, Solver, Tolerance};
 pub use stage::{Nodes, Statistics};

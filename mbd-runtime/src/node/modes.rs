@@ -3,13 +3,13 @@
 //! ```text
 //! slack     s = 0 upwards        → active        (the force jumps up by C ṡ)
 //! active    pull = 0 downwards   → idle,         s = 0 downwards → slack
-//! idle      pull = 0 upwards     → active,       s = 0 downwards → slack           pull = K s + C ṡ
+//! idle      pull = 0 upwards     → active,       s = 0 downwards → slack           pull = f(s) + C ṡ
 //! ```
 //!
 //! The same table serves lines between bodies and points with mass and the lines of `rate` nodes; without damping stretch and pull vanish
 //! together and no line is idle. A stop of a joint is such a line: its stretch is the depth, slack is open, taut is touched. Springs and the lines of static and stepwise nodes have no modes and no guards.
 
-use mbd_scene::{Float, Layout, LineEnd, LineKind, Model, NodeModel, Quantity, Work};
+use mbd_scene::{Float, Layout, LineEnd, Model, NodeModel, Quantity, Work};
 
 use super::error::NodeError;
 use super::memory::{Mode, NodeMemory};
@@ -52,23 +52,23 @@ impl Mode {
     }
 }
 
-/// Whether a line has modes: tension only, not of a static or stepwise node, and damped if it is of a `rate` node. A stop always has.
-pub(crate) fn has_mode<T: Float>(model: &dyn Model<T>, line: usize) -> bool {
-    if line >= model.layout().lines.len() {
-        return line < model.layout().one_way();
+/// Whether a line or, behind the lines, a stop switches between modes at located instants: one-way, and not of a static or stepwise node,
+/// whose lines switch inside the solve of the node.
+pub(crate) fn switches<T: Float>(model: &dyn Model<T>, line: usize) -> bool {
+    let (scene, layout) = (model.scene(), model.layout());
+    match (scene.lines.get(line), layout.lines.get(line)) {
+        (Some(declared), Some(slots)) => declared.kind.is_one_way() && slots.effective.is_none(),
+        _ => line < layout.one_way(),
     }
+}
+
+/// Whether a line or a stop has a mode now: a line of a `rate` node has one only if it is damped.
+pub(crate) fn has_mode<T: Float>(model: &dyn Model<T>, line: usize) -> bool {
     let damped = model
         .lines()
         .get(line)
         .is_some_and(|n| n.damping > T::zero());
-    let plain = model
-        .layout()
-        .lines
-        .get(line)
-        .is_some_and(|slots| slots.effective.is_none());
-    let kind = model.scene().lines.get(line).map(|line| line.kind);
-    let free = damped || !is_node_line(model.layout(), line);
-    free && plain && kind == Some(LineKind::Line)
+    switches(model, line) && (damped || !is_node_line(model.layout(), line))
 }
 
 /// Whether a line ends at a node.

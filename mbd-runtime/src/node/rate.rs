@@ -184,7 +184,7 @@ impl<T: Float> RateNode<T> {
             leg.direction = geometry.direction;
             leg.stretch = geometry.stretch;
             let relative = leg.direction.dot(&(leg.velocity - self.mean));
-            leg.push = leg.numbers.stiffness * leg.stretch + leg.numbers.damping * relative;
+            leg.push = law::Element::linear(leg.numbers).pull(leg.stretch, relative);
         }
     }
 

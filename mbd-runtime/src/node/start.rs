@@ -1,7 +1,7 @@
 //! The consistent start of a run: where the nodes are, which lines carry, and the forces of a taut start.
 
 use mbd_scene::laws::line as law;
-use mbd_scene::{Float, LineKind, Model, NodeModel, Work};
+use mbd_scene::{Float, Model, NodeModel, Work};
 
 use super::confluence::{Tie, Web, WebLine};
 use super::error::NodeError;
@@ -72,13 +72,9 @@ impl<T: Float> Nodes<T> {
             }
             let n = numbers;
             NodeError::check_line(index, n.stiffness, n.damping, n.free_length)?;
-            let declared = model.scene().lines.get(index).map(|line| line.kind);
-            if declared == Some(LineKind::Spring) {
-                return Err(NodeError::InvalidLine {
-                    line: index,
-                    what: "kind: a spring pushes, and a node of springs need not be unique; free length",
-                    value: n.free_length.to_f64(),
-                });
+            let declared = model.scene().lines.get(index);
+            if let Some(why) = declared.and_then(|line| line.kind.not_at_node()) {
+                return Err(NodeError::LineAtNode { line: index, why });
             }
         }
         for plan in &self.plans {

@@ -47,7 +47,7 @@ fn check_not_empty(resolver: &mut Resolver<'_>) {
     }
 }
 
-/// A line joins two different things, and a spring ends at no node.
+/// A line joins two different things, and ends at no node that its law cannot hold.
 fn check_line_ends(resolver: &mut Resolver<'_>) {
     let scene = &resolver.scene;
     for (index, line) in scene.lines.iter().enumerate() {
@@ -58,10 +58,7 @@ fn check_line_ends(resolver: &mut Resolver<'_>) {
         if resolver.bad.contains(&named) {
             continue;
         }
-        let kind = match line.kind {
-            mbd_scene::LineKind::Line => "line",
-            mbd_scene::LineKind::Spring => "spring",
-        };
+        let kind = line.kind.word();
         let report = match (line.from, line.to) {
             (from, to) if from == to => Some(say::same_ends(
                 at,
@@ -89,11 +86,11 @@ fn check_line_ends(resolver: &mut Resolver<'_>) {
         if let Some(report) = report {
             resolver.messages.push(report);
         }
-        if kind == "spring" {
+        if let Some(why) = line.kind.not_at_node() {
             for place in [line.from, line.to] {
                 if is_node(resolver, place) {
                     let point = place_name(resolver, place);
-                    let report = say::spring_at_node(at, &line.name, &point);
+                    let report = say::line_at_node(at, kind, &line.name, &point, why);
                     resolver.messages.push(report);
                 }
             }

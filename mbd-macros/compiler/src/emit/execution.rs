@@ -61,13 +61,21 @@ pub fn implementation(context: &Context) -> TokenStream {
             }
         }
     });
-    let not_emitted = equations
+    let (not_emitted, on_numbers) = equations
         .layout
         .quantities()
         .into_iter()
         .filter(|&what| equations.program(what).is_none())
-        .map(quantity_path)
-        .collect::<Vec<_>>();
+        .partition::<Vec<_>, _>(|&what| equations.layout.spells_out(what));
+    let paths = |list: Vec<Quantity>| list.into_iter().map(quantity_path).collect::<Vec<_>>();
+    let (not_emitted, on_numbers) = (paths(not_emitted), paths(on_numbers));
+    let on_numbers = (!on_numbers.is_empty()).then(|| {
+        quote! {
+            #(#on_numbers)|* => {
+                ::mbd_runtime::scene::laws::sensitivity(what, &declared().layout, at, out);
+            }
+        }
+    });
     let not_emitted = (!not_emitted.is_empty()).then(|| {
         let nan = if context.settings.generic {
             quote!(T::from_f64(f64::NAN))
@@ -114,6 +122,7 @@ pub fn implementation(context: &Context) -> TokenStream {
                 let work = work.numbers.as_mut_slice();
                 match what {
                     #(#arms)*
+                    #on_numbers
                     #not_emitted
                     _ => {}
                 }
@@ -134,7 +143,7 @@ fn passed(group: Group) -> TokenStream {
 }
 
 /// The pattern of a quantity.
-fn quantity_path(what: Quantity) -> TokenStream {
+pub(super) fn quantity_path(what: Quantity) -> TokenStream {
     let simple = |name: &str| {
         let name = format_ident!("{name}");
         quote!(::mbd_runtime::Quantity::#name)

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use mbd_scene::{
-    AngularVelocity, Formula, Gravity, Layout, LineKind, LoadKind, NodeModel, Place, PointKind,
-    Quantity, Scene, Triple,
+    AngularVelocity, Formula, Gravity, Layout, LoadKind, NodeModel, Place, PointKind, Quantity,
+    Scene, Triple,
 };
 
 use super::context::{Context, unit_text};
@@ -137,15 +137,20 @@ fn equations(scene: &Scene, equations: &Equations, out: &mut String) {
     joints(scene, layout, out);
     for (line, slots) in scene.lines.iter().zip(&layout.lines) {
         let damped = !scene.is_zero(&line.damping);
-        let law = match (line.kind, damped) {
+        let force = line.kind.formula();
+        let law = match (line.kind.is_one_way(), damped) {
             // The effective numbers carry the damping by differences.
             (_, true) if slots.effective.is_some() => {
-                "T = max(0, K_e (d − L_e)), K_e and L_e from K, C, L0 and the last step"
+                "T = max(0, K_e (d − L_e)), K_e and L_e from K, C, L0 and the last step".to_owned()
             }
-            (LineKind::Line, true) => "T = max(0, K s + C ṡ) for s > 0, else 0",
-            (LineKind::Line, false) => "T = K s for s > 0, else 0",
-            (LineKind::Spring, true) => "T = K s + C ṡ",
-            (LineKind::Spring, false) => "T = K s",
+            (true, true) => format!("T = max(0, {force} + C ṡ) for s > 0, else 0"),
+            (true, false) => format!("T = {force} for s > 0, else 0"),
+            (false, true) => format!("T = {force} + C ṡ"),
+            (false, false) => format!("T = {force}"),
+        };
+        let elastic = match line.kind.table().and_then(|table| scene.tables.get(table)) {
+            Some(table) => format!("f the table {}", table.name),
+            None => format!("K = {} N/m", text(scene, &line.stiffness)),
         };
         let damping = if damped {
             format!(", C = {} N s/m", text(scene, &line.damping))
@@ -154,11 +159,10 @@ fn equations(scene: &Scene, equations: &Equations, out: &mut String) {
         };
         let _ = writeln!(
             out,
-            "Line {} from {} to {}: {law}; K = {} N/m{damping}, L0 = {} m.",
+            "Line {} from {} to {}: {law}; {elastic}{damping}, L0 = {} m.",
             line.name,
             place(scene, line.from),
             place(scene, line.to),
-            text(scene, &line.stiffness),
             text(scene, &line.free_length)
         );
     }

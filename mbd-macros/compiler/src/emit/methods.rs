@@ -5,6 +5,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::context::{Context, docs, escaped};
+use super::execution::quantity_path;
 use super::literal::whole;
 use super::quantity;
 use crate::lists::{Arguments, Group};
@@ -27,7 +28,9 @@ pub fn methods(context: &Context) -> TokenStream {
         .filter(|what| !matches!(what, Quantity::Partial(..)))
         .map(|&what| (what, context.equations.program(what)))
         // A quantity that is not emitted has no method; after an error every one has.
-        .filter(|(_, program)| program.is_some() || context.equations.programs.is_empty())
+        .filter(|(what, program)| {
+            program.is_some() || !layout.spells_out(*what) || context.equations.programs.is_empty()
+        })
         .map(|(what, program)| method(context, (index(what), what), program));
     let kinematics = kinematics(context);
     quote! {
@@ -67,11 +70,15 @@ struct Signature {
     passed: Vec<TokenStream>,
 }
 
-fn signature(context: &Context, program: Option<&Program>) -> Signature {
+fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Signature {
     let equations = context.equations;
     let (t, used, state) = (context.scalar(), context.used(), context.named("State"));
     let reads = match program {
         Some(program) => Arguments::of(program, &equations.layout),
+        // Solved on numbers, from where the nodes and their anchors are.
+        None if !equations.layout.spells_out(what) => {
+            Arguments(vec![Group::Nodes, Group::Effective, Group::Ends])
+        }
         None => Arguments(
             Group::ALL
                 .into_iter()
@@ -159,11 +166,28 @@ fn method(
         taken,
         prepared,
         passed,
-    } = signature(context, program);
+    } = signature(context, what, program);
+    let on_numbers = !layout.spells_out(what) && !equations.programs.is_empty();
     let len = whole(layout.len(what));
     let compute = match program {
         Some(program) if program.outputs.is_empty() => TokenStream::new(),
         Some(_) => context.call(index, &function, &passed, None, &quote!(out)),
+        None if on_numbers => {
+            let path = quantity_path(what);
+            quote! {
+                let at = ::mbd_runtime::At {
+                    time: #zero,
+                    state: &[],
+                    nodes,
+                    effective,
+                    hold: &[],
+                    ends,
+                    inputs: &[],
+                    rows: &[],
+                };
+                ::mbd_runtime::scene::laws::sensitivity(#path, &declared().layout, &at, out);
+            }
+        }
         None => quote!(let _ = out;),
     };
     if matches!(what, Quantity::MassMatrix | Quantity::CondensedStiffness(_)) {
@@ -296,7 +320,7 @@ fn kinematics(context: &Context) -> TokenStream {
         taken,
         prepared,
         passed,
-    } = signature(context, program);
+    } = signature(context, Quantity::Derivative, program);
     let compute = program.map(|_| {
         let index = context.equations.programs.len() + 1;
         let function = format_ident!("kinematics");

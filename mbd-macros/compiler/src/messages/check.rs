@@ -81,11 +81,11 @@ pub fn one_body(at: Region, kind: &str, name: &str, owner: &str) -> Report {
     )
 }
 
-pub fn spring_at_node(at: Region, name: &str, point: &str) -> Report {
+pub fn line_at_node(at: Region, kind: &str, name: &str, point: &str, why: &str) -> Report {
     Report::new(
         at,
         format!(
-            "spring `{name}` ends at the massless point `{point}`, where pushing springs have no unique balance: use `line`, or give the point a mass: `point {point} {{ mass: 0.1 kg }}`"
+            "{kind} `{name}` ends at the massless point `{point}`, {why}, or give the point a mass: `point {point} {{ mass: 0.1 kg }}`"
         ),
     )
 }

@@ -1,9 +1,9 @@
 //! Points, lines and springs.
 
-use mbd_scene::{Clamp, Difference, Formula, NodeModel, PointKind};
+use mbd_scene::{Clamp, Difference, Dimension, Formula, LineKind, NodeModel, PointKind};
 
-use super::fields::Accept;
-use super::{Instance, Named, Resolver, Stage};
+use super::fields::{Accept, Fields};
+use super::{Instance, Named, Resolver, Scope, Stage};
 use crate::lexeme::Bracket;
 use crate::messages::resolve as say;
 use crate::syntax::{Cursor, Item, Value, words};
@@ -122,33 +122,102 @@ impl Resolver<'_> {
         let scope = instance.scope(Stage::Fixed);
         let from = item.clause("from").and_then(|v| self.place(v, scope));
         let to = item.clause("to").and_then(|v| self.place(v, scope));
-        let known = words::find("line", false)?.fields?;
+        let known = words::find(&item.word.text, false)?.fields?;
         let fields = self.fields(&item.block, known);
-        let mut values = Vec::new();
-        for (field, dimension, accept) in [
+        let length = self.line_number(
+            &fields,
+            item,
+            &name,
             ("free_length", units::LENGTH, Accept::NotNegative),
-            ("stiffness", units::STIFFNESS, Accept::Positive),
-            ("damping", units::DAMPING, Accept::NotNegative),
-        ] {
-            let value = match fields.value(field) {
-                Some(value) => self.quantity(&name, field, value, dimension, accept, scope),
-                None if field == "damping" => Some(Formula::Number(0.0)),
-                None if fields.doubtful || item.broken => None,
-                None => {
-                    let unit = units::si_text(dimension);
-                    let (kind, at) = (item.word.text.as_str(), item.name_at());
-                    self.fail(say::no_field(at, kind, &name, field, &unit))
-                }
-            };
-            values.push(value);
-        }
-        let values: Option<Vec<Formula>> = values.into_iter().collect();
-        let [free_length, stiffness, damping]: [Formula; 3] = values?.try_into().ok()?;
+            scope,
+        );
+        let law = match fields.get("force") {
+            Some(force) => match fields.get("stiffness") {
+                Some(other) => self.fail(say::force_and_stiffness(other.word.at.into(), &name)),
+                None => self
+                    .force_table(&name, force.clause(":")?)
+                    .map(|table| (LineKind::Table(table), Formula::Number(0.0))),
+            },
+            None => {
+                let field = ("stiffness", units::STIFFNESS, Accept::Positive);
+                let stiffness = self.line_number(&fields, item, &name, field, scope);
+                let kind = self.scene.lines.get(instance.slot)?.kind;
+                stiffness.map(|stiffness| (kind, stiffness))
+            }
+        };
+        let damping = match fields.get("damping") {
+            None => Some(Formula::Number(0.0)),
+            Some(_) => {
+                let field = ("damping", units::DAMPING, Accept::NotNegative);
+                self.line_number(&fields, item, &name, field, scope)
+            }
+        };
+        let (kind, stiffness) = law?;
+        let (free_length, damping) = (length?, damping?);
         let entry = self.scene.lines.get_mut(instance.slot)?;
+        entry.kind = kind;
         entry.free_length = free_length;
         entry.stiffness = stiffness;
         entry.damping = damping;
         (entry.from, entry.to) = (from?, to?);
         Some(())
+    }
+
+    /// A number that every line or spring of its law has.
+    fn line_number(
+        &mut self,
+        fields: &Fields<'_, '_>,
+        item: &Item<'_>,
+        name: &str,
+        (field, dimension, accept): (&str, Dimension, Accept),
+        scope: Scope<'_>,
+    ) -> Option<Formula> {
+        match fields.value(field) {
+            Some(value) => self.quantity(name, field, value, dimension, accept, scope),
+            None if fields.doubtful || item.broken => None,
+            None => {
+                let unit = units::si_text(dimension);
+                let (kind, at) = (item.word.text.as_str(), item.name_at());
+                self.fail(say::no_field(at, kind, name, field, &unit))
+            }
+        }
+    }
+
+    /// The name of a table of forces over stretch that begins at zero and rises.
+    fn force_table(&mut self, line: &str, value: Value<'_>) -> Option<usize> {
+        let mut cursor = Cursor::new(value);
+        let Some(word) = cursor.word() else {
+            return self.fail(cursor.expected("the name of a table of forces over stretch"));
+        };
+        if let Err(report) = cursor.finish("the end of the field") {
+            return self.fail(report);
+        }
+        let Some(index) = self.table(&word.text) else {
+            let known = self
+                .names
+                .words_of(|named| matches!(named, Named::Table(_)));
+            let report = say::unknown_word(word.at.into(), "table", &word.text, &known);
+            return self.fail(report);
+        };
+        self.mention(Named::Table(index), word.at);
+        if self.bad.contains(&Named::Table(index)) {
+            return None;
+        }
+        let table = self.scene.tables.get(index)?;
+        let found = [table.x_unit.dimension, table.y_unit.dimension];
+        let rises = table
+            .y
+            .windows(2)
+            .all(|pair| matches!(pair, [low, high] if low < high));
+        let begins = table.x.first() == Some(&0.0) && table.y.first() == Some(&0.0);
+        if found != [units::LENGTH, units::FORCE] {
+            return self.fail(say::force_table_dimensions(
+                value.at, line, &word.text, found,
+            ));
+        }
+        if !(rises && begins) {
+            return self.fail(say::force_table_rows(value.at, line, &word.text));
+        }
+        Some(index)
     }
 }

@@ -81,7 +81,8 @@ const fn repeated(item: ItemWord) -> ItemWord {
 }
 
 const ENDS: &[Clause] = &[needs("from", "from"), needs("to", "to")];
-const LINE_FIELDS: Option<&[&str]> = Some(&["free_length", "stiffness", "damping"]);
+const LINE_FIELDS: Option<&[&str]> = Some(&["free_length", "stiffness", "force", "damping"]);
+const SPRING_FIELDS: Option<&[&str]> = Some(&["free_length", "stiffness", "damping"]);
 
 /// A frame on a body or in the world; the only item inside another.
 pub const FRAME: ItemWord = repeated(item(
@@ -162,7 +163,7 @@ pub const ITEMS: &[ItemWord] = &[
     repeated(item(
         "spring",
         ENDS,
-        LINE_FIELDS,
+        SPRING_FIELDS,
         "spring NAME from body.frame to body.frame { free_length: 1.0 m, stiffness: 1.0 kN/m }",
     )),
     repeated(item(

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use mbd_scene::joints::{FORCE, MOTOR, NUMBERS, STOPS};
 use mbd_scene::{
     AngularVelocity, Axis, Body, Clamp, Coordinates, Difference, Dimension, Direction, Formula,
-    Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LineKind, LoadKind, NodeModel,
-    Output, PointKind, Scene, Unit,
+    Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, NodeModel, Output,
+    PointKind, Scene, Unit,
 };
 
 use toml::Value;
@@ -366,16 +366,15 @@ fn axis(value: &Value) -> Option<String> {
 }
 
 fn write_line(out: &mut String, line: &Line, scene: &Scene) {
-    let word = match line.kind {
-        LineKind::Line => "line",
-        LineKind::Spring => "spring",
-    };
-    table(out, word, &line.name);
+    table(out, line.kind.word(), &line.name);
     doc(out, &line.doc);
     entry(out, "from", &place(line.from, scene));
     entry(out, "to", &place(line.to, scene));
     entry(out, "free_length", &text(&line.free_length, scene));
-    entry(out, "stiffness", &text(&line.stiffness, scene));
+    match line.kind.table().and_then(|table| scene.tables.get(table)) {
+        Some(table) => entry(out, "force", &table.name),
+        None => entry(out, "stiffness", &text(&line.stiffness, scene)),
+    }
     entry(out, "damping", &text(&line.damping, scene));
 }
 

@@ -1,5 +1,7 @@
 //! The few matrices every law needs.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::Real;
@@ -95,16 +97,22 @@ pub fn write<S: Real>(out: &mut [S], at: usize, v: &Vector3<S>) {
     }
 }
 
-/// Solves A X = B in place for a symmetric positive definite A, by LDLᵀ without pivoting; on symbols, structural zeros stay zero.
+/// Solves A X = B in place for a symmetric positive definite A of 3 × 3 blocks, by LDLᵀ without pivoting, in the order of the blocks.
 ///
-/// `a` and `b` are square n × n and n × k. A singular A gives numbers that are not finite, never a panic.
-pub fn solve_positive<S: Real>(a: &mut DMatrix<S>, b: &mut DMatrix<S>) {
+/// `coupled` lists for each block the later ones that it shares a block of the factor with ([`fill`]); no other is touched, so a chain takes
+/// operations in proportion to its length. `a` and `b` are square n × n and n × k. A singular A gives numbers that are not finite, never a panic.
+pub fn solve_coupled<S: Real>(coupled: &[Vec<usize>], a: &mut DMatrix<S>, b: &mut DMatrix<S>) {
     let n = a.nrows().min(a.ncols()).min(b.nrows());
+    let later = |pivot: usize| {
+        let others = coupled.get(pivot / 3).into_iter().flatten();
+        let others = others.flat_map(|&block| 3 * block..3 * block + 3);
+        (pivot + 1..(3 * (pivot / 3 + 1)).min(n)).chain(others)
+    };
     for pivot in 0..n {
         let inverse = S::one() / a[(pivot, pivot)];
-        for row in pivot + 1..n {
+        for row in later(pivot) {
             let factor = a[(row, pivot)] * inverse;
-            for column in pivot + 1..=row {
+            for column in later(pivot).take_while(|column| *column <= row) {
                 let shared = a[(column, pivot)];
                 a[(row, column)] -= factor * shared;
             }
@@ -118,10 +126,28 @@ pub fn solve_positive<S: Real>(a: &mut DMatrix<S>, b: &mut DMatrix<S>) {
         let inverse = S::one() / a[(pivot, pivot)];
         for column in 0..b.ncols() {
             let mut total = b[(pivot, column)];
-            for row in pivot + 1..n {
+            for row in later(pivot) {
                 total -= a[(row, pivot)] * b[(row, column)];
             }
             b[(pivot, column)] = total * inverse;
         }
     }
+}
+
+/// Per block the later blocks it shares a block of the factor with, in order, from the blocks (row, column), row ≥ column, of the matrix.
+pub fn fill(blocks: usize, pairs: &[(usize, usize)]) -> Vec<Vec<usize>> {
+    let mut coupled = vec![BTreeSet::new(); blocks];
+    for &(row, column) in pairs.iter().filter(|(row, column)| row > column) {
+        if let Some(later) = coupled.get_mut(column) {
+            later.insert(row);
+        }
+    }
+    for block in 0..blocks {
+        let later: Vec<usize> = coupled[block].iter().copied().collect();
+        for (k, &first) in later.iter().enumerate() {
+            coupled[first].extend(&later[k + 1..]);
+        }
+    }
+    let lists = coupled.into_iter().map(|later| later.into_iter().collect());
+    lists.collect()
 }

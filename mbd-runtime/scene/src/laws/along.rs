@@ -20,7 +20,7 @@ use super::line;
 use super::rows::{Ends, Row};
 use super::{Numbers, Scratch};
 use crate::joints::{Along, Coordinate, Side};
-use crate::{AngularVelocity, At, Formula, Layout, LineKind, Place, Real, Scene};
+use crate::{AngularVelocity, At, Formula, Layout, Place, Real, Scene};
 
 /// The constants of [`Along`]; `None`: absent, or zero by declaration.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,7 +72,7 @@ pub struct Acting<'a, S: Real> {
 
 /// A stop at a state.
 #[derive(Clone, Copy, Debug)]
-pub struct StopMotion<S> {
+pub struct StopMotion<'a, S> {
     /// The number of the stop.
     pub stop: usize,
     /// Depth e [m or rad].
@@ -83,9 +83,7 @@ pub struct StopMotion<S> {
     pub pull: S,
     /// P of (2) [N or N m].
     pub push: S,
-    /// K_s e₊ [N or N m].
-    elastic: S,
-    damped: bool,
+    element: line::Element<'a, S>,
     side: Side,
 }
 
@@ -174,7 +172,7 @@ impl<S: Real> Acting<'_, S> {
     }
 
     /// Its stops.
-    pub fn stops(&self) -> impl Iterator<Item = StopMotion<S>> + '_ {
+    pub fn stops(&self) -> impl Iterator<Item = StopMotion<'_, S>> + '_ {
         let sides = [Side::Low, Side::High].into_iter();
         sides
             .filter_map(|side| Some((side, self.numbers.stops[side.index()]?)))
@@ -182,18 +180,20 @@ impl<S: Real> Acting<'_, S> {
             .filter_map(|((side, place), stop)| self.stop(side, place, stop))
     }
 
-    fn stop(&self, side: Side, place: S, stop: usize) -> Option<StopMotion<S>> {
+    fn stop(&self, side: Side, place: S, stop: usize) -> Option<StopMotion<'_, S>> {
         let scene = self.evaluation.scene;
         let index = scene.lines.len() + stop;
-        let numbers = self.evaluation.numbers.lines.get(index)?;
-        let hold = self.evaluation.at.hold.get(index).copied()?;
         let given = self.declared.stop_damping.as_ref();
-        let damped = given.is_some_and(|damping| !scene.is_zero(damping));
+        let element = line::Element {
+            damped: given.is_some_and(|damping| !scene.is_zero(damping)),
+            ..line::Element::linear(*self.evaluation.numbers.lines.get(index)?)
+        };
+        let hold = self.evaluation.at.hold.get(index).copied()?;
         let depth = match side {
             Side::Low => place - self.value(),
             Side::High => self.value() - place,
         };
-        let closing = match (damped, side) {
+        let closing = match (element.damped, side) {
             (false, _) => S::zero(),
             (true, Side::Low) => -self.rate(),
             (true, Side::High) => self.rate(),
@@ -202,10 +202,9 @@ impl<S: Real> Acting<'_, S> {
             stop,
             depth,
             closing,
-            pull: line::pull(numbers, depth, closing, damped),
-            push: line::tension(LineKind::Line, numbers, depth, closing, damped, hold),
-            elastic: numbers.stiffness * depth.max(S::zero()),
-            damped,
+            pull: element.pull(depth, closing),
+            push: element.tension(depth, closing, hold),
+            element,
             side,
         })
     }
@@ -249,9 +248,12 @@ impl<S: Real> Acting<'_, S> {
             damping -= friction * self.rate();
         }
         for stop in self.stops() {
-            elastic += half * (stop.elastic * stop.depth.max(S::zero()));
-            if stop.damped {
-                damping -= (stop.push - stop.elastic) * stop.closing;
+            elastic += stop.element.energy(stop.depth);
+            let power = stop
+                .element
+                .damping_power(stop.depth, stop.closing, stop.push);
+            if let Some(power) = power {
+                damping -= power;
             }
         }
         if let Some(force) = self.force() {

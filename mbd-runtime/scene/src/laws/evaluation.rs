@@ -1,5 +1,7 @@
 //! One evaluation: the scene at a state, seen by every law and every formula.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Matrix3, Vector3};
 
 use super::body::Motion;
@@ -9,9 +11,7 @@ use super::line;
 use super::node;
 use super::numbers::{FrameNumbers, Numbers};
 use crate::laws::algebra::{labelled, vector};
-use crate::{
-    AngularVelocity, At, InputSource, Layout, LineKind, NodeModel, Place, PointSlots, Real, Scene,
-};
+use crate::{AngularVelocity, At, InputSource, Layout, NodeModel, Place, PointSlots, Real, Scene};
 
 /// The scene at a state. Bodies are read once; everything else is computed where it is asked for.
 pub struct Evaluation<'a, S: Real> {
@@ -22,6 +22,8 @@ pub struct Evaluation<'a, S: Real> {
     pub motions: &'a [Motion<S>],
     /// Per frame of the world its motion, if it moves.
     pub ground: &'a [Option<FrameMotion<S>>],
+    /// Per static or stepwise network the velocities of its nodes, once something asks for them.
+    pub networks: &'a [OnceLock<Vec<Vector3<S>>>],
     /// The multipliers, where something asks for the effort of a motor; empty elsewhere.
     pub multipliers: &'a [S],
 }
@@ -34,10 +36,10 @@ pub struct LineMotion<S: Real> {
     pub rate: S,
     /// Tension [N].
     pub tension: S,
-    /// K s + C ṡ, or K_e (d − L_e) for a line of a static or stepwise node [N].
+    /// f(s) + C ṡ, or K_e (d − L_e) for a line of a static or stepwise node [N].
     pub pull: S,
-    /// Stiffness and free length of the law that gave the tension [N/m, m].
-    pub law: [S; 2],
+    /// Stiffness of the law that gave the tension.
+    pub tangent: line::Tangent<S>,
 }
 
 impl<'a, S: Real> Evaluation<'a, S> {
@@ -101,9 +103,9 @@ impl<'a, S: Real> Evaluation<'a, S> {
         if declared.model == NodeModel::Rate {
             return Some(vector(self.at.nodes, 3 * node));
         }
-        node::velocities(self, declared.network)
-            .get(declared.local)
-            .copied()
+        let velocities = self.networks.get(declared.network)?;
+        let velocities = velocities.get_or_init(|| node::velocities(self, declared.network));
+        velocities.get(declared.local).copied()
     }
 
     fn frame(&self, body: usize, frame: usize) -> Option<(&Motion<S>, &FrameNumbers<S>)> {
@@ -113,19 +115,21 @@ impl<'a, S: Real> Evaluation<'a, S> {
         ))
     }
 
-    /// Whether a line has damping by declaration.
-    pub fn damped(&self, line: usize) -> bool {
-        self.scene
-            .lines
-            .get(line)
-            .is_some_and(|line| !self.scene.is_zero(&line.damping))
+    /// A line with its law and its constants.
+    pub fn element(&self, index: usize) -> Option<line::Element<'_, S>> {
+        let declared = self.scene.lines.get(index)?;
+        Some(line::Element {
+            kind: declared.kind,
+            tables: &self.scene.tables,
+            numbers: *self.numbers.lines.get(index)?,
+            damped: !self.scene.is_zero(&declared.damping),
+        })
     }
 
     /// Length, rate and tension of a line at this state.
     pub fn line_motion(&self, index: usize) -> Option<LineMotion<S>> {
         let declared = self.scene.lines.get(index)?;
         let slots = self.layout.lines.get(index)?;
-        let numbers = self.numbers.lines.get(index)?;
         S::section(&declared.name);
         let vector = self.position_of(declared.to)? - self.position_of(declared.from)?;
         S::section(&declared.name);
@@ -140,25 +144,25 @@ impl<'a, S: Real> Evaluation<'a, S> {
                 rate: S::zero(),
                 tension,
                 pull,
-                law: [stiffness, free_length],
+                tangent: line::Tangent::linear(stiffness, free_length),
             });
         }
-        let geometry = line::geometry(&vector, numbers.free_length);
-        let damped = self.damped(index);
-        let rate = if damped {
+        let element = self.element(index)?;
+        let geometry = line::geometry(&vector, element.numbers.free_length);
+        let rate = if element.damped {
             self.rate(index, &geometry.direction)?
         } else {
             S::zero()
         };
         let hold = self.at.hold.get(index).copied()?;
-        let tension = line::tension(declared.kind, numbers, geometry.stretch, rate, damped, hold);
-        let pull = line::pull(numbers, geometry.stretch, rate, damped);
+        let tension = element.tension(geometry.stretch, rate, hold);
+        let pull = element.pull(geometry.stretch, rate);
         Some(LineMotion {
             geometry,
             rate,
             tension,
             pull,
-            law: [numbers.stiffness, numbers.free_length],
+            tangent: element.tangent(geometry.stretch),
         })
     }
 
@@ -263,17 +267,15 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
 
     fn line(&self, index: usize) -> Option<[S; 4]> {
         let motion = self.line_motion(index)?;
-        let free_length = self.numbers.lines.get(index)?.free_length;
+        let element = self.element(index)?;
         // A static or stepwise node has no rate of its own; the rate is that of the moving balance.
-        let rate = match self.scene.lines.get(index)?.kind {
-            LineKind::Line
-                if self.layout.lines.get(index)?.effective.is_none() && self.damped(index) =>
-            {
-                motion.rate
-            }
-            _ => self.rate(index, &motion.geometry.direction)?,
+        let own = self.layout.lines.get(index)?.effective.is_none() && element.damped;
+        let rate = match own && element.kind.is_one_way() {
+            true => motion.rate,
+            false => self.rate(index, &motion.geometry.direction)?,
         };
         let length = motion.geometry.length;
-        Some([motion.tension, length, length - free_length, rate])
+        let stretch = length - element.numbers.free_length;
+        Some([motion.tension, length, stretch, rate])
     }
 }

@@ -1,5 +1,9 @@
 //! Where everything is and how it moves at one instant: what every law reads first.
 
+use std::sync::OnceLock;
+
+use nalgebra::Vector3;
+
 use super::body::Motion;
 use super::evaluation::Evaluation;
 use super::ground::{FrameMotion, ground};
@@ -11,6 +15,7 @@ use crate::{At, Layout, Real, Scene};
 pub struct Kinematics<S: Real> {
     motions: Vec<Motion<S>>,
     ground: Vec<Option<FrameMotion<S>>>,
+    networks: Vec<OnceLock<Vec<Vector3<S>>>>,
 }
 
 impl<S: Real> Kinematics<S> {
@@ -19,6 +24,7 @@ impl<S: Real> Kinematics<S> {
         Kinematics {
             motions: vec![Motion::unknown(); layout.bodies.len()],
             ground: Vec::new(),
+            networks: vec![OnceLock::new(); layout.networks.len()],
         }
     }
 
@@ -42,6 +48,7 @@ impl<S: Real> Kinematics<S> {
             );
         }
         ground(scene, numbers, at.time, &mut self.ground);
+        self.networks.fill(OnceLock::new());
         Evaluation {
             scene,
             layout,
@@ -49,6 +56,7 @@ impl<S: Real> Kinematics<S> {
             at,
             motions: &self.motions,
             ground: &self.ground,
+            networks: &self.networks,
             multipliers: &[],
         }
     }

@@ -2,11 +2,13 @@
 //!
 //! ```text
 //! e = p_to − p_from,  d = |e|,  u = e/d,  s = d − L0,  ṡ = u·(v_to − v_from)                                     (1)
-//! line      T = max(0, K s + C ṡ)  if s > 0, else 0                                                             (2)
-//! spring    T = K s + C ṡ                                                                                       (3)
+//! line      T = max(0, f(s) + C ṡ)  if s > 0, else 0                                                            (2)
+//! spring    T = f(s) + C ṡ                                                                                      (3)
 //! node line T = K_e max(0, d − L_e)         statics, Euler and BDF2 alike (equilibrium point, AAS 03-163)         (4)
-//! stiffness J = K u uᵀ + (T/d)(I − u uᵀ) = τ I + (K − τ) u uᵀ,  τ = T/d  (K if L = 0)                             (5)
+//! stiffness J = K u uᵀ + (T/d)(I − u uᵀ) = τ I + (K − τ) u uᵀ,  K = f′(s),  τ = T/d  (f(s)/s if L = 0)            (5)
 //! ```
+//!
+//! f is the elastic force of the line's law, K s where it is linear: [`LineKind`](crate::LineKind).
 //!
 //! The force on the `from` end is +T u, on the `to` end −T u. Row units N, N/m.
 //! Singular case d = 0: only an L = 0 line is taut there; it is linear, J = K I, and u is never needed: d is guarded by [`TINY`] where it
@@ -18,7 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::algebra::{elements, labelled, symmetric};
 use super::numbers::LineNumbers;
-use crate::{LineKind, Real, TINY};
+use crate::{LineKind, Real, TINY, Table};
 
 /// Length, direction and stretch of a line, equation (1).
 #[derive(Clone, Copy, Debug)]
@@ -51,46 +53,120 @@ pub fn geometry<S: Real>(vector: &Vector3<S>, free_length: S) -> Geometry<S> {
     }
 }
 
-/// Pull K s + C ṡ [N] whatever its sign; `rate` is not used where the line has no damping by declaration.
-pub fn pull<S: Real>(numbers: &LineNumbers<S>, stretch: S, rate: S, damped: bool) -> S {
-    let elastic = numbers.stiffness * stretch;
-    (if damped {
-        elastic + numbers.damping * rate
-    } else {
-        elastic
-    })
-    .label("pull")
+/// An element that pulls along one direction: a line, a spring, or a stop, whose stretch is its depth. One law, one list of constants, one
+/// guard, one hold mode for all of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Element<'a, S> {
+    /// Its elastic force, and whether it pulls only.
+    pub kind: LineKind,
+    /// The tables of the scene.
+    pub tables: &'a [Table],
+    /// Its constants.
+    pub numbers: LineNumbers<S>,
+    /// Whether it has damping by declaration; without it the rate is not used.
+    pub damped: bool,
 }
 
-/// Tension [N] by (2) or (3). `hold`: 0 the line decides by itself, +1 it carries its pull, −1 it carries nothing.
-///
-/// Without damping the force is continuous at the slack edge, but its slope is not: held, a trial step across the edge stays smooth.
-pub fn tension<S: Real>(
-    kind: LineKind,
-    numbers: &LineNumbers<S>,
-    stretch: S,
-    rate: S,
-    damped: bool,
-    hold: S,
-) -> S {
-    let pull = pull(numbers, stretch, rate, damped);
-    let zero = S::zero();
-    let tension = match kind {
-        LineKind::Spring => pull,
-        LineKind::Line => {
-            let by_itself = if damped {
-                S::select(zero.lt(stretch), pull.max(zero), zero)
-            } else {
-                pull.max(zero)
-            };
-            S::select(
-                zero.lt(hold),
-                pull,
-                S::select(hold.lt(zero), zero, by_itself),
-            )
+impl<S: Real> Element<'_, S> {
+    /// A damped linear line.
+    pub fn linear(numbers: LineNumbers<S>) -> Self {
+        Element {
+            kind: LineKind::Line,
+            tables: &[],
+            numbers,
+            damped: true,
         }
-    };
-    tension.label("tension")
+    }
+
+    /// Elastic force f(s) [N].
+    fn elastic(&self, stretch: S) -> S {
+        self.kind
+            .force(self.tables, self.numbers.stiffness, stretch)
+    }
+
+    /// The stretch over which it acts: the positive part if it pulls only [m].
+    fn acting(&self, stretch: S) -> S {
+        match self.kind.is_one_way() {
+            true => stretch.max(S::zero()),
+            false => stretch,
+        }
+    }
+
+    /// Pull P = f(s) + C ṡ [N] whatever its sign.
+    pub fn pull(&self, stretch: S, rate: S) -> S {
+        let elastic = self.elastic(stretch);
+        (if self.damped {
+            elastic + self.numbers.damping * rate
+        } else {
+            elastic
+        })
+        .label("pull")
+    }
+
+    /// Tension [N] by (2) or (3). `hold`: 0 the element decides by itself, +1 it carries its pull, −1 it carries nothing.
+    ///
+    /// Without damping the force is continuous at the slack edge, but its slope is not: held, a trial step across the edge stays smooth.
+    pub fn tension(&self, stretch: S, rate: S, hold: S) -> S {
+        let pull = self.pull(stretch, rate);
+        if !self.kind.is_one_way() {
+            return pull.label("tension");
+        }
+        let zero = S::zero();
+        let by_itself = if self.damped {
+            S::select(zero.lt(stretch), pull.max(zero), zero)
+        } else {
+            pull.max(zero)
+        };
+        let held = S::select(hold.lt(zero), zero, by_itself);
+        S::select(zero.lt(hold), pull, held).label("tension")
+    }
+
+    /// Its stiffness at a stretch, for [`stiffness`].
+    pub fn tangent(&self, stretch: S) -> Tangent<S> {
+        let [slope, secant] = self
+            .kind
+            .slopes(self.tables, self.numbers.stiffness, stretch);
+        Tangent {
+            slope,
+            secant,
+            free_length: self.numbers.free_length,
+        }
+    }
+
+    /// Elastic energy [J].
+    pub fn energy(&self, stretch: S) -> S {
+        let acting = self.acting(stretch);
+        self.kind
+            .energy(self.tables, self.numbers.stiffness, acting)
+    }
+
+    /// Power that its damping takes, (T − f) ṡ with f over the acting part of the stretch [W]; `None` without damping.
+    pub fn damping_power(&self, stretch: S, rate: S, tension: S) -> Option<S> {
+        let elastic = || self.elastic(self.acting(stretch));
+        self.damped.then(|| (tension - elastic()) * rate)
+    }
+}
+
+/// The stiffness of a law at one stretch.
+#[derive(Clone, Copy, Debug)]
+pub struct Tangent<S> {
+    /// dT/ds [N/m].
+    pub slope: S,
+    /// T/s [N/m]: the stiffness across a line of zero free length.
+    pub secant: S,
+    /// Free length L0 [m].
+    pub free_length: S,
+}
+
+impl<S: Real> Tangent<S> {
+    /// T = K (d − L).
+    pub fn linear(stiffness: S, free_length: S) -> Self {
+        Tangent {
+            slope: stiffness,
+            secant: stiffness,
+            free_length,
+        }
+    }
 }
 
 /// Tension of a node line [N] by (4).
@@ -98,22 +174,17 @@ pub fn effective_tension<S: Real>(stiffness: S, stretch: S) -> S {
     (stiffness * stretch.max(S::zero())).label("tension")
 }
 
-/// Stiffness J of a taut line by (5), zero when slack [N/m]. `stiffness` and `free_length` are those of the law that gave `tension`.
-pub fn stiffness<S: Real>(
-    geometry: &Geometry<S>,
-    stiffness: S,
-    free_length: S,
-    tension: S,
-) -> Matrix3<S> {
+/// Stiffness J of a taut line by (5), zero when slack [N/m]. `tangent` is that of the law that gave `tension`.
+pub fn stiffness<S: Real>(geometry: &Geometry<S>, tangent: &Tangent<S>, tension: S) -> Matrix3<S> {
     let zero = S::zero();
     let taut = zero.le(geometry.stretch);
     let across = S::select(
-        zero.lt(free_length),
+        zero.lt(tangent.free_length),
         tension * geometry.inverse_length,
-        stiffness,
+        tangent.secant,
     );
     let across = S::select(taut, across, zero).label("across");
-    let along = (S::select(taut, stiffness, zero) - across).label("along");
+    let along = (S::select(taut, tangent.slope, zero) - across).label("along");
     let u = &geometry.direction;
     let weighted = labelled(u.map(|x| along * x), ["along_x", "along_y", "along_z"]);
     let block = elements(&(Matrix3::from_diagonal_element(across) + weighted * u.transpose()));

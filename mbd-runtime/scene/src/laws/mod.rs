@@ -32,7 +32,7 @@ use forces::Assembly;
 use kinematics::Kinematics;
 use nalgebra::Vector3;
 
-pub use algebra::{inverse, rotation, solve_positive, symmetric};
+pub use algebra::{inverse, rotation, symmetric};
 pub use along::{AlongNumbers, jumping_angles};
 
 pub use formula::norm;
@@ -89,9 +89,8 @@ pub fn evaluate<S: Real>(
         Quantity::Equilibrium(network) => {
             return node::equilibrium(layout, at, network, |line| line_name(scene, line), out);
         }
-        Quantity::NodeByAnchor(network) => return node::node_by_anchor(layout, at, network, out),
-        Quantity::CondensedStiffness(network) => {
-            return node::condensed_stiffness(layout, at, network, out);
+        Quantity::NodeByAnchor(_) | Quantity::CondensedStiffness(_) => {
+            return sensitivity(what, layout, at, out);
         }
         Quantity::Partial(..) => return,
         _ => {}
@@ -173,6 +172,21 @@ pub fn evaluate<S: Real>(
         | Quantity::NodeByAnchor(_)
         | Quantity::CondensedStiffness(_)
         | Quantity::Partial(..) => {}
+    }
+}
+
+/// Evaluates [`Quantity::NodeByAnchor`] or [`Quantity::CondensedStiffness`], which read nothing of a scene but its layout: a model that does
+/// not spell them out ([`Layout::spells_out`]) solves its network for them on numbers.
+pub fn sensitivity<S: Real>(what: Quantity, layout: &Layout, at: &At<'_, S>, out: &mut [S]) {
+    if out.len() != layout.len(what) {
+        return;
+    }
+    match what {
+        Quantity::NodeByAnchor(network) => node::node_by_anchor(layout, at, network, out),
+        Quantity::CondensedStiffness(network) => {
+            node::condensed_stiffness(layout, at, network, out);
+        }
+        _ => {}
     }
 }
 
@@ -388,7 +402,7 @@ fn outputs<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     }
 }
 
-/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − K s₊) ṡ and friction, power of prescribed motions.
+/// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − f(s₊)) ṡ and friction, power of prescribed motions.
 fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
     let numbers = evaluation.numbers;
     let (mut kinetic, mut potential, mut elastic, mut damping) =
@@ -414,19 +428,16 @@ fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
             );
         }
     }
-    for (index, line) in evaluation.scene.lines.iter().enumerate() {
+    for index in 0..evaluation.scene.lines.len() {
         let Some([tension, _, stretch, rate]) = formula::Context::line(evaluation, index) else {
             continue;
         };
-        let taut = if line.kind == crate::LineKind::Spring {
-            stretch
-        } else {
-            stretch.max(S::zero())
+        let Some(line) = evaluation.element(index) else {
+            continue;
         };
-        let stiffness = numbers.lines[index].stiffness;
-        elastic += half * (stiffness * (taut * taut));
-        if evaluation.damped(index) {
-            damping -= (tension - stiffness * taut) * rate;
+        elastic += line.energy(stretch);
+        if let Some(power) = line.damping_power(stretch, rate, tension) {
+            damping -= power;
         }
     }
     let mut load = forces::load_power(evaluation);
@@ -474,12 +485,7 @@ fn lines<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let Some((numbers, motion)) = state else {
             continue;
         };
-        let block = line::stiffness(
-            &motion.geometry,
-            motion.law[0],
-            motion.law[1],
-            motion.tension,
-        );
+        let block = line::stiffness(&motion.geometry, &motion.tangent, motion.tension);
         out[..4].copy_from_slice(&numbers);
         out[4..].copy_from_slice(&elements(&block));
     }

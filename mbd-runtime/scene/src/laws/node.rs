@@ -14,7 +14,7 @@
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-use super::algebra::{elements, labelled, vector, write};
+use super::algebra::{elements, fill, labelled, solve_coupled, vector, write};
 use super::evaluation::Evaluation;
 use super::line;
 use crate::{At, Layout, LineEnd, Network, Real};
@@ -49,7 +49,8 @@ fn pulled<S: Real>(layout: &Layout, at: &At<'_, S>, index: usize) -> Option<Pull
     let [from, to] = slots.ends.map(&mut place);
     let geometry = line::geometry(&(to - from), free_length);
     let tension = line::effective_tension(stiffness, geometry.stretch);
-    let block = line::stiffness(&geometry, stiffness, free_length, tension);
+    let tangent = line::Tangent::linear(stiffness, free_length);
+    let block = line::stiffness(&geometry, &tangent, tension);
     Some(Pulled {
         ends: slots.ends,
         geometry,
@@ -181,39 +182,33 @@ fn stiffnesses<S: Real>(
     network.lines.iter().filter_map(of).collect()
 }
 
-/// Right-hand sides J_i + (r/n) I, three columns an anchor of the network; n counts the anchors of the anchor's node.
-fn anchor_columns<S: Real>(
-    layout: &Layout,
-    network: &Network,
-    lines: &[(usize, [LineEnd; 2], Matrix3<S>)],
+/// Right-hand sides J_i + (r/n) I, one an anchor of the network, each with the node whose rows it is in; n counts the anchors of that node.
+fn anchor_blocks<'a, S: Real>(
+    layout: &'a Layout,
+    network: &'a Network,
+    lines: &'a [(usize, [LineEnd; 2], Matrix3<S>)],
     r: S,
-) -> DMatrix<S> {
-    let mut b = DMatrix::from_element(
-        3 * network.nodes.len(),
-        3 * network.anchors.len(),
-        S::zero(),
-    );
-    for (column, &anchor) in network.anchors.iter().enumerate() {
-        let anchor = &layout.anchors[anchor];
-        let siblings = network
-            .anchors
-            .iter()
-            .filter(|&&other| layout.anchors[other].node == anchor.node)
-            .count();
-        let follow = r * S::from_f64(1.0 / siblings.max(1) as f64);
-        let local = layout.nodes[anchor.node].local;
-        let Some((_, _, block)) = lines.iter().find(|(line, ..)| *line == anchor.line) else {
-            continue;
-        };
-        for i in 0..3 {
-            for j in 0..3 {
-                let element = block[(i.min(j), i.max(j))];
-                b[(3 * local + i, 3 * column + j)] =
-                    if i == j { element + follow } else { element };
-            }
-        }
+) -> impl Iterator<Item = (usize, Matrix3<S>)> + 'a {
+    let owners = network
+        .anchors
+        .iter()
+        .map(|&anchor| &layout.anchors[anchor]);
+    let mut siblings = vec![0_usize; layout.nodes.len()];
+    for anchor in owners.clone() {
+        siblings[anchor.node] += 1;
     }
-    b
+    owners.map(move |anchor| {
+        let follow = r * S::from_f64(1.0 / siblings[anchor.node] as f64);
+        let local = layout.nodes[anchor.node].local;
+        let own = lines.iter().find(|(line, ..)| *line == anchor.line);
+        let block = own.map_or_else(Matrix3::zeros, |(_, _, block)| {
+            Matrix3::from_fn(|i, j| {
+                let element = block[(i.min(j), i.max(j))];
+                if i == j { element + follow } else { element }
+            })
+        });
+        (local, block)
+    })
 }
 
 /// ∂p/∂p_i of a network, 3 nodes × 3 anchors, by (2).
@@ -223,8 +218,13 @@ fn by_anchor<S: Real>(
     lines: &[(usize, [LineEnd; 2], Matrix3<S>)],
 ) -> DMatrix<S> {
     let (mut h, r) = regularised(layout, network, lines);
-    let mut b = anchor_columns(layout, network, lines, r);
-    super::algebra::solve_positive(&mut h, &mut b);
+    let width = 3 * network.anchors.len();
+    let mut b = DMatrix::from_element(3 * network.nodes.len(), width, S::zero());
+    for (index, (local, block)) in anchor_blocks(layout, network, lines, r).enumerate() {
+        b.fixed_view_mut::<3, 3>(3 * local, 3 * index)
+            .copy_from(&block);
+    }
+    solve_coupled(&fill(network.nodes.len(), &network.blocks), &mut h, &mut b);
     b
 }
 
@@ -285,29 +285,24 @@ pub fn velocities<S: Real>(evaluation: &Evaluation<'_, S>, network: usize) -> Ve
     };
     let stiffness_of = |&index: &usize| {
         let motion = evaluation.line_motion(index)?;
-        let block = line::stiffness(
-            &motion.geometry,
-            motion.law[0],
-            motion.law[1],
-            motion.tension,
-        );
+        let block = line::stiffness(&motion.geometry, &motion.tangent, motion.tension);
         Some((index, layout.lines.get(index)?.ends, block))
     };
     let lines: Vec<_> = network.lines.iter().filter_map(stiffness_of).collect();
     let (mut h, r) = regularised(layout, network, &lines);
-    let columns = anchor_columns(layout, network, &lines, r);
+    let blocks: Vec<_> = anchor_blocks(layout, network, &lines, r).collect();
     let mut b = DMatrix::from_element(3 * network.nodes.len(), 1, S::zero());
-    for (column, &anchor) in network.anchors.iter().enumerate() {
+    for (&anchor, (local, block)) in network.anchors.iter().zip(&blocks) {
         let velocity = evaluation
             .velocity_of(layout.anchors[anchor].place)
             .unwrap_or_else(Vector3::zeros);
-        for row in 0..b.nrows() {
+        for row in 0..3 {
             for k in 0..3 {
-                b[(row, 0)] += columns[(row, 3 * column + k)] * velocity[k];
+                b[(3 * local + row, 0)] += block[(row, k)] * velocity[k];
             }
         }
     }
-    super::algebra::solve_positive(&mut h, &mut b);
+    solve_coupled(&fill(network.nodes.len(), &network.blocks), &mut h, &mut b);
     (0..network.nodes.len())
         .map(|node| Vector3::new(b[(3 * node, 0)], b[(3 * node + 1, 0)], b[(3 * node + 2, 0)]))
         .collect()

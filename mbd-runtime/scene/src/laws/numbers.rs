@@ -40,10 +40,10 @@ impl<S: Real> FrameNumbers<S> {
     }
 }
 
-/// The constants of a line, or of a stop: its stiffness, its damping, and no free length.
+/// The constants of a line, or of a stop, which has no free length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineNumbers<S> {
-    /// Stiffness K [N/m].
+    /// Stiffness K [N/m]: the slope of the elastic force at zero stretch.
     pub stiffness: S,
     /// Damping C [N s/m].
     pub damping: S,
@@ -189,7 +189,7 @@ impl<S: Real> Numbers<S> {
             PointKind::Node(_) => (S::zero(), S::zero()),
         });
         let lines = scene.lines.iter().map(|line| LineNumbers {
-            stiffness: of(&line.stiffness),
+            stiffness: line.kind.stiffness(&scene.tables, of(&line.stiffness)),
             damping: of(&line.damping),
             free_length: of(&line.free_length),
         });

@@ -146,6 +146,7 @@ impl<'a> Posture<'a> {
             at: &at,
             motions: &self.motions,
             ground: &self.ground,
+            networks: &[],
             multipliers: &[],
         })
     }

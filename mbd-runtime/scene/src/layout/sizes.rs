@@ -4,6 +4,9 @@ use super::{Layout, Network};
 use crate::quantity::{Differentiated, Quantity, Variable};
 use crate::scene::NodeModel;
 
+/// Nodes of the largest network whose sensitivities are spelt out.
+const MOST_SPELT_OUT: usize = 8;
+
 impl Layout {
     /// Length of a quantity.
     #[must_use]
@@ -76,6 +79,20 @@ impl Layout {
             Variable::State => self.nx(),
             Variable::Node => 3 * self.nodes.len(),
             Variable::Parameter => self.np,
+        }
+    }
+
+    /// Whether a compiled model spells out the terms of a quantity. ∂node/∂anchor and the condensed stiffness of a large network do not pay:
+    /// every node depends on every anchor, so their terms grow with the square of the nodes (463,697 operations for 40 nodes of a chain). A model
+    /// evaluates them by solving the network on numbers.
+    #[must_use]
+    pub fn spells_out(&self, what: Quantity) -> bool {
+        match what {
+            Quantity::NodeByAnchor(k) | Quantity::CondensedStiffness(k) => {
+                let network = self.networks.get(k);
+                network.is_some_and(|network| network.nodes.len() <= MOST_SPELT_OUT)
+            }
+            _ => true,
         }
     }
 

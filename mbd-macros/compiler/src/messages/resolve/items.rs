@@ -186,6 +186,38 @@ pub fn no_field(at: Region, kind: &str, name: &str, field: &str, unit: &str) -> 
     )
 }
 
+pub fn force_and_stiffness(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!("line `{name}` has a `force`, a table, and a `stiffness`: give one of them"),
+    )
+}
+
+pub fn force_table_dimensions(
+    at: Region,
+    line: &str,
+    table: &str,
+    [x, y]: [Dimension; 2],
+) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the force of line `{line}` is a table of forces over stretch, `table {table} = {{ 0 m: 0 N, 0.5 m: 200 N }}`; `{table}` holds {} over {}",
+            described(y),
+            described(x)
+        ),
+    )
+}
+
+pub fn force_table_rows(at: Region, line: &str, table: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the table `{table}` gives the force of line `{line}`: it begins with `0 m: 0 N`, and its forces rise from row to row"
+        ),
+    )
+}
+
 pub fn inertia_form(at: Region) -> Report {
     Report::new(
         at,

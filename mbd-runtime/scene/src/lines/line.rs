@@ -1,0 +1,8 @@
+//! A linear line: f = K s, tension only. Stops and the lines of equilibrium points follow it, too.
+
+use super::LineLaw;
+
+/// f = K s, as a law is unless it says otherwise.
+pub struct Line;
+
+impl LineLaw for Line {}
