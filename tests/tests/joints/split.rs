@@ -84,7 +84,7 @@ fn the_rows_leave_the_free_columns_and_tell_the_held_ones_apart() {
         assert_eq!(carried.free.len(), law.freedoms(), "{name}");
         for (i, row) in rows.iter().enumerate() {
             let row = on_child(row, carried);
-            for column in &carried.free {
+            for column in carried.free.iter() {
                 let size = row.dot(&row).sqrt() * column.dot(column).sqrt();
                 assert!(
                     row.dot(column).abs() < 1e-12 * size,
@@ -216,7 +216,7 @@ fn on_the_constraints_the_free_columns_span_what_the_joint_allows() {
             }
             let h = DMatrix::from_columns(&allowed);
             let inverse = h.clone().pseudo_inverse(1e-12).expect("full rank");
-            for column in &stated.free {
+            for column in stated.free.iter() {
                 let column = list(column.linear, column.angular);
                 let off = &column - &h * (&inverse * &column);
                 assert!(off.amax() < 1e-12, "{law:?}, {trial}: {off}");
