@@ -302,7 +302,7 @@ fn costs(scene: &Scene) -> [usize; 2] {
 }
 
 #[test]
-fn a_planar_four_bar_costs_a_fifth_of_that_in_space() {
+fn a_planar_four_bar_costs_less_than_a_quarter_of_that_in_space() {
     let bare = FOUR_BAR.items.split("spring").next().expect("the joints");
     let bare = bare
         .replace(", damping: 0.1 N*m*s", "")
@@ -318,10 +318,11 @@ fn a_planar_four_bar_costs_a_fifth_of_that_in_space() {
     );
     assert!(layout.redundancy.repeats.is_empty());
     let (flat, space) = (costs(&scene), costs(&in_space(&scene)));
-    // In space 1,444 and 1,047.
+    // In space 1,297 and 1,037; 1,444 and 1,047 before one elimination served every joint.
     assert!(flat[0] <= 283 && flat[1] <= 262, "{flat:?}");
+    assert!(space[0] <= 1297 && space[1] <= 1037, "{space:?}");
     assert!(
-        5 * flat[0] < space[0] && 3 * flat[1] < space[1],
+        4 * flat[0] < space[0] && 3 * flat[1] < space[1],
         "{space:?}"
     );
 }

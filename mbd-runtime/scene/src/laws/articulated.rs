@@ -427,7 +427,13 @@ impl<S: Real> System<S> {
         }
         for k in (0..node.free).rev() {
             let (h, _, unit) = self.column(node, k);
-            let mut u = scale(self.work[first + k], self.inverse[first + k]);
+            // Where nothing else is multiplied by the inverse, it is not needed.
+            let alone = node.joint.is_none() && node.others().is_empty() && k + 1 == node.free;
+            let mut u = if alone {
+                self.work[first + k] / self.pivot[first + k]
+            } else {
+                scale(self.work[first + k], self.inverse[first + k])
+            };
             let own = (0..n).map(|i| (node.row(k) + i, first + i));
             let others = node.others().iter().flat_map(|below| {
                 let unknowns = plan.steps[below.step].first..;
