@@ -40,10 +40,10 @@ fn microseconds<T>(mut work: impl FnMut() -> T) -> [f64; 2] {
 
 fn main() -> Result<(), ParamError> {
     let chain = microseconds(|| Chain::new(ChainParams { rod_mass: 1.1 }));
-    let parachute = microseconds(|| ParachuteRate::new(ParachuteRateParams::default()));
+    let parachute = microseconds(|| ParachuteRate::<f64>::new(ParachuteRateParams::default()));
     let model = Chain::new(ChainParams::default())?;
     let made = microseconds(|| Simulation::new(&model, Options::rk4(1e-3)).map(drop));
-    let canopy = ParachuteRate::new(ParachuteRateParams::default())?;
+    let canopy = ParachuteRate::<f64>::new(ParachuteRateParams::default())?;
     let mut run = Simulation::new(&canopy, Options::rk4(1e-3)).ok();
     let params = canopy.params().to_vec();
     let changed = microseconds(|| run.as_mut().map(|run| run.set_params(&params).is_ok()));
