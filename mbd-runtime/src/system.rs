@@ -6,11 +6,11 @@ use mbd_scene::{Float, Model, Quantity, Scene, Work};
 
 use crate::columns::{input_name, line_name, node_name, state_names, stop_name};
 use crate::error::{Source, Statistics, StepError};
-use crate::fallback::{Fallback, Strategy};
+use crate::fallback::{self, Fallback};
 use crate::integrate::Rates;
 use crate::laws::Laws;
 use crate::list::largest;
-use crate::node::{Mode, NodeError, NodeMemory, Nodes, Rung};
+use crate::node::{Mode, NodeError, NodeMemory, Nodes, Strategy};
 use crate::projection::Projection;
 use crate::watch;
 
@@ -427,18 +427,18 @@ impl<T: Float> System<T> {
             node_solves: nodes.solves,
             node_iterations: nodes.iterations,
             node_iterations_max: nodes.most as u64,
-            node_strategy: match nodes.rung {
+            node_strategy: match nodes.strategy {
                 _ if nodes.solves == 0 => 0,
-                Rung::Warm => 1,
-                Rung::Homotopy => 2,
-                Rung::Search => 3,
+                Strategy::Warm => 1,
+                Strategy::Homotopy => 2,
+                Strategy::Search => 3,
             },
             rows_strategy: match self.fallback.worst {
                 _ if !self.projection.any() => 0,
-                Strategy::Emitted => 1,
-                Strategy::Chosen => 2,
-                Strategy::Whole => 3,
-                Strategy::Regularised => 4,
+                fallback::Strategy::Emitted => 1,
+                fallback::Strategy::Chosen => 2,
+                fallback::Strategy::Whole => 3,
+                fallback::Strategy::Regularised => 4,
             },
             lost_digits: self.fallback.lost_digits,
             ..self.counters

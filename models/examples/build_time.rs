@@ -1,5 +1,6 @@
-//! What a jointed model costs to build: expansion, `cargo check` and release build, beyond an empty crate.
+//! What a crate that runs its jointed model costs to build: expansion, `cargo check` and release build, beyond an empty crate.
 //!
+//! Every crate makes its model, a simulation of it, and records a second: what a user's crate contains at least.
 //! `cargo run --release -p models --example build_time`; with `-- 8`, chains of at most 8 bodies. Chains of rods on hinges about y, x, y, x, …;
 //! chains of identical bodies on spherical joints. The column expansion is the compiler as optimised as this example; in `cargo check` the macro
 //! is not optimised, as in a user's crate that does not ask for it; in the release build it is at level 1. Writes a small crate under the target
@@ -16,6 +17,40 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 
 const ROD: &str = "mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, \
     frame top at [0.0, 0.0, 0.5] m, frame end at [0.0, 0.0, -0.5] m";
+
+/// One rod on a hinge.
+fn hinge() -> String {
+    format!(
+        "pub model Chain {{
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            body rod {{ {ROD} }}
+            joint hold: hinge from world to rod.top {{ axis: y }}
+        }}"
+    )
+}
+
+/// A crate that runs this model so many times over, each a model of its own.
+fn running(text: &str, models: usize) -> String {
+    let mut source = "//! A chain.\n".to_owned();
+    let mut calls = String::new();
+    for number in 0..models {
+        source += &format!(
+            "mod chain_{number} {{
+                use mbd_runtime::{{Content, Options, Sampling, Simulation, Trajectory}};
+                mbd_runtime::model! {{ {text} }}
+                pub fn run() -> Result<usize, Box<dyn std::error::Error>> {{
+                    let chain = Chain::new(ChainParams::default())?;
+                    let mut run = Simulation::new(&chain, Options::rk4(1e-3))?;
+                    let mut history = Trajectory::new(&chain, Sampling::Every(0.01), Content::ALL);
+                    run.record(1.0, &mut history)?;
+                    Ok(history.len())
+                }}
+            }}\n"
+        );
+        calls += &format!("println!(\"{{:?}}\", chain_{number}::run());\n");
+    }
+    format!("{source}fn main() {{ {calls} }}\n")
+}
 
 /// `n` rods on hinges, n even.
 fn hinges(n: usize) -> String {
@@ -88,7 +123,7 @@ impl Crate {
 
     /// Wall time of a build with this source [s].
     fn build(&self, source: &str, arguments: &[&str]) -> Outcome<f64> {
-        std::fs::write(self.folder.join("src/lib.rs"), source)?;
+        std::fs::write(self.folder.join("src/main.rs"), source)?;
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let start = Instant::now();
         let status = Command::new(cargo)
@@ -111,7 +146,7 @@ fn main() -> Outcome<()> {
         .join("..")
         .canonicalize()?;
     let place = Crate::new(&workspace)?;
-    let empty = "//! Nothing.\nuse mbd_runtime as _;\n";
+    let empty = "//! Nothing.\nuse mbd_runtime as _;\nfn main() {}\n";
     let (check, release) = (["check"], ["build", "--release"]);
     let mut floor = [0.0; 2];
     for (floor, arguments) in floor.iter_mut().zip([&check[..], &release[..]]) {
@@ -136,9 +171,17 @@ fn main() -> Outcome<()> {
     let chains = chains.map(|n| (format!("chain of {n} hinges"), hinges(n)));
     let balls = [8, 16, 64].into_iter().filter(few);
     let balls = balls.map(|n| (format!("chain of {n} spherical joints"), spherical(n)));
+    for (name, models) in [("one hinge", 1), ("two models of one hinge", 2)] {
+        let text = hinge();
+        let (time, tokens) = expansion(&text)?;
+        let source = running(&text, models);
+        let checked = place.build(&source, &check)? - floor[0];
+        let released = place.build(&source, &release)? - floor[1];
+        println!("| {name} | {time:.3} s | {tokens} | {checked:.2} s | {released:.2} s |");
+    }
     for (name, text) in chains.chain(balls) {
         let (time, tokens) = expansion(&text)?;
-        let source = format!("//! A chain.\nmbd_runtime::model! {{ {text} }}\n");
+        let source = running(&text, 1);
         let checked = place.build(&source, &check)? - floor[0];
         let released = place.build(&source, &release)? - floor[1];
         println!("| {name} | {time:.3} s | {tokens} | {checked:.2} s | {released:.2} s |");

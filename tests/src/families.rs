@@ -1,6 +1,6 @@
 //! Random equilibrium problems, family by family: from ordinary ones to the hardest a line scene can pose. Seeded.
 
-use mbd_runtime::node::{Confluence, Outcome, Rung, Solver, Tolerance, Web, WebBalance};
+use mbd_runtime::node::{Confluence, Outcome, Solver, Strategy, Tolerance, Web, WebBalance};
 
 use crate::random::Random;
 
@@ -169,7 +169,7 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 pub struct Tally {
     /// Problems.
     pub problems: usize,
-    /// Ended on the warm rung.
+    /// Ended on the warm strategy.
     pub warm: usize,
     /// Ended by homotopy.
     pub homotopy: usize,
@@ -190,14 +190,16 @@ impl Tally {
         self.iterations.push(outcome.iterations());
         match outcome {
             Outcome::Taut {
-                rung: Rung::Warm, ..
+                strategy: Strategy::Warm,
+                ..
             } => self.warm += 1,
             Outcome::Taut {
-                rung: Rung::Homotopy,
+                strategy: Strategy::Homotopy,
                 ..
             } => self.homotopy += 1,
             Outcome::Taut {
-                rung: Rung::Search, ..
+                strategy: Strategy::Search,
+                ..
             } => self.search += 1,
             Outcome::Slack { .. } => self.slack += 1,
             Outcome::NotConverged { .. } => self.failed += 1,

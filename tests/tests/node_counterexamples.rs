@@ -2,7 +2,7 @@
 
 use mbd_runtime::node::{
     Balance, BlockCholesky, Confluence, Equilibrium, Evaluation, History, Leg, NodeError, Outcome,
-    RateNode, Rung, Solver, Spread, Tolerance, Web, WebBalance, effective,
+    RateNode, Solver, Spread, Strategy, Tolerance, Web, WebBalance, effective,
 };
 use mbd_scene::laws::LineNumbers;
 use mbd_scene::{Clamp, Difference};
@@ -496,7 +496,7 @@ fn single_precision_balances_to_its_own_digits() {
     assert!(matches!(
         found.outcome,
         Outcome::Taut {
-            rung: Rung::Warm,
+            strategy: Strategy::Warm,
             ..
         }
     ));

@@ -53,7 +53,7 @@ pub enum NodeError {
         node: usize,
         /// Smallest residual seen [N].
         residual_n: f64,
-        /// Newton steps in all rungs.
+        /// Newton steps in all strategies.
         iterations: usize,
     },
 }

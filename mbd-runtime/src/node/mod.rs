@@ -2,7 +2,7 @@
 //!
 //! - [`Nodes`] runs the nodes of a model inside an integration: start, solve at a stage, commit after an accepted step, switch at an event.
 //! - [`NodeMemory`] is what they carry from step to step.
-//! - [`Solver`] is the ladder behind `static` and `stepwise` nodes; [`RateNode`] the law of `rate` nodes.
+//! - [`Solver`] is the fallback chain behind `static` and `stepwise` nodes; [`RateNode`] the law of `rate` nodes.
 //! - [`Confluence`] and [`Web`] are equilibrium problems of their own, without a scene.
 //! - [`BlockCholesky`] is the sparse factor of coupled nodes.
 //!
@@ -31,6 +31,6 @@ pub use memory::{Mode, NodeMemory};
 pub use modes::Guard;
 pub(crate) use modes::{is_node_line, switches};
 pub use rate::{Leg, RateNode, Spread};
-pub use solver::{Outcome, Rung, Solver, Tolerance};
+pub use solver::{Outcome, Solver, Strategy, Tolerance};
 pub use stage::{Nodes, Statistics};
 pub use stepwise::{History, effective};

@@ -4,12 +4,12 @@
 //! balanced     |g| ≤ rel (ΣT + |W|) + abs Σ K (d + |p|₁)            relative, plus the rounding of the lengths
 //! direction    (H + r 1) δ = −g,  r = 4.5 ε tr H, × 100 until every pivot is positive
 //! search       ψ(t) = g(p + t δ)·δ rises with t; accept |ψ(t)| ≤ |ψ(0)|/10
-//! rung 1       Newton from the given start, at most 12 steps
-//! rung 2       from the stiffness-weighted mean of the anchors through K_max (K/K_max)^a, a = 1/8 … 1
-//! rung 3       slope search to a cap of 300
+//! strategy 1       Newton from the given start, at most 12 steps
+//! strategy 2       from the stiffness-weighted mean of the anchors through K_max (K/K_max)^a, a = 1/8 … 1
+//! strategy 3       slope search to a cap of 300
 //! ```
 //!
-//! Rung 3 descends a convex function with Lipschitz gradient and compact level sets, so it converges from everywhere; the slope and not
+//! Strategy 3 descends a convex function with Lipschitz gradient and compact level sets, so it converges from everywhere; the slope and not
 //! the energy decides the step, because the energy cannot resolve the last digits. Plain Newton alone cycles (`tests/node_counterexamples.rs`).
 
 use mbd_scene::Float;
@@ -48,9 +48,9 @@ impl<T: Float> Tolerance<T> {
     }
 }
 
-/// The rung of the ladder that found the balance.
+/// The strategy that found the balance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Rung {
+pub enum Strategy {
     /// Newton from the given start.
     #[default]
     Warm,
@@ -65,29 +65,29 @@ pub enum Rung {
 pub enum Outcome<T> {
     /// The lines balance and at least one pulls, or a load acts.
     Taut {
-        /// Newton steps in all rungs.
+        /// Newton steps in all strategies.
         iterations: usize,
         /// |g| at the end [N].
         residual: T,
-        /// The rung that found it.
-        rung: Rung,
+        /// The strategy that found it.
+        strategy: Strategy,
     },
     /// Nothing pulls: zero force, zero stiffness; the node is one of many.
     Slack {
-        /// Newton steps in all rungs.
+        /// Newton steps in all strategies.
         iterations: usize,
     },
     /// No balance was found: no force may be taken from it.
     NotConverged {
         /// The smallest |g| seen [N].
         residual: T,
-        /// Newton steps in all rungs.
+        /// Newton steps in all strategies.
         iterations: usize,
     },
 }
 
 impl<T> Outcome<T> {
-    /// Newton steps in all rungs.
+    /// Newton steps in all strategies.
     #[must_use]
     pub fn iterations(&self) -> usize {
         match self {
@@ -98,7 +98,7 @@ impl<T> Outcome<T> {
     }
 }
 
-/// The ladder, with room for one pattern of coupled nodes. Holds no memory of earlier solves.
+/// The fallback chain of a network, with room for one pattern of coupled nodes. Holds no memory of earlier solves.
 #[derive(Clone, Debug)]
 pub struct Solver<T> {
     descent: Descent<T>,
@@ -186,11 +186,11 @@ impl<T: Float> Solver<T> {
         tolerance: Tolerance<T>,
     ) -> Outcome<T> {
         self.descent.begin(p);
-        let (rung, verdict) = self.climb(balance, k, l, tolerance);
-        self.descent.end(rung, verdict, p)
+        let (strategy, verdict) = self.climb(balance, k, l, tolerance);
+        self.descent.end(strategy, verdict, p)
     }
 
-    /// Slope search alone, from `p`: rung 3 as a solver of its own, to compare the rungs.
+    /// Slope search alone, from `p`: strategy 3 as a solver of its own, to compare the strategies.
     pub fn search<B: Balance<T>>(
         &mut self,
         balance: &mut B,
@@ -202,7 +202,7 @@ impl<T: Float> Solver<T> {
         self.descent.begin(p);
         let limits = Limits::search(tolerance);
         let verdict = self.descent.newton(balance, k, l, limits);
-        self.descent.end(Rung::Search, verdict, p)
+        self.descent.end(Strategy::Search, verdict, p)
     }
 
     fn climb<B: Balance<T>>(
@@ -211,22 +211,22 @@ impl<T: Float> Solver<T> {
         k: &[T],
         l: &[T],
         tolerance: Tolerance<T>,
-    ) -> (Rung, Verdict<T>) {
+    ) -> (Strategy, Verdict<T>) {
         let warm = self.descent.newton(balance, k, l, Limits::warm(tolerance));
         if !matches!(warm, Verdict::Stopped) {
-            return (Rung::Warm, warm);
+            return (Strategy::Warm, warm);
         }
         let homotopy = self.homotopy(balance, k, l, tolerance);
         if !matches!(homotopy, Verdict::Stopped) {
-            return (Rung::Homotopy, homotopy);
+            return (Strategy::Homotopy, homotopy);
         }
         let search = self
             .descent
             .newton(balance, k, l, Limits::search(tolerance));
-        (Rung::Search, search)
+        (Strategy::Search, search)
     }
 
-    /// Rung 2: equal stiffnesses first, where the problem is well conditioned, then step by step the true ones.
+    /// Strategy 2: equal stiffnesses first, where the problem is well conditioned, then step by step the true ones.
     fn homotopy<B: Balance<T>>(
         &mut self,
         balance: &mut B,
@@ -302,7 +302,7 @@ impl<T: Float> Descent<T> {
     }
 
     /// The outcome of a solve; `p` follows if a balance was found.
-    fn end(&self, rung: Rung, verdict: Verdict<T>, p: &mut [T]) -> Outcome<T> {
+    fn end(&self, strategy: Strategy, verdict: Verdict<T>, p: &mut [T]) -> Outcome<T> {
         let iterations = self.taken;
         match verdict {
             Verdict::Stopped => Outcome::NotConverged {
@@ -318,7 +318,7 @@ impl<T: Float> Descent<T> {
                 Outcome::Taut {
                     iterations,
                     residual,
-                    rung,
+                    strategy,
                 }
             }
         }

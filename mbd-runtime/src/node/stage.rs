@@ -6,7 +6,7 @@ use mbd_scene::{At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel,
 use super::error::NodeError;
 use super::memory::{Mode, NodeMemory};
 use super::scene::{Plan, PlanLine, SceneBalance, triple, vector};
-use super::solver::{Outcome, Rung, Tolerance};
+use super::solver::{Outcome, Strategy, Tolerance};
 use super::stepwise::{History, effective};
 
 /// The node unknowns, effective line numbers and line modes of one stage, with all the room their solve needs.
@@ -45,12 +45,12 @@ pub(crate) struct Stage<'a, T> {
 pub struct Statistics {
     /// Networks solved.
     pub solves: u64,
-    /// Newton steps in all rungs.
+    /// Newton steps in all strategies.
     pub iterations: u64,
     /// The most Newton steps of one solve.
     pub most: usize,
-    /// The highest rung needed.
-    pub rung: Rung,
+    /// The highest strategy needed.
+    pub strategy: Strategy,
     /// Solves that ended with every line slack.
     pub slack: u64,
 }
@@ -434,7 +434,7 @@ impl Statistics {
         self.iterations += outcome.iterations() as u64;
         self.most = self.most.max(outcome.iterations());
         match outcome {
-            Outcome::Taut { rung, .. } => self.rung = self.rung.max(*rung),
+            Outcome::Taut { strategy, .. } => self.strategy = self.strategy.max(*strategy),
             Outcome::Slack { .. } => self.slack += 1,
             Outcome::NotConverged { .. } => {}
         }

@@ -90,7 +90,7 @@ fn find(task: Task, weight: f64) -> Result<Found, FlightError> {
     }
 }
 
-/// The largest of a ladder of steps (ratio 0.9) at which the riser force of case 2 is accurate from 2 s on, and its error.
+/// The largest of a sequence of steps (ratio 0.9) at which the riser force of case 2 is accurate from 2 s on, and its error.
 fn accurate_step(confluence: Confluence, weight: f64) -> Result<(f64, f64), FlightError> {
     let times: Vec<f64> = (0..=136).map(|i| 2.0 + 0.5 * f64::from(i)).collect();
     let plan =

@@ -523,6 +523,7 @@ fn turn<S: Real>(list: &mut [S], axes: &Matrix3<S>) {
 }
 
 /// Tᵀ of the angular rows and T of the angular columns of a block.
+#[allow(clippy::needless_range_loop, reason = "rows and columns of one matrix")]
 fn turn_inertia<S: Real>(inertia: &mut [[S; MOST]; MOST], axes: &Matrix3<S>) {
     for row in inertia.iter_mut() {
         turn(&mut row[3..], axes);

@@ -125,7 +125,7 @@ impl<S: Real> Carriage<S> {
     }
 
     /// A force and couple on the unknowns of the child, at Q.
-    fn from_unknowns(&self, push: &Twist<S>) -> Twist<S> {
+    fn push_in_unknowns(&self, push: &Twist<S>) -> Twist<S> {
         let mut angular = push.angular;
         for (k, lever) in self.lever.iter().flatten().enumerate() {
             angular += lever.map(|x| x * push.linear[k]);
@@ -379,7 +379,7 @@ impl<S: Real> Constraints<S> {
         let carriage = self.carriages[joint].as_ref()?;
         let body = plan.step_of(Part::Joint(joint))?.checked_sub(1)?;
         let push = self.system.push(plan, body);
-        let push = carriage.from_unknowns(&Twist {
+        let push = carriage.push_in_unknowns(&Twist {
             linear: directions.linear(push, 0),
             angular: directions.angular(push, 0),
         });

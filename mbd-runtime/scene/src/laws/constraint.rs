@@ -369,7 +369,7 @@ impl<S: Real> Constraints<S> {
             None => at_reference,
         };
         let spin = match evaluation.scene.angular_velocity {
-            AngularVelocity::Body => reference.to_own(&spin),
+            AngularVelocity::Body => reference.own_components(&spin),
             AngularVelocity::World => reference.outward.apply(&spin),
         };
         Some([at_centre, spin])

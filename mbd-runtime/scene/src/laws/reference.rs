@@ -68,7 +68,7 @@ impl<S: Real> Reference<S> {
     }
 
     /// Own components of an angular acceleration in these.
-    pub fn to_own(&self, spin: &Vector3<S>) -> Vector3<S> {
+    pub fn own_components(&self, spin: &Vector3<S>) -> Vector3<S> {
         match self.turn {
             Turn::None => *spin,
             turn => turn.back(&spin.map(|x| x * self.units[0])),
