@@ -31,8 +31,8 @@ fn case3(node: &PointKind) -> (Generic<f64>, Vec<f64>, Vec<f64>) {
     )
 }
 
-fn begin<'m>(
-    model: &'m Generic<f64>,
+fn begin(
+    model: &Generic<f64>,
     options: Options,
     state: &[f64],
     nodes: &[f64],
