@@ -8,7 +8,7 @@
 //! stiffness J = K u uᵀ + (T/d)(I − u uᵀ) = τ I + (K − τ) u uᵀ,  K = f′(s),  τ = T/d  (f(s)/s if L = 0)            (5)
 //! ```
 //!
-//! f is the elastic force of the line's law, K s where it is linear: [`LineKind`](crate::LineKind).
+//! f is the elastic force of the line's law, K s where it is linear: [`LineKind`].
 //!
 //! The force on the `from` end is +T u, on the `to` end −T u. Row units N, N/m.
 //! Singular case d = 0: only an L = 0 line is taut there; it is linear, J = K I, and u is never needed: d is guarded by [`TINY`] where it
