@@ -15,7 +15,9 @@ use serde::{Deserialize, Serialize};
 
 use super::field::LENGTH;
 use super::motion::write;
-use super::{Axis, Carried, Coordinate, Field, Fields, Joint, Measure, Pose, Relative, Rule, Twist};
+use super::{
+    Axis, Carried, Coordinate, Field, Fields, Joint, Measure, Pose, Relative, Rule, Twist,
+};
 use crate::laws::rows::{Ends, Rows, helix};
 use crate::{Formula, Real};
 

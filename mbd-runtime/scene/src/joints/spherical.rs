@@ -36,7 +36,9 @@ impl Joint for Spherical {
     fn carried<S: Real>(&self, _ends: &Ends<'_, S>, _own: bool) -> Option<Carried<S>> {
         let mut carried = Carried::coincide();
         let axes = [Axis::X, Axis::Y, Axis::Z];
-        carried.free.extend(axes.map(|axis| Twist::spin(axis.vector())));
+        carried
+            .free
+            .extend(axes.map(|axis| Twist::spin(axis.vector())));
         carried.bias = Some(Twist::zero());
         Some(carried)
     }

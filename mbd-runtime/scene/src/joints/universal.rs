@@ -64,13 +64,21 @@ impl Joint for Universal {
             let spin = ends.spin_in_child();
             let w = spin.difference;
             let right = spin.square * first.dot(&second) - first.dot(&w) * second.dot(&w);
-            carried.axes = Some(Matrix3::from_columns(&[normal, second.cross(&normal), second]));
+            carried.axes = Some(Matrix3::from_columns(&[
+                normal,
+                second.cross(&normal),
+                second,
+            ]));
             let [x, y, z] = [Axis::X, Axis::Y, Axis::Z].map(|axis| Twist::spin(axis.vector()));
             carried.free.extend([y, z]);
-            carried.bias = Some(Twist::spin(Axis::X.vector::<S>().map(|x| x * (right * inverse))));
+            carried.bias = Some(Twist::spin(
+                Axis::X.vector::<S>().map(|x| x * (right * inverse)),
+            ));
             carried.hold(x, inverse);
         } else {
-            carried.free.extend([Twist::spin(first), Twist::spin(second)]);
+            carried
+                .free
+                .extend([Twist::spin(first), Twist::spin(second)]);
             carried.hold(Twist::spin(n), S::one() / square);
         }
         Some(carried)
