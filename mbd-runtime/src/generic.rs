@@ -3,17 +3,10 @@
 use std::sync::Arc;
 
 use mbd_scene::laws::{self, LineNumbers, Numbers, Scratch};
-use mbd_scene::{
-    Arguments, At, Differentiated, Dual, Float, Layout, Model, ParamError, Quantity, Scene,
-    Variable, Work, checked_numbers,
-};
+use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Scene, Work, checked_numbers};
 
 use crate::compiled::Scalar;
-
-/// How many variables one pass of dual numbers carries.
-const PASS: usize = 8;
-/// Derivatives are computed in `f64` whatever the scalar of the model: exact enough for both, and compiled once.
-type Slope = Dual<f64, PASS>;
+use crate::slopes::{Effective, Slopes};
 
 /// A scene run by its laws.
 #[derive(Clone, Debug)]
@@ -29,15 +22,6 @@ pub struct Generic<T: Float> {
 struct Scratches<T: Float> {
     scratch: Scratch<T>,
     slopes: Option<Slopes>,
-}
-
-/// What derivatives need.
-#[derive(Debug)]
-struct Slopes {
-    numbers: Numbers<Slope>,
-    scratch: Scratch<Slope>,
-    arguments: Arguments<Slope>,
-    out: Vec<Slope>,
 }
 
 impl<T: Scalar> Generic<T> {
@@ -100,8 +84,11 @@ impl<T: Float> Generic<T> {
         };
         match what {
             Quantity::Partial(of, by) => {
-                let slopes = work.slopes.get_or_insert_with(|| self.slopes());
-                self.partial(of, by, at, slopes, out);
+                let slopes = work
+                    .slopes
+                    .get_or_insert_with(|| Slopes::new(&self.scene, &self.layout, &self.params));
+                let of = (of.quantity(), by);
+                slopes.differentiate((&self.scene, &self.layout), of, Effective::Fixed, at, out);
             }
             _ => laws::evaluate(
                 what,
@@ -113,82 +100,6 @@ impl<T: Float> Generic<T> {
                 out,
             ),
         }
-    }
-
-    fn slopes(&self) -> Slopes {
-        let constants: Vec<Slope> = self.params.iter().map(|&x| constant(x)).collect();
-        Slopes {
-            numbers: Numbers::new(&self.scene, &constants),
-            scratch: Scratch::new(&self.layout),
-            arguments: Arguments::default(),
-            out: Vec::new(),
-        }
-    }
-
-    /// Writes ∂(quantity)/∂(variable), [`PASS`] columns at a time.
-    fn partial(
-        &self,
-        of: Differentiated,
-        by: Variable,
-        at: &At<'_, T>,
-        work: &mut Slopes,
-        out: &mut [T],
-    ) {
-        let columns = self.layout.variables(by);
-        let rows = self.layout.len(of.quantity());
-        if out.len() != rows * columns {
-            return;
-        }
-        work.arguments.read(at, constant);
-        work.out.clear();
-        work.out.resize(rows, Dual::constant(0.0));
-        let mut first = 0;
-        while first < columns {
-            let last = columns.min(first + PASS);
-            let mut seeded = None;
-            match by {
-                Variable::State => seed(&mut work.arguments.state, first..last),
-                Variable::Node => seed(&mut work.arguments.nodes, first..last),
-                Variable::Parameter => {
-                    let mut params = work.numbers.params.clone();
-                    seed(&mut params, first..last);
-                    seeded = Some(Numbers::new(&self.scene, &params));
-                }
-            }
-            let numbers = seeded.as_ref().unwrap_or(&work.numbers);
-            laws::evaluate(
-                of.quantity(),
-                &self.scene,
-                &self.layout,
-                numbers,
-                &work.arguments.at(),
-                &mut work.scratch,
-                &mut work.out,
-            );
-            for (row, value) in work.out.iter().enumerate() {
-                let to = &mut out[row * columns + first..row * columns + last];
-                for (to, slope) in to.iter_mut().zip(value.slopes) {
-                    *to = T::from_f64(slope);
-                }
-            }
-            first = last;
-        }
-    }
-}
-
-/// A number that does not vary.
-fn constant<T: Float>(x: T) -> Slope {
-    Dual::constant(x.to_f64())
-}
-
-/// Makes the numbers in `range` variables 0, 1, …, all others constants.
-fn seed(list: &mut [Slope], range: std::ops::Range<usize>) {
-    for (index, number) in list.iter_mut().enumerate() {
-        *number = if range.contains(&index) {
-            Dual::variable(number.value, index - range.start)
-        } else {
-            Dual::constant(number.value)
-        };
     }
 }
 

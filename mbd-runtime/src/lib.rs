@@ -36,6 +36,7 @@ mod options;
 mod parts;
 mod projection;
 mod simulation;
+mod slopes;
 mod system;
 mod trajectory;
 mod verify;

@@ -147,9 +147,9 @@ pub fn enter<T: Copy, const N: usize>(work: &mut [T], begin: usize, list: &[T; N
     place.map(|place| *place = *list).is_some()
 }
 
-/// What a kernel may read of a working list, and the block that it writes from its own place on; `None` where the list is too short.
+/// What a kernel may read of a working list, and the range that it writes from its own place on; `None` where the list is too short.
 #[inline(always)]
-pub fn blocks<T, const N: usize>(work: &mut [T], begin: usize) -> Option<(&[T], &mut [T; N])> {
+pub fn own_range<T, const N: usize>(work: &mut [T], begin: usize) -> Option<(&[T], &mut [T; N])> {
     let (known, own) = work.split_at_mut_checked(begin)?;
     Some((known, own.first_chunk_mut()?))
 }

@@ -538,13 +538,13 @@ fn rotate<T: Float>(quaternion: &mut [T], turn: &[T], part: T, body_axes: bool) 
     let (a, b, c) = (*a * scale, *b * scale, *c * scale);
     // q ∘ r and r ∘ q differ in the sign of the cross product.
     let sign = if body_axes { T::one() } else { -T::one() };
-    let turned = [
+    let rotated = [
         *w * cosine - *x * a - *y * b - *z * c,
         *w * a + *x * cosine + sign * (*y * c - *z * b),
         *w * b + *y * cosine + sign * (*z * a - *x * c),
         *w * c + *z * cosine + sign * (*x * b - *y * a),
     ];
-    [*w, *x, *y, *z] = turned;
+    [*w, *x, *y, *z] = rotated;
 }
 
 #[cfg(test)]

@@ -513,7 +513,7 @@ impl<T: Float> Rates<T> for System<T> {
         self.fallback.enter();
     }
 
-    fn settle(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
+    fn project_end(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
         self.drift = self.normalise(state);
         self.fallback.margin = f64::NAN;
         self.stay(time, state)?;

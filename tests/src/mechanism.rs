@@ -321,9 +321,9 @@ pub fn hang(scene: &mut Scene, laws: &[JointLaw], random: &mut Random) -> (Joint
     let mass = random.uniform(0.5, 2.0);
     let inertia = inertia(random);
     let body = add_body(scene, mass, &inertia);
-    let carrier = random.below(body + 1).checked_sub(1);
+    let parent = random.below(body + 1).checked_sub(1);
     let places = [
-        random_seat(scene, carrier, random),
+        random_seat(scene, parent, random),
         random_seat(scene, Some(body), random),
     ];
     (laws[random.below(laws.len())].clone(), places)

@@ -29,7 +29,7 @@ pub fn obeying(scene: &Scene, random: &mut Random) -> Vec<f64> {
     let mut bodies: Vec<Option<Instance>> = vec![None; scene.bodies.len()];
     for (joint, own) in scene.joints.iter().zip(&numbers.joints) {
         let parent = match joint.parent {
-            Place::Body(body, _) => bodies[body].expect("a carrier declared before"),
+            Place::Body(body, _) => bodies[body].expect("a parent declared before"),
             _ => Instance::rest(),
         };
         if let Place::Body(child, _) = joint.child {

@@ -65,8 +65,8 @@ impl Change {
     }
 
     fn direction(&self, v: &mut [f64]) {
-        let turned = self.rotation * Vector3::from_column_slice(v);
-        v.copy_from_slice(turned.as_slice());
+        let rotated = self.rotation * Vector3::from_column_slice(v);
+        v.copy_from_slice(rotated.as_slice());
     }
 
     fn place(&self, p: &mut [f64]) {
@@ -153,8 +153,8 @@ impl Change {
             }
         };
         let direction = |v: &mut [f64]| {
-            let turned = turn * Vector3::from_column_slice(v);
-            v.copy_from_slice(turned.as_slice());
+            let rotated = turn * Vector3::from_column_slice(v);
+            v.copy_from_slice(rotated.as_slice());
         };
         for body in &layout.bodies {
             let (q, v) = (body.q, layout.nq + body.v);

@@ -92,9 +92,9 @@ fn pair(
     child.position = parent.position + reach - child.rotation() * second.point;
     let mut scene = empty([0.3, -0.2, -9.81], AngularVelocity::World);
     scene.planar = Some(plane);
-    let carrier = (!to_world).then(|| add_body(&mut scene, 1.7, &inertia(random)));
+    let base = (!to_world).then(|| add_body(&mut scene, 1.7, &inertia(random)));
     let own = add_body(&mut scene, 0.9, &inertia(random));
-    let from = add_frame(&mut scene, carrier, first.declared("one"));
+    let from = add_frame(&mut scene, base, first.declared("one"));
     let to = add_frame(&mut scene, Some(own), second.declared("two"));
     add_joint(&mut scene, law.clone(), from, to);
     add_external_loads(&mut scene);

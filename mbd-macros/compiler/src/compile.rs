@@ -176,7 +176,7 @@ fn judge(size: usize) -> Result<Option<String>, String> {
     Ok((size > MANY).then(slow))
 }
 
-/// Operations as emitted: kernels that pieces share count once.
+/// Operations as emitted: kernels that blocks share count once.
 fn size(equations: &Equations, kernels: &Kernels) -> usize {
     kernels.lengths(equations).iter().sum()
 }

@@ -1,20 +1,20 @@
-//! Kernels of a model: pieces of its programs that do the same operations on the same pattern of numbers share one function.
+//! Kernels of a model: blocks of its programs that do the same operations on the same pattern of numbers share one function.
 //!
-//! A program in pieces works on one list of numbers, in this order: the lists it reads, known numbers among its results, then one block a
-//! piece with what that piece hands on. A kernel hears where its own block begins and where its *windows* begin: each window covers the numbers
-//! it takes from one earlier block, or from one body's part of a list. Calls whose places advance evenly are a loop.
+//! A program in blocks works on one list of numbers, in this order: the lists it reads, known numbers among its results, then one range a
+//! block with what that block hands on. A kernel hears where its own range begins and where its *windows* begin: each window covers the numbers
+//! it takes from one earlier range, or from one body's part of a list. Calls whose places advance evenly are a loop.
 
 use std::collections::BTreeMap;
 
 use mbd_scene::{Layout, PointSlots};
 
-use crate::cycles::{Cycle, Item, cycles};
 use crate::equations::Equations;
 use crate::expression::Slot;
 use crate::lists::{Arguments, Group};
-use crate::outline::{Piece, Shapes, outline};
+use crate::partition::{Block, Shapes, partition};
 use crate::program::{Operand, Program, Register};
 use crate::solution::Solution;
+use crate::strided::{Item, StridedRun, strided_runs};
 use crate::titles::titles;
 
 /// The kernels of all programs of a model.
@@ -28,26 +28,26 @@ pub struct Kernels {
     pub solution: Option<Solution>,
 }
 
-/// One function for all pieces of a shape.
+/// One function for all blocks of a shape.
 pub struct Kernel {
     /// Its name: the thing it works for, and what it does for it.
     pub name: String,
-    /// The first program and piece that has it.
+    /// The first program and block that has it.
     pub first: (usize, usize),
     /// What it takes.
     pub windows: Vec<Window>,
-    /// How many pieces have it.
+    /// How many blocks have it.
     pub users: usize,
-    /// Whether its pieces differ in their known numbers, which are then arguments.
+    /// Whether its blocks differ in their known numbers, which are then arguments.
     pub tabled: bool,
 }
 
-/// Numbers that a piece takes from one place.
+/// Numbers that a block takes from one place.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Window {
     /// From the first number that is taken to the last.
     pub len: usize,
-    /// Place in the window and index into [`Piece::given`] of each.
+    /// Place in the window and index into [`Block::given`] of each.
     pub given: Vec<(usize, usize)>,
 }
 
@@ -56,15 +56,15 @@ pub enum Results {
     /// The place of each.
     All(Vec<usize>),
     /// Of a matrix, those that are not zero in every state: the key is a length; place in the result, place in the working list.
-    Some(Vec<Cycle>),
+    Some(Vec<StridedRun>),
 }
 
 /// How a program calls its kernels.
 pub struct Driver {
-    /// The program that its pieces are of, where that is the one of several quantities.
+    /// The program that its blocks are of, where that is the one of several quantities.
     pub shared: Option<Program>,
-    /// Its pieces, in order.
-    pub pieces: Vec<Piece>,
+    /// Its blocks, in order.
+    pub blocks: Vec<Block>,
     /// The lists it reads and where each begins, in order.
     pub lists: Vec<(Group, usize)>,
     /// Known numbers among its results.
@@ -73,8 +73,8 @@ pub struct Driver {
     pub kept_at: usize,
     /// How many numbers it works on.
     pub work: usize,
-    /// Its calls: the key is the kernel; places of its own block, then of its windows.
-    pub calls: Vec<Cycle>,
+    /// Its calls: the key is the kernel; places of its own range, then of its windows.
+    pub calls: Vec<StridedRun>,
     /// Its results.
     pub results: Results,
 }
@@ -93,31 +93,31 @@ impl Kernels {
             numbers: Vec::new(),
         };
         let solution = Solution::of(equations);
-        let pieces = solution
+        let blocks = solution
             .as_ref()
             .filter(|solution| !solution.is_flat())
-            .map(|solution| solution.outline(equations));
+            .map(|solution| solution.partition(equations));
         let mut shared: Vec<usize> = Vec::new();
         let mut drivers: Vec<Option<Driver>> = Vec::with_capacity(programs.len());
         for (index, program) in programs.iter().enumerate() {
             let member = solution
                 .as_ref()
                 .and_then(|s| Some((s, s.member(index)?.1)));
-            drivers.push(match (member, &pieces) {
-                (Some((solution, member)), Some(pieces)) => {
-                    let needed = |piece: &&Piece| piece.instructions.last() < Some(&member.end);
-                    let pieces = pieces.iter().take_while(needed).cloned().collect();
+            drivers.push(match (member, &blocks) {
+                (Some((solution, member)), Some(blocks)) => {
+                    let needed = |block: &&Block| block.instructions.last() < Some(&member.end);
+                    let blocks = blocks.iter().take_while(needed).cloned().collect();
                     let whole = solution.view(member);
                     let lists = Arguments::of(program, layout).0;
-                    let mut driver = sharing.driver(index, &whole, pieces, &mut shared);
+                    let mut driver = sharing.driver(index, &whole, blocks, &mut shared);
                     // What a member does not read no result of its own depends on.
                     driver.lists.retain(|(group, _)| lists.contains(group));
                     driver.shared = Some(whole);
                     Some(driver)
                 }
                 (Some(_), None) => None,
-                (None, _) => outline(program)
-                    .map(|pieces| sharing.driver(index, program, pieces, &mut Vec::new())),
+                (None, _) => partition(program)
+                    .map(|blocks| sharing.driver(index, program, blocks, &mut Vec::new())),
             });
         }
         let mut kernels = sharing.kernels;
@@ -143,12 +143,12 @@ impl Kernels {
             .filter(|&(index, _)| solution.and_then(|s| s.member(index)).is_none())
             .map(|(_, (program, _))| program.instructions.len())
             .chain(solution.map(|solution| solution.program.instructions.len()));
-        let pieces = self.kernels.iter().filter_map(|kernel| {
-            let (program, piece) = kernel.first;
+        let blocks = self.kernels.iter().filter_map(|kernel| {
+            let (program, block) = kernel.first;
             let driver = self.drivers.get(program)?.as_ref()?;
-            Some(driver.pieces.get(piece)?.instructions.len())
+            Some(driver.blocks.get(block)?.instructions.len())
         });
-        whole.chain(pieces).collect()
+        whole.chain(blocks).collect()
     }
 
     /// The length of the longest working list.
@@ -165,17 +165,17 @@ struct Sharing<'a> {
     owners: Vec<usize>,
     shapes: Shapes,
     kernels: Vec<Kernel>,
-    /// Per kernel, the known numbers of its first piece.
+    /// Per kernel, the known numbers of its first block.
     numbers: Vec<Vec<Operand>>,
 }
 
 impl Sharing<'_> {
-    /// The driver of a program in `pieces`; the first of these have the kernels `shared`, which those of the others join.
+    /// The driver of a program in `blocks`; the first of these have the kernels `shared`, which those of the others join.
     fn driver(
         &mut self,
         index: usize,
         program: &Program,
-        pieces: Vec<Piece>,
+        blocks: Vec<Block>,
         shared: &mut Vec<usize>,
     ) -> Driver {
         let layout = &self.equations.layout;
@@ -189,7 +189,7 @@ impl Sharing<'_> {
         }
         let kept_at = work;
         let first = program.constants.len() + program.slots.len();
-        // Where each register is kept, and whose block that is.
+        // Where each register is kept, and whose range that is.
         let mut places: Vec<Option<(Owner, usize)>> = vec![None; program.registers()];
         for (&slot, place) in program
             .slots
@@ -210,42 +210,42 @@ impl Sharing<'_> {
             }
         }
         let mut calls: Vec<(usize, Vec<usize>)> = Vec::new();
-        for (number, piece) in pieces.iter().enumerate() {
-            let (begins, windows) = windows(piece, &places);
+        for (number, block) in blocks.iter().enumerate() {
+            let (begins, windows) = windows(block, &places);
             let at = std::iter::once(work).chain(begins).collect();
-            for &result in &piece.results {
-                let register = first + piece.instructions[result];
-                places[register] = Some((Owner::Piece(number), work));
+            for &result in &block.results {
+                let register = first + block.instructions[result];
+                places[register] = Some((Owner::Block(number), work));
                 work += 1;
             }
             if number == shared.len() {
-                shared.push(self.kernel(program, (index, number), piece, windows));
+                shared.push(self.kernel(program, (index, number), block, windows));
             }
             calls.push((shared[number], at));
         }
         Driver {
             shared: None,
-            pieces,
+            blocks,
             lists,
             kept,
             kept_at,
             work,
-            calls: cycles(&calls),
+            calls: strided_runs(&calls),
             results: results(program, &places),
         }
     }
 
-    /// The kernel of a piece: a known one if there is one.
+    /// The kernel of a block: a known one if there is one.
     fn kernel(
         &mut self,
         program: &Program,
         place: (usize, usize),
-        piece: &Piece,
+        block: &Block,
         windows: Vec<Window>,
     ) -> usize {
-        let constants = piece.constants.iter();
+        let constants = block.constants.iter();
         let numbers: Vec<Operand> = constants.map(|&c| program.operand(c)).collect();
-        // Windows by their number and lengths, then the piece: each says where it ends.
+        // Windows by their number and lengths, then the block: each says where it ends.
         let mut shape = vec![windows.len() as u32];
         for window in &windows {
             shape.push(window.len as u32);
@@ -255,7 +255,7 @@ impl Sharing<'_> {
                 shape.push(given as u32);
             }
         }
-        shape.extend_from_slice(&piece.shape);
+        shape.extend_from_slice(&block.shape);
         let (known, new) = self.shapes.of(&shape);
         if new {
             self.kernels.push(Kernel {
@@ -306,18 +306,18 @@ fn owner(layout: &Layout, index: usize) -> usize {
     begins.filter(|&begin| begin <= index).count()
 }
 
-/// Whose block a number is in.
+/// Whose range a number is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Owner {
     Item(Group, usize),
     Known,
-    Piece(usize),
+    Block(usize),
 }
 
-/// Where the windows of a piece begin, and what they are.
-fn windows(piece: &Piece, places: &[Option<(Owner, usize)>]) -> (Vec<usize>, Vec<Window>) {
+/// Where the windows of a block begin, and what they are.
+fn windows(block: &Block, places: &[Option<(Owner, usize)>]) -> (Vec<usize>, Vec<Window>) {
     let mut taken: Vec<(Owner, Vec<(usize, usize)>)> = Vec::new();
-    for (given, register) in piece.given.iter().enumerate() {
+    for (given, register) in block.given.iter().enumerate() {
         let Some((owner, place)) = places[register.index()] else {
             continue;
         };
@@ -355,25 +355,24 @@ fn results(program: &Program, places: &[Option<(Owner, usize)>]) -> Results {
             _ => stretches.push((1, vec![to, from])),
         }
     }
-    Results::Some(cycles(&stretches))
+    Results::Some(strided_runs(&stretches))
 }
 
 impl Driver {
-    /// The program that its pieces are of, given the one that it is for.
+    /// The program that its blocks are of, given the one that it is for.
     #[must_use]
     pub fn program<'a>(&'a self, own: &'a Program) -> &'a Program {
         self.shared.as_ref().unwrap_or(own)
     }
 
-    /// The piece that a call of a round is for.
+    /// The block that a call of a round is for.
     #[must_use]
-    pub fn piece(&self, cycle: &Cycle, round: usize, item: usize) -> Option<&Piece> {
-        self.pieces
-            .get(cycle.start + round * cycle.items.len() + item)
+    pub fn block(&self, run: &StridedRun, round: usize, item: usize) -> Option<&Block> {
+        self.blocks.get(run.start + round * run.items.len() + item)
     }
 
     /// Every item of its calls.
     pub fn items(&self) -> impl Iterator<Item = &Item> {
-        self.calls.iter().flat_map(|cycle| &cycle.items)
+        self.calls.iter().flat_map(|run| &run.items)
     }
 }

@@ -2,7 +2,6 @@
 
 mod check;
 mod compile;
-mod cycles;
 mod describe;
 mod differentiate;
 mod emit;
@@ -17,12 +16,13 @@ mod messages;
 mod names;
 mod number;
 mod operation;
-mod outline;
+mod partition;
 mod program;
 mod reading;
 mod resolve;
 mod simplify;
 mod solution;
+mod strided;
 mod syntax;
 mod titles;
 #[cfg(feature = "toml")]
@@ -32,7 +32,6 @@ mod units;
 #[cfg(feature = "pretty")]
 pub use compile::expand;
 pub use compile::{compile, emit, immovable};
-pub use cycles::{Cycle, Item};
 pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Label, Mask, Node, Slot, Term, recorded, session};
@@ -43,10 +42,11 @@ pub use messages::similar::nearest;
 pub use messages::{Location, Message, Place};
 pub use number::read_number;
 pub use operation::{Binary, Comparison, Op, Unary};
-pub use outline::{Local, Piece, outline};
+pub use partition::{Block, Local, partition};
 pub use program::{Instruction, Operand, Program, Register};
 pub use reading::{Options, Reading, Spans, read_text, read_tokens};
 pub use resolve::Named;
 pub use solution::{Member, Solution};
+pub use strided::{Item, StridedRun};
 #[cfg(feature = "toml")]
 pub use toml::{read_toml, write_toml};

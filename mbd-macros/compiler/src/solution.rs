@@ -3,7 +3,7 @@
 use mbd_scene::Quantity;
 
 use crate::equations::Equations;
-use crate::outline::{FLAT, Piece, outline, outline_after};
+use crate::partition::{Block, FLAT, partition, partition_after};
 use crate::program::Program;
 
 /// Several quantities of a model as one program.
@@ -39,7 +39,7 @@ impl Solution {
             Quantity::Reactions,
         ];
         let all = Self::of_quantities(equations, &[derivative, multipliers, reactions])?;
-        if all.is_flat() || equations.program(derivative).and_then(outline).is_some() {
+        if all.is_flat() || equations.program(derivative).and_then(partition).is_some() {
             return Some(all);
         }
         Self::of_quantities(equations, &[multipliers, reactions])
@@ -78,14 +78,14 @@ impl Solution {
         self.program.instructions.len() <= FLAT
     }
 
-    /// Its pieces: those of its first member, the derivative if it is one, as that is cut alone, then those of the others.
+    /// Its blocks: those of its first member, the derivative if it is one, as that is cut alone, then those of the others.
     #[must_use]
-    pub fn outline(&self, equations: &Equations) -> Vec<Piece> {
+    pub fn partition(&self, equations: &Equations) -> Vec<Block> {
         let first = self.members.first().map(|member| member.what);
-        let first = first.and_then(|what| outline(equations.program(what)?));
+        let first = first.and_then(|what| partition(equations.program(what)?));
         let cut = usize::from(first.is_some());
         let ends: Vec<usize> = self.members.iter().map(|member| member.end).collect();
-        outline_after(&self.program, &first.unwrap_or_default(), &ends[cut..])
+        partition_after(&self.program, &first.unwrap_or_default(), &ends[cut..])
     }
 
     /// The member with this number in [`Equations::every_program`], and its place among the members.

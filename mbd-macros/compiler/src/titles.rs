@@ -36,8 +36,8 @@ pub fn titles(
         })
         .collect();
     let title = |kernel: &Kernel| {
-        let (program, piece) = kernel.first;
-        let phase = phases.get(program).and_then(|phases| phases.get(piece));
+        let (program, block) = kernel.first;
+        let phase = phases.get(program).and_then(|phases| phases.get(block));
         unique.name(phase.map_or("kernel", String::as_str))
     };
     kernels.iter().map(title).collect()
@@ -126,16 +126,16 @@ fn phase(equations: &Equations, program: &Program, section: &str, visit: [usize;
     }
 }
 
-/// What each piece of a program does.
+/// What each block of a program does.
 fn phases(
     equations: &Equations,
     program: &Program,
     driver: &Driver,
     function: &str,
 ) -> Vec<String> {
-    let pieces = driver.pieces.iter();
-    let things: Vec<usize> = pieces
-        .map(|piece| busiest(program, &piece.instructions))
+    let blocks = driver.blocks.iter();
+    let things: Vec<usize> = blocks
+        .map(|block| busiest(program, &block.instructions))
         .collect();
     let name = |(&thing, visit): (&usize, [usize; 2])| {
         let section = program.sections.get(thing).map_or("", String::as_str);
@@ -204,7 +204,7 @@ fn busiest(program: &Program, instructions: &[usize]) -> usize {
     found.map_or(0, |&(section, _)| section)
 }
 
-/// For each piece, given the thing it works for, how many earlier visits to that thing there are, and how many in all. Pieces on one thing that
+/// For each block, given the thing it works for, how many earlier visits to that thing there are, and how many in all. Blocks on one thing that
 /// follow one another are one visit.
 fn visits(things: &[usize]) -> Vec<[usize; 2]> {
     let mut counts = vec![0; things.iter().max().map_or(0, |most| most + 1)];

@@ -5,7 +5,7 @@ mod scenes;
 use std::collections::HashSet;
 
 use mbd_compiler::{
-    Equations, Kernels, Op, Operand, Program, Registers, Solution, outline, read_text,
+    Equations, Kernels, Op, Operand, Program, Registers, Solution, partition, read_text,
 };
 use mbd_scene::{AngularVelocity, At, Gravity, Layout, Place, Quantity, Scene};
 use scenes::{body, frame, line, numbers};
@@ -61,10 +61,10 @@ fn programs() -> Vec<Program> {
 }
 
 #[test]
-fn pieces_do_the_same_operations_in_the_same_order() {
+fn blocks_do_the_same_operations_in_the_same_order() {
     let mut cuts = 0;
     for program in programs() {
-        let Some(pieces) = outline(&program) else {
+        let Some(blocks) = partition(&program) else {
             assert!(program.instructions.len() <= 1000);
             continue;
         };
@@ -72,16 +72,16 @@ fn pieces_do_the_same_operations_in_the_same_order() {
         let is_mask = |index: usize| matches!(program.instructions[index].op, Op::Compare(..));
         let mut next = 0;
         let mut known: HashSet<usize> = HashSet::new();
-        for piece in &pieces {
+        for block in &blocks {
             let mut inside = HashSet::new();
-            for &index in &piece.instructions {
+            for &index in &block.instructions {
                 for argument in program.instructions[index].op.arguments() {
                     let local = match program.operand(argument) {
-                        Operand::Constant(_) => piece.constants.contains(&argument),
-                        Operand::Slot(_) => piece.given.contains(&argument),
+                        Operand::Constant(_) => block.constants.contains(&argument),
+                        Operand::Slot(_) => block.given.contains(&argument),
                         Operand::Value(value) => {
                             inside.contains(&value)
-                                || (piece.given.contains(&argument) && known.contains(&value))
+                                || (block.given.contains(&argument) && known.contains(&value))
                         }
                     };
                     assert!(local, "{:?}: an argument comes from nowhere", program.what);
@@ -94,8 +94,8 @@ fn pieces_do_the_same_operations_in_the_same_order() {
                     assert!(is_mask(index) && index < next, "{:?}", program.what);
                 }
             }
-            assert!(piece.instructions.len() <= 1000);
-            known.extend(piece.results.iter().map(|&at| piece.instructions[at]));
+            assert!(block.instructions.len() <= 1000);
+            known.extend(block.results.iter().map(|&at| block.instructions[at]));
         }
         assert_eq!(next, program.instructions.len());
         for &(_, register) in &program.outputs {
@@ -123,9 +123,9 @@ fn equal_bodies_share_their_kernels_and_their_calls_are_loops() {
             .kernels
             .iter()
             .map(|kernel| {
-                let (program, piece) = kernel.first;
+                let (program, block) = kernel.first;
                 let driver = kernels.drivers[program].as_ref().expect("cut");
-                driver.pieces[piece].instructions.len()
+                driver.blocks[block].instructions.len()
             })
             .sum();
         let drivers = kernels.drivers.iter().flatten();
@@ -146,10 +146,10 @@ fn no_place_of_a_call_is_outside_the_working_list() {
         let kernels = Kernels::of(&equations);
         for driver in kernels.drivers.iter().flatten() {
             let mut begin =
-                driver.work - driver.pieces.iter().map(|p| p.results.len()).sum::<usize>();
-            for cycle in &driver.calls {
-                for round in 0..cycle.rounds {
-                    for (index, item) in cycle.items.iter().enumerate() {
+                driver.work - driver.blocks.iter().map(|p| p.results.len()).sum::<usize>();
+            for run in &driver.calls {
+                for round in 0..run.rounds {
+                    for (index, item) in run.items.iter().enumerate() {
                         let place = |at: usize| {
                             let rounds = isize::try_from(round).expect("few");
                             item.at[at]
@@ -164,8 +164,8 @@ fn no_place_of_a_call_is_outside_the_working_list() {
                             );
                         }
                         begin += driver
-                            .piece(cycle, round, index)
-                            .expect("a piece")
+                            .block(run, round, index)
+                            .expect("a block")
                             .results
                             .len();
                     }

@@ -342,7 +342,7 @@ impl Elimination {
 
     /// The child that a joint carries out of the system, and how; `None` where it carries none.
     #[must_use]
-    pub fn carried_by(&self, joint: usize) -> Option<(usize, Carrying)> {
+    pub fn child_of(&self, joint: usize) -> Option<(usize, Carrying)> {
         let own = |parent: &Option<usize>| *parent == Some(joint);
         let body = self.parent_joints.iter().position(own)?;
         Some((body, self.carrying(body)?.1))

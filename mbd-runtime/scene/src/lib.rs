@@ -12,6 +12,7 @@ mod cost;
 mod dual;
 mod elimination;
 mod few;
+mod fingerprint;
 mod formula;
 mod jet;
 pub mod joints;
@@ -30,6 +31,7 @@ mod scene;
 pub use cost::Cost;
 pub use dual::Dual;
 pub use elimination::{Below, Carrying, Elimination, Order, Part, Step};
+pub use fingerprint::fingerprint;
 pub use formula::{Formula, Function, Place};
 pub use jet::Jet;
 pub use joints::{

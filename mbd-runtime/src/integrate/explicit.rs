@@ -87,7 +87,7 @@ impl<T: Float> Explicit<T> {
             combine(state, h, row.iter().copied(), done, &mut self.trial);
             let span = c * step;
             if i == last {
-                system.settle(time + span, &mut self.trial)?;
+                system.project_end(time + span, &mut self.trial)?;
                 self.next.copy_from_slice(&self.trial);
             }
             let (stage, _) = rest.split_at_mut(self.length);
@@ -206,7 +206,7 @@ mod tests {
             Ok(())
         }
 
-        fn settle(&mut self, _: f64, _: &mut [f64]) -> Result<(), StepError> {
+        fn project_end(&mut self, _: f64, _: &mut [f64]) -> Result<(), StepError> {
             Ok(())
         }
     }

@@ -25,5 +25,5 @@ pub(crate) trait Rates<T> {
     fn enter(&mut self) {}
 
     /// Puts a new state back on its manifold: unit quaternions, joints that hold.
-    fn settle(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError>;
+    fn project_end(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError>;
 }

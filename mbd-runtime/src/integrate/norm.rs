@@ -269,15 +269,15 @@ mod tests {
     fn the_error_does_not_depend_on_where_the_axes_point() {
         // x → y → z → x.
         let turn = |v: &[f64; 13]| {
-            let mut turned = *v;
+            let mut rotated = *v;
             for at in [0, 7] {
-                (turned[at], turned[at + 1], turned[at + 2]) = (v[at + 2], v[at], v[at + 1]);
+                (rotated[at], rotated[at + 1], rotated[at + 2]) = (v[at + 2], v[at], v[at + 1]);
             }
             // (½, ½, ½, ½) ∘ q turns the body with the axes; body components stay.
             let [w, x, y, z] = [v[3], v[4], v[5], v[6]].map(|x| 0.5 * x);
-            (turned[3], turned[4]) = (w - x - y - z, w + x + z - y);
-            (turned[5], turned[6]) = (w + y + x - z, w + z + y - x);
-            turned
+            (rotated[3], rotated[4]) = (w - x - y - z, w + x + z - y);
+            (rotated[5], rotated[6]) = (w + y + x - z, w + z + y - x);
+            rotated
         };
         let (state, error) = (turn(&STATE), turn(&ERROR));
         let (here, there) = (

@@ -10,7 +10,6 @@
 //! (slack rule of `static` and `stepwise`: ∂p/∂p_i = 1/n; rules 3 and 4 of `rate`). Modes, the memory of stepwise nodes and the weights of rule 4 stay
 //! fixed; at a switch these are the derivatives on one side.
 
-mod duals;
 mod networks;
 
 use std::fmt;
@@ -20,6 +19,7 @@ use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Wo
 use networks::Elimination;
 
 use crate::compiled::Scalar;
+use crate::slopes::{Effective, Slopes};
 
 /// A matrix, dense, row by row.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -283,8 +283,12 @@ impl<T: Float> Linearisation<T> {
             .evaluate(model, Variable::State, at, work);
         self.by_node.evaluate(model, Variable::Node, at, work);
         if self.layout.effective_lines > 0 {
+            // A model's own derivatives hold K_e and L_e.
+            let scene = (model.scene(), model.layout());
+            let mut slopes = Slopes::new(scene.0, scene.1, model.params());
             for (of, matrix) in self.parameters.partials.each() {
-                duals::by_parameter(model, of.quantity(), at, &mut matrix.values);
+                let of = (of.quantity(), Variable::Parameter);
+                slopes.differentiate(scene, of, Effective::Follows, at, &mut matrix.values);
             }
         } else {
             let partials = &mut self.parameters.partials;

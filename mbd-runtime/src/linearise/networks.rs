@@ -11,8 +11,9 @@ use mbd_scene::laws::line;
 use mbd_scene::{At, Float, LineEnd, Model, Network, NodeModel, Quantity, Variable};
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Matrix, duals};
+use super::Matrix;
 use crate::node::eigen;
+use crate::slopes::{Effective, Slopes};
 
 /// λ_min over λ_max below which a direction of D is missing, as in the rate node.
 const RANK: f64 = 1e-6;
@@ -98,7 +99,10 @@ impl<'a, T: Float> Elimination<'a, T> {
         let ends = deficient.then(|| {
             let rows = model.layout().len(Quantity::Ends);
             let mut ends = Matrix::new(rows, out.columns());
-            duals::by(model, Quantity::Ends, by, at, &mut ends.values);
+            let scene = (model.scene(), model.layout());
+            let mut slopes = Slopes::new(scene.0, scene.1, model.params());
+            let of = (Quantity::Ends, by);
+            slopes.differentiate(scene, of, Effective::Fixed, at, &mut ends.values);
             ends
         });
         let free = match (&self.rate, &ends) {
@@ -313,9 +317,9 @@ impl<T: Float> FreeMotion<T> {
             leg.weight /= total;
             carried += triple(at.ends, 6 * leg.anchor + 3).map(|x| leg.weight * x);
         }
-        let turned = rate.inverse(&(velocity - carried));
+        let rotated = rate.inverse(&(velocity - carried));
         for leg in &mut legs {
-            leg.turning *= leg.direction.dot(&turned);
+            leg.turning *= leg.direction.dot(&rotated);
         }
         Some(FreeMotion {
             legs,

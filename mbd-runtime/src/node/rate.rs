@@ -276,7 +276,7 @@ impl<T: Float> RateNode<T> {
                 return true;
             }
         }
-        let settled = self.settle();
+        let settled = self.project_end();
         self.solve_frozen();
         let tolerated = self.scale() * T::from_f64(1e2 * DASHPOT).max(T::EPSILON.sqrt());
         settled && !self.legs.iter().any(|leg| leg.wants_change(tolerated))
@@ -284,7 +284,7 @@ impl<T: Float> RateNode<T> {
 
     /// The active set of the rate problem with a vanishing dashpot, Φ(w) + (ε/2)|w − v̄|²: strictly convex, so Newton with slope search finds
     /// its one minimum, and the lines that pull there are those of the limit ε → 0. Only the set is taken, never its forces.
-    fn settle(&mut self) -> bool {
+    fn project_end(&mut self) -> bool {
         let zero = T::zero();
         let mut largest = zero;
         for leg in &self.legs {

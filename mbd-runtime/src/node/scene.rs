@@ -25,7 +25,7 @@ pub(crate) struct Plan<T: Float> {
     pub nodes: Vec<usize>,
     pub lines: Vec<PlanLine>,
     /// Per node the anchors that carry it along: its own, or all of the network if it has none.
-    pub carriers: Vec<Vec<usize>>,
+    pub own_anchors: Vec<Vec<usize>>,
     /// Offsets of the node positions in z (`rate`).
     pub z: Option<usize>,
     pub solver: Solver<T>,
@@ -84,7 +84,7 @@ impl<T: Float> Plan<T> {
             index,
             model: network.model,
             nodes: network.nodes.clone(),
-            carriers: network.nodes.iter().map(own).collect(),
+            own_anchors: network.nodes.iter().map(own).collect(),
             z: network
                 .nodes
                 .first()

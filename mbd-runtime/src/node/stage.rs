@@ -322,15 +322,15 @@ impl<T: Float> Nodes<T> {
 
     /// The start of a solve: the accepted node, carried with the mean displacement of its anchors.
     fn carry(&self, plan: &mut Plan<T>, memory: &NodeMemory<T>) {
-        for ((&node, carriers), p) in plan
+        for ((&node, own_anchors), p) in plan
             .nodes
             .iter()
-            .zip(&plan.carriers)
+            .zip(&plan.own_anchors)
             .zip(plan.p.chunks_exact_mut(3))
         {
             let mut moved = triple(&memory.nodes, 3 * node);
-            let share = T::one() / T::from_f64(carriers.len().max(1) as f64);
-            for &anchor in carriers {
+            let share = T::one() / T::from_f64(own_anchors.len().max(1) as f64);
+            for &anchor in own_anchors {
                 let step = triple(&self.ends, 6 * anchor) - triple(&memory.anchors, 3 * anchor);
                 moved += step.map(|x| share * x);
             }

@@ -168,9 +168,9 @@ impl<T: Float> Nodes<T> {
 
     /// Each node at the mean of its anchors, weighted by the stiffness of their lines.
     fn to_mean(&self, plan: &mut Plan<T>) {
-        for (local, carriers) in plan.carriers.iter().enumerate() {
+        for (local, own_anchors) in plan.own_anchors.iter().enumerate() {
             let (mut sum, mut total) = (triple(&[], 0), T::zero());
-            for &anchor in carriers {
+            for &anchor in own_anchors {
                 let line = self.layout.anchors.get(anchor).map(|anchor| anchor.line);
                 let place = plan.lines.iter().position(|own| Some(own.line) == line);
                 let weight = place.and_then(|place| plan.k.get(place)).copied();

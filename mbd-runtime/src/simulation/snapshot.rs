@@ -1,6 +1,6 @@
 //! Everything a run needs to go on exactly as it would have.
 
-use mbd_scene::Float;
+use mbd_scene::{Float, fingerprint};
 use serde::{Deserialize, Serialize};
 
 use super::{Pace, Simulation};
@@ -82,11 +82,8 @@ impl<T: Float> Simulation<T> {
         let joints = scene.joints.iter().map(|joint| joint.name.clone());
         let lines = scene.lines.iter().map(|line| line.name.clone());
         let words = names.chain(joints).chain(lines);
-        // FNV-1a, 64 bits; 255 ends a word.
-        let bytes = words.flat_map(|word| word.into_bytes().into_iter().chain([255]));
-        bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        })
+        // No text contains the byte that ends a word.
+        fingerprint(words.flat_map(|word| word.into_bytes().into_iter().chain([255])))
     }
 
     /// What [`Simulation::restore`] does.

@@ -149,9 +149,9 @@ fn transform(values: &mut [[f64; 2]]) {
         for block in values.chunks_exact_mut(2 * half) {
             let (low, high) = block.split_at_mut(half);
             for ((a, b), [c, s]) in low.iter_mut().zip(high).zip(&turns) {
-                let turned = [b[0] * c - b[1] * s, b[0] * s + b[1] * c];
-                *b = [a[0] - turned[0], a[1] - turned[1]];
-                *a = [a[0] + turned[0], a[1] + turned[1]];
+                let rotated = [b[0] * c - b[1] * s, b[0] * s + b[1] * c];
+                *b = [a[0] - rotated[0], a[1] - rotated[1]];
+                *a = [a[0] + rotated[0], a[1] + rotated[1]];
             }
         }
         half *= 2;

@@ -139,14 +139,14 @@ impl Svg {
         }
     }
 
-    /// A line of text; `turned` reads upwards.
+    /// A line of text; `rotated` reads upwards.
     pub fn text(
         &mut self,
         class: &str,
         at: [f64; 2],
         size: f64,
         anchor: Anchor,
-        turned: bool,
+        rotated: bool,
         words: &str,
     ) {
         let [x, y] = at.map(pixel);
@@ -155,7 +155,7 @@ impl Svg {
             Anchor::Middle => " text-anchor=\"middle\"",
             Anchor::End => " text-anchor=\"end\"",
         };
-        let place = if turned {
+        let place = if rotated {
             format!("transform=\"translate({x} {y}) rotate(-90)\"")
         } else {
             format!("x=\"{x}\" y=\"{y}\"")

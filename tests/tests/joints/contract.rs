@@ -193,13 +193,13 @@ fn rows_agree_with_jets_along_motions_that_violate_the_joint() {
             }
             let (body, axis) = (speed / 6, speed % 3);
             let unit = Vector3::from_fn(|i, _| f64::from(u8::from(i == axis)));
-            let turned = match pair.scene.angular_velocity {
+            let rotated = match pair.scene.angular_velocity {
                 AngularVelocity::World => unit,
                 AngularVelocity::Body => moving[body].rotation() * unit,
             };
             match speed % 6 {
                 0..3 => moving[body].velocity = unit,
-                _ => moving[body].omega = turned,
+                _ => moving[body].omega = rotated,
             }
             let jet = evaluate(
                 &pair.scene,
@@ -259,9 +259,9 @@ fn velocity_and_acceleration_of_a_joint_are_the_derivatives_of_its_pose() {
             );
             let r: Matrix3<f64> = pose.rotation.map(|x| x.0[0]);
             let spun = omega.cross_matrix() * r;
-            let turned = pose.rotation.map(|x| x.0[1]);
+            let rotated = pose.rotation.map(|x| x.0[1]);
             assert_close(
-                turned.as_slice(),
+                rotated.as_slice(),
                 spun.as_slice(),
                 1e-14,
                 1e-14,

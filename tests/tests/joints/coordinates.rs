@@ -137,7 +137,7 @@ fn rates_and_rows_are_the_derivatives_of_coordinates_along_motions_that_violate_
 
 /// An end in its own components.
 pub fn end(body: &Instance, seat: &Seat, components: AngularVelocity) -> End<f64> {
-    let turned = |v: Vector3<f64>| match components {
+    let rotated = |v: Vector3<f64>| match components {
         AngularVelocity::Body => v,
         AngularVelocity::World => body.rotation() * v,
     };
@@ -151,7 +151,7 @@ pub fn end(body: &Instance, seat: &Seat, components: AngularVelocity) -> End<f64
         velocity: body.velocity,
         omega: body.in_components(body.omega, components),
         outward,
-        ..End::fixed(turned(seat.point), frame)
+        ..End::fixed(rotated(seat.point), frame)
     }
 }
 
@@ -165,10 +165,10 @@ fn an_angle_jumps_at_half_a_turn_and_a_thread_counts_turns() {
             .expect("in the list");
         let seats = [Seat::random(&mut random), Seat::random(&mut random)];
         let scene = pair(&law, seats, AngularVelocity::Body);
-        let mut turned = Coordinates::random(&law, numbers, &mut random);
-        turned.q[0] = 4.0;
+        let mut rotated = Coordinates::random(&law, numbers, &mut random);
+        rotated.q[0] = 4.0;
         let parent = Instance::random(&mut random);
-        let child = carried(&law, seats, &parent, &turned);
+        let child = carried(&law, seats, &parent, &rotated);
         let state = state(&scene, &[parent, child], &[]);
         let measured = evaluate(&scene, Quantity::Outputs, &state, &[], &[]);
         assert_close(&measured[..1], &[wanted], 1e-13, 0.0, keyword);

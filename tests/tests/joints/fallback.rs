@@ -126,14 +126,14 @@ fn speeds_of_two_branches_at_once_are_no_motion_and_are_refused() {
 
 /// A four-bar whose third hinge is tilted out of the plane by a parameter.
 fn tilted(default: f64) -> Scene {
-    let bar = |name: &str, x: f64, z: f64, turned: &str| {
+    let bar = |name: &str, x: f64, z: f64, rotated: &str| {
         format!(
             "body {name} {{ mass: 1 kg, inertia: diag(0.05, 0.06, 0.07) kg*m^2,
-               frame one at [{}, 0, {}] m, frame two at [{x}, 0, {z}] m {turned} }}",
+               frame one at [{}, 0, {}] m, frame two at [{x}, 0, {z}] m {rotated} }}",
             -x, -z
         )
     };
-    let turned = "rotated rpy(tilt, 0, 0)";
+    let rotated = "rotated rpy(tilt, 0, 0)";
     read(&format!(
         "model Tilted {{ gravity: [0.5, 0.0, -9.81] m/s^2;
            param tilt = {default} rad in -1 rad ..= 1 rad;
@@ -144,8 +144,8 @@ fn tilted(default: f64) -> Scene {
            joint c: hinge from bar.two to rocker.two {{ axis: y }}
            joint close: hinge from world.far to rocker.one {{ axis: y }} }}",
         bar("crank", 0.0, 0.5, ""),
-        bar("bar", 1.0, 0.0, turned),
-        bar("rocker", 0.0, 0.5, turned),
+        bar("bar", 1.0, 0.0, rotated),
+        bar("rocker", 0.0, 0.5, rotated),
     ))
 }
 

@@ -1,5 +1,5 @@
 //! Masses that differ by many decades: accelerations of chains of six links and of six sliders against an answer of thirty digits, in many
-//! postures.
+//! configurations.
 
 use mbd_runtime::{Generic, Options, Scalar, Simulation, StepError};
 use mbd_scene::joints::{Along, Axis, Hinge, JointLaw, Prismatic};
@@ -13,7 +13,7 @@ use tests::random::Random;
 type Pattern = fn(usize, f64) -> f64;
 
 const LINKS: usize = 6;
-const POSTURES: usize = 20;
+const CONFIGURATIONS: usize = 20;
 const G: f64 = 9.81;
 
 /// Accelerations (x, y, α) of every link from the equations in angles: M_ij = Σ m b_i b_j cos(θ_i − θ_j) + I δ_ij.
@@ -69,7 +69,7 @@ fn exact(masses: &[f64], inertias: &[f64], quaternions: &[[f64; 2]], rates: &[f6
         .collect()
 }
 
-/// A chain of links in a posture: the scene, its state, and the accelerations (x, y, α) of every link.
+/// A chain of links in a configuration: the scene, its state, and the accelerations (x, y, α) of every link.
 fn chain(masses: &[f64], random: &mut Random) -> (Scene, Vec<f64>, Vec<f64>) {
     let inertias: Vec<f64> = masses.iter().map(|mass| mass / 12.0).collect();
     chain_of(masses, &inertias, random)
@@ -224,7 +224,7 @@ fn accelerations_keep_their_digits_whatever_the_masses() {
             let masses: Vec<f64> = (0..LINKS).map(|k| mass(k, ratio)).collect();
             let (mut random, mut most) = (Random::new(7), [0.0f64; 2]);
             let (mut strategies, mut digits) = ([0; 5], 0);
-            for _ in 0..POSTURES {
+            for _ in 0..CONFIGURATIONS {
                 let (scene, x, want) = chain(&masses, &mut random);
                 let emitted = evaluate(&scene, mbd_scene::Quantity::Derivative, &x, &[], &[]);
                 let (rates, [strategy, lost]) =
@@ -257,7 +257,7 @@ fn accelerations_keep_their_digits_whatever_the_inertias_of_equal_masses() {
             let inertias: Vec<f64> = (0..LINKS).map(|k| inertia(k, ratio) / 12.0).collect();
             let (mut random, mut most) = (Random::new(7), [0.0f64; 2]);
             let mut strategies = [0; 5];
-            for _ in 0..POSTURES {
+            for _ in 0..CONFIGURATIONS {
                 let (scene, x, want) = chain_of(&masses, &inertias, &mut random);
                 let emitted = evaluate(&scene, mbd_scene::Quantity::Derivative, &x, &[], &[]);
                 let (rates, [strategy, _]) =
@@ -297,7 +297,7 @@ fn sliders_keep_their_digits_whatever_the_masses() {
                 let ratio = 10f64.powf(decade);
                 let masses: Vec<f64> = (0..LINKS).map(|k| mass(k, ratio)).collect();
                 let (mut random, mut most, mut strategies) = (Random::new(5), [0.0f64; 3], [0; 5]);
-                for _ in 0..POSTURES {
+                for _ in 0..CONFIGURATIONS {
                     let (scene, x, want) = sliders(&masses, axes, &mut random);
                     let emitted = evaluate(&scene, mbd_scene::Quantity::Derivative, &x, &[], &[]);
                     let (rates, [strategy, _]) =
@@ -335,7 +335,7 @@ fn in_single_precision_and_beyond_nine_decades_accelerations_hold_or_are_refused
             let masses: Vec<f64> = (0..LINKS).map(|k| mass(k, ratio)).collect();
             let mut random = Random::new(11);
             let (mut most, mut refused) = ([0.0f64; 2], [0; 2]);
-            for _ in 0..POSTURES {
+            for _ in 0..CONFIGURATIONS {
                 let (scene, x, want) = chain(&masses, &mut random);
                 let both = [start::<f32>(&scene, &x), start::<f64>(&scene, &x)];
                 for (k, got) in both.into_iter().enumerate() {
@@ -353,7 +353,7 @@ fn in_single_precision_and_beyond_nine_decades_accelerations_hold_or_are_refused
             }
             let [single, double] = most;
             println!(
-                "{name} 1e{decade}: f32 {single:.1e}, f64 {double:.1e}, refused {refused:?} of {POSTURES}"
+                "{name} 1e{decade}: f32 {single:.1e}, f64 {double:.1e}, refused {refused:?} of {CONFIGURATIONS}"
             );
             let bound = 1e-12 * (ratio * 1e-5).clamp(1.0, 1e4);
             assert!(single < 1e-5 && double < bound, "{name} 1e{decade}");

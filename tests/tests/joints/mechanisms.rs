@@ -154,14 +154,14 @@ fn both_components_of_angular_velocity_give_the_same_motion() {
             moment.ask(scene, Quantity::Derivative),
             moment.ask(&world, Quantity::Derivative),
         );
-        let mut turned = other.clone();
+        let mut rotated = other.clone();
         for (slots, instance) in layout.bodies.iter().zip(&moment.bodies) {
             let at = layout.nq + slots.v + 3;
             let alpha = nalgebra::Vector3::from_column_slice(&other[at..at + 3]);
-            turned[at..at + 3]
+            rotated[at..at + 3]
                 .copy_from_slice((instance.rotation().transpose() * alpha).as_slice());
         }
-        assert_close(&turned, &body, 1e-11, 0.0, name);
+        assert_close(&rotated, &body, 1e-11, 0.0, name);
         for what in [Quantity::Multipliers, Quantity::Reactions] {
             let (a, b) = (moment.ask(scene, what), moment.ask(&world, what));
             assert_close(&a, &b, 1e-11, 0.0, &format!("{name}: {what:?}"));
@@ -306,7 +306,7 @@ fn agree(states: usize) -> usize {
             own += 1;
             let want = moment.ask(&body, Quantity::Derivative);
             let scale = want[layout.nq..].iter().fold(0.0f64, |m, a| m.max(a.abs()));
-            let turned = |rates: &[f64]| {
+            let rotated = |rates: &[f64]| {
                 let mut rates = rates.to_vec();
                 for (slots, instance) in layout.bodies.iter().zip(&moment.bodies) {
                     let at = layout.nq + slots.v + 3;
@@ -316,7 +316,7 @@ fn agree(states: usize) -> usize {
                 }
                 rates
             };
-            let other = turned(&moment.ask(&world, Quantity::Derivative));
+            let other = rotated(&moment.ask(&world, Quantity::Derivative));
             let mut ways = vec![other];
             for (program, scene) in programs.iter().zip([&body, &world]) {
                 let x = state(scene, &moment.bodies, &[moment.point]);
@@ -324,7 +324,7 @@ fn agree(states: usize) -> usize {
                 let at = at(&x, &moment.inputs, &moment.rows);
                 program.evaluate(Quantity::Derivative, &at, &mut program.work(), &mut out);
                 let in_world = scene.angular_velocity == AngularVelocity::World;
-                ways.push(if in_world { turned(&out) } else { out });
+                ways.push(if in_world { rotated(&out) } else { out });
             }
             for got in ways {
                 let pairs = got[layout.nq..].iter().zip(&want[layout.nq..]);

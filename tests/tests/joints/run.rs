@@ -128,7 +128,7 @@ fn a_closed_spatial_loop_follows_its_reference_history() {
     }
 }
 
-/// A link that hangs from `pivot` by a hinge about z, turned by `angle` from the downward vertical.
+/// A link that hangs from `pivot` by a hinge about z, rotated by `angle` from the downward vertical.
 fn link(
     pivot: Vector3<f64>,
     drift: Vector3<f64>,

@@ -120,8 +120,8 @@ fn the_rows_take_the_parent_along_as_a_rigid_body() {
         };
         for row in rows(law, &ends) {
             let moved = row.child.linear + row.parent.linear;
-            let turned = row.child.angular + point.cross(&row.child.linear) + row.parent.angular;
-            assert!(moved.amax() < 1e-13 && turned.amax() < 1e-12, "{name}");
+            let rotated = row.child.angular + point.cross(&row.child.linear) + row.parent.angular;
+            assert!(moved.amax() < 1e-13 && rotated.amax() < 1e-12, "{name}");
         }
     });
 }

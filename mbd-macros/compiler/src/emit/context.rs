@@ -111,7 +111,7 @@ impl Context<'_> {
         }
     }
 
-    /// The call of the function of program `index` of [`Equations::every_program`]. One in pieces works on `work`, or on a list of its own.
+    /// The call of the function of program `index` of [`Equations::every_program`]. One in blocks works on `work`, or on a list of its own.
     pub fn call(
         &self,
         index: usize,

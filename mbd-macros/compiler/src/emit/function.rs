@@ -12,13 +12,13 @@ use crate::equations::{Equations, is_matrix};
 use crate::kernels::Kernels;
 use crate::lists::{Arguments, Group};
 use crate::operation::Op;
-use crate::outline::Local;
+use crate::partition::Local;
 use crate::program::{Operand, Program, Register};
 use crate::solution::Solution;
 use crate::titles::headings;
 
 /// The function of a program, which is number `index` of [`Equations::every_program`]: `fn name<T: Real>(lists it reads, out)`, or, for one in
-/// pieces, `fn name<T: Real>(lists it reads, work, out) -> bool`.
+/// blocks, `fn name<T: Real>(lists it reads, work, out) -> bool`.
 pub fn function(
     equations: &Equations,
     kernels: &Kernels,

@@ -1,7 +1,7 @@
-//! A program in pieces: kernels that many share, and the function that calls them.
+//! A program in blocks: kernels that many share, and the function that calls them.
 //!
-//! The working list belongs to the caller. A kernel takes windows of fixed lengths and writes one block of fixed length: nothing in it can be out
-//! of range. A call cuts them out of the list, which is split where the block begins: what is before is read, the block is written. No place can
+//! The working list belongs to the caller. A kernel takes windows of fixed lengths and writes one range of fixed length: nothing in it can be out
+//! of range. A call cuts them out of the list, which is split where the range begins: what is before is read, the range is written. No place can
 //! be wrong, since operations only use earlier ones; should the list be too short, the driver is `false` and writes nothing. Its length is known
 //! to the driver, so rustc proves the places of every call that is written out.
 
@@ -11,12 +11,12 @@ use super::function::{constants, document, taken, tokens};
 use super::literal::{digits, number_text};
 use super::naming::kernel_names;
 use super::terms::{Terms, lets};
-use crate::cycles::{Cycle, Item};
 use crate::equations::Equations;
 use crate::kernels::{Driver, Kernel, Kernels, Results, Window};
 use crate::lists::Group;
-use crate::outline::Piece;
+use crate::partition::Block;
 use crate::program::{Instruction, Operand, Program, Register};
+use crate::strided::{Item, StridedRun};
 use crate::titles::headings;
 
 /// Every kernel of a model.
@@ -24,13 +24,13 @@ pub fn kernels(equations: &Equations, kernels: &Kernels) -> TokenStream {
     let programs: Vec<&Program> = equations.every_program().collect();
     let mut out = String::new();
     for kernel in &kernels.kernels {
-        let (program, piece) = kernel.first;
+        let (program, block) = kernel.first;
         let driver = kernels.drivers.get(program).and_then(Option::as_ref);
         let program = programs.get(program).zip(driver);
         let program = program.map(|(program, driver)| driver.program(program));
-        let piece = driver.and_then(|driver| driver.pieces.get(piece));
-        if let (Some(program), Some(piece)) = (program, piece) {
-            write(equations, program, kernel, piece, &mut out);
+        let block = driver.and_then(|driver| driver.blocks.get(block));
+        if let (Some(program), Some(block)) = (program, block) {
+            write(equations, program, kernel, block, &mut out);
         }
     }
     tokens(&out)
@@ -40,33 +40,33 @@ fn write(
     equations: &Equations,
     program: &Program,
     kernel: &Kernel,
-    piece: &Piece,
+    block: &Block,
     out: &mut String,
 ) {
     let windows: Vec<String> = (0..kernel.windows.len())
         .map(|index| format!("from_{index}"))
         .collect();
     let named = |at: usize| {
-        let instruction = piece.instructions.get(at);
+        let instruction = block.instructions.get(at);
         let instruction = instruction.and_then(|&index| program.instructions.get(index));
         instruction.is_some_and(Instruction::is_named)
     };
-    let lets = lets(&piece.pattern, named, &piece.results);
+    let lets = lets(&block.pattern, named, &block.results);
     let sharing = (kernel.users > 1, kernel.tabled);
-    let names = kernel_names(equations, program, (piece, &lets), &windows, sharing);
+    let names = kernel_names(equations, program, (block, &lets), &windows, sharing);
     let headings = match kernel.users {
-        1 => headings(equations, program, &piece.instructions, &lets),
+        1 => headings(equations, program, &block.instructions, &lets),
         // One that many share has terms of no one thing.
         _ => Vec::new(),
     };
     let terms = Terms {
         headings,
-        ops: piece.pattern.clone(),
+        ops: block.pattern.clone(),
         given: names.given,
         constants: names.constants,
         values: names.values,
     };
-    document(out, &documentation(program, kernel, piece));
+    document(out, &documentation(program, kernel, block));
     out.push_str(&format!(
         "#[inline(never)] fn {}<T: ::mbd_runtime::Real>(",
         kernel.name
@@ -75,9 +75,9 @@ fn write(
         out.push_str(&format!("{name}: &[T; {}], ", window.len));
     }
     if kernel.tabled {
-        out.push_str(&format!("numbers: &[f64; {}], ", piece.constants.len()));
+        out.push_str(&format!("numbers: &[f64; {}], ", block.constants.len()));
     }
-    out.push_str(&format!("own: &mut [T; {}]) {{\n", piece.results.len()));
+    out.push_str(&format!("own: &mut [T; {}]) {{\n", block.results.len()));
     for (window, name) in kernel.windows.iter().zip(&windows) {
         taken_from(window, &terms.given, name, out);
     }
@@ -86,16 +86,16 @@ fn write(
         out.push_str(&terms.constants.join(", "));
         out.push_str("] = numbers.map(T::from_f64);\n");
     } else {
-        let known = piece.constants.iter();
+        let known = block.constants.iter();
         let known = known.filter_map(|&register| constant(program, register));
         constants(&known.collect::<Vec<f64>>(), &terms.constants, out);
     }
     terms.write(out);
     out.push_str("*own = [");
-    let results: Vec<&str> = piece.results.iter().map(|&at| terms.name(at)).collect();
+    let results: Vec<&str> = block.results.iter().map(|&at| terms.name(at)).collect();
     out.push_str(&results.join(", "));
     out.push_str("];\n}\n");
-    at_places(kernel, piece, &windows, out);
+    at_places(kernel, block, &windows, out);
 }
 
 /// `let &[wx, _, wz] = from_0;`: what is read of a window.
@@ -110,7 +110,7 @@ fn taken_from(window: &Window, given: &[String], name: &str, out: &mut String) {
 }
 
 /// The kernel at places of a working list. Where these are known when the driver is compiled, nothing is left of it but the call.
-fn at_places(kernel: &Kernel, piece: &Piece, windows: &[String], out: &mut String) {
+fn at_places(kernel: &Kernel, block: &Block, windows: &[String], out: &mut String) {
     let name = &kernel.name;
     document(out, &format!(" [`{name}`] at places of `work`."));
     let places: Vec<&str> = ["begin"]
@@ -123,7 +123,7 @@ fn at_places(kernel: &Kernel, piece: &Piece, windows: &[String], out: &mut Strin
         places.len()
     ));
     if kernel.tabled {
-        out.push_str(&format!(", numbers: &[f64; {}]", piece.constants.len()));
+        out.push_str(&format!(", numbers: &[f64; {}]", block.constants.len()));
     }
     let cut: String = windows
         .iter()
@@ -133,7 +133,7 @@ fn at_places(kernel: &Kernel, piece: &Piece, windows: &[String], out: &mut Strin
         .collect();
     out.push_str(&format!(
         ") -> bool {{
-            let ::core::option::Option::Some((known, own)) = ::mbd_runtime::__private::blocks(work, begin) else {{ return false; }};
+            let ::core::option::Option::Some((known, own)) = ::mbd_runtime::__private::own_range(work, begin) else {{ return false; }};
             {cut}{name}({}{}own);
             true
         }}\n",
@@ -142,16 +142,16 @@ fn at_places(kernel: &Kernel, piece: &Piece, windows: &[String], out: &mut Strin
     ));
 }
 
-fn documentation(program: &Program, kernel: &Kernel, piece: &Piece) -> String {
+fn documentation(program: &Program, kernel: &Kernel, block: &Block) -> String {
     let mut things: Vec<&str> = Vec::new();
-    for &index in &piece.instructions {
+    for &index in &block.instructions {
         let section = program.instructions[index].section;
         let thing = program.sections.get(section).map_or("", String::as_str);
         if !thing.is_empty() && !things.contains(&thing) {
             things.push(thing);
         }
     }
-    let operations = piece.instructions.len();
+    let operations = block.instructions.len();
     let what = match things.as_slice() {
         [first, second, third, .., last] if things.len() > 6 => {
             format!("{first}, {second}, {third} … {last}")
@@ -164,7 +164,7 @@ fn documentation(program: &Program, kernel: &Kernel, piece: &Piece) -> String {
     }
 }
 
-/// The function of a program in pieces, from its arguments on.
+/// The function of a program in blocks, from its arguments on.
 pub fn driver(
     equations: &Equations,
     program: &Program,
@@ -202,8 +202,8 @@ pub fn driver(
             driver.kept_at
         ));
     }
-    for cycle in &driver.calls {
-        calls(program, kernels, driver, cycle, &mut steps);
+    for run in &driver.calls {
+        calls(program, kernels, driver, run, &mut steps);
     }
     steps.end();
     out.push_str(&steps.text);
@@ -227,9 +227,9 @@ fn results(results: &Results, out: &mut String) {
     let doc = " Structural non-zeros: rounds of (count, (place in `out`, step), (place in `work`, step)).";
     document(out, doc);
     out.push_str("const RESULTS: &[::mbd_runtime::__private::Copies] = &[");
-    for cycle in stretches {
-        out.push_str(&format!("({}, &[", cycle.rounds));
-        for item in &cycle.items {
+    for run in stretches {
+        out.push_str(&format!("({}, &[", run.rounds));
+        for item in &run.items {
             out.push_str(&format!("({}", item.key));
             for (at, step) in item.at.iter().zip(&item.step) {
                 out.push_str(&format!(", ({at}, {step})"));
@@ -280,7 +280,13 @@ impl Steps {
 }
 
 /// A call, or rounds of calls.
-fn calls(program: &Program, kernels: &Kernels, driver: &Driver, cycle: &Cycle, steps: &mut Steps) {
+fn calls(
+    program: &Program,
+    kernels: &Kernels,
+    driver: &Driver,
+    run: &StridedRun,
+    steps: &mut Steps,
+) {
     let name = |item: &Item| {
         let kernel = kernels.kernels.get(item.key);
         kernel.map_or("", |kernel| &kernel.name)
@@ -290,18 +296,18 @@ fn calls(program: &Program, kernels: &Kernels, driver: &Driver, cycle: &Cycle, s
         kernel.is_some_and(|kernel| kernel.tabled)
     };
     let row = |round: usize, item: usize| {
-        let piece = driver.piece(cycle, round, item);
-        let constants = piece.into_iter().flat_map(|piece| &piece.constants);
+        let block = driver.block(run, round, item);
+        let constants = block.into_iter().flat_map(|block| &block.constants);
         let numbers = constants.filter_map(|&c| constant(program, c));
         let numbers: Vec<String> = numbers.map(number_text).collect();
         format!("[{}]", numbers.join(", "))
     };
     let rows = |item: usize| {
-        let rows: Vec<String> = (0..cycle.rounds).map(|round| row(round, item)).collect();
+        let rows: Vec<String> = (0..run.rounds).map(|round| row(round, item)).collect();
         format!("&[{}]", rows.join(", "))
     };
-    if cycle.rounds == 1 {
-        for (index, item) in cycle.items.iter().enumerate() {
+    if run.rounds == 1 {
+        for (index, item) in run.items.iter().enumerate() {
             let table = match tabled(item) {
                 true => format!(", &{}", row(0, index)),
                 false => String::new(),
@@ -310,8 +316,8 @@ fn calls(program: &Program, kernels: &Kernels, driver: &Driver, cycle: &Cycle, s
         }
         return;
     }
-    if let [item] = cycle.items.as_slice() {
-        let (rounds, name, at, step) = (cycle.rounds, name(item), &item.at, &item.step);
+    if let [item] = run.items.as_slice() {
+        let (rounds, name, at, step) = (run.rounds, name(item), &item.at, &item.step);
         steps.call(match tabled(item) {
             true => format!(
                 "::mbd_runtime::__private::rounds_with(work, {}, {at:?}, {step:?}, {name}_at)",
@@ -325,9 +331,9 @@ fn calls(program: &Program, kernels: &Kernels, driver: &Driver, cycle: &Cycle, s
     }
     steps.end();
     // Rows of numbers, one a round, nested in pairs.
-    let (mut over, mut pattern) = (format!("0..{}", cycle.rounds), "_".to_owned());
+    let (mut over, mut pattern) = (format!("0..{}", run.rounds), "_".to_owned());
     let mut body = Steps::default();
-    for (index, item) in cycle.items.iter().enumerate() {
+    for (index, item) in run.items.iter().enumerate() {
         let (at, step) = (&item.at, &item.step);
         steps
             .text

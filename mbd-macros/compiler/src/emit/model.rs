@@ -1,6 +1,6 @@
 //! The model itself: its struct, constants and construction.
 
-use mbd_scene::{Cost, Packed, Quantity};
+use mbd_scene::{Cost, Packed, Quantity, fingerprint};
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
@@ -116,7 +116,7 @@ fn constants(context: &Context) -> TokenStream {
     let (equations, scene) = (context.equations, context.scene());
     let layout = &equations.layout;
     let [nq, nv, nz, nc, np] = [layout.nq, layout.nv, layout.nz, layout.nc, layout.np].map(whole);
-    let hash = Literal::u64_unsuffixed(hash(&format!("{scene:?}")));
+    let hash = Literal::u64_unsuffixed(fingerprint(format!("{scene:?}").into_bytes()));
     let coordinate = |index: usize| {
         let (name, unit) = crate::names::coordinate(scene, layout, index);
         quote!((#name, #unit))
@@ -214,13 +214,6 @@ fn cost(cost: Cost) -> TokenStream {
             adds: #adds, muls: #muls, divs: #divs, sqrts: #sqrts, trigs: #trigs, selects: #selects,
         }
     }
-}
-
-/// FNV-1a, 64 bits.
-fn hash(text: &str) -> u64 {
-    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    })
 }
 
 /// `new`, `unchecked`, `parameters`, `scene`, `explain`, `inputs`.

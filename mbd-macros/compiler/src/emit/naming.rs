@@ -10,7 +10,7 @@ use crate::hash::Map;
 use crate::lists::Group;
 use crate::names::{self, identifier};
 use crate::operation::Op;
-use crate::outline::{Local, Piece};
+use crate::partition::{Block, Local};
 use crate::program::{Instruction, Operand, Program, Register};
 
 /// Identifiers given out once each.
@@ -90,7 +90,7 @@ pub fn flat_names(
 pub fn kernel_names(
     equations: &Equations,
     program: &Program,
-    (piece, lets): (&Piece, &[bool]),
+    (block, lets): (&Block, &[bool]),
     windows: &[String],
     (shared, tabled): (bool, bool),
 ) -> Names {
@@ -103,11 +103,11 @@ pub fn kernel_names(
     }
     let whole: Vec<(usize, Quantity)> = program.what.map(|what| (0, what)).into_iter().collect();
     let law = Laws::new(equations, program, &whole);
-    let given = piece.given.iter();
+    let given = block.given.iter();
     let given = given
         .map(|&register| unique.name(&given_name(&law, register, shared)))
         .collect();
-    let constants = piece.constants.iter();
+    let constants = block.constants.iter();
     let constants = constants
         .map(|&register| match program.operand(register) {
             Operand::Constant(value) if !tabled => unique.name(&number_name(value)),
@@ -117,8 +117,8 @@ pub fn kernel_names(
     let things = if shared { Vec::new() } else { things(program) };
     let thing = |section: usize| things.get(section).map_or("", String::as_str);
     let operations = (
-        piece.instructions.as_slice(),
-        piece.pattern.as_slice(),
+        block.instructions.as_slice(),
+        block.pattern.as_slice(),
         lets,
     );
     value_names(&law, operations, thing, given, constants, unique)

@@ -4,7 +4,7 @@
 
 use super::function::document;
 use crate::operation::{Binary, Comparison, Op, Unary};
-use crate::outline::Local;
+use crate::partition::Local;
 
 /// No `let` has more operations.
 const LONGEST: usize = 12;
@@ -63,8 +63,8 @@ pub fn lets(ops: &[Op<Local>], named: impl Fn(usize) -> bool, results: &[usize])
             }
         }
         sizes.push(size);
-        let turned = matches!(op, Op::Unary(Unary::Sin | Unary::Cos, _));
-        lets.push(uses[index] != 1 || turned || named(index));
+        let rotated = matches!(op, Op::Unary(Unary::Sin | Unary::Cos, _));
+        lets.push(uses[index] != 1 || rotated || named(index));
     }
     lets
 }

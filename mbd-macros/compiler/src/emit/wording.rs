@@ -2,7 +2,7 @@
 
 use crate::hash::Map;
 use crate::operation::{Binary, Op, Unary};
-use crate::outline::Local;
+use crate::partition::Local;
 
 /// No such name is longer.
 const LONGEST: usize = 28;

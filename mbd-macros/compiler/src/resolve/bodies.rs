@@ -171,7 +171,7 @@ impl Resolver<'_> {
                     angles.reverse();
                 }
                 let [roll, pitch, yaw]: [Formula; 3] = angles.try_into().ok()?;
-                self.turned(roll, pitch, yaw, value.at)?
+                self.rotated(roll, pitch, yaw, value.at)?
             }
             "matrix" => {
                 let mut rows = Vec::new();
@@ -188,7 +188,7 @@ impl Resolver<'_> {
     }
 
     /// R = Rz(yaw) Ry(pitch) Rx(roll).
-    fn turned(&mut self, roll: Formula, pitch: Formula, yaw: Formula, at: Region) -> Option<Rows> {
+    fn rotated(&mut self, roll: Formula, pitch: Formula, yaw: Formula, at: Region) -> Option<Rows> {
         let mut sin_cos = |angle: Formula| {
             let sine = self.apply(Function::Sin, vec![angle.clone()], at)?;
             let cosine = self.apply(Function::Cos, vec![angle], at)?;

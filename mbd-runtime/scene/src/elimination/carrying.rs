@@ -120,7 +120,7 @@ impl Carrying {
         let carries = |point: Vector3<f64>| {
             rows.iter().all(|row| {
                 let (own, other) = (&row.child, &row.parent);
-                let turned = own.angular + point.cross(&own.linear);
+                let rotated = own.angular + point.cross(&own.linear);
                 let apart = within(
                     directions,
                     &Columns {
@@ -128,7 +128,7 @@ impl Carrying {
                         ..*own
                     },
                 );
-                apart < SAME && (turned + other.angular)[normal].abs() < SAME
+                apart < SAME && (rotated + other.angular)[normal].abs() < SAME
             })
         };
         let turns = rows.len() - points.len();

@@ -115,7 +115,7 @@ impl Joint for Screw {
     }
 
     fn branch<S: Real>(&self, ends: &Ends<'_, S>) -> [S; 3] {
-        let turned = ends.helix_cosine(&self.axis, lead(ends.number(0)));
-        [ends.cosine(&self.axis, &self.axis), turned, S::one()]
+        let rotated = ends.helix_cosine(&self.axis, lead(ends.number(0)));
+        [ends.cosine(&self.axis, &self.axis), rotated, S::one()]
     }
 }

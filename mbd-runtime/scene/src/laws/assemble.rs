@@ -2,7 +2,7 @@
 
 use super::constraint::{Constraints, enter, in_system};
 use super::evaluation::Evaluation;
-use super::reference::{Reference, turned};
+use super::reference::{Reference, rotated};
 use super::rows::{Ends, Row, Rows, Turn};
 use crate::elimination::{Carrying, Part};
 use crate::few::Few;
@@ -162,7 +162,7 @@ impl<S: Real> Constraints<S> {
     pub(super) fn prepare(&mut self, evaluation: &Evaluation<'_, S>) {
         let (layout, numbers) = (evaluation.layout, evaluation.numbers);
         let plan = &layout.elimination;
-        let carrying = |joint: usize| plan.carried_by(joint).map(|(_, carrying)| carrying);
+        let carrying = |joint: usize| plan.child_of(joint).map(|(_, carrying)| carrying);
         self.run(evaluation, |joint| {
             evaluation.carrying_ends(joint, carrying(joint)?.own)
         });
@@ -249,7 +249,7 @@ impl<S: Real> Constraints<S> {
         let layout = evaluation.layout;
         let (plan, directions) = (&layout.elimination, layout.directions);
         let (Some(carriage), Some((body, carrying))) =
-            (&self.carriages[joint], plan.carried_by(joint))
+            (&self.carriages[joint], plan.child_of(joint))
         else {
             return;
         };
@@ -407,11 +407,11 @@ impl<S: Real> Constraints<S> {
                         };
                         let body = &numbers.bodies[body];
                         let turns = directions.turns().iter();
-                        let turned = turns.fold(linear * body.inverse_mass, |sum, &k| {
+                        let rotated = turns.fold(linear * body.inverse_mass, |sum, &k| {
                             let x = angular[k];
                             sum + x * x * body.inverse_inertia[(k, k)]
                         });
-                        sum + turned
+                        sum + rotated
                     }
                     Some(Part::Point(point)) => sum + linear * numbers.points[point].1,
                     _ => sum,
@@ -435,9 +435,9 @@ impl<S: Real> Constraints<S> {
         };
         let inertia = match (&reference.place, &reference.point) {
             // The point is a place on the body: its inertia about that is constant.
-            (Some(place), _) => turned(&reference.turn, &about(numbers.inertia, place)),
-            (None, Some(point)) => about(turned(&reference.turn, &numbers.inertia), point),
-            (None, None) => turned(&reference.turn, &numbers.inertia),
+            (Some(place), _) => rotated(&reference.turn, &about(numbers.inertia, place)),
+            (None, Some(point)) => about(rotated(&reference.turn, &numbers.inertia), point),
+            (None, None) => rotated(&reference.turn, &numbers.inertia),
         };
         let levers = reference.levers();
         let (moves, turns) = (

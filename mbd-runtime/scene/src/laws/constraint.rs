@@ -408,9 +408,9 @@ impl<S: Real> Constraints<S> {
             match step.part {
                 Part::Body(body) => {
                     let at = layout.bodies[body].v;
-                    if let Some([moved, turned]) = self.motion_of(evaluation, body, unknowns) {
+                    if let Some([moved, rotated]) = self.motion_of(evaluation, body, unknowns) {
                         directions.write_linear(out, at, &moved);
-                        directions.write_angular(out, at, &turned);
+                        directions.write_angular(out, at, &rotated);
                     }
                 }
                 Part::Point(point) => {

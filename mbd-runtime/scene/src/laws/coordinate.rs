@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
-use super::rows::{Ends, Row, in_plane, turned};
+use super::rows::{Ends, Row, in_plane, rotated_rows};
 use crate::Real;
 use crate::joints::{Axis, Coordinate, Measure};
 
@@ -34,7 +34,7 @@ struct Turning<S: Real> {
 impl<S: Real> Turning<S> {
     fn new(ends: &Ends<'_, S>, cosine: &[Axis; 2], sine: &[Axis; 2]) -> Self {
         let [x, y] = [cosine, sine].map(|[a, b]| ends.cosine(a, b));
-        let [behind, ahead] = turned(ends, cosine, sine, (y, x));
+        let [behind, ahead] = rotated_rows(ends, cosine, sine, (y, x));
         Turning {
             products: [x, y],
             behind,

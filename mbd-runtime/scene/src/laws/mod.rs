@@ -5,6 +5,7 @@ mod along;
 mod articulated;
 mod assemble;
 mod body;
+mod configuration;
 mod constraint;
 mod coordinate;
 mod ends;
@@ -20,7 +21,6 @@ pub mod line;
 mod motor;
 mod node;
 mod numbers;
-mod posture;
 mod reference;
 pub mod rows;
 mod system;
@@ -35,6 +35,7 @@ use nalgebra::Vector3;
 pub use algebra::{inverse, rotation, symmetric};
 pub use along::{AlongNumbers, jumping_angles};
 
+pub(crate) use configuration::Configuration;
 pub use formula::norm;
 pub use given::evaluate_given;
 pub use ground::{FrameMotion, ground};
@@ -42,7 +43,6 @@ pub use joint_ends::{branch, out_of_plane};
 pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers, constant,
 };
-pub(crate) use posture::Posture;
 
 use crate::{At, InputSource, Layout, PointSlots, Quantity, Real, Scene};
 

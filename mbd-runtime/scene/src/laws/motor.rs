@@ -13,7 +13,7 @@
 //! [N m] of the motor along the coordinate. Singular, half a turn off apart, only where nothing is left to move.
 //! Rejected: θ − f with θ from atan2, which jumps once a turn. Source: derived.
 
-use super::rows::{Ends, Row, turned};
+use super::rows::{Ends, Row, rotated_rows};
 use crate::joints::{Coordinate, Measure};
 use crate::{Jet, Real};
 
@@ -30,7 +30,7 @@ impl<S: Real> Ends<'_, S> {
                 ..row
             };
         };
-        let [row, ahead] = turned(self, cosine, sine, course.value.sin_cos());
+        let [row, ahead] = rotated_rows(self, cosine, sine, course.value.sin_cos());
         let turning = ahead.parent.angular.dot(&self.spin().difference);
         let ahead = ahead.value;
         let own = (turning + turning) * course.rate

@@ -234,7 +234,7 @@ impl<S: Real> Evaluation<'_, S> {
 }
 
 /// R I Rᵀ of a symmetric matrix. A diagonal one is turned as the sphere of two equal elements and what is more along the other axes.
-pub(super) fn turned<S: Real>(turn: &Turn<S>, inertia: &Matrix3<S>) -> Matrix3<S> {
+pub(super) fn rotated<S: Real>(turn: &Turn<S>, inertia: &Matrix3<S>) -> Matrix3<S> {
     let Turn::By(r) = turn else {
         return *inertia;
     };

@@ -420,7 +420,7 @@ fn rotated<S: Real>([a, b]: [Vector3<S>; 2], (sin, cos): (S, S)) -> [Vector3<S>;
 }
 
 /// The rows of S cos − C sin and S sin + C cos, for the products C of the first pair of axes and S of the second, one of which both share.
-pub(super) fn turned<S: Real>(
+pub(super) fn rotated_rows<S: Real>(
     ends: &Ends<'_, S>,
     cosine: &[Axis; 2],
     sine: &[Axis; 2],

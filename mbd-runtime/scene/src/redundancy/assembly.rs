@@ -7,7 +7,7 @@ use super::local::{Hold, Motion, columns, dot, speeds};
 use super::tree::{Group, Link};
 use crate::elimination::Part;
 use crate::joints::{JointLaw, Relative, Twist};
-use crate::laws::Posture;
+use crate::laws::Configuration;
 use crate::laws::rows::{Columns, Row, Rows};
 use crate::{Layout, Scene};
 
@@ -67,7 +67,7 @@ struct Assembly<'a> {
     scene: &'a Scene,
     layout: &'a Layout,
     group: &'a Group,
-    posture: Posture<'a>,
+    configuration: Configuration<'a>,
     length: f64,
     rows: Rows<f64>,
     spare: Rows<f64>,
@@ -76,7 +76,7 @@ struct Assembly<'a> {
 
 /// Looks for consistent states of a group. Fewer than asked for where its loops do not close.
 pub fn states(scene: &Scene, layout: &Layout, group: &Group) -> Vec<State> {
-    let posture = Posture::new(scene, layout);
+    let configuration = Configuration::new(scene, layout);
     let joints = group.links.iter().map(|link| link.joint);
     let arms = joints
         .chain(group.closing.iter().copied())
@@ -85,7 +85,7 @@ pub fn states(scene: &Scene, layout: &Layout, group: &Group) -> Vec<State> {
             let numbers = joint.map_or([0.0; 2], |joint| {
                 [joint.parent, joint.child].map(|place| match place {
                     crate::Place::World(_) => 0.0,
-                    _ => posture.frame(place).0.norm(),
+                    _ => configuration.frame(place).0.norm(),
                 })
             });
             numbers.into_iter()
@@ -95,7 +95,7 @@ pub fn states(scene: &Scene, layout: &Layout, group: &Group) -> Vec<State> {
         scene,
         layout,
         group,
-        posture,
+        configuration,
         rows: Rows::default(),
         spare: Rows::default(),
         random: Random(0x9e37_79b9_7f4a_7c15),
@@ -106,7 +106,7 @@ pub fn states(scene: &Scene, layout: &Layout, group: &Group) -> Vec<State> {
             break;
         }
         let reach = [1.0, 3.1, 0.3][attempt % 3];
-        let closed = assembly.hang(reach).and_then(|()| assembly.close());
+        let closed = assembly.place_tree(reach).and_then(|()| assembly.close());
         found.extend(closed.and_then(|()| assembly.linearise()));
     }
     found
@@ -114,14 +114,14 @@ pub fn states(scene: &Scene, layout: &Layout, group: &Group) -> Vec<State> {
 
 impl Assembly<'_> {
     /// Hangs every part of the tree at random joint coordinates.
-    fn hang(&mut self, reach: f64) -> Option<()> {
+    fn place_tree(&mut self, reach: f64) -> Option<()> {
         if let Some(root) = self.group.root {
-            self.posture
+            self.configuration
                 .place(root, Vector3::zeros(), &Matrix3::identity());
         }
         for link in &self.group.links {
             let joint = self.scene.joints.get(link.joint)?;
-            let numbers = self.posture.numbers.joints.get(link.joint)?;
+            let numbers = self.configuration.numbers.joints.get(link.joint)?;
             let q = self
                 .random
                 .coordinates(&joint.law, numbers, reach, self.length);
@@ -136,10 +136,10 @@ impl Assembly<'_> {
                 false => (joint.parent, joint.child),
             };
             let (position, axes) = match link.from {
-                Some(part) => self.posture.pose(part),
+                Some(part) => self.configuration.pose(part),
                 None => (Vector3::zeros(), Matrix3::identity()),
             };
-            let (point, frame) = self.posture.frame(near);
+            let (point, frame) = self.configuration.frame(near);
             let (origin, frame) = (position + axes * point, axes * frame);
             let (origin, frame) = if link.to_parent {
                 let back = frame * pose.rotation.transpose();
@@ -147,7 +147,7 @@ impl Assembly<'_> {
             } else {
                 (origin + frame * pose.position, frame * pose.rotation)
             };
-            let (point, own) = self.posture.frame(far);
+            let (point, own) = self.configuration.frame(far);
             let axes = match link.to {
                 Part::Body(_) => frame * own.transpose(),
                 _ => Matrix3::identity(),
@@ -156,17 +156,17 @@ impl Assembly<'_> {
             if !(position.iter().chain(axes.iter()).all(|x| x.is_finite())) {
                 return None;
             }
-            self.posture.place(link.to, position, &axes);
+            self.configuration.place(link.to, position, &axes);
         }
-        self.settle()
+        self.correct()
     }
 
     /// Puts the joints of the tree right, from the root outwards.
-    fn settle(&mut self) -> Option<()> {
+    fn correct(&mut self) -> Option<()> {
         for link in &self.group.links {
             let mut left = f64::INFINITY;
             for _ in 0..12 {
-                self.posture.rows(link.joint, &mut self.rows);
+                self.configuration.rows(link.joint, &mut self.rows);
                 let (to, directions) = ((link.to, link.to_parent), self.layout.directions);
                 let hold = Hold::new(&self.rows, to, directions, self.length)?;
                 let mut rates = [0.0; 6];
@@ -188,14 +188,14 @@ impl Assembly<'_> {
     }
 
     fn tolerance(&self) -> f64 {
-        CLOSED * self.length + 64.0 * f64::EPSILON * self.posture.reach()
+        CLOSED * self.length + 64.0 * f64::EPSILON * self.configuration.reach()
     }
 
     fn shift(&mut self, part: Part, motion: &Motion) {
         let [x, y, z, a, b, c] = *motion;
         let turn = Vector3::new(a, b, c) / self.length;
         let scale = (TURN / turn.norm()).min(1.0);
-        self.posture
+        self.configuration
             .shift(part, Vector3::new(x, y, z) * scale, turn * scale);
     }
 
@@ -255,7 +255,7 @@ impl Assembly<'_> {
         let parts = self.group.root.into_iter().chain(links);
         parts
             .map(|part| {
-                let (position, axes) = self.posture.pose(part);
+                let (position, axes) = self.configuration.pose(part);
                 (part, position, axes)
             })
             .collect()
@@ -263,7 +263,7 @@ impl Assembly<'_> {
 
     fn restore(&mut self, placed: &[(Part, Vector3<f64>, Matrix3<f64>)]) {
         for (part, position, axes) in placed {
-            self.posture.place(*part, *position, axes);
+            self.configuration.place(*part, *position, axes);
         }
     }
 
@@ -275,7 +275,7 @@ impl Assembly<'_> {
             let motion: Motion = std::array::from_fn(|k| -motion[k]);
             self.shift(part, &motion);
         }
-        self.settle()
+        self.correct()
     }
 
     /// The motions of the root, where there is one.
@@ -312,9 +312,9 @@ impl Assembly<'_> {
             let mut motion = DMatrix::zeros(6, count);
             if let Some(from) = self.place_of(link.from) {
                 let near = usize::from(link.to_parent);
-                let carrier = motions.get(from)?;
+                let inboard = motions.get(from)?;
                 for column in 0..first {
-                    let of: Motion = std::array::from_fn(|k| carrier[(k, column)]);
+                    let of: Motion = std::array::from_fn(|k| inboard[(k, column)]);
                     let mut rates = [0.0; 6];
                     for (rate, row) in rates.iter_mut().zip(rows) {
                         *rate = -dot(&row.columns[near], &of);
@@ -347,7 +347,7 @@ impl Assembly<'_> {
     fn holds(&mut self) -> Option<Vec<(Vec<JointRow>, Hold)>> {
         let group = self.group;
         let hold = |link: &Link| {
-            self.posture.rows(link.joint, &mut self.rows);
+            self.configuration.rows(link.joint, &mut self.rows);
             let (to, directions) = ((link.to, link.to_parent), self.layout.directions);
             let hold = Hold::new(&self.rows, to, directions, self.length)?;
             Some((
@@ -364,7 +364,7 @@ impl Assembly<'_> {
         let group = self.group;
         let (mut lines, mut values) = (Vec::new(), Vec::new());
         for &joint in &group.closing {
-            self.posture.rows(joint, &mut self.rows);
+            self.configuration.rows(joint, &mut self.rows);
             let rows = joint_rows(&self.rows, self.layout, joint, self.length);
             lines.extend(self.over_tree(&rows, &motions));
             let sizes = rows.iter().map(|row| row.size);
@@ -403,7 +403,7 @@ impl Assembly<'_> {
     fn is_meant(&self) -> bool {
         let joints = self.group.links.iter().map(|link| link.joint);
         let mut joints = joints.chain(self.group.closing.iter().copied());
-        joints.all(|joint| self.posture.on_branch(joint))
+        joints.all(|joint| self.configuration.on_branch(joint))
     }
 
     fn linearise(&mut self) -> Option<State> {
@@ -412,7 +412,7 @@ impl Assembly<'_> {
         let group = self.group;
         let (mut closing, mut closing_rows) = (Vec::new(), Vec::new());
         for &joint in &group.closing {
-            self.posture
+            self.configuration
                 .system_rows(joint, &mut self.spare, &mut self.rows);
             let rows = joint_rows(&self.rows, self.layout, joint, self.length);
             closing.push(self.over_tree(&rows, &motions));
@@ -423,7 +423,7 @@ impl Assembly<'_> {
         joints.sort_unstable();
         let mut motors = Vec::new();
         for joint in joints {
-            let driven = self.posture.motor_rows(joint, &mut self.rows);
+            let driven = self.configuration.motor_rows(joint, &mut self.rows);
             let rows = joint_rows(&self.rows, self.layout, joint, self.length);
             let lines = self.over_tree(&rows, &motions);
             for ((coordinate, row), line) in driven.into_iter().zip(rows).zip(lines) {

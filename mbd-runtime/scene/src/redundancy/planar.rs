@@ -10,7 +10,7 @@ use super::assembly::Random;
 use super::{Redundancy, RowSet};
 use crate::elimination::Part;
 use crate::joints::Relative;
-use crate::laws::Posture;
+use crate::laws::Configuration;
 use crate::laws::rows::{Columns, Row, Rows};
 use crate::{Directions, Joint, Layout, Place, Scene};
 
@@ -24,15 +24,15 @@ type Pair = SVector<f64, 12>;
 
 /// The rows of every joint that count in the plane.
 pub fn in_plane(scene: &Scene, layout: &Layout) -> Vec<RowSet> {
-    let mut posture = Posture::new(scene, layout);
+    let mut configuration = Configuration::new(scene, layout);
     let joints = scene.joints.iter().enumerate();
     joints
         .map(|(index, joint)| {
             let mut set = RowSet::default();
-            for turned in [0.0, 0.7] {
-                align(&mut posture, index, joint, turned);
+            for rotated in [0.0, 0.7] {
+                align(&mut configuration, index, joint, rotated);
                 let mut rows = Rows::default();
-                posture.rows_of_law(index, RowSet::all(joint.law.rows()), &mut rows);
+                configuration.rows_of_law(index, RowSet::all(joint.law.rows()), &mut rows);
                 set = counting(rows.rows(), joint, layout.directions, set);
             }
             set
@@ -40,11 +40,11 @@ pub fn in_plane(scene: &Scene, layout: &Layout) -> Vec<RowSet> {
         .collect()
 }
 
-/// Turns the frames of a joint as it holds them at zero coordinates, as far as the plane lets it, and then the child by `turned` [rad] about
+/// Turns the frames of a joint as it holds them at zero coordinates, as far as the plane lets it, and then the child by `rotated` [rad] about
 /// the normal. Without that, attitude rows have the rank that they have where the joint holds; with it, also a row counts that only touches
 /// zero there, so that the start of a run finds it singular. The places of the parts are unlike.
-fn align(posture: &mut Posture<'_>, index: usize, joint: &Joint, turned: f64) {
-    let numbers = posture.numbers.joints.get(index).cloned();
+fn align(configuration: &mut Configuration<'_>, index: usize, joint: &Joint, rotated: f64) {
+    let numbers = configuration.numbers.joints.get(index).cloned();
     let numbers = numbers.unwrap_or_default();
     let q = Random(0).coordinates(&joint.law, &numbers, 0.0, 1.0);
     let at = Relative {
@@ -53,7 +53,7 @@ fn align(posture: &mut Posture<'_>, index: usize, joint: &Joint, turned: f64) {
         numbers: &numbers,
     };
     let turn = joint.law.motion(&at).rotation;
-    let [near, far] = [joint.parent, joint.child].map(|place| posture.frame(place).1);
+    let [near, far] = [joint.parent, joint.child].map(|place| configuration.frame(place).1);
     let some = Rotation3::new(Vector3::new(0.4, 0.5, 0.6)).into_inner();
     let (parent, child) = match joint.child {
         Place::World(_) => (
@@ -65,7 +65,7 @@ fn align(posture: &mut Posture<'_>, index: usize, joint: &Joint, turned: f64) {
                 Place::Body(..) => some,
                 _ => Matrix3::identity(),
             };
-            let more = posture.turn(turned);
+            let more = configuration.turn(rotated);
             (parent, more * parent * near * turn * far.transpose())
         }
     };
@@ -76,8 +76,8 @@ fn align(posture: &mut Posture<'_>, index: usize, joint: &Joint, turned: f64) {
     ] {
         match place {
             Place::World(_) => {}
-            Place::Body(body, _) => posture.place(Part::Body(body), position, &axes),
-            Place::Point(point) => posture.place(Part::Point(point), position, &axes),
+            Place::Body(body, _) => configuration.place(Part::Body(body), position, &axes),
+            Place::Point(point) => configuration.place(Part::Point(point), position, &axes),
         }
     }
 }
@@ -97,13 +97,13 @@ impl Layout {
     #[must_use]
     pub fn apart(scene: &Scene) -> Vec<Apart> {
         let layout = Layout::keeping(scene, Redundancy::default());
-        let mut posture = Posture::new(scene, &layout);
+        let mut configuration = Configuration::new(scene, &layout);
         let mut apart = Vec::new();
         let held = scene.joints.iter().zip(&layout.joints).enumerate();
         for (index, (joint, _)) in held.filter(|(_, (_, slots))| slots.holds && !slots.driven) {
-            align(&mut posture, index, joint, 0.0);
+            align(&mut configuration, index, joint, 0.0);
             let mut rows = Rows::default();
-            posture.rows_of_law(index, RowSet::all(joint.law.rows()), &mut rows);
+            configuration.rows_of_law(index, RowSet::all(joint.law.rows()), &mut rows);
             let fixed = rows.rows().iter().filter(|row| {
                 let whole = pair(row, joint, Directions::default()).norm();
                 pair(row, joint, layout.directions).norm() <= NEW * whole && row.value.abs() > NEW
@@ -121,12 +121,12 @@ impl Layout {
     #[must_use]
     pub fn still(scene: &Scene) -> Vec<(usize, usize)> {
         let layout = Layout::keeping(scene, Redundancy::default());
-        let mut posture = Posture::new(scene, &layout);
+        let mut configuration = Configuration::new(scene, &layout);
         let mut still = Vec::new();
         for (index, joint) in scene.joints.iter().enumerate() {
-            align(&mut posture, index, joint, 0.0);
+            align(&mut configuration, index, joint, 0.0);
             for (coordinate, _) in joint.motors() {
-                let row = posture.coordinate_row(index, coordinate);
+                let row = configuration.coordinate_row(index, coordinate);
                 let moves = row.is_none_or(|row| {
                     let whole = pair(&row, joint, Directions::default()).norm();
                     pair(&row, joint, layout.directions).norm() > NEW * whole

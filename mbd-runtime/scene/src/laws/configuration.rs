@@ -11,7 +11,7 @@ use crate::elimination::Part;
 use crate::{AngularVelocity, At, Directions, Jet, Layout, Place, PointSlots, RowSet, Scene};
 
 /// A configuration of a scene with its parameters at their defaults, at time zero and at rest.
-pub(crate) struct Posture<'a> {
+pub(crate) struct Configuration<'a> {
     scene: &'a Scene,
     layout: &'a Layout,
     pub numbers: Numbers<f64>,
@@ -21,14 +21,14 @@ pub(crate) struct Posture<'a> {
     ground: Vec<Option<FrameMotion<f64>>>,
 }
 
-impl<'a> Posture<'a> {
+impl<'a> Configuration<'a> {
     /// Every part at the origin.
     pub fn new(scene: &'a Scene, layout: &'a Layout) -> Self {
         let defaults: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
         let numbers = Numbers::new(scene, &defaults);
         let mut moving = Vec::new();
         ground(scene, &numbers, 0.0, &mut moving);
-        let mut posture = Posture {
+        let mut configuration = Configuration {
             scene,
             layout,
             numbers,
@@ -38,9 +38,9 @@ impl<'a> Posture<'a> {
             motions: vec![Motion::unknown(); layout.bodies.len()],
         };
         for body in 0..layout.bodies.len() {
-            posture.place(Part::Body(body), Vector3::zeros(), &Matrix3::identity());
+            configuration.place(Part::Body(body), Vector3::zeros(), &Matrix3::identity());
         }
-        posture
+        configuration
     }
 
     /// Where a part is: position and axes in the world.

@@ -2,7 +2,7 @@
 
 /// Items that follow one another, several times over.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Cycle {
+pub struct StridedRun {
     /// Where it begins in the list.
     pub start: usize,
     /// How often its items follow one another.
@@ -29,8 +29,8 @@ const FEWEST: usize = 3;
 
 /// The list as loops, in order; what does not repeat is a loop of one round.
 #[must_use]
-pub fn cycles(list: &[(usize, Vec<usize>)]) -> Vec<Cycle> {
-    let mut cycles = Vec::new();
+pub fn strided_runs(list: &[(usize, Vec<usize>)]) -> Vec<StridedRun> {
+    let mut strided_runs = Vec::new();
     let mut start = 0;
     while start < list.len() {
         let rest = &list[start..];
@@ -49,14 +49,14 @@ pub fn cycles(list: &[(usize, Vec<usize>)]) -> Vec<Cycle> {
                 _ => vec![0; at.len()],
             },
         });
-        cycles.push(Cycle {
+        strided_runs.push(StridedRun {
             start,
             rounds,
             items: items.collect(),
         });
         start += period * rounds;
     }
-    cycles
+    strided_runs
 }
 
 /// How often the first `period` things follow one another, places advancing evenly.
@@ -93,12 +93,12 @@ fn steps(from: &[usize], to: &[usize]) -> Vec<isize> {
 mod tests {
     use super::*;
 
-    fn written_out(cycles: &[Cycle]) -> Vec<(usize, Vec<usize>)> {
-        let round = |cycle: &Cycle, round: usize| -> Vec<(usize, Vec<usize>)> {
+    fn written_out(strided_runs: &[StridedRun]) -> Vec<(usize, Vec<usize>)> {
+        let round = |run: &StridedRun, round: usize| -> Vec<(usize, Vec<usize>)> {
             let place = |(&at, &step): (&usize, &isize)| {
                 at.wrapping_add_signed(step.wrapping_mul(round as isize))
             };
-            let items = cycle.items.iter();
+            let items = run.items.iter();
             items
                 .map(|item| {
                     (
@@ -108,10 +108,10 @@ mod tests {
                 })
                 .collect()
         };
-        let all = cycles.iter();
-        all.flat_map(|cycle| {
-            (0..cycle.rounds)
-                .flat_map(|r| round(cycle, r))
+        let all = strided_runs.iter();
+        all.flat_map(|run| {
+            (0..run.rounds)
+                .flat_map(|r| round(run, r))
                 .collect::<Vec<_>>()
         })
         .collect()
@@ -126,10 +126,10 @@ mod tests {
         }
         list.push((1, vec![70, 200]));
         list.extend((0..4).map(|i| (3, vec![i * i])));
-        let found = cycles(&list);
+        let found = strided_runs(&list);
         assert_eq!(written_out(&found), list);
         assert_eq!((found[1].rounds, found[1].items.len()), (20, 2));
         assert!(found.len() <= 7, "{found:?}");
-        assert!(cycles(&[]).is_empty());
+        assert!(strided_runs(&[]).is_empty());
     }
 }

@@ -1,8 +1,8 @@
-//! Cutting a long program into pieces of a few hundred operations that end where a body, line or variable ends.
+//! Cutting a long program into blocks of a few hundred operations that end where a body, line or variable ends.
 //!
-//! Pieces that do the same are meant to be recognised ([`crate::kernels`]), so cuts are made where runs of operations that occur twice begin
-//! and end. The order of operations does not change, so neither does a bit of the result. A mask is no number and cannot be handed on: a piece
-//! that needs one from an earlier piece compares again.
+//! Blocks that do the same are meant to be recognised ([`crate::kernels`]), so cuts are made where runs of operations that occur twice begin
+//! and end. The order of operations does not change, so neither does a bit of the result. A mask is no number and cannot be handed on: a block
+//! that needs one from an earlier block compares again.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -15,17 +15,17 @@ use crate::program::{Program, Register};
 
 /// A program of at most this many operations stays one function, the fastest there is while it fits.
 pub const FLAT: usize = 1000;
-/// One that a run spends its time in is cut into as few pieces as can be up to this length: calls would cost it half as much again as its
-/// operations (ten coupled planar four-bars, 2,250 operations: 0.79 µs in shared pieces, 0.53 µs in one), and all it is to build is little.
+/// One that a run spends its time in is cut into as few blocks as can be up to this length: calls would cost it half as much again as its
+/// operations (ten coupled planar four-bars, 2,250 operations: 0.79 µs in shared blocks, 0.53 µs in one), and all it is to build is little.
 const DENSE: usize = 2500;
 /// One that a run spends little time in is cut from this length on if most of it repeats.
 const SMALL: usize = 200;
-/// No piece is longer, copies of masks apart.
+/// No block is longer, copies of masks apart.
 const LONGEST: usize = 600;
-/// A run of operations on one thing that occurs twice becomes a piece of its own from this length on; shorter ones come in groups.
+/// A run of operations on one thing that occurs twice becomes a block of its own from this length on; shorter ones come in groups.
 const SHARED: usize = 20;
 
-/// Shorter rounds make a piece together.
+/// Shorter rounds make a block together.
 const FULL: usize = 10;
 /// No round has more runs.
 const MOST: usize = 24;
@@ -34,10 +34,10 @@ const FEWEST: usize = 3;
 
 /// A part of a program.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub struct Block {
     /// Its instructions, by index, in order.
     pub instructions: Vec<usize>,
-    /// What each does: arguments counted inside the piece.
+    /// What each does: arguments counted inside the block.
     pub pattern: Vec<Op<Local>>,
     /// The numbers it takes that are not known at build time, in the order of their first use.
     pub given: Vec<Register>,
@@ -45,24 +45,24 @@ pub struct Piece {
     pub constants: Vec<Register>,
     /// Its instructions whose values are used later, as places in `instructions`: first those that go to the result, by their place there.
     pub results: Vec<usize>,
-    /// What it does and which of it is used later in a few words: equal for pieces alike.
+    /// What it does and which of it is used later in a few words: equal for blocks alike.
     pub shape: Vec<u32>,
 }
 
-/// An argument of an operation of a piece.
+/// An argument of an operation of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Local {
-    /// The value of an operation of the piece.
+    /// The value of an operation of the block.
     Value(usize),
-    /// A number of [`Piece::given`].
+    /// A number of [`Block::given`].
     Given(usize),
-    /// A number of [`Piece::constants`].
+    /// A number of [`Block::constants`].
     Constant(usize),
 }
 
 /// Cuts a program; `None` if it is short enough to stay one function.
 #[must_use]
-pub fn outline(program: &Program) -> Option<Vec<Piece>> {
+pub fn partition(program: &Program) -> Option<Vec<Block>> {
     let count = program.instructions.len();
     if count <= FLAT && (is_hot(program) || count + program.outputs.len() < SMALL) {
         return None;
@@ -70,35 +70,35 @@ pub fn outline(program: &Program) -> Option<Vec<Piece>> {
     if count <= DENSE && is_hot(program) {
         return Some(fewest(program));
     }
-    let pieces = cut(program, 0..count);
+    let blocks = cut(program, 0..count);
     let mut shapes = Shapes::default();
     let mut distinct = 0;
-    for piece in &pieces {
-        let (_, new) = shapes.of(&piece.shape);
+    for block in &blocks {
+        let (_, new) = shapes.of(&block.shape);
         if new {
-            distinct += piece.instructions.len();
+            distinct += block.instructions.len();
         }
     }
-    (count > FLAT || 2 * distinct <= count).then_some(pieces)
+    (count > FLAT || 2 * distinct <= count).then_some(blocks)
 }
 
-/// Cuts a program that begins with the operations of another where that one is cut into `first`, and then at `ends`. Pieces hand on what any
+/// Cuts a program that begins with the operations of another where that one is cut into `first`, and then at `ends`. Blocks hand on what any
 /// later one needs.
 #[must_use]
-pub fn outline_after(program: &Program, first: &[Piece], ends: &[usize]) -> Vec<Piece> {
+pub fn partition_after(program: &Program, first: &[Block], ends: &[usize]) -> Vec<Block> {
     let mut cutter = Cutter::new(program);
     let mut start = 0;
-    let mut pieces = Vec::new();
-    for piece in first {
-        let end = piece.instructions.last().map_or(start, |last| last + 1);
-        pieces.push(cutter.measure((start..end).collect()));
+    let mut blocks = Vec::new();
+    for block in first {
+        let end = block.instructions.last().map_or(start, |last| last + 1);
+        blocks.push(cutter.measure((start..end).collect()));
         start = end;
     }
     for &end in ends {
-        pieces.extend(cut(program, start..end));
+        blocks.extend(cut(program, start..end));
         start = end;
     }
-    pieces
+    blocks
 }
 
 /// Whether a run spends its time there; rows and their rates are short beside derivative and correction.
@@ -123,41 +123,41 @@ fn is_hot(program: &Program) -> bool {
     })
 }
 
-/// As few pieces as can be, about equally long.
-fn fewest(program: &Program) -> Vec<Piece> {
+/// As few blocks as can be, about equally long.
+fn fewest(program: &Program) -> Vec<Block> {
     let mut cutter = Cutter::new(program);
     let count = program.instructions.len();
     let length = count.div_ceil(count.div_ceil(LONGEST));
     let all: Vec<usize> = (0..count).collect();
     all.chunks(length)
-        .map(|piece| cutter.measure(piece.to_vec()))
+        .map(|block| cutter.measure(block.to_vec()))
         .collect()
 }
 
-/// Pieces of a range of a program, at the borders of what repeats.
-fn cut(program: &Program, range: Range<usize>) -> Vec<Piece> {
+/// Blocks of a range of a program, at the borders of what repeats.
+fn cut(program: &Program, range: Range<usize>) -> Vec<Block> {
     let mut cutter = Cutter::new(program);
     let runs = runs(program, range);
-    let mut alone: Vec<Option<Piece>> = runs
+    let mut alone: Vec<Option<Block>> = runs
         .iter()
         .map(|run| Some(cutter.measure(run.clone())))
         .collect();
     let mut shapes = Shapes::default();
-    let pieces = alone.iter().flatten();
-    let kinds: Vec<usize> = pieces.map(|piece| shapes.of(&piece.shape).0).collect();
+    let blocks = alone.iter().flatten();
+    let kinds: Vec<usize> = blocks.map(|block| shapes.of(&block.shape).0).collect();
     let lengths: Vec<usize> = runs.iter().map(Vec::len).collect();
-    let piece = |group: Range<usize>| match alone.get_mut(group.start).filter(|_| group.len() == 1)
+    let block = |group: Range<usize>| match alone.get_mut(group.start).filter(|_| group.len() == 1)
     {
-        Some(piece) => piece.take(),
+        Some(block) => block.take(),
         None => Some(cutter.measure(runs[group].concat())),
     };
     let groups = groups(&kinds, &lengths);
-    groups.into_iter().filter_map(piece).collect()
+    groups.into_iter().filter_map(block).collect()
 }
 
-/// Which runs make a piece together, given the kind and the length of each.
+/// Which runs make a block together, given the kind and the length of each.
 ///
-/// Where kinds follow one another in rounds, as from body to body, a piece is a round, or several short ones: a call costs as much as ten
+/// Where kinds follow one another in rounds, as from body to body, a block is a round, or several short ones: a call costs as much as ten
 /// operations.
 fn groups(kinds: &[usize], lengths: &[usize]) -> Vec<Range<usize>> {
     let mut counts = vec![0; kinds.iter().max().map_or(0, |most| most + 1)];
@@ -186,7 +186,7 @@ fn groups(kinds: &[usize], lengths: &[usize]) -> Vec<Range<usize>> {
     groups
 }
 
-/// The runs of a piece, and the end of the rounds that begin with run `start`.
+/// The runs of a block, and the end of the rounds that begin with run `start`.
 fn rounds(kinds: &[usize], lengths: &[usize], start: usize) -> Option<(usize, usize)> {
     let rest = &kinds[start..];
     let (period, rounds) = (1..=MOST.min(rest.len() / FEWEST))
@@ -229,7 +229,7 @@ fn others(
     groups
 }
 
-/// The shapes of pieces, counted.
+/// The shapes of blocks, counted.
 #[derive(Default)]
 pub struct Shapes(Map<u64, Vec<(Vec<u32>, usize)>>, usize);
 
@@ -282,9 +282,9 @@ struct Cutter<'a> {
     uses: Vec<usize>,
     /// Per instruction, its first place in the result.
     places: Vec<usize>,
-    /// Per register, the piece that last used it and what it is there.
+    /// Per register, the block that last used it and what it is there.
     local: Vec<(u32, Local)>,
-    /// How many pieces were measured.
+    /// How many blocks were measured.
     measured: u32,
     /// Whether it compares at all.
     has_masks: bool,
@@ -317,8 +317,8 @@ impl<'a> Cutter<'a> {
         matches!(self.program.instructions[index].op, Op::Compare(..))
     }
 
-    /// What a piece takes and gives, and its pattern. Masks from outside are added to its instructions.
-    fn measure(&mut self, cut: Vec<usize>) -> Piece {
+    /// What a block takes and gives, and its pattern. Masks from outside are added to its instructions.
+    fn measure(&mut self, cut: Vec<usize>) -> Block {
         let end = cut.last().copied().unwrap_or_default();
         let start = cut.first().copied().unwrap_or_default();
         let mut instructions = Vec::with_capacity(cut.len());
@@ -330,14 +330,14 @@ impl<'a> Cutter<'a> {
             instructions.push(index);
         }
         self.measured += 1;
-        let (piece, known) = (self.measured, self.program.constants.len());
+        let (block, known) = (self.measured, self.program.constants.len());
         let (given, constants) = (&mut Vec::new(), &mut Vec::new());
         let (mut pattern, mut shape) = (Vec::with_capacity(cut.len()), Vec::new());
         for (place, &index) in instructions.iter().enumerate() {
             let local = self.local.as_mut_slice();
             let op = self.program.instructions[index].op.map(|register| {
                 let entry = &mut local[register.index()];
-                if entry.0 != piece {
+                if entry.0 != block {
                     let number = if register.index() < known {
                         constants.push(register);
                         Local::Constant(constants.len() - 1)
@@ -345,11 +345,11 @@ impl<'a> Cutter<'a> {
                         given.push(register);
                         Local::Given(given.len() - 1)
                     };
-                    *entry = (piece, number);
+                    *entry = (block, number);
                 }
                 entry.1
             });
-            local[self.first + index] = (piece, Local::Value(place));
+            local[self.first + index] = (block, Local::Value(place));
             write(op, &mut shape);
             pattern.push(op);
         }
@@ -367,7 +367,7 @@ impl<'a> Cutter<'a> {
             }
             shape.push(*result as u32);
         }
-        Piece {
+        Block {
             instructions,
             pattern,
             given: std::mem::take(given),
@@ -397,7 +397,7 @@ impl<'a> Cutter<'a> {
     }
 }
 
-/// An operation of a piece as words, different for different operations.
+/// An operation of a block as words, different for different operations.
 fn write(op: Op<Local>, words: &mut Vec<u32>) {
     let word = |local: Local| match local {
         Local::Value(index) => index as u32,
@@ -466,7 +466,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pieces_are_the_rounds_from_body_to_body() {
+    fn blocks_are_the_rounds_from_body_to_body() {
         // Two runs before, five rounds of three, one after.
         let kinds = [&[7, 8][..], &[1, 2, 1].repeat(5), &[9]].concat();
         let lengths = vec![15; kinds.len()];

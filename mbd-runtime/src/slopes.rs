@@ -1,0 +1,117 @@
+//! Derivatives of quantities by running the laws on dual numbers, some columns at a time. In `f64` whatever the scalar of the model: exact
+//! enough for both, and compiled once.
+
+use mbd_scene::laws::{self, Numbers, Scratch};
+use mbd_scene::{Arguments, At, Dual, Float, Layout, Quantity, Scene, Variable};
+
+/// How many variables one pass of dual numbers carries.
+const PASS: usize = 8;
+type Slope = Dual<f64, PASS>;
+
+/// What K_e and L_e of the lines of nodes do while a parameter varies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effective {
+    /// They stay: a partial derivative.
+    Fixed,
+    /// K_e − K and L_e − L0 stay; lines of slack networks (K_e = 0) carry nothing.
+    Follows,
+}
+
+/// The room of one scene and its parameters.
+#[derive(Debug)]
+pub(crate) struct Slopes {
+    numbers: Numbers<Slope>,
+    scratch: Scratch<Slope>,
+    arguments: Arguments<Slope>,
+    out: Vec<Slope>,
+}
+
+impl Slopes {
+    pub(crate) fn new<T: Float>(scene: &Scene, layout: &Layout, params: &[T]) -> Self {
+        let params: Vec<Slope> = params.iter().map(|&x| constant(x)).collect();
+        Slopes {
+            numbers: Numbers::new(scene, &params),
+            scratch: Scratch::new(layout),
+            arguments: Arguments::default(),
+            out: Vec::new(),
+        }
+    }
+
+    /// Writes ∂(quantity)/∂(variable), dense, row by row; a slice of a wrong length is left as it is.
+    pub(crate) fn differentiate<T: Float>(
+        &mut self,
+        (scene, layout): (&Scene, &Layout),
+        (of, by): (Quantity, Variable),
+        effective: Effective,
+        at: &At<'_, T>,
+        out: &mut [T],
+    ) {
+        let (rows, columns) = (layout.len(of), layout.variables(by));
+        if out.len() != rows * columns {
+            return;
+        }
+        self.arguments.read(at, constant);
+        for first in (0..columns).step_by(PASS) {
+            let last = columns.min(first + PASS);
+            let mut seeded = None;
+            match by {
+                Variable::State => seed(&mut self.arguments.state, first..last),
+                Variable::Node => seed(&mut self.arguments.nodes, first..last),
+                Variable::Parameter => {
+                    let mut params = self.numbers.params.clone();
+                    seed(&mut params, first..last);
+                    let numbers = Numbers::new(scene, &params);
+                    if effective == Effective::Follows {
+                        follow(layout, &numbers, &mut self.arguments.effective);
+                    }
+                    seeded = Some(numbers);
+                }
+            }
+            self.out.clear();
+            self.out.resize(rows, Dual::constant(0.0));
+            laws::evaluate(
+                of,
+                scene,
+                layout,
+                seeded.as_ref().unwrap_or(&self.numbers),
+                &self.arguments.at(),
+                &mut self.scratch,
+                &mut self.out,
+            );
+            for (row, value) in out.chunks_exact_mut(columns).zip(&self.out) {
+                for (to, slope) in row[first..last].iter_mut().zip(value.slopes) {
+                    *to = T::from_f64(slope);
+                }
+            }
+        }
+    }
+}
+
+/// Gives K_e and L_e the slopes of K and L0.
+fn follow(layout: &Layout, numbers: &Numbers<Slope>, list: &mut [Slope]) {
+    for (slots, line) in layout.lines.iter().zip(&numbers.lines) {
+        if let Some(effective) = slots.effective
+            && let Some([k, l]) = list.get_mut(2 * effective..2 * effective + 2)
+            && k.value != 0.0
+        {
+            k.slopes = line.stiffness.slopes;
+            l.slopes = line.free_length.slopes;
+        }
+    }
+}
+
+/// A number that does not vary.
+fn constant<T: Float>(x: T) -> Slope {
+    Dual::constant(x.to_f64())
+}
+
+/// Makes the numbers in `range` variables 0, 1, …, all others constants.
+fn seed(list: &mut [Slope], range: std::ops::Range<usize>) {
+    for (index, number) in list.iter_mut().enumerate() {
+        *number = if range.contains(&index) {
+            Dual::variable(number.value, index - range.start)
+        } else {
+            Dual::constant(number.value)
+        };
+    }
+}
