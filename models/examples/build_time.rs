@@ -20,13 +20,12 @@ const ROD: &str = "mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, \
 
 /// One rod on a hinge.
 fn hinge() -> String {
-    format!(
-        "pub model Chain {{
+    "pub model Chain {
             gravity: [0.0, 0.0, -9.81] m/s^2;
-            body rod {{ {ROD} }}
-            joint hold: hinge from world to rod.top {{ axis: y }}
-        }}"
-    )
+            body rod { mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+            joint hold: hinge from world to rod.top { axis: y }
+        }"
+    .to_owned()
 }
 
 /// A crate that runs this model so many times over, each a model of its own.
