@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use mbd_scene::laws::{self, LineNumbers, Numbers, Scratch};
+use mbd_scene::Scratch;
+use mbd_scene::laws::{LineNumbers, Numbers};
 use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Scene, Work, checked_numbers};
 
 use crate::compiled::Scalar;
@@ -90,7 +91,7 @@ impl<T: Float> Generic<T> {
                 let of = (of.quantity(), by);
                 slopes.differentiate((&self.scene, &self.layout), of, Effective::Fixed, at, out);
             }
-            _ => laws::evaluate(
+            _ => mbd_scene::evaluate(
                 what,
                 &self.scene,
                 &self.layout,

@@ -1,7 +1,8 @@
 //! The laws of a scene on numbers, whatever model runs: for the few states at which a run needs what a compiled model may not have been
 //! asked to emit. In `f64` whatever the scalar of the run.
 
-use mbd_scene::laws::{self, Numbers, Scratch};
+use mbd_scene::Scratch;
+use mbd_scene::laws::Numbers;
 use mbd_scene::{Arguments, At, Float, Model, Quantity};
 
 /// Numbers and scratch of one scene.
@@ -33,7 +34,7 @@ impl Laws {
     ) {
         self.arguments.read(at, |x| x.to_f64());
         out.fill(0.0);
-        laws::evaluate(
+        mbd_scene::evaluate(
             what,
             model.scene(),
             model.layout(),
@@ -54,7 +55,7 @@ impl Laws {
         out: &mut [f64],
     ) {
         self.arguments.read(at, |x| x.to_f64());
-        laws::evaluate_given(
+        mbd_scene::evaluate_given(
             what,
             model.scene(),
             model.layout(),
@@ -74,7 +75,7 @@ impl Laws {
     ) {
         self.arguments.read(at, |x| x.to_f64());
         out.clear();
-        laws::jumping_angles(
+        mbd_scene::jumping_angles(
             model.scene(),
             model.layout(),
             &self.numbers,

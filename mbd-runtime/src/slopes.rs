@@ -1,7 +1,8 @@
 //! Derivatives of quantities by running the laws on dual numbers, some columns at a time. In `f64` whatever the scalar of the model: exact
 //! enough for both, and compiled once.
 
-use mbd_scene::laws::{self, Numbers, Scratch};
+use mbd_scene::Scratch;
+use mbd_scene::laws::Numbers;
 use mbd_scene::{Arguments, At, Dual, Float, Layout, Quantity, Scene, Variable};
 
 /// How many variables one pass of dual numbers carries.
@@ -69,7 +70,7 @@ impl Slopes {
             }
             self.out.clear();
             self.out.resize(rows, Dual::constant(0.0));
-            laws::evaluate(
+            mbd_scene::evaluate(
                 of,
                 scene,
                 layout,

@@ -4,7 +4,8 @@
 //! G(x, y) = 0,  ẋ = F(x, y):      dy = −G_y⁻¹ G_x dx,      dẋ = F(x + dx ε, y + dy ε)
 //! ```
 
-use mbd_scene::laws::{self, Numbers, Scratch};
+use mbd_scene::Scratch;
+use mbd_scene::laws::Numbers;
 use mbd_scene::{Layout, Quantity, Scene};
 use nalgebra::{DMatrix, DVector};
 
@@ -36,7 +37,7 @@ impl<'s> Implicit<'s> {
     /// A quantity: value and derivative by the one seeded variable.
     pub fn evaluate(&mut self, what: Quantity, at: &Instant<Oracle>) -> Vec<Oracle> {
         let mut out = vec![Oracle::constant(0.0); self.layout.len(what)];
-        laws::evaluate(
+        mbd_scene::evaluate(
             what,
             self.scene,
             &self.layout,

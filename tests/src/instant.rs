@@ -1,6 +1,7 @@
 //! Instants: complete arguments of an evaluation, random or at the edges where derivatives tend to break.
 
-use mbd_scene::laws::{self, Numbers, Scratch};
+use mbd_scene::Scratch;
+use mbd_scene::laws::Numbers;
 use mbd_scene::{Differentiated, Layout, Model, PointSlots, Quantity, Scene, Variable};
 
 use crate::oracle::Oracle;
@@ -87,7 +88,7 @@ pub fn partial_by_oracle(
         *slot = Oracle::variable(slot.0.re);
         let numbers = Numbers::new(scene, &params);
         let mut out = vec![Oracle::constant(0.0); rows];
-        laws::evaluate(
+        mbd_scene::evaluate(
             of.quantity(),
             scene,
             &layout,

@@ -1,7 +1,8 @@
 //! Mechanisms of bodies and joints built in code, and their motions: arbitrary ones, and ones that obey a joint.
 
+use mbd_scene::Scratch;
 use mbd_scene::joints::{Axis, JointLaw, Relative, Twist};
-use mbd_scene::laws::{self, Numbers, Scratch};
+use mbd_scene::laws::Numbers;
 use mbd_scene::{
     AngularVelocity, At, Body, Formula, Frame, Gravity, Inertia, Joint, Layout, Load, LoadKind,
     Place, Plane, Point, PointKind, Quantity, Real, Scene, Triple,
@@ -366,7 +367,7 @@ fn evaluate_at<S: Real>(scene: &Scene, what: Quantity, at: &At<'_, S>) -> Vec<S>
         at.inputs
     };
     let mut out = vec![S::zero(); layout.len(what)];
-    laws::evaluate(
+    mbd_scene::evaluate(
         what,
         scene,
         &layout,

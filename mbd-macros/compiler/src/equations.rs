@@ -1,6 +1,7 @@
 //! The equations of a scene: its laws run on symbols, quantity by quantity, and put in order as programs.
 
-use mbd_scene::laws::{self, Numbers, Scratch};
+use mbd_scene::Scratch;
+use mbd_scene::laws::Numbers;
 use mbd_scene::{At, Cost, Layout, Quantity, Redundancy, Scene, Variable};
 use num_traits::Zero;
 
@@ -201,7 +202,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
     let mut law = |what: Quantity| {
         let mut out = vec![Expr::zero(); layout.len(what)];
         let ((), order) = recorded(|| {
-            laws::evaluate(what, scene, layout, &numbers, &at, &mut scratch, &mut out);
+            mbd_scene::evaluate(what, scene, layout, &numbers, &at, &mut scratch, &mut out);
         });
         let keep = |&(_, expr): &(usize, Expr)| !is_matrix(what) || !expr.is_structural_zero();
         let outputs = out.into_iter().enumerate().filter(keep).collect();

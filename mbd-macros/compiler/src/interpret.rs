@@ -1,6 +1,6 @@
 //! Running a program: the second of the three ways to execute a scene.
 
-use mbd_scene::laws::{self, LineNumbers, Numbers};
+use mbd_scene::laws::{LineNumbers, Numbers};
 use std::sync::Arc;
 
 use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Real, Scene, Work, check_params};
@@ -204,7 +204,7 @@ impl<T: Float> Model<T> for Interpreted<T> {
         {
             program.run(at, &self.params, &self.derived, registers, out);
         } else if !self.equations.layout.spells_out(what) {
-            laws::sensitivity(what, &self.equations.layout, at, out);
+            mbd_scene::sensitivity(what, &self.equations.layout, at, out);
         }
     }
 }

@@ -3,7 +3,8 @@
 mod scenes;
 
 use mbd_compiler::{Equations, Interpreted, Slot};
-use mbd_scene::laws::{self, Numbers, Scratch};
+use mbd_scene::Scratch;
+use mbd_scene::laws::Numbers;
 use mbd_scene::{Arguments, Dual, Layout, Model, Quantity, Scene, Variable};
 use scenes::{Random, somewhere};
 
@@ -29,7 +30,7 @@ fn by_law(scene: &Scene, what: Quantity, place: &Arguments<f64>) -> Vec<f64> {
     let mut out = vec![0.0; layout.len(what)];
     let numbers = Numbers::new(scene, &params(scene));
     let mut scratch = Scratch::new(&layout);
-    laws::evaluate(
+    mbd_scene::evaluate(
         what,
         scene,
         &layout,
@@ -59,7 +60,7 @@ fn by_duals(scene: &Scene, of: Quantity, by: Variable, place: &Arguments<f64>) -
         let numbers = Numbers::new(scene, &values);
         let mut scratch = Scratch::new(&layout);
         let at = seeded.at();
-        laws::evaluate(of, scene, &layout, &numbers, &at, &mut scratch, &mut out);
+        mbd_scene::evaluate(of, scene, &layout, &numbers, &at, &mut scratch, &mut out);
         for (row, value) in out.iter().enumerate() {
             jacobian[row * columns + column] = value.slopes[0];
         }

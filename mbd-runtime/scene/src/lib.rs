@@ -8,13 +8,9 @@
 //!
 //! This crate knows no tokens and does no input or output.
 
-mod cost;
-mod dual;
 mod elimination;
-mod few;
+mod evaluate;
 mod fingerprint;
-mod formula;
-mod jet;
 pub mod joints;
 pub mod laws;
 mod layout;
@@ -22,36 +18,37 @@ mod lines;
 mod model;
 mod packed;
 mod params;
-mod plane;
-mod quantity;
-mod real;
+mod plan;
 mod redundancy;
+pub mod rows;
+mod scalar;
 mod scene;
+mod vocabulary;
 
-pub use cost::Cost;
-pub use dual::Dual;
-pub use elimination::{Below, Carrying, Elimination, Order, Part, Step};
+pub use evaluate::{Scratch, evaluate, evaluate_given, jumping_angles, sensitivity};
 pub use fingerprint::fingerprint;
-pub use formula::{Formula, Function, Place};
-pub use jet::Jet;
 pub use joints::{
-    Along, Axis, ConstantAngle, Cylindrical, Distance, Free, Hinge, JointLaw, Planar, PointOnLine,
+    Along, ConstantAngle, Cylindrical, Distance, Free, Hinge, JointLaw, Planar, PointOnLine,
     PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical, Universal,
 };
 pub use layout::{
-    Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node, Plan,
-    PointSlots, Slots, StopSlots,
+    Anchor, Below, Carrying, Elimination, HeldMotor, InputSlots, InputSource, JointSlots, Layout,
+    LineEnd, LineSlots, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots, Step,
+    StopSlots,
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};
 pub use packed::Packed;
 pub use params::{ParamError, check_params, checked_numbers};
-pub use plane::{Directions, Plane};
-pub use quantity::{Arguments, At, Differentiated, Quantity, Variable};
-pub use real::{Float, Real, TINY};
-pub use redundancy::{Apart, HeldMotor, Redundancy, Repeat, RowSet};
+pub use redundancy::Apart;
+pub use scalar::{Dual, Float, Jet, Real, TINY, inverse, rotation, symmetric};
 pub use scene::{
-    AngularVelocity, Body, Clamp, Constant, Coordinates, Difference, Dimension, Direction, Event,
-    Frame, Gravity, Inertia, Input, Joint, Line, Load, LoadKind, NodeModel, Output, Parameter,
-    Point, PointKind, Scene, Table, Triple, Unit,
+    Body, Clamp, Constant, Coordinates, Difference, Direction, Event, Frame, Gravity, Inertia,
+    Input, Joint, Line, Load, LoadKind, NodeModel, Output, Parameter, Point, PointKind, Scene,
+    Triple,
+};
+pub use vocabulary::{
+    AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
+    Field, Fields, Formula, FrameMotion, Function, Measure, Part, Place, Plane, Pose, Quantity,
+    Relative, RowSet, Rule, Table, Twist, Unit, Variable,
 };

@@ -2,10 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::formula::{Formula, Place};
-use crate::joints::{Along, Coordinate, JointLaw, Side};
+use crate::joints::{Along, JointLaw, Side};
 use crate::lines::LineKind;
-use crate::plane::{Directions, Plane};
+use crate::{AngularVelocity, Coordinate, Directions, Formula, Place, Plane, Table, Unit};
 
 /// Three scalar formulas: a vector known in components.
 pub type Triple = [Formula; 3];
@@ -53,6 +52,12 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The name of a line.
+    pub(crate) fn line_name(&self, line: usize) -> &str {
+        let line = self.lines.get(line);
+        line.map_or("line", |line| line.name.as_str())
+    }
+
     /// A joint and its measurable coordinate number `index`; `None` if there is no such joint or coordinate.
     #[must_use]
     pub fn coordinate(&self, joint: usize, index: usize) -> Option<(&Joint, Coordinate)> {
@@ -103,16 +108,6 @@ pub enum Coordinates {
     Relative,
 }
 
-/// The components in which the state carries angular velocity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum AngularVelocity {
-    /// Along the body's own axes: constant mass matrix.
-    #[default]
-    Body,
-    /// Along world axes: mass matrix R I′ Rᵀ.
-    World,
-}
-
 /// The acceleration of gravity at a position r, world axes [m/s²].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Gravity {
@@ -146,28 +141,6 @@ pub enum Gravity {
     },
     /// Supplied by the caller for every body and point with mass (three input slots each).
     Field,
-}
-
-/// A unit as written, with its meaning in SI.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Unit {
-    /// The text of the unit, `kN/m`; empty for a pure number.
-    pub text: String,
-    /// SI value of one such unit.
-    pub factor: f64,
-    /// What it measures.
-    pub dimension: Dimension,
-}
-
-/// Exponents of mass, length and time, **doubled** so that square roots stay whole.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Dimension {
-    /// Twice the exponent of mass.
-    pub mass: i8,
-    /// Twice the exponent of length.
-    pub length: i8,
-    /// Twice the exponent of time.
-    pub time: i8,
 }
 
 /// A number that folds into the code.
@@ -209,23 +182,6 @@ pub struct Input {
     pub components: usize,
     /// SI unit.
     pub unit: Unit,
-}
-
-/// A table: `y` over strictly increasing `x`, linear between rows, constant beyond them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Table {
-    /// Name, used as a function of one argument.
-    pub name: String,
-    /// Documentation.
-    pub doc: String,
-    /// Arguments [SI].
-    pub x: Vec<f64>,
-    /// Values [SI].
-    pub y: Vec<f64>,
-    /// Unit of the argument.
-    pub x_unit: Unit,
-    /// Unit of the value.
-    pub y_unit: Unit,
 }
 
 /// A place and axes on a body or in the world. The formulas of a frame of the world may contain time, those of a body may not.

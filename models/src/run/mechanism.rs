@@ -2,7 +2,8 @@
 
 use mbd_runtime::Trajectory;
 use mbd_runtime::nalgebra::{Matrix3, Vector3};
-use mbd_runtime::scene::laws::{Numbers, ground, rotation};
+use mbd_runtime::scene::laws::{Numbers, ground};
+use mbd_runtime::scene::rotation;
 use mbd_runtime::scene::{Place, Plane, PointKind, Scene};
 
 use super::plan::Plan;

@@ -1,7 +1,7 @@
 //! Joint coordinates of all joints: what is measured is what the motion was made of, and its row is its derivative, on the joint and off it.
 
 use mbd_scene::joints::JointLaw;
-use mbd_scene::laws::rows::{End, Ends, Turn};
+use mbd_scene::rows::{End, Ends, Turn};
 use mbd_scene::{AngularVelocity, Formula, Output, Quantity, Scene, Unit};
 use nalgebra::Vector3;
 use tests::assert_close;

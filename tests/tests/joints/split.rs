@@ -1,7 +1,7 @@
 //! The columns that joints state for the solver: H free, N held, on the constraints and off them.
 
 use mbd_scene::joints::{Carried, JointLaw, Twist};
-use mbd_scene::laws::rows::{End, Ends, Row, Rows};
+use mbd_scene::rows::{End, Ends, Row, Rows};
 use mbd_scene::{AngularVelocity, Jet};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use tests::assert_close;

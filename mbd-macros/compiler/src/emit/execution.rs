@@ -72,7 +72,7 @@ pub fn implementation(context: &Context) -> TokenStream {
     let on_numbers = (!on_numbers.is_empty()).then(|| {
         quote! {
             #(#on_numbers)|* => {
-                ::mbd_runtime::scene::laws::sensitivity(what, &declared().layout, at, out);
+                ::mbd_runtime::scene::sensitivity(what, &declared().layout, at, out);
             }
         }
     });

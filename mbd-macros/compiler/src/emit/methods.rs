@@ -185,7 +185,7 @@ fn method(
                     inputs: &[],
                     rows: &[],
                 };
-                ::mbd_runtime::scene::laws::sensitivity(#path, &declared().layout, &at, out);
+                ::mbd_runtime::scene::sensitivity(#path, &declared().layout, &at, out);
             }
         }
         None => quote!(let _ = out;),

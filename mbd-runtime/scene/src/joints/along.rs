@@ -1,5 +1,5 @@
 //! The fields of a joint coordinate: a spring, a damper, friction, stops, a force, a motor. The law of what pushes is in
-//! [`crate::laws::along`], that of the motor, which is a row, in `laws/motor.rs`.
+//! [`crate::laws::along`], that of the motor, which is a row, in `rows/motor.rs`.
 
 use serde::{Deserialize, Serialize};
 

@@ -15,8 +15,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{Axis, Twist};
 use crate::Real;
-use crate::few::Few;
-use crate::laws::rows::{Ends, couple};
+use crate::rows::{Ends, couple};
+use crate::scalar::Few;
 
 /// A column of N.
 #[derive(Clone, Copy, Debug)]

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::field::ANGLE;
 use super::motion::write;
 use super::{Axis, Field, Fields, Joint, Pose, Relative, Rule, Twist};
-use crate::laws::rows::{Ends, Rows};
+use crate::rows::{Ends, Rows};
 use crate::{Formula, Real};
 use nalgebra::{Matrix3, Vector3};
 

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::motion::write;
 use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
-use crate::laws::rows::{Ends, Rows};
+use crate::rows::{Ends, Rows};
 
 /// A sleeve on a shaft: 2 freedoms, the way along the axis, then the angle about it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

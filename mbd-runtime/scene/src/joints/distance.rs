@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::field::LENGTH;
 use super::motion::{attitude_columns, write};
 use super::{Axis, Field, Fields, Joint, Pose, Relative, Rule, Twist};
-use crate::laws::rows::{Ends, Rows};
+use crate::rows::{Ends, Rows};
 use crate::{Formula, Real};
 use nalgebra::Vector3;
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::motion::attitude_columns;
 use super::{Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
-use crate::laws::rows::{Ends, Rows};
+use crate::rows::{Ends, Rows};
 
 /// A body that floats: 6 freedoms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

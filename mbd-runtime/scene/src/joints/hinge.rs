@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::motion::write;
 use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
-use crate::laws::rows::{Ends, Rows};
+use crate::rows::{Ends, Rows};
 
 /// A door hinge, a wheel axle: 1 freedom, the angle about the axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

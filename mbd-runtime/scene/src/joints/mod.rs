@@ -4,27 +4,21 @@
 //! its motion and its place in the list of joints follow. Both tellings check each other in one contract test for all joints.
 //!
 //! Frame 1 is the joint's place on the parent, frame 2 its place on the child. An axis has the same components in both.
-//! Source of the rows: J. W. Kamman, ME 6590, Connecting Joints, Part I; derivatives of every row in [`crate::laws::rows`].
+//! Source of the rows: J. W. Kamman, ME 6590, Connecting Joints, Part I; derivatives of every row in [`crate::rows`].
 
 mod along;
-mod axis;
 mod carried;
-mod coordinate;
-mod field;
-mod motion;
 
 pub use along::{
     Along, AlongField, FORCE, MOTOR, Measured, NUMBERS, STOP_ORDER, STOPS, Side, in_order,
 };
-pub use axis::Axis;
 pub use carried::{Carried, Held};
-pub use coordinate::{Coordinate, Measure};
-pub use field::{Field, Fields, Rule};
-pub use motion::{Pose, Relative, Twist};
 
 use serde::{Deserialize, Serialize};
 
-use crate::laws::rows::{Ends, Rows};
+use crate::rows::{Ends, Rows};
+use crate::vocabulary::{field, motion};
+pub use crate::{Axis, Coordinate, Field, Fields, Measure, Pose, Relative, Rule, Twist};
 use crate::{Formula, Real};
 
 /// What a joint must say about itself.

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::motion::write;
 use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
-use crate::laws::rows::{Ends, Rows};
+use crate::rows::{Ends, Rows};
 
 /// A puck on a table: 3 freedoms, two ways in the plane, then the angle about the normal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

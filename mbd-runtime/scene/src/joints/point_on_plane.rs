@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::motion::{attitude_columns, write};
 use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
-use crate::laws::rows::{Ends, Rows};
+use crate::rows::{Ends, Rows};
 
 /// A ball on a table: 5 freedoms, two ways in the plane, then the attitude.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

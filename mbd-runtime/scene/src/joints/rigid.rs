@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Axis, Carried, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
-use crate::laws::rows::{Ends, Rows};
+use crate::rows::{Ends, Rows};
 
 /// A weld: 0 freedoms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

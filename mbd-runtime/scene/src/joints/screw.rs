@@ -18,7 +18,7 @@ use super::motion::write;
 use super::{
     Axis, Carried, Coordinate, Field, Fields, Joint, Measure, Pose, Relative, Rule, Twist,
 };
-use crate::laws::rows::{Ends, Rows, helix};
+use crate::rows::{Ends, Rows, helix};
 use crate::{Formula, Real};
 
 /// A nut on a thread: 1 freedom, the angle about the axis.

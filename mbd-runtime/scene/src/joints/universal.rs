@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::motion::write;
 use super::{Axis, Carried, Coordinate, Fields, Joint, Measure, Pose, Relative, Twist};
 use crate::Real;
-use crate::laws::rows::{Ends, Rows, couple};
+use crate::rows::{Ends, Rows, couple};
 
 /// A cardan joint: 2 freedoms, the angle about the first axis, then about the second.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,4 +1,4 @@
-//! What acts along a joint coordinate x with rate u: a generalised force Q, which the bodies feel as Φ_vᵀ Q (see [`super::coordinate`]).
+//! What acts along a joint coordinate x with rate u: a generalised force Q, which the bodies feel as Φ_vᵀ Q (see [`crate::rows::coordinate`]).
 //!
 //! ```text
 //! Q = −K (x − x0) − C u − F u/√(u² + w²) + P_low − P_high + f                  [N], for an angle [N m]                  (1)
@@ -7,53 +7,20 @@
 //! ```
 //!
 //! Springs and dampers restrict a joint by loads and take no freedom away (Kamman, Connecting Joints I); the same holds for stops and for a
-//! prescribed force. A stop is a line of [`super::line`] whose stretch is the depth e: same law (2), same care (it never pulls back, and its
+//! prescribed force. A stop is a line of [`crate::laws::line`] whose stretch is the depth e: same law (2), same care (it never pulls back, and its
 //! damping begins with the touch), same located switches. Friction is Coulomb's level F, turned through zero over the rate w: it creeps under
 //! load at about w Q/F instead of sticking, and its slope F/w bounds the step. Singular case: none, w > 0.
 //! An angle that turns through ±π jumps there, and with it a spring's torque: a run counts such steps ([`jumping_angles`]). Rejected: F sign(u), which is no function at u = 0.
 
 use std::cell::OnceCell;
 
-use super::evaluation::Evaluation;
-use super::formula;
-use super::line;
-use super::rows::{Ends, Row};
-use super::{Numbers, Scratch};
-use crate::joints::{Along, Coordinate, Side};
-use crate::{AngularVelocity, At, Formula, Layout, Place, Real, Scene};
-
-/// The constants of [`Along`]; `None`: absent, or zero by declaration.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AlongNumbers<S> {
-    /// Stiffness K [N/m or N m/rad].
-    pub stiffness: Option<S>,
-    /// Rest x0 [m or rad].
-    pub rest: Option<S>,
-    /// Damping C [N s/m or N m s/rad].
-    pub damping: Option<S>,
-    /// Friction F [N or N m] and the rate w over which it turns [m/s or rad/s].
-    pub friction: Option<[S; 2]>,
-    /// The low and the high stop [m or rad].
-    pub stops: [Option<S>; 2],
-}
-
-impl<S: Real> AlongNumbers<S> {
-    /// The constants of one entry, evaluated by `of`.
-    pub fn new(scene: &Scene, along: &Along, of: impl Fn(&Formula) -> S) -> Self {
-        let given = |formula: &Option<Formula>| {
-            let formula = formula.as_ref().filter(|formula| !scene.is_zero(formula));
-            formula.map(&of)
-        };
-        AlongNumbers {
-            stiffness: given(&along.stiffness),
-            rest: given(&along.rest),
-            damping: given(&along.damping),
-            friction: given(&along.friction)
-                .map(|level| [level, given(&along.friction_rate).unwrap_or_else(S::zero)]),
-            stops: along.stops.each_ref().map(|stop| stop.as_ref().map(&of)),
-        }
-    }
-}
+use crate::joints::{Along, Side};
+use crate::laws::AlongNumbers;
+use crate::laws::evaluation::Evaluation;
+use crate::laws::formula;
+use crate::laws::line;
+use crate::rows::{Ends, Row};
+use crate::{AngularVelocity, Coordinate, Place, Real};
 
 /// A coordinate that something acts along, at a state.
 pub struct Acting<'a, S: Real> {
@@ -116,27 +83,15 @@ pub fn visit<S: Real>(evaluation: &Evaluation<'_, S>, mut visit: impl FnMut(&Act
     }
 }
 
-/// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.
-pub fn jumping_angles<S: Real>(
-    scene: &Scene,
-    layout: &Layout,
-    numbers: &Numbers<S>,
-    at: &At<'_, S>,
-    scratch: &mut Scratch<S>,
-    out: &mut Vec<S>,
-) {
-    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
-    visit(&evaluation, |acting| {
-        let numbers = acting.numbers;
-        let sprung = numbers.stiffness.is_some() || numbers.stops.iter().any(Option::is_some);
-        if sprung && acting.coordinate.wraps() {
-            out.push(acting.value());
-        }
-    });
-}
-
 impl<S: Real> Acting<'_, S> {
-    fn value(&self) -> S {
+    /// Whether it is an angle in (−π, π] that a spring or a stop pushes back: where it jumps by a full turn, so does the torque.
+    pub fn jumps(&self) -> bool {
+        let numbers = self.numbers;
+        let sprung = numbers.stiffness.is_some() || numbers.stops.iter().any(Option::is_some);
+        sprung && self.coordinate.wraps()
+    }
+
+    pub fn value(&self) -> S {
         *self.value.get_or_init(|| self.ends.value(&self.coordinate))
     }
 

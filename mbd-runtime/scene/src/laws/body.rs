@@ -12,8 +12,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::algebra::{labelled, rotation, vector};
-use super::numbers::BodyNumbers;
+use crate::laws::numbers::BodyNumbers;
+use crate::scalar::algebra::{labelled, rotation, vector};
 use crate::{AngularVelocity, Directions, Real, Slots};
 
 /// What the state carries of a rotation.

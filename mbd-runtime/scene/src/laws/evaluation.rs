@@ -4,14 +4,16 @@ use std::sync::OnceLock;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::body::Motion;
-use super::formula::{Context, Value};
-use super::ground::FrameMotion;
-use super::line;
-use super::node;
-use super::numbers::{FrameNumbers, Numbers};
-use crate::laws::algebra::{labelled, vector};
-use crate::{AngularVelocity, At, InputSource, Layout, NodeModel, Place, PointSlots, Real, Scene};
+use crate::laws::body::Motion;
+use crate::laws::formula::{Context, Value};
+use crate::laws::line;
+use crate::laws::node;
+use crate::laws::numbers::{FrameNumbers, Numbers};
+use crate::scalar::algebra::{labelled, vector};
+use crate::{
+    AngularVelocity, At, FrameMotion, InputSource, Layout, NodeModel, Place, PointSlots, Real,
+    Scene,
+};
 
 /// The scene at a state. Bodies are read once; everything else is computed where it is asked for.
 pub struct Evaluation<'a, S: Real> {

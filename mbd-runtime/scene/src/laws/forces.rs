@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::along::Acting;
-use super::evaluation::Evaluation;
-use super::formula;
+use crate::laws::along::Acting;
+use crate::laws::evaluation::Evaluation;
+use crate::laws::formula;
 use crate::{InputSource, LoadKind, Place, PointSlots, Real};
 
 /// Force and torque on everything that moves, world axes; torque about the centre of mass.
@@ -67,13 +67,13 @@ impl<S: Real> Assembly<S> {
         for load in 0..evaluation.scene.loads.len() {
             self.collect_load(evaluation, load);
         }
-        super::along::visit(evaluation, |acting| self.collect_effort(acting));
+        crate::laws::along::visit(evaluation, |acting| self.collect_effort(acting));
     }
 
     fn collect_lines(&mut self, evaluation: &Evaluation<'_, S>) {
         for (index, declared) in evaluation.scene.lines.iter().enumerate() {
             if let Some(motion) = evaluation.line_motion(index) {
-                let force = super::algebra::labelled(
+                let force = crate::scalar::algebra::labelled(
                     motion.geometry.direction.map(|u| motion.tension * u),
                     ["force_x", "force_y", "force_z"],
                 );
@@ -207,7 +207,7 @@ pub fn drive_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
             power -= along(velocity);
         }
     }
-    super::along::visit(evaluation, |acting| {
+    crate::laws::along::visit(evaluation, |acting| {
         if let Some(driven) = acting.driven() {
             power -= driven;
         }

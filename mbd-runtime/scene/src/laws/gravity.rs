@@ -13,10 +13,11 @@
 
 use nalgebra::Vector3;
 
-use super::algebra::labelled;
-use super::formula::norm;
-use super::numbers::GravityNumbers;
-use crate::Real;
+use crate::laws::evaluation::Evaluation;
+use crate::laws::formula::norm;
+use crate::laws::numbers::GravityNumbers;
+use crate::scalar::algebra::labelled;
+use crate::{InputSource, Real};
 
 /// Acceleration at `r` [m/s²], world axes. A field supplied by the caller is `given`.
 pub fn acceleration<S: Real>(
@@ -85,4 +86,28 @@ pub fn energy<S: Real>(gravity: &GravityNumbers<S>, mass: S, r: &Vector3<S>) -> 
             }
         }
     }
+}
+
+/// Gravity at a body [m/s²].
+pub fn body_gravity<S: Real>(evaluation: &Evaluation<'_, S>, body: usize) -> Vector3<S> {
+    let given = evaluation.given(InputSource::BodyGravity(body), 0);
+    acceleration(
+        &evaluation.numbers.gravity,
+        &evaluation.motions[body].position,
+        &given,
+    )
+}
+
+/// Gravity at a point with mass [m/s²].
+pub fn point_gravity<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    point: usize,
+    q: usize,
+) -> Vector3<S> {
+    let given = evaluation.given(InputSource::PointGravity(point), 0);
+    acceleration(
+        &evaluation.numbers.gravity,
+        &evaluation.layout.directions.linear(evaluation.at.state, q),
+        &given,
+    )
 }

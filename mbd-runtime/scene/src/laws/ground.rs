@@ -8,27 +8,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::formula::{Context, scalar, triple};
-use super::numbers::Numbers;
-use crate::jet::{self, Jet};
-use crate::{Formula, Frame, Real, Scene};
-
-/// A frame of the world in motion, world axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrameMotion<S: Real> {
-    /// Its origin [m].
-    pub position: Vector3<S>,
-    /// Frame axes → world axes; `None`: parallel to the world for good.
-    pub rotation: Option<Matrix3<S>>,
-    /// Velocity of its origin [m/s].
-    pub velocity: Vector3<S>,
-    /// Angular velocity [rad/s].
-    pub omega: Vector3<S>,
-    /// Acceleration of its origin [m/s²].
-    pub acceleration: Vector3<S>,
-    /// Angular acceleration [rad/s²].
-    pub alpha: Vector3<S>,
-}
+use crate::laws::formula::{Context, scalar, triple};
+use crate::laws::numbers::Numbers;
+use crate::scalar::split;
+use crate::{Formula, Frame, FrameMotion, Jet, Real, Scene};
 
 /// What a prescribed motion may depend on: time, consts and params.
 struct Course<'a, S: Real> {
@@ -82,7 +65,7 @@ pub fn ground<S: Real>(
 
 fn motion<S: Real>(frame: &Frame, course: &Course<'_, S>) -> FrameMotion<S> {
     S::section(&frame.name);
-    let [position, velocity, acceleration] = jet::split(&triple(&frame.position, course));
+    let [position, velocity, acceleration] = split(&triple(&frame.position, course));
     let mut motion = FrameMotion {
         position,
         rotation: None,
@@ -94,7 +77,7 @@ fn motion<S: Real>(frame: &Frame, course: &Course<'_, S>) -> FrameMotion<S> {
     if let Some(rows) = &frame.rotation {
         let rows = rows
             .each_ref()
-            .map(|row| jet::split(&triple(row, course)).map(|part| part.transpose()));
+            .map(|row| split(&triple(row, course)).map(|part| part.transpose()));
         let [pose, rate, curve] =
             [0, 1, 2].map(|part| Matrix3::from_rows(&rows.each_ref().map(|row| row[part])));
         motion.rotation = Some(pose);

@@ -2,15 +2,16 @@
 
 use nalgebra::Vector3;
 
-use super::evaluation::Evaluation;
-use super::kinematics::Kinematics;
-use super::rows::{End, Ends, Rows, Turn};
-use crate::joints::Coordinate;
-use crate::{AngularVelocity, At, Jet, Joint, Layout, Place, PointSlots, Real, RowSet, Scene};
+use crate::laws::evaluation::Evaluation;
+use crate::laws::kinematics::Kinematics;
+use crate::rows::{End, Ends, Rows, Turn};
+use crate::{
+    AngularVelocity, At, Coordinate, Jet, Joint, Layout, Place, PointSlots, Real, RowSet, Scene,
+};
 
 impl<S: Real> Evaluation<'_, S> {
     /// The two ends of a joint; own components as asked.
-    pub(super) fn ends(&self, joint: usize, components: AngularVelocity) -> Option<Ends<'_, S>> {
+    pub(crate) fn ends(&self, joint: usize, components: AngularVelocity) -> Option<Ends<'_, S>> {
         let declared = self.scene.joints.get(joint)?;
         let numbers = self.numbers.joints.get(joint)?;
         Some(Ends::new(
@@ -22,19 +23,20 @@ impl<S: Real> Evaluation<'_, S> {
     }
 
     /// The coordinates of a joint that motors drive, and their courses.
-    pub(super) fn motors<'e>(
+    pub(crate) fn motors<'e>(
         &'e self,
         joint: &'e Joint,
     ) -> impl Iterator<Item = (Coordinate, Jet<S>)> + 'e {
         joint.motors().filter_map(|(index, course)| {
             let coordinate = joint.law.coordinate(index)?;
-            let course = super::ground::course(course, self.scene, self.numbers, self.at.time);
+            let course =
+                crate::laws::ground::course(course, self.scene, self.numbers, self.at.time);
             Some((coordinate, course))
         })
     }
 
     /// The end of a joint at a place; own components as asked.
-    pub(super) fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
+    pub(crate) fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
         match place {
             Place::World(frame) => Some(match self.moving(frame) {
                 Some(motion) => End::moving(motion),
@@ -87,7 +89,7 @@ impl<S: Real> Evaluation<'_, S> {
 pub fn out_of_plane<S: Real>(
     scene: &Scene,
     layout: &Layout,
-    numbers: &super::Numbers<S>,
+    numbers: &crate::laws::Numbers<S>,
     at: &At<'_, S>,
     joint: usize,
 ) -> S {
@@ -111,7 +113,7 @@ pub fn out_of_plane<S: Real>(
 pub fn branch<S: Real>(
     scene: &Scene,
     layout: &Layout,
-    numbers: &super::Numbers<S>,
+    numbers: &crate::laws::Numbers<S>,
     at: &At<'_, S>,
     joint: usize,
 ) -> [S; 3] {

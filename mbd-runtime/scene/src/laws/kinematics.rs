@@ -4,11 +4,11 @@ use std::sync::OnceLock;
 
 use nalgebra::Vector3;
 
-use super::body::Motion;
-use super::evaluation::Evaluation;
-use super::ground::{FrameMotion, ground};
-use super::numbers::Numbers;
-use crate::{At, Layout, Real, Scene};
+use crate::laws::body::Motion;
+use crate::laws::evaluation::Evaluation;
+use crate::laws::ground;
+use crate::laws::numbers::Numbers;
+use crate::{At, FrameMotion, Layout, Real, Scene};
 
 /// Motions of the bodies and of the frames of the world. Carries nothing from call to call.
 #[derive(Clone, Debug)]

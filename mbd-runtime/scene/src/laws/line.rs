@@ -18,8 +18,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::algebra::{elements, labelled, symmetric};
-use super::numbers::LineNumbers;
+use crate::laws::numbers::LineNumbers;
+use crate::scalar::algebra::{elements, labelled, symmetric};
 use crate::{LineKind, Real, TINY, Table};
 
 /// Length, direction and stretch of a line, equation (1).

@@ -14,9 +14,9 @@
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-use super::algebra::{elements, fill, labelled, solve_coupled, vector, write};
-use super::evaluation::Evaluation;
-use super::line;
+use crate::laws::evaluation::Evaluation;
+use crate::laws::line;
+use crate::scalar::algebra::{elements, fill, labelled, solve_coupled, vector, write};
 use crate::{At, Layout, LineEnd, Network, Real};
 
 /// A line of a network in its trial configuration.

@@ -2,10 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::algebra::{inverse, symmetric};
-use super::along::AlongNumbers;
-use super::formula::{Context, scalar, triple};
-use crate::{Formula, Frame, Gravity, Plane, PointKind, Real, Scene};
+use crate::laws::formula::{Context, scalar, triple};
+use crate::scalar::algebra::{inverse, symmetric};
+use crate::{Along, Formula, Frame, Gravity, Plane, PointKind, Real, Scene};
 
 /// The constants of a body.
 #[derive(Clone, Debug)]
@@ -82,6 +81,39 @@ pub struct OblateNumbers<S> {
     pub j2: S,
     /// Unit vector along the axis, world components.
     pub axis: Vector3<S>,
+}
+
+/// The constants of [`Along`]; `None`: absent, or zero by declaration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AlongNumbers<S> {
+    /// Stiffness K [N/m or N m/rad].
+    pub stiffness: Option<S>,
+    /// Rest x0 [m or rad].
+    pub rest: Option<S>,
+    /// Damping C [N s/m or N m s/rad].
+    pub damping: Option<S>,
+    /// Friction F [N or N m] and the rate w over which it turns [m/s or rad/s].
+    pub friction: Option<[S; 2]>,
+    /// The low and the high stop [m or rad].
+    pub stops: [Option<S>; 2],
+}
+
+impl<S: Real> AlongNumbers<S> {
+    /// The constants of one entry, evaluated by `of`.
+    pub fn new(scene: &Scene, along: &Along, of: impl Fn(&Formula) -> S) -> Self {
+        let given = |formula: &Option<Formula>| {
+            let formula = formula.as_ref().filter(|formula| !scene.is_zero(formula));
+            formula.map(&of)
+        };
+        AlongNumbers {
+            stiffness: given(&along.stiffness),
+            rest: given(&along.rest),
+            damping: given(&along.damping),
+            friction: given(&along.friction)
+                .map(|level| [level, given(&along.friction_rate).unwrap_or_else(S::zero)]),
+            stops: along.stops.each_ref().map(|stop| stop.as_ref().map(&of)),
+        }
+    }
 }
 
 /// Every constant of a scene, evaluated for given parameters.

@@ -1,9 +1,13 @@
 //! Where everything lives in the state and in the other lists of numbers: derived from the scene, the same for every way to run it.
 
+mod elimination;
 mod places;
+mod repeats;
 mod sizes;
 mod slots;
 
+pub use elimination::{Below, Carrying, Elimination, Order, Step};
+pub use repeats::{HeldMotor, Redundancy, Repeat};
 pub use slots::{
     Anchor, InputSlots, InputSource, JointSlots, LineEnd, LineSlots, Network, Node, PointSlots,
     Slots, StopSlots,
@@ -11,11 +15,7 @@ pub use slots::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::elimination::{Carrying, Elimination, Order, System};
-use crate::formula::Place;
-use crate::plane::Directions;
-use crate::redundancy::{Redundancy, RowSet};
-use crate::scene::Scene;
+use crate::Directions;
 
 /// Index ranges of a scene's state, lines, nodes and inputs.
 ///
@@ -81,27 +81,6 @@ pub struct Plan {
 }
 
 impl Layout {
-    /// Lays out a scene and plans its solution: finds the rows of its joints that repeat others ([`Redundancy`]: a search at random states
-    /// wherever joints close a loop) and the cheapest order of elimination. Where that has been done before, [`Layout::planned`] takes the result.
-    #[must_use]
-    pub fn new(scene: &Scene) -> Self {
-        let layout = Self::places(scene);
-        let redundancy = Redundancy::find(scene, &layout);
-        layout.with(scene, redundancy, None)
-    }
-
-    /// Lays out a scene whose redundancy is known, and finds the order. The default redundancy keeps every row.
-    #[must_use]
-    pub fn keeping(scene: &Scene, redundancy: Redundancy) -> Self {
-        Self::places(scene).with(scene, redundancy, None)
-    }
-
-    /// Lays out a scene whose plan is known: nothing is searched for.
-    #[must_use]
-    pub fn planned(scene: &Scene, plan: Plan) -> Self {
-        Self::places(scene).with(scene, plan.redundancy, Some(plan.order))
-    }
-
     /// What was found when the scene was laid out: what a compiled model carries.
     #[must_use]
     pub fn plan(&self) -> Plan {
@@ -109,46 +88,6 @@ impl Layout {
             redundancy: self.redundancy.clone(),
             order: self.elimination.order.clone(),
         }
-    }
-
-    /// Leaves repeated rows out of the system and lays out its elimination, in this order or in the cheapest.
-    fn with(mut self, scene: &Scene, redundancy: Redundancy, order: Option<Order>) -> Self {
-        for repeat in &redundancy.repeats {
-            if let Some(slots) = self.joints.get_mut(repeat.joint) {
-                // Motors follow the rows of the law: what they prescribe is never left out.
-                let motors = RowSet::all(slots.len).0 & !RowSet::all(repeat.rows).0;
-                slots.kept = RowSet(repeat.kept.within(repeat.rows).0 | motors);
-            }
-        }
-        let joints = scene.joints.iter().zip(&self.joints);
-        let carrying: Vec<Option<Carrying>> = joints
-            .map(|(joint, slots)| {
-                let driven = joint.motors();
-                let driven = driven.map(|(index, _)| Some((index, joint.law.coordinate(index)?)));
-                let motors: Vec<_> = driven.collect::<Option<_>>()?;
-                let aligned = match joint.child {
-                    Place::Body(body, frame) => {
-                        let body = scene.bodies.get(body)?;
-                        body.frames.get(frame)?.rotation.is_none()
-                    }
-                    _ => false,
-                };
-                let directions = (self.directions, aligned);
-                Carrying::of(&joint.law, slots.law, &motors, directions)
-            })
-            .collect();
-        let system = System {
-            directions: self.directions,
-            bodies: self.bodies.len(),
-            points: &self.points,
-            joints: &self.joints,
-            carrying: &carrying,
-            closed: redundancy.closed,
-        };
-        let order = order.unwrap_or_else(|| system.choose());
-        self.elimination = system.lay_out(order);
-        self.redundancy = redundancy;
-        self
     }
 
     /// Number of independent rows: those that are kept.

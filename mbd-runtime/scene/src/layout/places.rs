@@ -1,18 +1,15 @@
 //! Lays out a scene: one kind of thing after another gets its place.
 
-use super::{
+use crate::layout::{
     Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
     PointSlots, Slots, StopSlots,
 };
-use crate::Gravity;
-use crate::elimination::Part;
-use crate::formula::{Formula, Place};
-use crate::redundancy::{self, RowSet};
 use crate::scene::{Frame, LoadKind, NodeModel, PointKind, Scene};
+use crate::{Formula, Gravity, Part, Place, RowSet};
 
 impl Layout {
-    /// Everything but the system.
-    pub(super) fn places(scene: &Scene) -> Self {
+    /// Everything but the system. `laws` tells of a scene without rows which rows of each joint's law count.
+    pub(crate) fn places(scene: &Scene, laws: impl FnOnce(&Self) -> Vec<RowSet>) -> Self {
         let mut layout = Layout {
             np: scene.params.len(),
             directions: scene.directions(),
@@ -23,7 +20,8 @@ impl Layout {
         layout.place_lines(scene);
         layout.place_networks();
         layout.place_inputs(scene);
-        layout.place_rows(scene);
+        let laws = laws(&layout);
+        layout.place_rows(scene, laws);
         let stops = scene.stops().map(|(joint, along, side)| StopSlots {
             joint,
             coordinate: along.coordinate,
@@ -76,24 +74,11 @@ impl Layout {
         }
     }
 
-    /// The rows of each joint's law that say something where things move.
-    fn rows_of_laws(&self, scene: &Scene) -> Vec<RowSet> {
-        match self.directions.plane {
-            None => scene
-                .joints
-                .iter()
-                .map(|joint| RowSet::all(joint.law.rows()))
-                .collect(),
-            Some(_) => redundancy::in_plane(scene, self),
-        }
-    }
-
-    fn place_rows(&mut self, scene: &Scene) {
+    fn place_rows(&mut self, scene: &Scene, laws: Vec<RowSet>) {
         let moving = |place: Place| match place {
             Place::World(frame) => scene.world_frames.get(frame).is_some_and(Frame::moves),
             _ => false,
         };
-        let laws = self.rows_of_laws(scene);
         for (joint, law) in scene.joints.iter().zip(laws) {
             let ends = [joint.parent, joint.child].map(|place| match place {
                 Place::World(_) => None,

@@ -1,8 +1,8 @@
 //! How long the list of every quantity is, and which quantities a scene has a use for.
 
-use super::{Layout, Network};
-use crate::quantity::{Differentiated, Quantity, Variable};
+use crate::layout::{Layout, Network};
 use crate::scene::NodeModel;
+use crate::{Differentiated, Quantity, Variable};
 
 /// Nodes of the largest network whose sensitivities are spelt out.
 const MOST_SPELT_OUT: usize = 8;

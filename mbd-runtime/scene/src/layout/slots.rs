@@ -1,10 +1,8 @@
 //! What each thing of a scene owns among the lists of numbers.
 
-use crate::elimination::Part;
-use crate::formula::Place;
 use crate::joints::Side;
-use crate::redundancy::RowSet;
 use crate::scene::NodeModel;
+use crate::{Part, Place, RowSet};
 
 /// A joint's place among the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! A spring: f = K s, tension and compression.
 
-use super::LineLaw;
+use crate::lines::LineLaw;
 
 /// f = K s, both ways.
 pub struct Spring;

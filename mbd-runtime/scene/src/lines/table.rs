@@ -13,7 +13,7 @@
 //! At a knot (5) takes the slope of the piece to the right, as the kink s = 0 counts as taut. One piece is the linear law to the bit.
 //! Rejected: a constant force beyond the last row. Its energy grows no faster than s: a heavier load has no rest position.
 
-use super::LineLaw;
+use crate::lines::LineLaw;
 use crate::{Real, TINY, Table};
 
 /// The law over table number `.0` of the scene.

@@ -2,14 +2,13 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::length;
-use super::local::{Hold, Motion, columns, dot, speeds};
-use super::tree::{Group, Link};
-use crate::elimination::Part;
-use crate::joints::{JointLaw, Relative, Twist};
-use crate::laws::Configuration;
-use crate::laws::rows::{Columns, Row, Rows};
-use crate::{Layout, Scene};
+use crate::joints::JointLaw;
+use crate::redundancy::configuration::Configuration;
+use crate::redundancy::length;
+use crate::redundancy::local::{Hold, Motion, columns, dot, speeds};
+use crate::redundancy::tree::{Group, Link};
+use crate::rows::{Columns, Row, Rows};
+use crate::{Layout, Part, Relative, Scene, Twist};
 
 /// States looked for in a group.
 const STATES: usize = 5;
@@ -437,7 +436,7 @@ impl Assembly<'_> {
         }
         let count = motions.first().map_or(0, DMatrix::ncols);
         let as_a_whole = self.root_speeds().count();
-        let rank = super::choice::rank(closing.iter().flatten());
+        let rank = crate::redundancy::choice::rank(closing.iter().flatten());
         Some(State {
             closing,
             closing_rows,

@@ -2,11 +2,10 @@
 
 use nalgebra::DVector;
 
-use super::assembly::{JointRow, MotorRow, State};
-use super::local::{Motion, dot};
-use super::tree::Group;
-use super::{HeldMotor, Repeat, RowSet};
-use crate::elimination::Part;
+use crate::redundancy::assembly::{JointRow, MotorRow, State};
+use crate::redundancy::local::{Motion, dot};
+use crate::redundancy::tree::Group;
+use crate::{HeldMotor, Part, Repeat, RowSet};
 
 /// What is left of a row below this part of it is rounding: repeated rows leave 1e-12, others rarely less than 1e-3.
 const NEW: f64 = 1e-8;

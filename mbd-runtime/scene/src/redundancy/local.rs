@@ -2,9 +2,8 @@
 //!
 //! Motions are (v, ℓ ω): six numbers in metres a second, world axes, ℓ a length of the scene. A point has the first three.
 
-use crate::Directions;
-use crate::elimination::Part;
-use crate::laws::rows::{Columns, Rows};
+use crate::rows::{Columns, Rows};
+use crate::{Directions, Part};
 
 /// A motion of a part.
 pub type Motion = [f64; 6];

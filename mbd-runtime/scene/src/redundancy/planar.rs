@@ -6,13 +6,10 @@
 
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
-use super::assembly::Random;
-use super::{Redundancy, RowSet};
-use crate::elimination::Part;
-use crate::joints::Relative;
-use crate::laws::Configuration;
-use crate::laws::rows::{Columns, Row, Rows};
-use crate::{Directions, Joint, Layout, Place, Scene};
+use crate::redundancy::assembly::Random;
+use crate::redundancy::configuration::Configuration;
+use crate::rows::{Columns, Row, Rows};
+use crate::{Directions, Joint, Layout, Part, Place, Redundancy, Relative, RowSet, Scene};
 
 /// A row is new when more than this part of it is.
 const NEW: f64 = 1e-9;

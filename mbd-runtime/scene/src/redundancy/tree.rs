@@ -1,7 +1,6 @@
 //! The graph of parts and joints: its loops, and a spanning tree of what lies on them.
 
-use crate::Layout;
-use crate::elimination::Part;
+use crate::{Layout, Part};
 
 /// A joint walked from the part that is placed to the one it places.
 #[derive(Clone, Copy, Debug)]

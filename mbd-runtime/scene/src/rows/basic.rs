@@ -39,10 +39,9 @@
 
 use nalgebra::Vector3;
 
-use super::algebra::labelled;
-pub use super::ends::{End, Ends, Spin, Turn};
-use crate::joints::{Axis, Coordinate};
-use crate::{Jet, Real, RowSet};
+use super::ends::{End, Ends, Turn};
+use crate::scalar::algebra::labelled;
+use crate::{Axis, Coordinate, Jet, Real, RowSet};
 
 /// What one end contributes to a row: the coefficients of its velocity.
 #[derive(Clone, Copy, Debug)]
@@ -223,7 +222,7 @@ impl<S: Real> Rows<S> {
         })
     }
 
-    /// Holds a coordinate to a course of time: one row, derived in `laws/motor.rs`.
+    /// Holds a coordinate to a course of time: one row, derived in `rows/motor.rs`.
     pub fn motor(&mut self, ends: &Ends<'_, S>, coordinate: &Coordinate, course: &Jet<S>) {
         self.rows.push(ends.prescribed(coordinate, course));
     }

@@ -12,8 +12,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use crate::Real;
-use crate::joints::Axis;
+use crate::{Axis, Real};
 
 /// The plane of a planar scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

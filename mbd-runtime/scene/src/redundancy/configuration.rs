@@ -2,13 +2,15 @@
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-use super::body::Motion;
-use super::evaluation::Evaluation;
-use super::ground::{FrameMotion, ground};
-use super::numbers::Numbers;
-use super::rows::{Row, Rows};
-use crate::elimination::Part;
-use crate::{AngularVelocity, At, Directions, Jet, Layout, Place, PointSlots, RowSet, Scene};
+use crate::laws::body::Motion;
+use crate::laws::evaluation::Evaluation;
+use crate::laws::ground;
+use crate::laws::numbers::Numbers;
+use crate::rows::{Row, Rows};
+use crate::{
+    AngularVelocity, At, Directions, FrameMotion, Jet, Layout, Part, Place, PointSlots, RowSet,
+    Scene,
+};
 
 /// A configuration of a scene with its parameters at their defaults, at time zero and at rest.
 pub(crate) struct Configuration<'a> {

@@ -1,7 +1,7 @@
 //! Joint coordinates in motion: value, rate, direction of the generalised force, γ; once for all joints.
 //!
 //! ```text
-//! slide     s = a1·d                      an in-plane row (3) of [`super::rows`]                                  [m]      (1)
+//! slide     s = a1·d                      an in-plane row (3) of [`crate::rows::basic`]                                  [m]      (1)
 //! turn      θ = atan2(S, C)               C = a1·b2, S = c1·d2, two perpendicular rows (2)                        [rad]    (2)
 //!           ρ = C² + S²                   1 where the joint holds
 //!           Φ_v(θ) = (C Φ_v(S) − S Φ_v(C))/ρ,   θ̇ = (C Ṡ − S Ċ)/ρ                                                          (3)
@@ -19,9 +19,9 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
-use super::rows::{Ends, Row, in_plane, rotated_rows};
-use crate::Real;
-use crate::joints::{Axis, Coordinate, Measure};
+use super::basic::{Row, in_plane, rotated_rows};
+use super::ends::Ends;
+use crate::{Axis, Coordinate, Measure, Real};
 
 /// A turn on its way: C and S, the rows C Φ(S) − S Φ(C) and C Φ(C) + S Φ(S) at these, and 1/ρ.
 struct Turning<S: Real> {

@@ -8,14 +8,14 @@
 //! ```
 //!
 //! One of the two axes of C is that of S, so that (2) is the product of that axis and of the other two turned by f: one row, whatever f.
-//! C and S are the cosine and the sine of the angle as in [`super::coordinate`], so that (2) is sin(θ − f): f may count turns, and nothing
+//! C and S are the cosine and the sine of the angle as in [`crate::rows::coordinate`], so that (2) is sin(θ − f): f may count turns, and nothing
 //! jumps. It also holds half a turn off: the start must satisfy cos(θ − f) > 0. The multiplier of the row is the force [N] or the torque
 //! [N m] of the motor along the coordinate. Singular, half a turn off apart, only where nothing is left to move.
 //! Rejected: θ − f with θ from atan2, which jumps once a turn. Source: derived.
 
-use super::rows::{Ends, Row, rotated_rows};
-use crate::joints::{Coordinate, Measure};
-use crate::{Jet, Real};
+use super::basic::{Row, rotated_rows};
+use super::ends::Ends;
+use crate::{Coordinate, Jet, Measure, Real};
 
 impl<S: Real> Ends<'_, S> {
     /// The row that holds a coordinate to a course of time.

@@ -16,9 +16,8 @@
 
 use nalgebra::Matrix3;
 
-use super::system::System;
-use crate::Real;
-use crate::elimination::{Below, Elimination, Part, Step};
+use crate::elimination::system::System;
+use crate::{Below, Elimination, Part, Real, Step};
 
 /// Most speeds of a body.
 const MOST: usize = 6;
@@ -166,7 +165,7 @@ impl<S: Real> System<S> {
         (h, least, unit)
     }
 
-    /// Factorises K by (1) of [`super::system`]. `enter` hears which part comes next.
+    /// Factorises K by (1) of [`crate::elimination::system`]. `enter` hears which part comes next.
     pub fn factor(&mut self, plan: &Elimination, enter: impl Fn(Part)) {
         for (index, step) in plan.steps.iter().enumerate() {
             let Some(node) = Node::new(plan, index) else {

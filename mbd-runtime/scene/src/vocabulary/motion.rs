@@ -2,8 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::Real;
-use crate::laws::rotation;
+use crate::{Real, rotation};
 
 /// Frame 2 in frame 1.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +69,7 @@ pub struct Relative<'a, S> {
     pub q: &'a [S],
     /// Speeds.
     pub u: &'a [S],
-    /// Numbers of the joint, in the order of [`super::Joint::numbers`].
+    /// Numbers of the joint, in the order of [`crate::joints::Joint::numbers`].
     pub numbers: &'a [S],
 }
 
@@ -141,4 +140,21 @@ pub fn write<S: Real, const N: usize>(columns: &mut [Twist<S>], values: [Twist<S
     for (column, value) in columns.iter_mut().zip(values) {
         *column = value;
     }
+}
+
+/// A frame of the world in motion, world axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameMotion<S: Real> {
+    /// Its origin [m].
+    pub position: Vector3<S>,
+    /// Frame axes → world axes; `None`: parallel to the world for good.
+    pub rotation: Option<Matrix3<S>>,
+    /// Velocity of its origin [m/s].
+    pub velocity: Vector3<S>,
+    /// Angular velocity [rad/s].
+    pub omega: Vector3<S>,
+    /// Acceleration of its origin [m/s²].
+    pub acceleration: Vector3<S>,
+    /// Angular acceleration [rad/s²].
+    pub alpha: Vector3<S>,
 }

@@ -1,13 +1,12 @@
 //! Bodies, points and joints written into the system of the constraints: masses, rows, and what a joint that carries its child says of it.
 
-use super::constraint::{Constraints, enter, in_system};
-use super::evaluation::Evaluation;
-use super::reference::{Reference, rotated};
-use super::rows::{Ends, Row, Rows, Turn};
-use crate::elimination::{Carrying, Part};
-use crate::few::Few;
-use crate::joints::{Carried, Twist};
-use crate::{Place, Real};
+use crate::elimination::constraint::{Constraints, enter, in_system};
+use crate::elimination::reference::{Reference, rotated};
+use crate::joints::Carried;
+use crate::laws::evaluation::Evaluation;
+use crate::rows::{Ends, Row, Rows, Turn};
+use crate::scalar::Few;
+use crate::{Carrying, Part, Place, Real, Twist};
 use nalgebra::{Matrix3, Vector3};
 
 /// A joint that carries its child, at one instant. Twists at its joint point Q: see [`Carried`].
@@ -137,7 +136,7 @@ impl<S: Real> Carriage<S> {
     }
 }
 
-/// What the motion of the parent brings along, an acceleration of the child at Q: (7) of [`super::rows`]; of a parent that time or free fall
+/// What the motion of the parent brings along, an acceleration of the child at Q: (7) of [`crate::rows::basic`]; of a parent that time or free fall
 /// moves, that as well.
 fn brought<S: Real>(evaluation: &Evaluation<'_, S>, ends: &Ends<'_, S>, meets: bool) -> Twist<S> {
     let (mut linear, mut angular) = match meets {
@@ -152,7 +151,7 @@ fn brought<S: Real>(evaluation: &Evaluation<'_, S>, ends: &Ends<'_, S>, meets: b
         angular += ends.relative().back(&alpha);
     }
     if ends.parent.speeds.is_none() {
-        linear -= super::constraint::common_fall(evaluation);
+        linear -= crate::elimination::constraint::common_fall(evaluation);
     }
     Twist { linear, angular }
 }

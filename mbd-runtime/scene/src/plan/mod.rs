@@ -28,87 +28,11 @@
 
 mod carrying;
 mod graph;
+mod layout;
 
-pub use carrying::Carrying;
 use graph::Graph;
 
-use serde::{Deserialize, Serialize};
-
-use crate::layout::{JointSlots, PointSlots};
-use crate::plane::Directions;
-
-/// What a node of the system is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Part {
-    /// The speeds of a body: six, in a plane three.
-    Body(usize),
-    /// The speeds of a point with mass: three, in a plane two.
-    Point(usize),
-    /// The rows of a joint.
-    Joint(usize),
-}
-
-/// A node of the system at its place in the order.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Step {
-    /// What it is.
-    pub part: Part,
-    /// First unknown.
-    pub first: usize,
-    /// Number of unknowns.
-    pub size: usize,
-    /// Where its diagonal block starts in the store (size × size, row by row, lower triangle used).
-    pub diagonal: usize,
-    /// Later nodes it is coupled to, in order.
-    pub below: Vec<Below>,
-    /// A body that leaves together with its parent joint, the next step: how that joint carries it.
-    pub carrying: Option<Carrying>,
-    /// A joint that leaves together with its child, the step before.
-    pub paired: bool,
-}
-
-/// A coupling to a later node.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Below {
-    /// The later node: index into [`Elimination::steps`].
-    pub step: usize,
-    /// Where the block starts in the store (size of the later node × size of this one, row by row).
-    pub at: usize,
-    /// Where the products with the couplings up to and including this one go, one a coupling.
-    pub targets: Vec<usize>,
-}
-
-/// The order in which the nodes of a system leave it: found once, by counting, when a scene is compiled.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Order {
-    /// The nodes, first eliminated first.
-    pub parts: Vec<Part>,
-    /// Whether each body that a joint carries leaves together with that joint.
-    pub articulated: bool,
-    /// Estimated operations of the candidates: least degree, least cost, articulated bodies.
-    pub candidates: [usize; 3],
-}
-
-/// The order of elimination of a scene, and where its blocks live.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Elimination {
-    /// The nodes, first eliminated first.
-    pub steps: Vec<Step>,
-    /// Number of unknowns.
-    pub unknowns: usize,
-    /// Length of the store of blocks.
-    pub store: usize,
-    /// The step of each body; `None` where no joint holds it.
-    pub bodies: Vec<Option<usize>>,
-    /// The step of each point.
-    pub points: Vec<Option<usize>>,
-    /// The step of each joint; `None` where it has no rows.
-    pub joints: Vec<Option<usize>>,
-    /// The parent joint of each body, which carries it out of the system; `None` where none does.
-    pub parent_joints: Vec<Option<usize>>,
-    /// The order it was laid out in.
-    pub order: Order,
-}
+use crate::{Below, Carrying, Directions, Elimination, JointSlots, Order, Part, PointSlots, Step};
 
 /// The parent joint of each body: the first that can carry it, unless the body carries itself through it.
 fn parent_joints(
@@ -330,42 +254,5 @@ impl Elimination {
     fn room(&mut self, len: usize) -> usize {
         self.store += len;
         self.store - len
-    }
-
-    /// How the parent joint of a body carries it, and which joint that is; `None` where none does.
-    #[must_use]
-    pub fn carrying(&self, body: usize) -> Option<(usize, Carrying)> {
-        let joint = (*self.parent_joints.get(body)?)?;
-        let step = self.step_of(Part::Body(body))?;
-        Some((joint, self.steps.get(step)?.carrying?))
-    }
-
-    /// The child that a joint carries out of the system, and how; `None` where it carries none.
-    #[must_use]
-    pub fn child_of(&self, joint: usize) -> Option<(usize, Carrying)> {
-        let own = |parent: &Option<usize>| *parent == Some(joint);
-        let body = self.parent_joints.iter().position(own)?;
-        Some((body, self.carrying(body)?.1))
-    }
-
-    /// The step of a part; `None` if the system has no such part.
-    #[must_use]
-    pub fn step_of(&self, part: Part) -> Option<usize> {
-        match part {
-            Part::Body(body) => self.bodies.get(body).copied().flatten(),
-            Part::Point(point) => self.points.get(point).copied().flatten(),
-            Part::Joint(joint) => self.joints.get(joint).copied().flatten(),
-        }
-    }
-
-    /// Where the block of two nodes starts, rows of the later one.
-    #[must_use]
-    pub fn block(&self, row: usize, column: usize) -> Option<usize> {
-        let step = self.steps.get(column)?;
-        if row == column {
-            return Some(step.diagonal);
-        }
-        let below = step.below.iter().find(|below| below.step == row)?;
-        Some(below.at)
     }
 }

@@ -8,10 +8,8 @@ use std::cell::OnceCell;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::algebra::labelled;
-use super::ground::FrameMotion;
-use crate::joints::Axis;
-use crate::{AngularVelocity, Real};
+use crate::scalar::algebra::labelled;
+use crate::{AngularVelocity, Axis, FrameMotion, Real};
 
 /// A rotation, or none at all.
 #[derive(Clone, Copy, Debug)]

@@ -12,36 +12,17 @@
 //! inertia of the body instead, which is cheaper than rotating what all bodies behind it add up to.
 //! In a plane H and N follow from the rows: each holds either the point Q or the angle.
 
+use crate::{AngularVelocity, Axis, Carrying, Coordinate, Directions, Jet, RowSet, Twist};
 use nalgebra::{Rotation3, Vector3};
 
-use crate::few::Few;
-use crate::joints::{Axis, Carried, Coordinate, JointLaw, Twist};
-use crate::laws::rows::{Columns, End, Ends, Row, Rows, Turn};
-use crate::{AngularVelocity, Directions, Jet, RowSet};
+use crate::joints::{Carried, JointLaw};
+use crate::rows::{Columns, End, Ends, Row, Rows, Turn};
+use crate::scalar::Few;
 
 /// Most columns of H that are cheaper to take out than the rows are to keep, where they are not unit vectors.
 const MOST_FREE: usize = 2;
 /// Two numbers of a row are the same below this difference.
 const SAME: f64 = 1e-12;
-
-/// How a joint carries its child.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Carrying {
-    /// Number of columns of H, coordinates that motors drive left out.
-    pub free: usize,
-    /// Number of columns of H that turn the child.
-    pub turns: usize,
-    /// Whether the child's unknowns are along its own components.
-    pub own: bool,
-    /// Whether they are turned to axes of the joint where the child leaves: see [`Carried::axes`].
-    pub axes: bool,
-    /// Whether the child's unknowns are those of the parent: same axes, same point.
-    pub shared: bool,
-    /// Whether the joint points coincide: see [`Carried::meets`].
-    pub meets: bool,
-    /// In a plane, the rows that hold the point.
-    pub points: RowSet,
-}
 
 impl Carrying {
     /// How a joint of which these rows count carries its child, with the coordinates that motors drive; `None` where it does not. `aligned`:
@@ -89,20 +70,6 @@ impl Carrying {
             meets: carried.meets,
             points: RowSet::default(),
         })
-    }
-
-    /// Whether its unknowns may be along other components than its own, because what it carries is.
-    pub(super) fn may_turn(&self) -> bool {
-        self.own && self.turns < 2
-    }
-
-    /// The same for a child that carries nothing: its inertia is constant in its own components.
-    #[must_use]
-    pub fn of_leaf(self) -> Self {
-        Carrying {
-            own: self.turns > 0,
-            ..self
-        }
     }
 
     /// The same in a plane: every row holds the point or the angle, and the parent's motion is taken to P or to Q.

@@ -1,11 +1,10 @@
 //! Joint coordinates: the scalars of a joint that can be measured, and along which springs, stops and motors act.
 //!
 //! A joint tells them as data; value, rate, direction of the generalised force and γ follow once for all joints in
-//! [`crate::laws::coordinate`].
+//! [`crate::rows::coordinate`].
 
-use super::Axis;
 use super::field::{ANGLE, LENGTH};
-use crate::Dimension;
+use crate::{Axis, Dimension};
 
 /// A scalar of a joint. Coordinate number i of a joint is its q(i), and the rate is its u(i).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +40,7 @@ pub enum Measure {
 
 impl Coordinate {
     /// A way along an axis of frame 1.
-    pub(super) const fn slide(name: &'static str, rate: &'static str, axis: Axis) -> Self {
+    pub(crate) const fn slide(name: &'static str, rate: &'static str, axis: Axis) -> Self {
         Coordinate {
             name,
             rate,
@@ -50,7 +49,7 @@ impl Coordinate {
     }
 
     /// The angle about an axis that both frames share.
-    pub(super) fn turn(name: &'static str, rate: &'static str, axis: Axis) -> Self {
+    pub(crate) fn turn(name: &'static str, rate: &'static str, axis: Axis) -> Self {
         let [u, v] = axis.complement();
         Coordinate {
             name,

@@ -1,8 +1,6 @@
 //! The graph of bodies and joints while they leave it, and what that costs.
 
-use super::{Carrying, Part};
-use crate::layout::{JointSlots, PointSlots};
-use crate::plane::Directions;
+use crate::{Carrying, Directions, JointSlots, Part, PointSlots};
 
 /// The graph while nodes leave it.
 #[derive(Clone)]

@@ -1,7 +1,6 @@
 //! Fields of a joint: how a joint asks its reader for them, and what their numbers must obey.
 
-use super::Axis;
-use crate::{Dimension, Formula};
+use crate::{Axis, Dimension, Formula};
 
 /// A number among the fields of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,16 +16,16 @@
 
 use nalgebra::Vector3;
 
-use super::algebra::write;
-use super::assemble::Carriage;
-use super::evaluation::Evaluation;
-use super::forces::Assembly;
-use super::reference::Reference;
-use super::rows::{Columns, End, Ends, Row, Rows, Turn};
-use super::system::System;
-use super::{GravityNumbers, body_gravity, point_gravity};
-use crate::elimination::Part;
-use crate::{AngularVelocity, Directions, Layout, PointSlots, Quantity, Real, Scene};
+use crate::elimination::assemble::Carriage;
+use crate::elimination::reference::Reference;
+use crate::elimination::system::System;
+use crate::laws::GravityNumbers;
+use crate::laws::evaluation::Evaluation;
+use crate::laws::forces::Assembly;
+use crate::laws::gravity::{body_gravity, point_gravity};
+use crate::rows::{Columns, End, Ends, Row, Rows, Turn};
+use crate::scalar::algebra::write;
+use crate::{AngularVelocity, Directions, Layout, Part, PointSlots, Quantity, Real, Scene};
 
 /// Rows and system of one scene. Carries nothing from call to call.
 #[derive(Clone, Debug)]
@@ -59,7 +59,7 @@ pub(super) fn in_system<'a, S: Real>(
 
 /// Force and torque of (3) on the child of a joint, world axes, from its rows and their −λ; `outward` takes the child's components in the rows
 /// to world axes. What a plane carries is no reaction of the joint.
-pub(super) fn reaction<'a, S: Real>(
+pub(crate) fn reaction<'a, S: Real>(
     evaluation: &Evaluation<'_, S>,
     outward: &Turn<S>,
     rows: impl Iterator<Item = (&'a Row<S>, S)>,

@@ -5,11 +5,12 @@
 //! F = Σ λ (linear columns of the child),  T = Σ λ (couples on the child),  P = −Σ λ Φ_t          (1)
 //! ```
 
-use super::algebra::write;
-use super::constraint::reaction;
-use super::evaluation::Evaluation;
-use super::rows::Rows;
-use super::{Numbers, Scratch, energy, forces, outputs};
+use super::Scratch;
+use crate::elimination::reaction;
+use crate::laws::evaluation::Evaluation;
+use crate::laws::{Numbers, energy, forces, measured};
+use crate::rows::{Ends, Rows};
+use crate::scalar::algebra::write;
 
 use crate::{AngularVelocity, At, Layout, Quantity, Real, Scene};
 
@@ -51,9 +52,9 @@ pub fn evaluate_given<S: Real>(
                     power -= multiplier * row.prescribed_rate(ends);
                 }
             });
-            energy(&evaluation, power, out);
+            energy::energy(&evaluation, power, out);
         }
-        Quantity::Outputs => outputs(&evaluation, out),
+        Quantity::Outputs => measured::outputs(&evaluation, out),
         _ => {}
     }
 }
@@ -61,7 +62,7 @@ pub fn evaluate_given<S: Real>(
 /// Hands out every joint with its rows, their multipliers and its ends, body components.
 fn each<S: Real>(
     evaluation: &Evaluation<'_, S>,
-    mut look: impl FnMut(usize, &Rows<S>, &[S], &super::rows::Ends<'_, S>),
+    mut look: impl FnMut(usize, &Rows<S>, &[S], &Ends<'_, S>),
 ) {
     let mut rows = Rows::default();
     let joints = evaluation.scene.joints.iter();

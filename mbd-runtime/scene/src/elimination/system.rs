@@ -17,8 +17,7 @@
 //! a number without unit, whatever the masses: 1 for rows at right angles, sin² for two rows at an angle, eps or less for dependent ones.
 //! Rows that leave by substitution have no pivot and do not count.
 
-use crate::Real;
-use crate::elimination::{Elimination, Part, Step};
+use crate::{Elimination, Part, Real, Step};
 
 /// The blocks and right-hand side of one system. Carries nothing from call to call.
 #[derive(Clone, Debug)]

@@ -12,10 +12,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::evaluation::Evaluation;
-use super::rows::{End, Ends, Turn};
-use crate::elimination::Part;
-use crate::{AngularVelocity, Place, Real};
+use crate::laws::evaluation::Evaluation;
+use crate::rows::{End, Ends, Turn};
+use crate::{AngularVelocity, Part, Place, Real};
 
 /// The axes and the point of the unknowns of a body.
 #[derive(Clone, Copy, Debug)]

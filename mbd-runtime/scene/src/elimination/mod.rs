@@ -1,0 +1,9 @@
+//! The system of bodies and joints at one instant, and its solution in the order that was planned.
+
+mod articulated;
+mod assemble;
+mod constraint;
+mod reference;
+mod system;
+
+pub(crate) use constraint::{Constraints, reaction};

@@ -1,0 +1,239 @@
+//! What a model can be asked for, by running the laws on a scalar.
+
+mod given;
+
+pub use given::evaluate_given;
+
+use nalgebra::Vector3;
+
+use crate::elimination::Constraints;
+use crate::laws::{
+    along, energy,
+    evaluation::Evaluation,
+    forces::{self, Assembly},
+    gravity,
+    kinematics::Kinematics,
+    mass, measured, node,
+    numbers::Numbers,
+};
+use crate::scalar::algebra::{vector, write};
+use crate::{At, Layout, PointSlots, Quantity, Real, Scene};
+
+/// Scratch of one evaluation: carries nothing from call to call.
+#[derive(Clone, Debug)]
+pub struct Scratch<S: Real> {
+    kinematics: Kinematics<S>,
+    multipliers: Vec<S>,
+    assembly: Assembly<S>,
+    constraints: Constraints<S>,
+}
+
+impl<S: Real> Scratch<S> {
+    /// Room for the scene of a layout.
+    #[must_use]
+    pub fn new(layout: &Layout) -> Self {
+        let (bodies, points) = (layout.bodies.len(), layout.points.len());
+        Scratch {
+            kinematics: Kinematics::new(layout),
+            multipliers: Vec::new(),
+            assembly: Assembly::new(bodies, points),
+            constraints: Constraints::new(layout),
+        }
+    }
+}
+
+/// Evaluates a quantity by running the laws on the scalar `S`.
+///
+/// Lists are written whole; of matrices only structural non-zeros are written, so `out` **starts at zero** there.
+/// [`Quantity::Partial`] is not a law: symbols differentiate their trace, numbers run on duals. A slice of a wrong length leaves `out` untouched.
+pub fn evaluate<S: Real>(
+    what: Quantity,
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut [S],
+) {
+    if out.len() != layout.len(what) {
+        return;
+    }
+    match what {
+        Quantity::Equilibrium(network) => {
+            return node::equilibrium(layout, at, network, |line| scene.line_name(line), out);
+        }
+        Quantity::NodeByAnchor(_) | Quantity::CondensedStiffness(_) => {
+            return sensitivity(what, layout, at, out);
+        }
+        Quantity::Partial(..) => return,
+        _ => {}
+    }
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    let evaluation = if layout.asks_efforts(what) {
+        scratch.assembly.collect(&evaluation);
+        scratch
+            .constraints
+            .accelerate(&evaluation, &scratch.assembly);
+        scratch.multipliers.resize(layout.nc, S::zero());
+        scratch.constraints.write_forces(
+            Quantity::Multipliers,
+            &evaluation,
+            &mut scratch.multipliers,
+        );
+        Evaluation {
+            multipliers: &scratch.multipliers,
+            ..evaluation
+        }
+    } else {
+        evaluation
+    };
+    match what {
+        Quantity::Ends => measured::ends(&evaluation, out),
+        Quantity::Derivative => {
+            scratch.assembly.collect(&evaluation);
+            if layout.nc > 0 {
+                scratch
+                    .constraints
+                    .accelerate(&evaluation, &scratch.assembly);
+            }
+            derivative(&evaluation, &scratch.assembly, &scratch.constraints, out);
+        }
+        Quantity::Balance => {
+            scratch.assembly.collect(&evaluation);
+            for (node, declared) in layout.nodes.iter().enumerate() {
+                if let Some(force) = scratch.assembly.points.get(declared.point) {
+                    write(out, 3 * node, force);
+                }
+            }
+        }
+        Quantity::Forces => {
+            scratch.assembly.collect(&evaluation);
+            mass::applied_forces(&evaluation, &scratch.assembly, out);
+        }
+        Quantity::Guards => measured::guards(&evaluation, out),
+        Quantity::Outputs => measured::outputs(&evaluation, out),
+        Quantity::Energy => {
+            let drives = forces::drive_power(&evaluation);
+            let through_joints = if layout.joints.iter().any(|joint| joint.driven) {
+                scratch.assembly.collect(&evaluation);
+                scratch
+                    .constraints
+                    .accelerate(&evaluation, &scratch.assembly);
+                scratch.constraints.drive_power(&evaluation)
+            } else {
+                S::zero()
+            };
+            energy::energy(&evaluation, drives + through_joints, out);
+        }
+        Quantity::Momentum => energy::momentum(&evaluation, out),
+        Quantity::MassMatrix => mass::mass_matrix(&evaluation, out),
+        Quantity::BiasForce => mass::bias_force(&evaluation, out),
+        Quantity::Lines => measured::lines(&evaluation, out),
+        Quantity::Constraint
+        | Quantity::ConstraintJacobian
+        | Quantity::ConstraintRate
+        | Quantity::ConstraintBias => scratch.constraints.write(what, &evaluation, out),
+        Quantity::Multipliers | Quantity::Reactions => {
+            scratch.assembly.collect(&evaluation);
+            scratch
+                .constraints
+                .accelerate(&evaluation, &scratch.assembly);
+            scratch.constraints.write_forces(what, &evaluation, out);
+        }
+        Quantity::Correction => scratch.constraints.correct(&evaluation, out),
+        Quantity::Equilibrium(_)
+        | Quantity::NodeByAnchor(_)
+        | Quantity::CondensedStiffness(_)
+        | Quantity::Partial(..) => {}
+    }
+}
+
+/// Evaluates [`Quantity::NodeByAnchor`] or [`Quantity::CondensedStiffness`], which read nothing of a scene but its layout: a model that does
+/// not spell them out ([`Layout::spells_out`]) solves its network for them on numbers.
+pub fn sensitivity<S: Real>(what: Quantity, layout: &Layout, at: &At<'_, S>, out: &mut [S]) {
+    if out.len() != layout.len(what) {
+        return;
+    }
+    match what {
+        Quantity::NodeByAnchor(network) => node::node_by_anchor(layout, at, network, out),
+        Quantity::CondensedStiffness(network) => {
+            node::condensed_stiffness(layout, at, network, out);
+        }
+        _ => {}
+    }
+}
+
+/// ẋ: q̇ = N(q) v, ż = w; v̇ = M⁻¹ (f − h) of what no joint holds, the solution of the constrained system for the rest.
+fn derivative<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    assembly: &Assembly<S>,
+    constraints: &Constraints<S>,
+    out: &mut [S],
+) {
+    let (layout, numbers) = (evaluation.layout, evaluation.numbers);
+    let (directions, components) = (layout.directions, evaluation.scene.angular_velocity);
+    for (index, slots) in layout.bodies.iter().enumerate() {
+        S::section(&evaluation.scene.bodies[index].name);
+        let (motion, body, (force, torque)) = (
+            &evaluation.motions[index],
+            &numbers.bodies[index],
+            &assembly.bodies[index],
+        );
+        directions.write_linear(out, slots.q, &motion.velocity);
+        let attitude = slots.q + directions.moves().len();
+        motion.write_attitude_rate(out, attitude, directions, components);
+        let at = layout.nq + slots.v;
+        if let Some([acceleration, spin]) = constraints.body_acceleration(evaluation, index) {
+            directions.write_linear(out, at, &acceleration);
+            directions.write_angular(out, at, &spin);
+            continue;
+        }
+        let acceleration =
+            force.map(|f| f * body.inverse_mass) + gravity::body_gravity(evaluation, index);
+        directions.write_linear(out, at, &acceleration);
+        let spin = motion.angular_acceleration(body, torque, components);
+        directions.write_angular(out, at, &spin);
+    }
+    for (index, slots) in layout.points.iter().enumerate() {
+        if let PointSlots::Mass(slots) = slots {
+            S::section(&evaluation.scene.points[index].name);
+            let at = layout.nq + slots.v;
+            let velocity: Vector3<S> = directions.linear(evaluation.at.state, at);
+            directions.write_linear(out, slots.q, &velocity);
+            if let Some(acceleration) = constraints.point_acceleration(evaluation, index) {
+                directions.write_linear(out, at, &acceleration);
+                continue;
+            }
+            let inverse_mass = numbers.points[index].1;
+            let acceleration = assembly.points[index].map(|f| f * inverse_mass)
+                + gravity::point_gravity(evaluation, index, slots.q);
+            directions.write_linear(out, at, &acceleration);
+        }
+    }
+    for (index, node) in layout.nodes.iter().enumerate() {
+        if let Some(z) = node.z {
+            write(
+                out,
+                layout.nq + layout.nv + z,
+                &vector(evaluation.at.nodes, 3 * index),
+            );
+        }
+    }
+}
+
+/// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.
+pub fn jumping_angles<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut Vec<S>,
+) {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    along::visit(&evaluation, |acting| {
+        if acting.jumps() {
+            out.push(acting.value());
+        }
+    });
+}

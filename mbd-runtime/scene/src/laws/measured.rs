@@ -1,0 +1,76 @@
+//! What is measured at a state: guards, outputs, lines, the ends of the lines of nodes.
+
+use nalgebra::Vector3;
+
+use crate::Real;
+use crate::laws::{along, evaluation::Evaluation, forces, formula, line};
+use crate::scalar::algebra::{elements, write};
+
+/// Position and velocity of every anchor, and the load at every node.
+pub fn ends<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let layout = evaluation.layout;
+    for (index, anchor) in layout.anchors.iter().enumerate() {
+        S::section(evaluation.scene.line_name(anchor.line));
+        if let (Some(p), Some(v)) = (
+            evaluation.position_of(anchor.place),
+            evaluation.velocity_of(anchor.place),
+        ) {
+            write(out, 6 * index, &p);
+            write(out, 6 * index + 3, &v);
+        }
+    }
+    for (index, node) in layout.nodes.iter().enumerate() {
+        write(
+            out,
+            6 * layout.anchors.len() + 3 * index,
+            &forces::node_load(evaluation, node.point),
+        );
+    }
+}
+
+/// The guards of lines, stops and events.
+pub fn guards<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let lines = evaluation.scene.lines.len();
+    for index in 0..lines {
+        if let Some(motion) = evaluation.line_motion(index) {
+            out[2 * index] = motion.geometry.length - evaluation.numbers.lines[index].free_length;
+            out[2 * index + 1] = motion.pull;
+        }
+    }
+    along::visit(evaluation, |acting| {
+        for stop in acting.stops() {
+            out[2 * (lines + stop.stop)] = stop.depth;
+            out[2 * (lines + stop.stop) + 1] = stop.pull;
+        }
+    });
+    let events = 2 * evaluation.layout.one_way();
+    for (index, event) in evaluation.scene.events.iter().enumerate() {
+        out[events + index] = formula::scalar(&event.guard, evaluation);
+    }
+}
+
+/// The columns of the outputs.
+pub fn outputs<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let mut column = 0;
+    for output in &evaluation.scene.outputs {
+        S::section(&output.name);
+        match formula::value(&output.value, evaluation) {
+            formula::Value::Scalar(a) => write(&mut out[..column + 1], column, &Vector3::repeat(a)),
+            formula::Value::Vector(a) => write(out, column, &a),
+        }
+        column += output.components;
+    }
+}
+
+/// Tension, length, stretch, rate and stiffness block of every line.
+pub fn lines<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    for (index, out) in out.chunks_exact_mut(10).enumerate() {
+        let state = formula::Context::line(evaluation, index).zip(evaluation.line_motion(index));
+        let Some((numbers, motion)) = state else {
+            continue;
+        };
+        let block = line::stiffness(&motion.geometry, &motion.tangent, motion.tension);
+        out[..4].copy_from_slice(&numbers);
+        out[4..].copy_from_slice(&elements(&block));
+    }
+}

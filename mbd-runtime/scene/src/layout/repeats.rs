@@ -1,0 +1,99 @@
+//! Rows that repeat others: what was found, and the sentences that tell it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{RowSet, Scene};
+
+/// A joint some of whose rows repeat those of others.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Repeat {
+    /// The joint, by index.
+    pub joint: usize,
+    /// Number of its rows.
+    pub rows: usize,
+    /// Those that stay.
+    pub kept: RowSet,
+    /// The joints whose rows the others repeat, by index.
+    pub of: Vec<usize>,
+}
+
+/// A motor that drives a coordinate which joints, or other motors, hold already.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HeldMotor {
+    /// Its joint, by index.
+    pub joint: usize,
+    /// The coordinate, by number.
+    pub coordinate: usize,
+    /// The joints that hold it, by index.
+    pub of: Vec<usize>,
+}
+
+/// What repeats what in a scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Redundancy {
+    /// The joints that lose rows, in order of declaration.
+    pub repeats: Vec<Repeat>,
+    /// The motors on loops that have nothing to drive. Only by parameters at their defaults.
+    pub held: Vec<HeldMotor>,
+    /// Independent loops of the joints, the world being one of the parts.
+    pub loops: usize,
+    /// Whether every loop was closed at some state. Where not, nothing is known of its rows, and all are kept.
+    pub closed: bool,
+}
+
+impl Redundancy {
+    /// Whether the reaction of a joint is determined by the motion: it takes part in no redundancy.
+    #[must_use]
+    pub fn is_unique(&self, joint: usize) -> bool {
+        let mut repeats = self.repeats.iter();
+        !repeats.any(|repeat| repeat.joint == joint || repeat.of.contains(&joint))
+    }
+
+    /// Number of rows that are left out.
+    #[must_use]
+    pub fn lost(&self) -> usize {
+        let lost = |repeat: &Repeat| repeat.rows - repeat.kept.within(repeat.rows).len();
+        self.repeats.iter().map(lost).sum()
+    }
+
+    /// One sentence for every motor that has nothing to drive: "`spin` cannot drive its `angle`: `a`, `b` hold it".
+    #[must_use]
+    pub fn idle_motors(&self, scene: &Scene) -> Vec<String> {
+        let sentence = |held: &HeldMotor| {
+            let (joint, coordinate) = scene.coordinate(held.joint, held.coordinate)?;
+            let verb = if held.of.len() == 1 { "holds" } else { "hold" };
+            Some(format!(
+                "`{}` cannot drive its `{}`: {} {verb} it",
+                joint.name,
+                coordinate.name,
+                named(scene, &held.of)
+            ))
+        };
+        self.held.iter().filter_map(sentence).collect()
+    }
+
+    /// One sentence for every joint that loses rows: "`close` repeats rows of `a`, `b`, `c`: 3 of 5".
+    #[must_use]
+    pub fn sentences(&self, scene: &Scene) -> Vec<String> {
+        let sentence = |repeat: &Repeat| {
+            let lost = repeat.rows - repeat.kept.within(repeat.rows).len();
+            format!(
+                "{} repeats rows of {}: {lost} of {}",
+                named(scene, &[repeat.joint]),
+                named(scene, &repeat.of),
+                repeat.rows
+            )
+        };
+        self.repeats.iter().map(sentence).collect()
+    }
+}
+
+/// `a`, `b`, `c`.
+fn named(scene: &Scene, joints: &[usize]) -> String {
+    let name = |joint: &usize| {
+        let joint = scene.joints.get(*joint);
+        format!("`{}`", joint.map_or("?", |joint| &joint.name))
+    };
+    let names: Vec<String> = joints.iter().map(name).collect();
+    names.join(", ")
+}

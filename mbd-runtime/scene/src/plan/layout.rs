@@ -1,0 +1,79 @@
+//! A scene laid out and planned.
+
+use crate::plan::System;
+use crate::redundancy;
+use crate::{Carrying, Layout, Order, Place, Plan, Redundancy, RowSet, Scene};
+
+impl Layout {
+    /// Lays out a scene and plans its solution: finds the rows of its joints that repeat others ([`Redundancy`]: a search at random states
+    /// wherever joints close a loop) and the cheapest order of elimination. Where that has been done before, [`Layout::planned`] takes the result.
+    #[must_use]
+    pub fn new(scene: &Scene) -> Self {
+        let layout = places(scene);
+        let redundancy = redundancy::find(scene, &layout);
+        layout.with(scene, redundancy, None)
+    }
+
+    /// Lays out a scene whose redundancy is known, and finds the order. The default redundancy keeps every row.
+    #[must_use]
+    pub fn keeping(scene: &Scene, redundancy: Redundancy) -> Self {
+        places(scene).with(scene, redundancy, None)
+    }
+
+    /// Lays out a scene whose plan is known: nothing is searched for.
+    #[must_use]
+    pub fn planned(scene: &Scene, plan: Plan) -> Self {
+        places(scene).with(scene, plan.redundancy, Some(plan.order))
+    }
+
+    /// Leaves repeated rows out of the system and lays out its elimination, in this order or in the cheapest.
+    fn with(mut self, scene: &Scene, redundancy: Redundancy, order: Option<Order>) -> Self {
+        for repeat in &redundancy.repeats {
+            if let Some(slots) = self.joints.get_mut(repeat.joint) {
+                // Motors follow the rows of the law: what they prescribe is never left out.
+                let motors = RowSet::all(slots.len).0 & !RowSet::all(repeat.rows).0;
+                slots.kept = RowSet(repeat.kept.within(repeat.rows).0 | motors);
+            }
+        }
+        let joints = scene.joints.iter().zip(&self.joints);
+        let carrying: Vec<Option<Carrying>> = joints
+            .map(|(joint, slots)| {
+                let driven = joint.motors();
+                let driven = driven.map(|(index, _)| Some((index, joint.law.coordinate(index)?)));
+                let motors: Vec<_> = driven.collect::<Option<_>>()?;
+                let aligned = match joint.child {
+                    Place::Body(body, frame) => {
+                        let body = scene.bodies.get(body)?;
+                        body.frames.get(frame)?.rotation.is_none()
+                    }
+                    _ => false,
+                };
+                let directions = (self.directions, aligned);
+                Carrying::of(&joint.law, slots.law, &motors, directions)
+            })
+            .collect();
+        let system = System {
+            directions: self.directions,
+            bodies: self.bodies.len(),
+            points: &self.points,
+            joints: &self.joints,
+            carrying: &carrying,
+            closed: redundancy.closed,
+        };
+        let order = order.unwrap_or_else(|| system.choose());
+        self.elimination = system.lay_out(order);
+        self.redundancy = redundancy;
+        self
+    }
+}
+
+/// Where everything lives but the system; of the rows of a joint's law in a plane those that say something there.
+fn places(scene: &Scene) -> Layout {
+    Layout::places(scene, |layout| match layout.directions.plane {
+        None => {
+            let laws = scene.joints.iter();
+            laws.map(|joint| RowSet::all(joint.law.rows())).collect()
+        }
+        Some(_) => redundancy::in_plane(scene, layout),
+    })
+}

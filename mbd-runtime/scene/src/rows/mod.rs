@@ -1,0 +1,10 @@
+//! Rows: the scalar equations that joints are built from, and what they are written in: the ends of a joint and its coordinates.
+
+mod basic;
+mod coordinate;
+mod ends;
+mod motor;
+
+pub use basic::{Columns, Row, Rows};
+pub(crate) use basic::{couple, helix};
+pub use ends::{End, Ends, Spin, Turn};

@@ -1,0 +1,13 @@
+//! Scalars: what every law is generic over, numbers that carry derivatives, and the small algebra on them.
+
+pub(crate) mod algebra;
+mod dual;
+mod few;
+mod jet;
+mod real;
+
+pub use algebra::{inverse, rotation, symmetric};
+pub use dual::Dual;
+pub(crate) use few::Few;
+pub use jet::{Jet, split};
+pub use real::{Float, Real, TINY};

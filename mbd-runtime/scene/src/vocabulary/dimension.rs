@@ -1,0 +1,25 @@
+//! Units and dimensions.
+
+use serde::{Deserialize, Serialize};
+
+/// A unit as written, with its meaning in SI.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Unit {
+    /// The text of the unit, `kN/m`; empty for a pure number.
+    pub text: String,
+    /// SI value of one such unit.
+    pub factor: f64,
+    /// What it measures.
+    pub dimension: Dimension,
+}
+
+/// Exponents of mass, length and time, **doubled** so that square roots stay whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Dimension {
+    /// Twice the exponent of mass.
+    pub mass: i8,
+    /// Twice the exponent of length.
+    pub length: i8,
+    /// Twice the exponent of time.
+    pub time: i8,
+}

@@ -1,0 +1,29 @@
+//! The words of a scene that everything else is written in: places and parts, axes, dimensions, formulas, quantities.
+
+mod angular_velocity;
+mod axis;
+mod coordinate;
+mod cost;
+mod dimension;
+pub(crate) mod field;
+mod formula;
+pub(crate) mod motion;
+mod part;
+mod plane;
+mod quantity;
+mod row_set;
+mod table;
+
+pub use angular_velocity::AngularVelocity;
+pub use axis::Axis;
+pub use coordinate::{Coordinate, Measure};
+pub use cost::Cost;
+pub use dimension::{Dimension, Unit};
+pub use field::{Field, Fields, Rule};
+pub use formula::{Formula, Function, Place};
+pub use motion::{FrameMotion, Pose, Relative, Twist};
+pub use part::Part;
+pub use plane::{Directions, Plane};
+pub use quantity::{Arguments, At, Differentiated, Quantity, Variable};
+pub use row_set::RowSet;
+pub use table::Table;
