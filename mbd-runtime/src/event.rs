@@ -103,7 +103,7 @@ impl Margins {
                 .filter(|_| locate)
                 .map(|(event, declared)| Watched::Declared {
                     event,
-                    at: 2 * layout.one_way() + event,
+                    at: 2 * layout.unilateral() + event,
                     direction: declared.direction,
                 }),
         );
@@ -285,7 +285,10 @@ fn blocks(layout: &Layout, kind: Kind, turning: bool) -> Vec<usize> {
         Kind::Place => slots.q,
         Kind::Speed => layout.nq + slots.v,
     });
-    let (linear, speeds) = (layout.directions.moves().len(), layout.directions.speeds());
+    let (linear, speeds) = (
+        layout.directions.translations().len(),
+        layout.directions.speeds(),
+    );
     let coordinates = layout.directions.coordinates();
     let mut all: Vec<usize> = first.flat_map(|at| at..at + linear).collect();
     for slots in layout.bodies.iter().filter(|_| turning) {

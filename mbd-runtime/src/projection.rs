@@ -316,7 +316,7 @@ impl<T: Float> System<T> {
             ..self.nodes.at(T::from_f64(time), state, &self.inputs)
         };
         self.model
-            .evaluate(Quantity::Correction, &at, &mut self.work, shift);
+            .evaluate(Quantity::ProjectionStep, &at, &mut self.work, shift);
         self.fallback.margin = self.projection.margin();
     }
 
@@ -325,7 +325,10 @@ impl<T: Float> System<T> {
         let layout = self.model.layout();
         let body_axes = self.model.scene().angular_velocity == AngularVelocity::Body;
         let shift = self.projection.moves();
-        let (linear, speeds) = (layout.directions.moves().len(), layout.directions.speeds());
+        let (linear, speeds) = (
+            layout.directions.translations().len(),
+            layout.directions.speeds(),
+        );
         let turn = |v: usize| shift.get(v + linear..v + speeds).unwrap_or(&[]);
         let turns = layout.bodies.iter().map(|slots| square(turn(slots.v)));
         let most = turns.fold(T::zero(), |a, b| a.max(b)).sqrt();

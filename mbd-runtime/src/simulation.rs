@@ -19,9 +19,11 @@ use crate::system::{External, NoLoads, System};
 use crate::watch::Watch;
 
 mod drive;
+mod moved;
 mod snapshot;
 mod start;
 
+pub use moved::Moved;
 pub use snapshot::Snapshot;
 use start::{offered, stepwise};
 
@@ -112,6 +114,7 @@ pub struct Simulation<T: Float> {
     count: u64,
     options: Options,
     guess: Option<Vec<T>>,
+    moved: Vec<Moved>,
     started: bool,
     events: Vec<Occurrence>,
 }
@@ -163,6 +166,13 @@ impl<T: Scalar> Simulation<T> {
 }
 
 impl<T: Float> Simulation<T> {
+    /// What the start moved so that the joints hold, the largest distance first; empty where they held already. The state that is set says where
+    /// bodies are wanted; where joints forbid it, [`Simulation::start`] takes the nearest state that they allow, weighted by mass.
+    #[must_use]
+    pub fn start_moved(&self) -> &[Moved] {
+        &self.moved
+    }
+
     /// The model that is run.
     #[must_use]
     pub fn model(&self) -> &Arc<dyn Model<T>> {
@@ -229,7 +239,7 @@ impl<T: Float> Simulation<T> {
             guards: layout.len(Quantity::Guards),
             inside: vec![T::zero(); length],
             chosen: vec![false; margins.now.len()],
-            switches: Vec::with_capacity(layout.one_way()),
+            switches: Vec::with_capacity(layout.unilateral()),
             crossed: Vec::with_capacity(layout.events),
             margins,
             noisy: fixed && options.guard_tolerance.is_none(),
@@ -242,6 +252,7 @@ impl<T: Float> Simulation<T> {
             count: 0,
             options,
             guess: None,
+            moved: Vec::new(),
             started: false,
             events: Vec::with_capacity(256),
         })

@@ -44,7 +44,10 @@ pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Ve
     let (scene, layout) = (model.scene(), model.layout());
     let mass = |v: usize| mass_matrix.get(v * (layout.nv + 1)).copied().unwrap_or(0.0);
     let directions = layout.directions;
-    let (linear, turns) = (directions.moves().len(), directions.turns().len());
+    let (linear, turns) = (
+        directions.translations().len(),
+        directions.rotations().len(),
+    );
     // Its inertia, the mean of its moments; in a plane there is one.
     let inertia_of = |v: usize| {
         let own = v + linear..v + linear + turns;
@@ -112,9 +115,9 @@ fn coordinates<T: Float>(model: &dyn Model<T>) -> Vec<Coordinate> {
     let (scene, lines) = (model.scene(), model.layout().lines.len());
     let numbers = Numbers::new(scene, model.params());
     let mut found = Vec::new();
-    for (index, (joint, entries)) in scene.joints.iter().zip(&numbers.along).enumerate() {
-        for (along, numbers) in joint.along.iter().zip(entries) {
-            let Some((_, coordinate)) = scene.coordinate(index, along.coordinate) else {
+    for (index, (joint, entries)) in scene.joints.iter().zip(&numbers.forces).enumerate() {
+        for (forces, numbers) in joint.forces.iter().zip(entries) {
+            let Some((_, coordinate)) = scene.coordinate(index, forces.coordinate) else {
                 continue;
             };
             let stops = model
@@ -123,7 +126,7 @@ fn coordinates<T: Float>(model: &dyn Model<T>) -> Vec<Coordinate> {
                 .iter()
                 .zip(model.lines().iter().skip(lines));
             let own =
-                |slots: &StopSlots| slots.joint == index && slots.coordinate == along.coordinate;
+                |slots: &StopSlots| slots.joint == index && slots.coordinate == forces.coordinate;
             let stop = stops
                 .filter(|(slots, _)| own(slots))
                 .map(|(_, numbers)| numbers.stiffness.to_f64())

@@ -182,7 +182,7 @@ impl<T: Float> System<T> {
     fn crossings(&mut self, speeds: &[f64]) -> f64 {
         let reach = self.reach();
         let layout = self.model.layout();
-        let moves = layout.directions.moves().len();
+        let moves = layout.directions.translations().len();
         let mut most: f64 = 0.0;
         let bodies = layout
             .bodies

@@ -354,7 +354,7 @@ impl<T: Float> System<T> {
         }
         for slots in &layout.points {
             if let PointSlots::Mass(slots) = slots {
-                dense.set_mass(slots.v, directions.moves().len());
+                dense.set_mass(slots.v, directions.translations().len());
             }
         }
         self.fallback.dense = dense;

@@ -100,7 +100,10 @@ impl ErrorNorm {
             });
         };
         let directions = layout.directions;
-        let (moves, turns) = (directions.moves().len(), directions.turns().len());
+        let (moves, turns) = (
+            directions.translations().len(),
+            directions.rotations().len(),
+        );
         let (attitude, numbers) = match directions.plane {
             None => (Kind::Rotation, directions.attitude()),
             Some(_) => (Kind::Angle, directions.attitude()),

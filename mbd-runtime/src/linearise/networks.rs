@@ -97,11 +97,11 @@ impl<'a, T: Float> Elimination<'a, T> {
                 .as_ref()
                 .is_some_and(|rate| !rate.missing.is_empty());
         let ends = deficient.then(|| {
-            let rows = model.layout().len(Quantity::Ends);
+            let rows = model.layout().len(Quantity::AnchorStates);
             let mut ends = Matrix::new(rows, out.columns());
             let scene = (model.scene(), model.layout());
             let mut slopes = Slopes::new(scene.0, scene.1, model.params());
-            let of = (Quantity::Ends, by);
+            let of = (Quantity::AnchorStates, by);
             slopes.differentiate(scene, of, Effective::Fixed, at, &mut ends.values);
             ends
         });

@@ -58,7 +58,7 @@ impl<T: Float> NodeMemory<T> {
             step: T::zero(),
             smooth: vec![false; layout.networks.len()],
             ranks: vec![3; layout.networks.len()],
-            modes: vec![Mode::Free; layout.one_way()],
+            modes: vec![Mode::Free; layout.unilateral()],
         }
     }
 
@@ -106,6 +106,6 @@ impl<T: Float> NodeMemory<T> {
             self.ranks.len(),
             layout.networks.len(),
         )?;
-        same("memory of modes", self.modes.len(), layout.one_way())
+        same("memory of modes", self.modes.len(), layout.unilateral())
     }
 }

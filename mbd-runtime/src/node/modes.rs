@@ -57,8 +57,8 @@ impl Mode {
 pub(crate) fn switches<T: Float>(model: &dyn Model<T>, line: usize) -> bool {
     let (scene, layout) = (model.scene(), model.layout());
     match (scene.lines.get(line), layout.lines.get(line)) {
-        (Some(declared), Some(slots)) => declared.kind.is_one_way() && slots.effective.is_none(),
-        _ => line < layout.one_way(),
+        (Some(declared), Some(slots)) => declared.kind.is_unilateral() && slots.effective.is_none(),
+        _ => line < layout.unilateral(),
     }
 }
 
@@ -194,7 +194,7 @@ impl<T: Float> Nodes<T> {
         );
         for (line, pair) in guards
             .chunks_exact(2)
-            .take(self.layout.one_way())
+            .take(self.layout.unilateral())
             .enumerate()
         {
             if has_mode(model, line) && !is_node_line(&self.layout, line) {

@@ -106,7 +106,7 @@ impl<T: Float> Plan<T> {
         self.nodes.len() == 1 && self.legs.len() == self.lines.len()
     }
 
-    /// Copies the loads of its nodes out of `Quantity::Ends`.
+    /// Copies the loads of its nodes out of `Quantity::AnchorStates`.
     pub fn read_loads(&mut self, ends: &[T], anchors: usize) {
         for (&node, load) in self.nodes.iter().zip(self.load.chunks_exact_mut(3)) {
             let at = 6 * anchors + 3 * node;
@@ -125,7 +125,7 @@ pub(crate) fn triple<T: Float>(list: &[T], at: usize) -> Vector3<T> {
     }
 }
 
-/// From the `from` end of a line to its `to` end, with anchors as in `Quantity::Ends` and nodes 3 a node [m].
+/// From the `from` end of a line to its `to` end, with anchors as in `Quantity::AnchorStates` and nodes 3 a node [m].
 pub(crate) fn vector<T: Float>(ends: &[LineEnd; 2], anchors: &[T], nodes: &[T]) -> Vector3<T> {
     let [from, to] = ends.map(|end| match end {
         LineEnd::Anchor(anchor) => triple(anchors, 6 * anchor),

@@ -2,6 +2,7 @@
 
 use mbd_scene::{Float, Model, NodeModel};
 
+use super::moved::moved;
 use super::{Pace, Simulation};
 use crate::columns::{input_name, node_name, state_names};
 use crate::compiled::Scalar;
@@ -120,7 +121,12 @@ impl<T: Float> Simulation<T> {
     }
 
     fn consistent_start(&mut self) -> Result<(), StepError> {
-        self.system.assemble(self.time, &mut self.state)?;
+        let set = self.state.clone();
+        let assembled = self.system.assemble(self.time, &mut self.state);
+        let (model, nx) = (&self.system.model, self.system.nx);
+        let scene = (model.scene(), model.layout());
+        self.moved = moved(scene, &set[..nx], &self.state[..nx]);
+        assembled?;
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
         self.watch_weights = self.system.watch_weights(self.time, &self.state)?;

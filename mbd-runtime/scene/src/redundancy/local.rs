@@ -6,7 +6,7 @@ use crate::rows::{Columns, Rows};
 use crate::{Directions, Part};
 
 /// A motion of a part.
-pub type Motion = [f64; 6];
+pub type PartMotion = [f64; 6];
 
 /// Less than this part of a row left by others is nothing.
 const NOTHING: f64 = 1e-9;
@@ -14,15 +14,20 @@ const NOTHING: f64 = 1e-9;
 /// The motions that a part is capable of, by their numbers.
 pub fn speeds(part: Part, directions: Directions) -> impl Iterator<Item = usize> + Clone {
     let turns = match part {
-        Part::Body(_) => directions.turns(),
+        Part::Body(_) => directions.rotations(),
         _ => &[],
     };
     let turns = turns.iter().map(|&axis| 3 + axis);
-    directions.moves().iter().copied().chain(turns)
+    directions.translations().iter().copied().chain(turns)
 }
 
 /// The columns of a row at one end.
-pub fn columns(columns: &Columns<f64>, part: Part, directions: Directions, length: f64) -> Motion {
+pub fn columns(
+    columns: &Columns<f64>,
+    part: Part,
+    directions: Directions,
+    length: f64,
+) -> PartMotion {
     let (v, w) = (columns.linear, columns.angular / length);
     let all = [v.x, v.y, v.z, w.x, w.y, w.z];
     let mut own = [0.0; 6];
@@ -32,11 +37,11 @@ pub fn columns(columns: &Columns<f64>, part: Part, directions: Directions, lengt
     own
 }
 
-pub fn dot(a: &Motion, b: &Motion) -> f64 {
+pub fn dot(a: &PartMotion, b: &PartMotion) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn subtract(from: &mut Motion, times: f64, what: &Motion) {
+fn subtract(from: &mut PartMotion, times: f64, what: &PartMotion) {
     for (a, b) in from.iter_mut().zip(what) {
         *a -= times * b;
     }
@@ -45,10 +50,10 @@ fn subtract(from: &mut Motion, times: f64, what: &Motion) {
 /// The rows of a joint on the part it places, made orthonormal: e_i = Σ mix_ij φ_j.
 #[derive(Clone, Debug, Default)]
 pub struct Hold {
-    fixed: Vec<Motion>,
+    fixed: Vec<PartMotion>,
     mix: Vec<[f64; 6]>,
     /// What the rows leave: orthonormal motions.
-    pub free: Vec<Motion>,
+    pub free: Vec<PartMotion>,
 }
 
 impl Hold {
@@ -83,7 +88,7 @@ impl Hold {
         let speeds = speeds(part, directions);
         while hold.fixed.len() + hold.free.len() < speeds.clone().count() {
             let rest = |k: usize| {
-                let mut rest: Motion = std::array::from_fn(|i| f64::from(u8::from(i == k)));
+                let mut rest: PartMotion = std::array::from_fn(|i| f64::from(u8::from(i == k)));
                 for _ in 0..2 {
                     for known in hold.fixed.iter().chain(&hold.free) {
                         let along = dot(&rest, known);
@@ -103,7 +108,7 @@ impl Hold {
     }
 
     /// The smallest motion with these rates of the rows.
-    pub fn motion(&self, rates: &[f64; 6]) -> Motion {
+    pub fn motion(&self, rates: &[f64; 6]) -> PartMotion {
         let mut motion = [0.0; 6];
         for (fixed, mix) in self.fixed.iter().zip(&self.mix) {
             subtract(&mut motion, -dot(mix, rates), fixed);
@@ -112,7 +117,7 @@ impl Hold {
     }
 
     /// The multipliers whose rows add up to a force that the joint can carry.
-    pub fn multipliers(&self, force: &Motion) -> [f64; 6] {
+    pub fn multipliers(&self, force: &PartMotion) -> [f64; 6] {
         let mut multipliers = [0.0; 6];
         for (fixed, mix) in self.fixed.iter().zip(&self.mix) {
             subtract(&mut multipliers, -dot(fixed, force), mix);
