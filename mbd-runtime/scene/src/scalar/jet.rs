@@ -194,6 +194,18 @@ impl<S: Real> Real for Jet<S> {
         let value = self.value.exp();
         self.chain(value, value, value)
     }
+    fn ln(self) -> Self {
+        let inverse = S::one() / self.value;
+        self.chain(self.value.ln(), inverse, -(inverse * inverse))
+    }
+    fn tanh(self) -> Self {
+        let value = self.value.tanh();
+        let slope = S::one() - value * value;
+        self.chain(value, slope, -((value + value) * slope))
+    }
+    fn floor(self) -> Self {
+        Self::constant(self.value.floor())
+    }
     fn atan2(self, x: Self) -> Self {
         let y = self;
         let square = (y.value * y.value + x.value * x.value).max(S::from_f64(TINY));
