@@ -148,8 +148,7 @@ pub fn run_together(word: &str) -> Option<String> {
     let cuts = (1..word.len()).filter(|&cut| word.is_char_boundary(cut));
     let mut products = cuts.map(|cut| word.split_at(cut));
     let plural = |a: &str, b: &str| a.len() > 1 && b == "s";
-    let found =
-        products.find(|(a, b)| find(a).is_some() && find(b).is_some() && !plural(a, b));
+    let found = products.find(|(a, b)| find(a).is_some() && find(b).is_some() && !plural(a, b));
     found.map(|(a, b)| format!("{a}*{b}"))
 }
 

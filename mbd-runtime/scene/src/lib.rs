@@ -18,6 +18,7 @@ mod lines;
 mod model;
 mod packed;
 mod params;
+mod placement;
 mod plan;
 mod redundancy;
 pub mod rows;
@@ -40,6 +41,7 @@ pub use lines::LineKind;
 pub use model::{Model, Work};
 pub use packed::Packed;
 pub use params::{ParamError, check_params, checked_numbers};
+pub use placement::{JointStart, PlacementError, place};
 pub use redundancy::Apart;
 pub use scalar::{Dual, Float, Jet, Real, TINY, inverse, rotation, symmetric};
 pub use scene::{

@@ -196,6 +196,48 @@ fn a_start_that_the_joints_do_not_allow_is_told() {
 }
 
 #[test]
+fn a_start_is_said_in_joint_coordinates() {
+    let folder = Folder::new("joint_start");
+    let out = folder.0.join("out").display().to_string();
+    let flown = |start: &str| {
+        let run_table = format!("[run]\nuntil = \"0.1 s\"\n[run.start]\n{start}");
+        let file = folder.file("pendulum.mbd", &format!("{PENDULUM}\n{run_table}\n"));
+        run(&["run", &file, "--out", &out])
+    };
+    let told = flown("pin.angle = \"30 deg\"\npin.angle_rate = \"1 rad/s\"").unwrap();
+    assert!(!told.contains("warning"), "{told}");
+    let history = std::fs::read_to_string(folder.0.join("out/history.csv")).unwrap();
+    let mut lines = history.lines().filter(|line| !line.starts_with('#'));
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let first: Vec<f64> = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .map(|x| x.parse().unwrap_or(f64::NAN))
+        .collect();
+    let column = |name: &str| {
+        first[header
+            .iter()
+            .position(|known| known.starts_with(name))
+            .unwrap()]
+    };
+    let (sin, cos) = 30f64.to_radians().sin_cos();
+    assert!((column("rod.x") + sin).abs() < 1e-12 && (column("rod.z") + cos).abs() < 1e-12);
+    assert!((column("rod.vx") + cos).abs() < 1e-12, "1 m at 1 rad/s");
+    for (start, said) in [
+        ("pin.angel = \"30 deg\"", "did you mean `pin.angle`"),
+        ("pin.angle = \"30 m\"", "wrong unit"),
+        (
+            "pin.angle = \"30 deg\"\nrod.x = \"0.1 m\"",
+            "placed already",
+        ),
+    ] {
+        let error = flown(start).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+#[test]
 fn a_compiled_scene_and_its_toml_run_to_the_same_history() {
     let folder = Folder::new("compiled");
     let toml = folder.file(

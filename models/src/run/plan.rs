@@ -3,7 +3,10 @@
 use std::fmt;
 
 use mbd_compiler::{nearest, read_number};
-use mbd_runtime::scene::{Frame, InputSource, JointForces, Line, NodeModel, Scene};
+use mbd_runtime::scene::{
+    Frame, InputSource, Joint, JointForces, JointStart, Line, NodeModel, Part, PlacementError,
+    Scene, place,
+};
 use mbd_runtime::{Content, Generic, Layout, Name, Options, Sampling, Trajectory, state_names};
 use toml::{Table, Value};
 
@@ -87,8 +90,9 @@ impl Plan {
             let text = format!("asks for {rows:.1e} rows of history; at most {ROWS:.0e} fit");
             return Err(wrong("every", text));
         }
-        let placed = placed(&settings.start);
-        let (state, nodes) = start(scene, &layout, &settings.start)?;
+        let params = params(scene, &settings.params)?;
+        let placed = placed(scene, &settings.start);
+        let (state, nodes) = start(scene, &layout, &params, &settings.start)?;
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants
             .iter()
@@ -100,7 +104,7 @@ impl Plan {
             until,
             options: options(scene, &layout, settings)?,
             every,
-            params: params(scene, &settings.params)?,
+            params,
             state,
             placed,
             nodes,
@@ -273,6 +277,7 @@ fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError> {
 fn start(
     scene: &Scene,
     layout: &Layout,
+    params: &[f64],
     given: &Table,
 ) -> Result<(Vec<f64>, Option<Vec<f64>>), PlanError> {
     let mut slots: Vec<(String, &str, f64)> = Vec::new();
@@ -288,15 +293,32 @@ fn start(
         slots.extend(["x", "y", "z"].map(|c| (format!("{owner}.{c}"), "m", 0.0)));
     }
     let mut places_given = false;
+    let mut joints: Vec<JointStart> = Vec::new();
     for (name, value) in flat(given) {
         let setting = format!("start.{name}");
+        if let Some((start, is_rate, unit)) = coordinate(scene, &name) {
+            let number = Some(number(&setting, value, unit)?);
+            let same = |other: &JointStart| {
+                (other.joint, other.coordinate) == (start.joint, start.coordinate)
+            };
+            let index = joints.iter().position(same).unwrap_or_else(|| {
+                joints.push(start);
+                joints.len() - 1
+            });
+            let entry = &mut joints[index];
+            *if is_rate {
+                &mut entry.rate
+            } else {
+                &mut entry.value
+            } = number;
+            continue;
+        }
         let Some(index) = slots.iter().position(|(slot, ..)| *slot == name) else {
             let known = slots.iter().map(|(slot, ..)| slot.as_str());
-            return Err(unknown(
-                &setting,
-                &name,
-                known.filter(|slot| !slot.starts_with('.')),
-            ));
+            let known = known.filter(|slot| !slot.starts_with('.'));
+            let coordinates = coordinates(scene);
+            let known = known.chain(coordinates.iter().map(String::as_str));
+            return Err(unknown(&setting, &name, known));
         };
         slots[index].2 = number(&setting, value, slots[index].1)?;
         places_given |= index >= names.len();
@@ -306,12 +328,74 @@ fn start(
     for quaternion in layout.quaternions() {
         normalise(scene, &mut numbers, quaternion)?;
     }
+    let fixed: Vec<Part> = placed(scene, given)
+        .iter()
+        .filter_map(|name| part(scene, name))
+        .collect();
+    place(scene, layout, (params, 0.0), &joints, &fixed, &mut numbers)
+        .map_err(|error| misplaced(scene, error))?;
     Ok((numbers, places_given.then_some(nodes)))
 }
 
-/// The owners of the coordinates that are given.
-fn placed(given: &Table) -> Vec<String> {
+/// The joint coordinate of a name, `pin.angle` or its rate `pin.angle_rate`, which of both it is, and its unit.
+fn coordinate(scene: &Scene, name: &str) -> Option<(JointStart, bool, &'static str)> {
+    let (owner, word) = name.rsplit_once('.')?;
+    let joint = scene.joints.iter().position(|joint| joint.name == owner)?;
+    let mut measured = scene.joints[joint].law.measured().enumerate();
+    let (number, found) = measured.find(|(_, found)| found.name == word || found.rate == word)?;
+    let is_rate = found.rate == word;
+    let unit = match (is_rate, found.is_angle()) {
+        (false, true) => "rad",
+        (false, false) => "m",
+        (true, true) => "rad/s",
+        (true, false) => "m/s",
+    };
+    let start = JointStart {
+        joint,
+        coordinate: number,
+        value: None,
+        rate: None,
+    };
+    Some((start, is_rate, unit))
+}
+
+/// The names of all joint coordinates and their rates.
+fn coordinates(scene: &Scene) -> Vec<String> {
+    let of = |joint: &Joint| {
+        let measured = joint.law.measured();
+        let names = measured.flat_map(|coordinate| [coordinate.name, coordinate.rate]);
+        let names: Vec<String> = names.map(|word| format!("{}.{word}", joint.name)).collect();
+        names
+    };
+    scene.joints.iter().flat_map(of).collect()
+}
+
+fn part(scene: &Scene, name: &str) -> Option<Part> {
+    let body = scene.bodies.iter().position(|body| body.name == name);
+    let point = || scene.points.iter().position(|point| point.name == name);
+    body.map(Part::Body).or_else(|| point().map(Part::Point))
+}
+
+fn misplaced(scene: &Scene, error: PlacementError) -> PlanError {
+    let name = |joint: usize| scene.joints.get(joint).map_or("", |joint| &joint.name);
+    match error {
+        PlacementError::Decided { joint } => wrong(
+            format!("start.{}", name(joint)),
+            "what it joins is placed already, by other joint coordinates or by its bodies: leave out one of them",
+        ),
+        PlacementError::Open { joint, gap } => wrong(
+            format!("start.{}", name(joint)),
+            format!(
+                "the loops do not close with the coordinates that are given: it stays open by {gap:.1e}; give fewer of them, or others"
+            ),
+        ),
+    }
+}
+
+/// The bodies and points whose coordinates are given.
+fn placed(scene: &Scene, given: &Table) -> Vec<String> {
     let names = flat(given).into_iter();
+    let names = names.filter(|(name, _)| coordinate(scene, name).is_none());
     let owners = names.filter_map(|(name, _)| Some(name.rsplit_once('.')?.0.to_owned()));
     let mut owners: Vec<String> = owners.collect();
     owners.dedup();

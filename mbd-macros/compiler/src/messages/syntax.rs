@@ -206,6 +206,13 @@ pub fn unknown_unit(at: Region, word: &str) -> Report {
     Report::new(at, text)
 }
 
+pub fn function_wanted(at: Region, word: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{word}` is a function here: write `{word}(a < b, this, that)`"),
+    )
+}
+
 pub fn unit_product(at: Region, first: &str, second: &str) -> Report {
     let text =
         format!("`{first}.{second}` is no unit; a product of units is written `{first}*{second}`");

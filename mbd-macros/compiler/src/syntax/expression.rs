@@ -284,6 +284,9 @@ impl Parser {
                 depth + 1,
             ));
         }
+        if let Some(word) = cursor.peek_word().filter(|word| *word == "if") {
+            return Err(say::function_wanted(cursor.here(), word));
+        }
         let steps = self.path(cursor)?;
         Ok((Expression::Path(steps), 1))
     }

@@ -10,7 +10,7 @@
 //! R from a unit quaternion, w first, body to world. The state carries ω′ or ω by declaration. In a plane R is the turn about the normal,
 //! ω = ω′ lies along it, and of (3) and (4), which agree, the components in the plane count: M = diag(m I₂, I′ about the normal), h = −m g.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::laws::numbers::BodyNumbers;
 use crate::scalar::algebra::{labelled, rotation, vector};
@@ -236,4 +236,22 @@ fn write_at<S: Real>(out: &mut [S], at: usize, value: S) {
     if let Some(slot) = out.get_mut(at) {
         *slot = value;
     }
+}
+
+/// The numbers that the state carries of a rotation.
+pub fn attitude_of(axes: &Matrix3<f64>, directions: Directions) -> impl Iterator<Item = f64> {
+    let quaternion = || {
+        let turn = Rotation3::from_matrix_unchecked(*axes);
+        let q = UnitQuaternion::from_rotation_matrix(&turn).into_inner();
+        [q.w, q.i, q.j, q.k]
+    };
+    let (numbers, count) = match directions.plane {
+        None => (quaternion(), 4),
+        Some(plane) => {
+            let [a, b] = [1, 2].map(|k| (plane.normal() + k) % 3);
+            let [sin, cos] = [axes[(b, a)] - axes[(a, b)], axes[(a, a)] + axes[(b, b)]];
+            ([sin.atan2(cos), 0.0, 0.0, 0.0], 1)
+        }
+    };
+    numbers.into_iter().take(count)
 }

@@ -1,15 +1,14 @@
 //! A scene at rest in a configuration that can be moved part by part: for looking at joints before a run, one at a time.
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::laws::body::BodyMotion;
+use crate::laws::body::{BodyMotion, attitude_of};
 use crate::laws::evaluation::Evaluation;
 use crate::laws::ground;
 use crate::laws::numbers::Numbers;
 use crate::rows::{Row, Rows};
 use crate::{
-    AngularVelocity, At, Directions, FrameMotion, Jet, Layout, Part, Place, PointSlots, RowSet,
-    Scene,
+    AngularVelocity, At, FrameMotion, Jet, Layout, Part, Place, PointSlots, RowSet, Scene,
 };
 
 /// A configuration of a scene with its parameters at their defaults, at time zero and at rest.
@@ -225,22 +224,4 @@ impl<'a> Configuration<'a> {
         let bodies = self.motions.iter().map(|motion| motion.position.amax());
         bodies.fold(0.0, f64::max)
     }
-}
-
-/// The numbers that the state carries of a rotation.
-fn attitude_of(axes: &Matrix3<f64>, directions: Directions) -> impl Iterator<Item = f64> {
-    let quaternion = || {
-        let turn = Rotation3::from_matrix_unchecked(*axes);
-        let q = UnitQuaternion::from_rotation_matrix(&turn).into_inner();
-        [q.w, q.i, q.j, q.k]
-    };
-    let (numbers, count) = match directions.plane {
-        None => (quaternion(), 4),
-        Some(plane) => {
-            let [a, b] = [1, 2].map(|k| (plane.normal() + k) % 3);
-            let [sin, cos] = [axes[(b, a)] - axes[(a, b)], axes[(a, a)] + axes[(b, b)]];
-            ([sin.atan2(cos), 0.0, 0.0, 0.0], 1)
-        }
-    };
-    numbers.into_iter().take(count)
 }

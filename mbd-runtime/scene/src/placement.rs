@@ -1,0 +1,533 @@
+//! A state from joint coordinates: bodies are placed along a spanning tree of the joints, and loops are closed by the coordinates that nobody gave.
+//!
+//! ```text
+//! o2 = o1 + R1 s,   R2 = R1 R12                           frame 2 of a joint at its coordinates q: s, R12 its motion           (1)
+//! v2 = v1 + ω1 × R1 s + R1 (H u)_v,   ω2 = ω1 + R1 (H u)_ω                                                                     (2)
+//! Φ(q given, y) = 0,   Φ_v v + Φ_t = 0                    y and its rates: the coordinates of the tree that are not given      (3)
+//! ```
+//!
+//! The tree takes the joints with given coordinates first, then the others in the order of declaration, those marked `loop` last. y starts at zero;
+//! (3) is solved by damped least squares (Levenberg and Marquardt), its rates, which are linear, by least squares.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+use crate::evaluate::{Scratch, evaluate};
+use crate::laws::body::{BodyMotion, attitude_of};
+use crate::laws::ground::{course, ground};
+use crate::laws::numbers::Numbers;
+use crate::{
+    AngularVelocity, Arguments, FrameMotion, Layout, Part, Place, PointSlots, Quantity, Relative,
+    Scene, Twist,
+};
+
+/// Iterations that close the loops.
+const ITERATIONS: usize = 100;
+/// Starts of y that are tried: zero, then others, ever further away [rad, or parts of a metre].
+const REACHES: [f64; 8] = [0.0, 0.1, 0.3, 0.3, 1.0, 1.0, 2.0, 3.0];
+/// A loop is closed when its rows are below this [m or 1].
+const CLOSED: f64 = 1e-11;
+/// The step of the differences that linearise (3).
+const DIFFERENCE: f64 = 1e-6;
+
+/// A joint coordinate at the start, and its rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointStart {
+    /// The joint, by index.
+    pub joint: usize,
+    /// The coordinate, by number.
+    pub coordinate: usize,
+    /// Its value [m or rad]; `None`: as the others decide.
+    pub value: Option<f64>,
+    /// Its rate [m/s or rad/s]; `None`: as the others decide, zero where they do not.
+    pub rate: Option<f64>,
+}
+
+/// Why bodies cannot be placed by joint coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlacementError {
+    /// Where this joint's ends are is decided already, by other coordinates that are given, or by the bodies themselves.
+    Decided {
+        /// The joint, by index.
+        joint: usize,
+    },
+    /// No coordinates of the other joints close the loops.
+    Open {
+        /// The joint that is open most, by index.
+        joint: usize,
+        /// By how much [m or 1].
+        gap: f64,
+    },
+}
+
+/// A joint walked from the part that is placed to the one it places.
+#[derive(Clone, Copy)]
+struct Link {
+    joint: usize,
+    to: Part,
+    to_parent: bool,
+}
+
+/// Position, axes, velocity and angular velocity of a part or a frame, world axes.
+#[derive(Clone, Copy)]
+struct Moving {
+    position: Vector3<f64>,
+    axes: Matrix3<f64>,
+    velocity: Vector3<f64>,
+    omega: Vector3<f64>,
+}
+
+struct Placement<'a> {
+    scene: &'a Scene,
+    layout: &'a Layout,
+    numbers: Numbers<f64>,
+    ground: Vec<Option<FrameMotion<f64>>>,
+    time: f64,
+    links: Vec<Link>,
+    /// Coordinates and speeds of every joint.
+    q: Vec<Vec<f64>>,
+    u: Vec<Vec<f64>>,
+    scratch: Scratch<f64>,
+}
+
+/// Writes the bodies and points that joints place into a state, for the joint coordinates that are given; those of motors are what their
+/// courses say. `fixed` stay where the state has them. With nothing given and no motor nothing is placed.
+///
+/// # Errors
+/// A coordinate that is decided otherwise; loops that the other coordinates cannot close.
+pub fn place(
+    scene: &Scene,
+    layout: &Layout,
+    (params, time): (&[f64], f64),
+    given: &[JointStart],
+    fixed: &[Part],
+    state: &mut [f64],
+) -> Result<(), PlacementError> {
+    if given.is_empty() || state.len() != layout.nx() {
+        return Ok(());
+    }
+    let numbers = Numbers::new(scene, params);
+    let mut frames = Vec::new();
+    ground(scene, &numbers, time, &mut frames);
+    let zero = |joint: &crate::Joint| {
+        let (count, freedoms) = (joint.law.coordinates(), joint.law.freedoms());
+        let mut q = vec![0.0; count];
+        if count > freedoms {
+            // The attitude comes last, a quaternion w x y z.
+            q[count - 4] = 1.0;
+        }
+        q
+    };
+    let mut placement = Placement {
+        scene,
+        layout,
+        ground: frames,
+        time,
+        links: tree(scene, layout, given, fixed)?,
+        q: scene.joints.iter().map(zero).collect(),
+        u: scene
+            .joints
+            .iter()
+            .map(|joint| vec![0.0; joint.law.freedoms()])
+            .collect(),
+        scratch: Scratch::new(layout),
+        numbers,
+    };
+    let mut all = given.to_vec();
+    for (index, joint) in scene.joints.iter().enumerate() {
+        for (coordinate, formula) in joint.motors() {
+            let course = course(formula, scene, &placement.numbers, time);
+            all.retain(|start| (start.joint, start.coordinate) != (index, coordinate));
+            all.push(JointStart {
+                joint: index,
+                coordinate,
+                value: Some(course.value),
+                rate: Some(course.rate),
+            });
+        }
+    }
+    placement.solve(&all, state)
+}
+
+/// The spanning tree, in the order in which it is walked.
+fn tree(
+    scene: &Scene,
+    layout: &Layout,
+    given: &[JointStart],
+    fixed: &[Part],
+) -> Result<Vec<Link>, PlacementError> {
+    let asked = |joint: usize| given.iter().any(|start| start.joint == joint);
+    let mut order: Vec<usize> = (0..layout.joints.len())
+        .filter(|&joint| layout.joints[joint].len > 0)
+        .collect();
+    order.sort_by_key(|&joint| (!asked(joint), scene.joints[joint].cut));
+    // What hangs together; the world and everything fixed are one.
+    let mut together: Vec<Vec<Option<Part>>> = vec![vec![None]];
+    together[0].extend(fixed.iter().copied().map(Some));
+    let mut edges = Vec::new();
+    for joint in order {
+        let ends = layout.joints[joint].ends;
+        let [a, b] = ends.map(|end| {
+            let found = together.iter().position(|set| set.contains(&end));
+            found.unwrap_or_else(|| {
+                together.push(vec![end]);
+                together.len() - 1
+            })
+        });
+        if a == b {
+            if asked(joint) {
+                return Err(PlacementError::Decided { joint });
+            }
+            continue;
+        }
+        let moved = together.remove(a.max(b));
+        together[a.min(b)].extend(moved);
+        edges.push((joint, ends));
+    }
+    let mut placed: Vec<Option<Part>> = vec![None];
+    placed.extend(fixed.iter().copied().map(Some));
+    let mut links = Vec::new();
+    while !edges.is_empty() {
+        let next = edges
+            .iter()
+            .position(|(_, ends)| ends.iter().any(|end| placed.contains(end)));
+        let Some(next) = next else {
+            // Nothing ties these to the world: the first of them stays where it is.
+            let (_, ends) = edges[0];
+            placed.push(ends[0]);
+            continue;
+        };
+        let (joint, [parent, child]) = edges.remove(next);
+        let to_parent = placed.contains(&child);
+        let to = if to_parent { parent } else { child };
+        if let Some(to) = to {
+            links.push(Link {
+                joint,
+                to,
+                to_parent,
+            });
+            placed.push(Some(to));
+        }
+    }
+    Ok(links)
+}
+
+impl Placement<'_> {
+    fn solve(&mut self, given: &[JointStart], state: &mut [f64]) -> Result<(), PlacementError> {
+        let find = |joint: usize, coordinate: usize| {
+            let mut starts = given.iter();
+            starts.find(|start| (start.joint, start.coordinate) == (joint, coordinate))
+        };
+        let (mut unknowns, mut rates) = (Vec::new(), Vec::new());
+        for link in &self.links {
+            let joint = link.joint;
+            for (k, q) in self.q[joint].iter_mut().enumerate() {
+                match find(joint, k).and_then(|start| start.value) {
+                    Some(value) => *q = value,
+                    None => unknowns.push((joint, k)),
+                }
+            }
+            for (k, u) in self.u[joint].iter_mut().enumerate() {
+                match find(joint, k).and_then(|start| start.rate) {
+                    Some(rate) => *u = rate,
+                    None => rates.push((joint, k)),
+                }
+            }
+        }
+        self.close(&unknowns, state)?;
+        self.close_rates(&rates, state);
+        self.walk(state);
+        Ok(())
+    }
+
+    /// Solves (3) for the coordinates.
+    fn close(
+        &mut self,
+        unknowns: &[(usize, usize)],
+        state: &mut [f64],
+    ) -> Result<(), PlacementError> {
+        let start = self.q.clone();
+        let mut best = (f64::INFINITY, 0);
+        for (attempt, reach) in REACHES.into_iter().enumerate() {
+            self.q.clone_from(&start);
+            for (number, &(joint, k)) in unknowns.iter().enumerate() {
+                // Any numbers do that are unlike: no coordinate at the same place twice.
+                let turn = 2.4 * (number + 7 * attempt) as f64;
+                self.q[joint][k] += reach * turn.sin();
+            }
+            self.normalise();
+            let (gap, joint) = self.descend(unknowns, state);
+            if gap <= CLOSED {
+                return Ok(());
+            }
+            if gap < best.0 {
+                best = (gap, joint);
+            }
+        }
+        let (gap, joint) = best;
+        Err(PlacementError::Open { joint, gap })
+    }
+
+    /// Damped least squares from here; the largest row that is left, and its joint.
+    fn descend(&mut self, unknowns: &[(usize, usize)], state: &mut [f64]) -> (f64, usize) {
+        let mut gaps = self.rows(Quantity::Constraint, state);
+        let mut damping = 1e-3;
+        for _ in 0..ITERATIONS {
+            if gaps.amax() <= CLOSED || unknowns.is_empty() {
+                break;
+            }
+            let mut slopes = DMatrix::zeros(gaps.len(), unknowns.len());
+            for (column, &(joint, k)) in unknowns.iter().enumerate() {
+                let here = self.q[joint][k];
+                let mut at = |q: f64| {
+                    self.q[joint][k] = q;
+                    self.rows(Quantity::Constraint, state)
+                };
+                let difference = at(here + DIFFERENCE) - at(here - DIFFERENCE);
+                self.q[joint][k] = here;
+                slopes.set_column(column, &(difference / (2.0 * DIFFERENCE)));
+            }
+            let normal = slopes.transpose() * &slopes;
+            let right = slopes.transpose() * &gaps;
+            let scale = normal.diagonal().max();
+            let damped = normal
+                + DMatrix::from_diagonal_element(unknowns.len(), unknowns.len(), damping * scale);
+            let Some(step) = damped.cholesky().map(|factor| factor.solve(&right)) else {
+                break;
+            };
+            let before = self.q.clone();
+            for (&(joint, k), step) in unknowns.iter().zip(step.iter()) {
+                self.q[joint][k] -= step;
+            }
+            self.normalise();
+            let tried = self.rows(Quantity::Constraint, state);
+            if tried.norm() < gaps.norm() {
+                gaps = tried;
+                damping = (damping * 0.1).max(1e-14);
+            } else {
+                self.q = before;
+                damping *= 10.0;
+                if damping > 1e8 {
+                    break;
+                }
+            }
+        }
+        let worst = gaps.iamax();
+        let joint = self
+            .layout
+            .joints
+            .iter()
+            .position(|slots| (slots.row..slots.row + slots.len).contains(&worst));
+        let left = gaps.amax();
+        (
+            if left.is_finite() {
+                left
+            } else {
+                f64::INFINITY
+            },
+            joint.unwrap_or(0),
+        )
+    }
+
+    /// Solves (3) for the rates: the smallest that do.
+    fn close_rates(&mut self, rates: &[(usize, usize)], state: &mut [f64]) {
+        let gaps = self.rows(Quantity::ConstraintRate, state);
+        if rates.is_empty() || gaps.amax() <= CLOSED {
+            return;
+        }
+        let mut slopes = DMatrix::zeros(gaps.len(), rates.len());
+        for (column, &(joint, k)) in rates.iter().enumerate() {
+            self.u[joint][k] = 1.0;
+            slopes.set_column(
+                column,
+                &(self.rows(Quantity::ConstraintRate, state) - &gaps),
+            );
+            self.u[joint][k] = 0.0;
+        }
+        if let Ok(found) = slopes.svd(true, true).solve(&gaps, 1e-9) {
+            for (&(joint, k), rate) in rates.iter().zip(found.iter()) {
+                self.u[joint][k] = -rate;
+            }
+        }
+    }
+
+    /// Rows of all joints at these coordinates and speeds; nothing that a node decides.
+    fn rows(&mut self, what: Quantity, state: &mut [f64]) -> DVector<f64> {
+        self.walk(state);
+        let mut out = vec![0.0; self.layout.len(what)];
+        let place = Arguments {
+            time: self.time,
+            state: state.to_vec(),
+            nodes: vec![0.0; 3 * self.layout.nodes.len()],
+            inputs: vec![0.0; self.layout.ni],
+            ..Arguments::default()
+        };
+        evaluate(
+            what,
+            self.scene,
+            self.layout,
+            &self.numbers,
+            &place.at(),
+            &mut self.scratch,
+            &mut out,
+        );
+        DVector::from_vec(out)
+    }
+
+    /// Attitudes are unit quaternions.
+    fn normalise(&mut self) {
+        for (joint, q) in self.scene.joints.iter().zip(&mut self.q) {
+            if q.len() > joint.law.freedoms() {
+                let first = q.len() - 4;
+                let length = q[first..].iter().map(|x| x * x).sum::<f64>().sqrt();
+                q[first..].iter_mut().for_each(|x| *x /= length);
+            }
+        }
+    }
+
+    /// Places every part of the tree by (1) and (2).
+    fn walk(&self, state: &mut [f64]) {
+        for link in &self.links {
+            let Some(moving) = self.placed(link, state) else {
+                continue;
+            };
+            let directions = self.layout.directions;
+            let slots = match link.to {
+                Part::Body(body) => self.layout.bodies.get(body).copied(),
+                Part::Point(point) => match self.layout.points.get(point) {
+                    Some(PointSlots::Mass(slots)) => Some(*slots),
+                    _ => None,
+                },
+                Part::Joint(_) => None,
+            };
+            let Some(slots) = slots else { continue };
+            let v = self.layout.nq + slots.v;
+            directions.write_linear(state, slots.q, &moving.position);
+            directions.write_linear(state, v, &moving.velocity);
+            if let Part::Body(_) = link.to {
+                let attitude = attitude_of(&moving.axes, directions);
+                let at = slots.q + directions.translations().len();
+                for (slot, value) in state.iter_mut().skip(at).zip(attitude) {
+                    *slot = value;
+                }
+                let omega = match self.scene.angular_velocity {
+                    AngularVelocity::Body => moving.axes.transpose() * moving.omega,
+                    AngularVelocity::World => moving.omega,
+                };
+                directions.write_angular(state, v, &omega);
+            }
+        }
+    }
+
+    /// Where a link puts the part it places.
+    fn placed(&self, link: &Link, state: &[f64]) -> Option<Moving> {
+        let joint = self.scene.joints.get(link.joint)?;
+        let at = Relative {
+            q: &self.q[link.joint],
+            u: &self.u[link.joint],
+            numbers: self.numbers.joints.get(link.joint)?,
+        };
+        let pose = joint.law.motion(&at);
+        let mut columns = vec![Twist::zero(); joint.law.freedoms()];
+        joint.law.subspace(&at, &mut columns);
+        let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
+        for (column, u) in columns.iter().zip(at.u) {
+            linear += column.linear * *u;
+            angular += column.angular * *u;
+        }
+        let (near, far) = match link.to_parent {
+            true => (joint.child, joint.parent),
+            false => (joint.parent, joint.child),
+        };
+        let from = self.frame(near, state)?;
+        let frame = if link.to_parent {
+            let axes = from.axes * pose.rotation.transpose();
+            let omega = from.omega - axes * angular;
+            let arm = axes * pose.position;
+            Moving {
+                position: from.position - arm,
+                axes,
+                velocity: from.velocity - omega.cross(&arm) - axes * linear,
+                omega,
+            }
+        } else {
+            let arm = from.axes * pose.position;
+            Moving {
+                position: from.position + arm,
+                axes: from.axes * pose.rotation,
+                velocity: from.velocity + from.omega.cross(&arm) + from.axes * linear,
+                omega: from.omega + from.axes * angular,
+            }
+        };
+        let (point, own) = self.place_of(far)?;
+        let axes = match link.to {
+            Part::Body(_) => frame.axes * own.transpose(),
+            _ => Matrix3::identity(),
+        };
+        let arm = axes * point;
+        Some(Moving {
+            position: frame.position - arm,
+            axes,
+            velocity: frame.velocity - frame.omega.cross(&arm),
+            omega: frame.omega,
+        })
+    }
+
+    /// A place of a joint on what it sits on: position and axes.
+    fn place_of(&self, place: Place) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+        let frame = match place {
+            Place::World(frame) => self.numbers.world_frames.get(frame)?,
+            Place::Body(body, frame) => self.numbers.bodies.get(body)?.frames.get(frame)?,
+            Place::Point(_) => return Some((Vector3::zeros(), Matrix3::identity())),
+        };
+        Some((
+            frame.position,
+            frame.rotation.unwrap_or_else(Matrix3::identity),
+        ))
+    }
+
+    /// A place of a joint in the world, as the state has it.
+    fn frame(&self, place: Place, state: &[f64]) -> Option<Moving> {
+        let (layout, directions) = (self.layout, self.layout.directions);
+        match place {
+            Place::World(frame) => Some(match self.ground.get(frame).copied().flatten() {
+                Some(motion) => Moving {
+                    position: motion.position,
+                    axes: motion.rotation.unwrap_or_else(Matrix3::identity),
+                    velocity: motion.velocity,
+                    omega: motion.omega,
+                },
+                None => {
+                    let (position, axes) = self.place_of(place)?;
+                    let still = Vector3::zeros();
+                    Moving {
+                        position,
+                        axes,
+                        velocity: still,
+                        omega: still,
+                    }
+                }
+            }),
+            Place::Body(body, _) => {
+                let slots = *layout.bodies.get(body)?;
+                let components = self.scene.angular_velocity;
+                let motion = BodyMotion::read(state, slots, layout.nq, directions, components);
+                let (point, axes) = self.place_of(place)?;
+                Some(Moving {
+                    position: motion.position + motion.arm(&point),
+                    axes: motion.rotation * axes,
+                    velocity: motion.velocity_of(&point),
+                    omega: motion.omega_world,
+                })
+            }
+            Place::Point(point) => match layout.points.get(point)? {
+                PointSlots::Mass(slots) => Some(Moving {
+                    position: directions.linear(state, slots.q),
+                    axes: Matrix3::identity(),
+                    velocity: directions.linear(state, layout.nq + slots.v),
+                    omega: Vector3::zeros(),
+                }),
+                PointSlots::Node(_) => None,
+            },
+        }
+    }
+}

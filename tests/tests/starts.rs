@@ -1,0 +1,210 @@
+//! Starts in joint coordinates: bodies stand where closed forms say, loops are closed by what nobody gave, and what is decided twice is told.
+
+use mbd_compiler::read_text;
+use mbd_runtime::{Generic, Model, Options, Simulation};
+use mbd_scene::{JointStart, Layout, Part, PlacementError, Scene, place};
+use tests::assert_close;
+
+fn read(text: &str) -> Scene {
+    let reading = read_text(text);
+    assert!(reading.errors.is_empty(), "{:?}", reading.errors);
+    reading.scene.expect("a scene")
+}
+
+fn upright(layout: &Layout) -> Vec<f64> {
+    let mut state = vec![0.0; layout.nx()];
+    layout.quaternions().for_each(|qw| state[qw] = 1.0);
+    state
+}
+
+/// Coordinate and rate of a joint by name.
+fn start(scene: &Scene, joint: &str, value: f64, rate: f64) -> JointStart {
+    let joint = scene.joints.iter().position(|known| known.name == joint);
+    JointStart {
+        joint: joint.expect("a joint"),
+        coordinate: 0,
+        value: Some(value),
+        rate: Some(rate),
+    }
+}
+
+fn placed(scene: &Scene, given: &[JointStart], fixed: &[Part]) -> Result<Vec<f64>, PlacementError> {
+    let layout = Layout::new(scene);
+    let mut state = upright(&layout);
+    let params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+    place(scene, &layout, (&params, 0.0), given, fixed, &mut state)?;
+    Ok(state)
+}
+
+/// The start of a run from a state: how far it was moved, and coordinate and rate of every joint as formulas see them.
+fn run(scene: &Scene, state: &[f64]) -> (f64, Vec<f64>) {
+    let model = Generic::with_defaults(scene.clone()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
+    run.set_state(0.0, state).expect("a state");
+    run.start().expect("a start");
+    let moved = run.start_moved();
+    let largest = moved.iter().fold(0.0, |most: f64, moved| {
+        most.max(moved.distance + moved.angle + moved.velocity + moved.angular_velocity)
+    });
+    let columns = Model::<f64>::layout(&model).columns;
+    let mut outputs = vec![0.0; columns];
+    run.evaluate(mbd_runtime::Quantity::Outputs, &mut outputs)
+        .expect("outputs");
+    (largest, outputs)
+}
+
+const PENDULUM: &str = "model Double { gravity: [0.0, 0.0, -9.81] m/s^2; COMPONENTS
+    body upper { mass: 1 kg, inertia: diag(0.1, 0.2, 0.3) kg*m^2, frame top at [0, 0, 1] m, frame end at [0, 0, -1] m }
+    body lower { mass: 1 kg, inertia: diag(0.1, 0.2, 0.3) kg*m^2, frame top at [0, 0, 0.5] m }
+    joint elbow: hinge from upper.end to lower.top { axis: y }
+    joint shoulder: hinge from world to upper.top { axis: y }
+    output shoulder_angle = shoulder.angle;
+    output shoulder_rate = shoulder.angle_rate;
+    output elbow_angle = elbow.angle;
+    output elbow_rate = elbow.angle_rate;
+}";
+
+#[test]
+fn a_double_pendulum_starts_at_its_angles_and_rates() {
+    for components in [
+        "angular_velocity: body;",
+        "angular_velocity: world;",
+        "planar: xz;",
+    ] {
+        let scene = read(&PENDULUM.replace("COMPONENTS", components));
+        // About y from z to x: the rod hangs along −z, so 30° swing its end to −x.
+        let (a, b, da, db) = (0.5236, -0.3, 0.7, -1.1);
+        let given = [
+            start(&scene, "elbow", b, db),
+            start(&scene, "shoulder", a, da),
+        ];
+        let state = placed(&scene, &given, &[]).expect("a tree");
+        let layout = Layout::new(&scene);
+        let linear = |at: usize| layout.directions.linear(&state, at);
+        let [upper, lower] = [0, 1].map(|body| layout.bodies[body]);
+        let x = |angle: f64| -angle.sin();
+        let z = |angle: f64| -angle.cos();
+        assert_close(
+            linear(upper.q).as_slice(),
+            &[x(a), 0.0, z(a)],
+            1e-15,
+            1e-15,
+            "upper",
+        );
+        let below = [
+            2.0 * x(a) + 0.5 * x(a + b),
+            0.0,
+            2.0 * z(a) + 0.5 * z(a + b),
+        ];
+        assert_close(linear(lower.q).as_slice(), &below, 1e-15, 1e-15, "lower");
+        let speed = [
+            2.0 * da * z(a) + 0.5 * (da + db) * z(a + b),
+            0.0,
+            -2.0 * da * x(a) - 0.5 * (da + db) * x(a + b),
+        ];
+        assert_close(
+            linear(layout.nq + lower.v).as_slice(),
+            &speed,
+            1e-14,
+            1e-14,
+            "speed",
+        );
+        let (moved, outputs) = run(&scene, &state);
+        assert!(moved < 1e-14, "{components}: moved by {moved}");
+        assert_close(&outputs, &[a, da, b, db], 1e-14, 1e-14, components);
+    }
+}
+
+const FOUR_BAR: &str = "model FourBar { gravity: [0.0, -9.81, 0.0] m/s^2;
+    world { frame pivot at [4, 0, 0] m }
+    body crank { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-0.5, 0, 0] m, frame tip at [0.5, 0, 0] m }
+    body coupler { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-2, 0, 0] m, frame tip at [2, 0, 0] m }
+    body rocker { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-1.5, 0, 0] m, frame tip at [1.5, 0, 0] m }
+    joint base: hinge from world to crank.root { axis: z }
+    joint elbow: hinge from crank.tip to coupler.root { axis: z }
+    joint wrist: spherical from coupler.tip to rocker.tip;
+    joint hip: hinge from world.pivot to rocker.root { axis: z }
+    output crank_angle = base.angle;
+    output crank_rate = base.angle_rate;
+    output rocker_angle = hip.angle;
+    output rocker_rate = hip.angle_rate;
+}";
+
+#[test]
+fn a_four_bar_is_closed_around_the_angle_of_its_crank() {
+    let scene = read(FOUR_BAR);
+    let mut last: Option<(f64, f64)> = None;
+    for angle in [0.6, 0.6 + 1e-6] {
+        let state = placed(&scene, &[start(&scene, "base", angle, 1.0)], &[]).expect("it closes");
+        let (moved, outputs) = run(&scene, &state);
+        assert!(moved < 1e-9, "moved by {moved}");
+        assert_close(&outputs[..2], &[angle, 1.0], 1e-11, 1e-9, "crank");
+        // Freudenstein: the tips of crank and rocker are a coupler apart.
+        let tip = [angle.cos(), angle.sin()];
+        let end = [4.0 + 3.0 * outputs[2].cos(), 3.0 * outputs[2].sin()];
+        let apart = (end[0] - tip[0]).hypot(end[1] - tip[1]);
+        assert!((apart - 4.0).abs() < 1e-10, "{apart}");
+        if let Some((before, rate)) = last {
+            let slope = (outputs[2] - before) / 1e-6;
+            assert!((slope - rate).abs() < 1e-4, "{slope} {rate}");
+        }
+        last = Some((outputs[2], outputs[3]));
+    }
+}
+
+#[test]
+fn what_is_decided_twice_is_told_and_so_is_a_loop_that_cannot_close() {
+    let scene = read(FOUR_BAR);
+    let all = ["base", "elbow", "hip"].map(|joint| start(&scene, joint, 0.3, 0.0));
+    let open = placed(&scene, &all, &[]).expect_err("three angles of one freedom");
+    assert!(
+        matches!(open, PlacementError::Open { gap, .. } if gap > 1e-3),
+        "{open:?}"
+    );
+    let fixed = placed(&scene, &all[..1], &[Part::Body(0)]).expect_err("the crank is placed");
+    assert_eq!(fixed, PlacementError::Decided { joint: 0 });
+    // The rocker swings within 2.0 rad … 3.9 rad of its links: it cannot lie along the ground towards the crank's far side.
+    let far = placed(&scene, &[start(&scene, "hip", 0.0, 0.0)], &[]).expect_err("out of reach");
+    assert!(matches!(far, PlacementError::Open { .. }), "{far:?}");
+}
+
+#[test]
+fn a_slider_on_a_base_that_moves_starts_with_the_velocity_of_both() {
+    let scene = read(
+        "model Cart { gravity: [0.0, 0.0, -9.81] m/s^2;
+        world { frame base at [2 m/s * time, 0 m, 1 m] }
+        body cart { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+        body pole { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame foot at [0, 0, -1] m }
+        joint rail: prismatic from world.base to cart.com { axis: y }
+        joint pin: hinge from cart.com to pole.foot { axis: x }
+        output way = rail.slide;
+        output rate = rail.slide_rate;
+        output lean = pin.angle;
+        }",
+    );
+    let given = [
+        start(&scene, "rail", 0.4, -0.3),
+        start(&scene, "pin", 0.1, 0.0),
+    ];
+    let state = placed(&scene, &given, &[]).expect("a tree");
+    let layout = Layout::new(&scene);
+    let at = |slot: usize| layout.directions.linear(&state, slot);
+    let [cart, pole] = [0, 1].map(|body| layout.bodies[body]);
+    assert_close(
+        at(cart.q).as_slice(),
+        &[0.0, 0.4, 1.0],
+        1e-15,
+        1e-15,
+        "cart",
+    );
+    assert_close(
+        at(layout.nq + pole.v).as_slice(),
+        &[2.0, -0.3, 0.0],
+        1e-15,
+        1e-15,
+        "pole",
+    );
+    let (moved, outputs) = run(&scene, &state);
+    assert!(moved < 1e-14, "{moved}");
+    assert_close(&outputs, &[0.4, -0.3, 0.1], 1e-14, 1e-14, "coordinates");
+}
