@@ -2,7 +2,9 @@
 
 mod scenes;
 
-use mbd_compiler::{Equations, NameSpans, Settings, compile, emit, emit_model, read_text};
+use mbd_compiler::{
+    Equations, NameSpans, Settings, compile, emit, emit_model, immovable, read_text,
+};
 use mbd_scene::{Layout, Packed, Plan, Scene};
 use proc_macro2::TokenStream;
 
@@ -240,4 +242,64 @@ fn a_list_of_quantities_limits_what_is_emitted() {
     assert!(few.contains("fn derivative") && few.contains("fn outputs"));
     assert!(few.len() < all.len());
     assert!(model("emit: [partial];").contains("fn derivative_by_state"));
+}
+
+#[test]
+fn a_scene_that_cannot_move_is_told_so() {
+    let weld = |joints: &str| {
+        let text = format!(
+            "model Truss {{ gravity: none; world {{ frame far at [1, 0, 0] m }}
+             body a {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame end at [1, 0, 0] m }} {joints} }}"
+        );
+        emit(&read_text(&text)).to_string()
+    };
+    let hinge = "joint hold: hinge from world.far to a.end { axis: y }";
+    assert!(!weld(hinge).contains("cannot move"));
+    let both = format!("joint weld: rigid from world to a.com; {hinge}");
+    assert!(weld(&both).contains("the 11 rows of its joints hold all 6 speeds"));
+}
+
+#[test]
+fn a_motor_that_has_nothing_to_drive_is_told_with_the_joints_that_hold_its_coordinate() {
+    let told = |joints: &str| {
+        let bar = |name: &str| {
+            format!(
+                "body {name} {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2,
+                 frame one at [-0.5, 0, 0] m, frame two at [0.5, 0, 0] m }}"
+            )
+        };
+        let text = format!(
+            "model Driven {{ gravity: none; world {{ frame far at [1.3, 0, 0] m }} {} {} {} {joints} }}",
+            bar("a"),
+            bar("b"),
+            bar("c")
+        );
+        let reading = read_text(&text);
+        assert!(reading.errors.is_empty(), "{:?}", reading.errors);
+        let scene = reading.scene.unwrap_or_default();
+        immovable(&scene, &Layout::new(&scene)).unwrap_or_default()
+    };
+    let free = "joint b_free: free from world to b.com; joint c_free: free from world to c.com;";
+    let slide = "joint slide: prismatic from world to a.com { axis: z, motor: 1 m/s * time }";
+    assert_eq!(told(&format!("{slide} {free}")), "");
+    let plane = "joint floor: point_on_plane from world to a.com;";
+    assert_eq!(
+        told(&format!("{slide} {plane} {free}")),
+        "`slide` cannot drive its `slide`: `floor` holds it; leave this motor out, or take away what holds it"
+    );
+    let pins = |first: &str, second: &str| {
+        format!(
+            "joint p1: hinge from world to a.one {{ axis: y {first} }}
+             joint p2: hinge from a.two to b.one {{ axis: y }}
+             joint p3: hinge from b.two to c.two {{ axis: y }}
+             joint p4: hinge from world.far to c.one {{ axis: y {second} }}"
+        )
+    };
+    let motor = ", motor: 1 rad/s * time";
+    assert_eq!(told(&pins(motor, "")), "");
+    assert_eq!(told(&pins("", motor)), "");
+    assert_eq!(
+        told(&pins(motor, motor)),
+        "`p4` cannot drive its `angle`: `p1`, `p2`, `p3` hold it; leave this motor out, or take away what holds it"
+    );
 }

@@ -1,6 +1,6 @@
 //! Random families of equilibrium problems: no failure without load, typed outcomes always, bounded work.
 //!
-//! The full campaign: `cargo test -p tests --test node_families -- --ignored --nocapture`.
+//! The full campaign: `cargo test -p tests --test nodes families -- --ignored --nocapture`.
 
 use mbd_runtime::node::{Confluence, Outcome};
 use tests::families::{COMBINATIONS, Family, Start, Tally, run, solve};

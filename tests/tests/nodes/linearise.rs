@@ -1,11 +1,9 @@
 //! Derivatives through the nodes: against differences of the solved system, and finite where nothing pulls.
 
-mod node_common;
-
+use crate::common::{Run, parachute, state_of};
 use mbd_runtime::node::{Tie, Tolerance, Web, WebLine};
 use mbd_runtime::{Generic, Linearisation, Model, Quantity};
 use mbd_scene::{Clamp, Difference, Formula, NodeModel, Parameter, PointKind, Scene, Unit};
-use node_common::{Run, parachute, state_of};
 use tests::reference::{load, numbers};
 
 const EULER: NodeModel = NodeModel::Stepwise {

@@ -1,7 +1,6 @@
 //! The three node models in an integration: orders, memory, starts, modes, and what they refuse.
 
-mod node_common;
-
+use crate::common::{Run, body, frame, line, node, parachute, state_of};
 use mbd_runtime::node::{Mode, NodeError, NodeMemory, RateNode, Spread};
 use mbd_runtime::{Generic, Model, Options, Quantity, Simulation};
 use mbd_scene::laws::LineNumbers;
@@ -9,7 +8,6 @@ use mbd_scene::{
     Clamp, Difference, Gravity, LineKind, Load, LoadKind, NodeModel, Place, PointKind, Scene,
 };
 use nalgebra::Vector3;
-use node_common::{Run, body, frame, line, node, parachute, state_of};
 use tests::random::Random;
 use tests::reference::{load, numbers};
 

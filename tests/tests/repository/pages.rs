@@ -42,10 +42,13 @@ fn a_new_crate_made_by_following_the_readme_compiles_and_runs() {
     fs::write(folder.join("src/main.rs"), blocks(&readme, "rust")[0]).expect("written");
     // The versions this repository was tested with, so that nothing has to be looked up.
     fs::copy(repository.join("Cargo.lock"), folder.join("Cargo.lock")).expect("copied");
+    // Nobody debugs this crate, or builds it twice.
     let run = Command::new(env!("CARGO"))
         .args(["run", "--quiet", "--offline"])
         .current_dir(&folder)
         .env("CARGO_TARGET_DIR", folder.join("target"))
+        .env("CARGO_PROFILE_DEV_DEBUG", "false")
+        .env("CARGO_INCREMENTAL", "0")
         .output()
         .expect("cargo runs");
     let (out, err) = (

@@ -1,9 +1,7 @@
 //! The three node models in the parachute scene, against independent references.
 
-mod node_common;
-
+use crate::common::{Run, parachute, state_of};
 use mbd_scene::{Clamp, Difference, NodeModel, PointKind};
-use node_common::{Run, parachute, state_of};
 use tests::reference::{field, load, numbers};
 
 /// Time, state, tensions and node of one instant.

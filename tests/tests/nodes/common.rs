@@ -1,7 +1,5 @@
 //! Scenes for the node tests, written as data: the parachute of AAS 03-163 and what its references were made with.
 
-#![allow(dead_code, reason = "every test file uses its own part of this module")]
-
 use mbd_runtime::node::{NodeError, NodeMemory, Nodes};
 use mbd_runtime::{Generic, Model, Quantity, Work};
 use mbd_scene::{

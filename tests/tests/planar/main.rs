@@ -1,0 +1,5 @@
+//! Planar scenes: the laws, every joint, and generated code.
+
+mod generated;
+mod joints;
+mod laws;

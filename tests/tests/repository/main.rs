@@ -1,0 +1,4 @@
+//! The repository itself: what its pages promise a reader, and what its crates stand on.
+
+mod dependencies;
+mod pages;
