@@ -41,6 +41,8 @@ pub use model::{Model, Work};
 pub use packed::Packed;
 pub use params::{ParamError, check_params, checked_numbers};
 pub use redundancy::Apart;
+#[doc(hidden)]
+pub use scalar::orthogonal;
 pub use scalar::{Dual, Float, Jet, Real, TINY, inverse, rotation, symmetric};
 pub use scene::{
     Body, Clamp, Constant, Coordinates, Difference, Direction, Event, Frame, Gravity, Inertia,

@@ -4,6 +4,8 @@ pub(crate) mod algebra;
 mod dual;
 mod few;
 mod jet;
+#[doc(hidden)]
+pub mod orthogonal;
 mod real;
 
 pub use algebra::{inverse, rotation, symmetric};
