@@ -19,6 +19,10 @@ use crate::list::largest;
 use crate::options::Stabilise;
 use crate::system::System;
 
+mod step;
+
+pub(crate) use step::Projection;
+
 /// How hard (1) is tried.
 #[derive(Clone, Copy)]
 struct Effort {
@@ -47,47 +51,6 @@ const ROUNDED: f64 = 64.0;
 const UNSOLVED: f64 = 1e-3;
 /// How many joints an error names.
 const NAMED: usize = 3;
-
-/// Room for the projection of one scene.
-pub(crate) struct Projection<T> {
-    /// How the run stays on the joints.
-    pub stabilise: Stabilise,
-    /// Length of the scene [m].
-    pub length: f64,
-    rows: Vec<T>,
-    /// δ, and behind it the margin of the factor.
-    shift: Vec<T>,
-    trial: Vec<T>,
-}
-
-impl<T: Float> Projection<T> {
-    /// Room for `nc` rows, `nv` speeds and states of length `nx`; nothing to do without rows.
-    pub(crate) fn new(nc: usize, nv: usize, nx: usize) -> Self {
-        let room = |length| vec![T::zero(); if nc > 0 { length } else { 0 }];
-        Projection {
-            stabilise: Stabilise::Projection,
-            length: 1.0,
-            rows: room(nc),
-            shift: room(nv + 1),
-            trial: room(nx),
-        }
-    }
-
-    /// δ of the last solve.
-    fn moves(&self) -> &[T] {
-        self.shift.split_last().map_or(&[], |(_, moves)| moves)
-    }
-
-    /// The smallest part that other rows left to the pivot of a row in the last solve.
-    fn margin(&self) -> f64 {
-        self.shift.last().map_or(1.0, |margin| margin.to_f64())
-    }
-
-    /// Whether there are rows.
-    pub(crate) fn any(&self) -> bool {
-        !self.rows.is_empty()
-    }
-}
 
 impl<T: Float> System<T> {
     /// Puts the state of a trial step back on the joints by (1) and (2).

@@ -2,11 +2,12 @@
 
 mod node_common;
 
-use mbd_runtime::node::{Tie, Tolerance, Web, WebLine};
+use mbd_runtime::node::Tolerance;
 use mbd_runtime::{Generic, Linearisation, Model, Quantity};
 use mbd_scene::{Clamp, Difference, Formula, NodeModel, Parameter, PointKind, Scene, Unit};
 use node_common::{Run, parachute, state_of};
 use tests::reference::{load, numbers};
+use tests::web::{Tie, Web, WebLine};
 
 const EULER: NodeModel = NodeModel::Stepwise {
     formula: Difference::Euler,

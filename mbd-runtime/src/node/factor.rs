@@ -8,6 +8,7 @@
 //! lists and allocate nothing. A pivot that is not positive is reported, never repaired here.
 
 use mbd_scene::Float;
+use nalgebra::{Matrix3, Vector3};
 
 /// A block of `B` × `B` numbers, row by row.
 pub type Block<T, const B: usize> = [[T; B]; B];
@@ -94,8 +95,7 @@ impl<T: Float, const B: usize> BlockCholesky<T, B> {
     }
 
     /// Number of block rows.
-    #[must_use]
-    pub fn size(&self) -> usize {
+    fn size(&self) -> usize {
         self.order.len()
     }
 
@@ -238,6 +238,17 @@ fn adjacency(size: usize, pattern: &[(usize, usize)]) -> Vec<Vec<bool>> {
         }
     }
     joined
+}
+
+/// Solves A x = b for one symmetric positive definite block; `None` if a pivot is not positive.
+pub(crate) fn solve_block<T: Float>(a: &Matrix3<T>, b: &Vector3<T>) -> Option<Vector3<T>> {
+    // Only the lower triangle is read: columns stand for rows.
+    let (mut lower, mut x): (Block<T, 3>, [T; 3]) = (a.data.0, (*b).into());
+    triangle(&mut lower).then(|| {
+        forward(&lower, &mut x);
+        backward(&lower, &mut x);
+        x.into()
+    })
 }
 
 fn dot<T: Float, const B: usize>(a: &[T; B], b: &[T; B]) -> T {
