@@ -11,5 +11,5 @@ mod real;
 pub use algebra::{elements, inverse, rotation, symmetric};
 pub use dual::Dual;
 pub(crate) use few::Few;
-pub use jet::{Jet, split};
+pub use jet::{Jet, OfTime, split};
 pub use real::{Float, Real, TINY};
