@@ -7,8 +7,9 @@
 //! the end of a step only (a margin can leave and return inside it).
 
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{Direction, Float, Layout, Model, PointSlots};
+use mbd_scene::{Direction, Float, Model};
 
+use crate::moving::moving;
 use crate::unilateral::{Mode, is_node_line, switches};
 
 /// What can happen inside a step.
@@ -59,7 +60,7 @@ pub(crate) struct Margins {
     floor: f64,
     /// The longest C/K of a watched line [s].
     delay: f64,
-    /// Where the state holds places and velocities along which lines stretch.
+    /// Where the state holds places and velocities along which elements stretch.
     places: Vec<usize>,
     speeds: Vec<usize>,
     /// Margins at the start of the step, at the last two looks.
@@ -103,14 +104,24 @@ impl Margins {
             let found = scene.coordinate(stop.joint, stop.coordinate);
             found.is_some_and(|(_, coordinate)| coordinate.is_angle())
         });
+        let mut places: Vec<usize> = (layout.nq + layout.nv..layout.nx()).collect();
+        let mut speeds = Vec::new();
+        for part in moving(layout) {
+            places.extend(part.position);
+            speeds.extend(part.velocity);
+            if turning {
+                places.extend(part.attitude);
+                speeds.extend(part.spin);
+            }
+        }
         Margins {
             watched,
             sides: vec![false; scene.events.len()],
             tolerance,
             floor: tolerance,
             delay: longest_delay(model.lines()),
-            places: blocks(layout, Kind::Place, turning),
-            speeds: blocks(layout, Kind::Speed, turning),
+            places,
+            speeds,
             start: vec![0.0; count],
             before: vec![0.0; count],
             now: vec![0.0; count],
@@ -249,39 +260,6 @@ impl Margins {
             }
         }
     }
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    Place,
-    Speed,
-}
-
-/// Indices of the places (bodies, points, nodes) or of the linear velocities in the state; with `turning` also of attitudes or angular
-/// velocities.
-fn blocks(layout: &Layout, kind: Kind, turning: bool) -> Vec<usize> {
-    let masses = layout.points.iter().filter_map(|slots| match slots {
-        PointSlots::Mass(slots) => Some(*slots),
-        PointSlots::Node(_) => None,
-    });
-    let owners = layout.bodies.iter().copied().chain(masses);
-    let first = owners.map(|slots| match kind {
-        Kind::Place => slots.q,
-        Kind::Speed => layout.nq + slots.v,
-    });
-    let (linear, speeds) = (layout.directions.moves().len(), layout.directions.speeds());
-    let coordinates = layout.directions.coordinates();
-    let mut all: Vec<usize> = first.flat_map(|at| at..at + linear).collect();
-    for slots in layout.bodies.iter().filter(|_| turning) {
-        match kind {
-            Kind::Place => all.extend(slots.q + linear..slots.q + coordinates),
-            Kind::Speed => all.extend(layout.nq + slots.v + linear..layout.nq + slots.v + speeds),
-        }
-    }
-    if kind == Kind::Place {
-        all.extend(layout.nq + layout.nv..layout.nx());
-    }
-    all
 }
 
 /// The distance to the other side; a guard at zero is on the negative side.

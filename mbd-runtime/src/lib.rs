@@ -31,6 +31,7 @@ mod laws;
 mod linearise;
 mod list;
 mod locate;
+mod moving;
 #[doc(hidden)]
 pub mod node;
 mod options;

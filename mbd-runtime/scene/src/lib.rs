@@ -43,7 +43,9 @@ pub use params::{ParamError, check_params, checked_numbers};
 pub use redundancy::Apart;
 #[doc(hidden)]
 pub use scalar::orthogonal;
-pub use scalar::{Dual, Float, Jet, Real, TINY, elements, inverse, rotation, symmetric};
+pub use scalar::{
+    Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, symmetric,
+};
 pub use scene::{
     Body, Clamp, Constant, Coordinates, Difference, Direction, Event, Frame, Gravity, Inertia,
     Input, Joint, Line, Load, LoadKind, NodeModel, Output, Parameter, Point, PointKind, Scene,

@@ -18,6 +18,8 @@
 mod blend;
 mod regularised;
 
+use std::ops::Range;
+
 use mbd_scene::orthogonal::{dot, subtract, take_out};
 
 use super::limits::CORRECTIONS;
@@ -90,10 +92,10 @@ impl Dense {
     }
 
     /// Says that these speeds move one part; the first is a velocity of its centre of mass.
-    pub(crate) fn set_mass(&mut self, first: usize, count: usize) {
-        let mass = self.mass.get(first * self.nv + first).copied();
-        let weights = self.weights.iter_mut().skip(first).take(count);
-        weights.for_each(|weight| *weight = mass.unwrap_or(1.0));
+    pub(crate) fn set_mass(&mut self, speeds: Range<usize>) {
+        let mass = self.mass.get(speeds.start * (self.nv + 1)).copied();
+        let weights = self.weights.get_mut(speeds).unwrap_or_default();
+        weights.fill(mass.unwrap_or(1.0));
     }
 
     /// L of (1).

@@ -15,7 +15,7 @@
 //!
 //! A step on the emitted strategy passes [`System::accelerate`] with one comparison; everything else here is cold.
 
-use mbd_scene::{Float, PointSlots, Quantity};
+use mbd_scene::{Float, Quantity};
 
 use self::chain::Held;
 pub(crate) use self::chain::{Fallback, SavedStrategy, Strategy};
@@ -24,6 +24,7 @@ pub(crate) use self::dependence::{Dependence, dependent};
 pub(crate) use self::limits::NEW;
 use self::limits::{LASTING, LEFT, LEFT_INSIDE, MARGIN, NEAR, PASSING};
 use crate::error::StepError;
+use crate::moving::moving;
 use crate::system::System;
 
 mod chain;
@@ -242,15 +243,7 @@ impl<T: Float> System<T> {
         self.by_laws(Quantity::MassMatrix, time, state, &mut dense.mass);
         let jacobian = &mut dense.jacobian;
         self.by_laws(Quantity::ConstraintJacobian, time, state, jacobian);
-        let directions = layout.directions;
-        for slots in &layout.bodies {
-            dense.set_mass(slots.v, directions.speeds());
-        }
-        for slots in &layout.points {
-            if let PointSlots::Mass(slots) = slots {
-                dense.set_mass(slots.v, directions.moves().len());
-            }
-        }
+        moving(layout).for_each(|part| dense.set_mass(part.speeds()));
         self.fallback.dense = dense;
     }
 

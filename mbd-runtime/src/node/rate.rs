@@ -32,7 +32,7 @@ const MOST_CHANGES: usize = 30;
 const DASHPOT: f64 = 1e-8;
 
 /// One line of a rate node at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Leg<T: Float> {
     /// The anchor [m].
     pub anchor: Vector3<T>,
@@ -89,27 +89,6 @@ pub struct RateNode<T: Float> {
 }
 
 impl<T: Float> Leg<T> {
-    fn idle() -> Self {
-        Leg {
-            anchor: Vector3::zeros(),
-            velocity: Vector3::zeros(),
-            numbers: LineNumbers {
-                stiffness: T::one(),
-                damping: T::one(),
-                free_length: T::one(),
-            },
-            taut: false,
-            active: false,
-            carried: false,
-            pull: T::zero(),
-            stretch: T::zero(),
-            direction: Vector3::zeros(),
-            length: T::zero(),
-            opening: T::zero(),
-            push: T::zero(),
-        }
-    }
-
     /// K s + C ṡ where the node moves with `slip` relative to v̄ [N].
     fn pull_at(&self, slip: &Vector3<T>) -> T {
         let rate = self.opening - self.direction.dot(slip);
@@ -145,7 +124,7 @@ impl<T: Float> RateNode<T> {
     #[must_use]
     pub fn new(lines: usize) -> Self {
         RateNode {
-            legs: vec![Leg::idle(); lines],
+            legs: vec![Leg::default(); lines],
             position: Vector3::zeros(),
             load: Vector3::zeros(),
             mean: Vector3::zeros(),

@@ -95,42 +95,17 @@ impl<T: Float> Simulation<T> {
 
     /// What [`Simulation::set_state`] does.
     pub(crate) fn give_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
-        let invalid = |slot: String, value: f64| StepError::InvalidInput { slot, value };
-        let names = || state_names(self.system.model.scene(), self.system.model.layout());
-        let cause = if state.len() != self.system.nx {
-            Some(invalid(
-                format!("length of the state (this model has {})", self.system.nx),
-                state.len() as f64,
-            ))
-        } else if !time.is_finite() {
-            Some(invalid("time".into(), time))
-        } else if let Some(at) = state
-            .iter()
-            .position(|x| !x.is_finite() || x.to_f64().abs() > 1e150)
-        {
-            let name = names()
-                .into_iter()
-                .nth(at)
-                .map_or_else(String::new, |name| name.name);
-            Some(invalid(
-                name,
-                state.get(at).map_or(f64::NAN, |x| x.to_f64()),
-            ))
-        } else {
-            None
-        };
-        if let Some(cause) = cause {
-            return Err(self.failed(cause));
-        }
         let mut fresh = state.to_vec();
-        self.system.drift = self.system.normalise(&mut fresh);
-        if self.system.drift > 1e-3 {
-            let cause = invalid(
-                "deviation of a quaternion from unit length".into(),
-                self.system.drift,
-            );
-            return Err(self.failed(cause));
-        }
+        let drift =
+            self.check_state(time, state)
+                .and_then(|()| match self.system.normalise(&mut fresh) {
+                    drift if drift > 1e-3 => Err(StepError::InvalidInput {
+                        slot: "deviation of a quaternion from unit length".into(),
+                        value: drift,
+                    }),
+                    drift => Ok(drift),
+                });
+        self.system.drift = drift.map_err(|cause| self.failed(cause))?;
         for (to, from) in self
             .state
             .iter_mut()
@@ -141,6 +116,27 @@ impl<T: Float> Simulation<T> {
         self.time = time;
         self.started = false;
         Ok(())
+    }
+
+    /// Refuses a time or a state that cannot be run.
+    fn check_state(&self, time: f64, state: &[T]) -> Result<(), StepError> {
+        let (model, nx) = (&self.system.model, self.system.nx);
+        let bad = |x: &T| !x.is_finite() || x.to_f64().abs() > 1e150;
+        let (slot, value) = if state.len() != nx {
+            let slot = format!("length of the state (this model has {nx})");
+            (slot, state.len() as f64)
+        } else if !time.is_finite() {
+            ("time".into(), time)
+        } else if let Some(at) = state.iter().position(bad) {
+            let name = state_names(model.scene(), model.layout())
+                .into_iter()
+                .nth(at);
+            let name = name.map_or_else(String::new, |name| name.name);
+            (name, state.get(at).map_or(f64::NAN, |x| x.to_f64()))
+        } else {
+            return Ok(());
+        };
+        Err(StepError::InvalidInput { slot, value })
     }
 
     /// What [`Simulation::set_nodes`] does.
