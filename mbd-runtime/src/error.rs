@@ -332,7 +332,9 @@ fn listed(names: &[String]) -> String {
 
 /// `a` 1e-3, `b` 1e-4.
 fn sized(rows: &[(String, f64)]) -> String {
-    let quoted = rows.iter().map(|(name, size)| format!("`{name}` {size:.3e}"));
+    let quoted = rows
+        .iter()
+        .map(|(name, size)| format!("`{name}` {size:.3e}"));
     quoted.collect::<Vec<String>>().join(", ")
 }
 
