@@ -32,7 +32,7 @@ impl Name {
 /// In the plane xz: `crank.x`, `crank.z`, `crank.angle` (about y, not periodic), `crank.vx`, `crank.vz`, `crank.omega_y`.
 #[must_use]
 pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
-    let moves = layout.directions.moves();
+    let moves = layout.directions.translations();
     let along =
         |names: [&'static str; 3]| -> Vec<&str> { moves.iter().map(|&k| names[k]).collect() };
     let (places, speeds) = (along(["x", "y", "z"]), along(["vx", "vy", "vz"]));

@@ -46,7 +46,7 @@ impl Laws {
     }
 
     /// The same for multipliers that were found elsewhere: reactions, energy or outputs.
-    pub(crate) fn evaluate_given<T: Float>(
+    pub(crate) fn evaluate_with_multipliers<T: Float>(
         &mut self,
         model: &dyn Model<T>,
         what: Quantity,
@@ -55,7 +55,7 @@ impl Laws {
         out: &mut [f64],
     ) {
         self.arguments.read(at, |x| x.to_f64());
-        mbd_scene::evaluate_given(
+        mbd_scene::evaluate_with_multipliers(
             what,
             model.scene(),
             model.layout(),

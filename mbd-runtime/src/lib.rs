@@ -101,7 +101,7 @@ pub use parts::{BodyState, PlanarBodyState, PointState};
 pub use compiled::Scalar;
 pub use integrate::Scales;
 pub use options::{Method, Options, Stabilise};
-pub use simulation::{Simulation, Snapshot, Stop};
+pub use simulation::{Moved, Simulation, Snapshot, Stop};
 pub use system::{External, NoLoads};
 
 // What it leaves.

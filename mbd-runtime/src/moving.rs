@@ -49,11 +49,11 @@ pub(crate) fn moving(layout: &Layout) -> impl Iterator<Item = Moving> + '_ {
     });
     bodies.chain(points).map(move |(part, slots)| {
         let (attitude, spin) = match part {
-            Part::Body(_) => (directions.attitude(), directions.turns().len()),
+            Part::Body(_) => (directions.attitude(), directions.rotations().len()),
             _ => (0, 0),
         };
         let (q, v) = (slots.q, layout.nq + slots.v);
-        let moves = directions.moves().len();
+        let moves = directions.translations().len();
         Moving {
             part,
             speed: slots.v,

@@ -281,7 +281,7 @@ impl<T: Float> System<T> {
             ..self.nodes.at(T::from_f64(time), state, &self.inputs)
         };
         self.model
-            .evaluate(Quantity::Correction, &at, &mut self.work, shift);
+            .evaluate(Quantity::ProjectionStep, &at, &mut self.work, shift);
         self.fallback.margin = self.projection.margin();
     }
 

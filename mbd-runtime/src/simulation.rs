@@ -18,9 +18,11 @@ use crate::unilateral::{Mode, report};
 use crate::watch::Watch;
 
 mod drive;
+mod moved;
 mod snapshot;
 mod start;
 
+pub use moved::Moved;
 pub use snapshot::Snapshot;
 
 /// How a run ended.
@@ -110,11 +112,19 @@ pub struct Simulation<T: Float> {
     count: u64,
     options: Options,
     guess: Option<Vec<T>>,
+    moved: Vec<Moved>,
     started: bool,
     events: Vec<Occurrence>,
 }
 
 impl<T: Float> Simulation<T> {
+    /// What the start moved so that the joints hold, the largest distance first; empty where they held already. The state that is set says where
+    /// bodies are wanted; where joints forbid it, [`Simulation::start`] takes the nearest state that they allow, weighted by mass.
+    #[must_use]
+    pub fn start_moved(&self) -> &[Moved] {
+        &self.moved
+    }
+
     /// The model that is run.
     #[must_use]
     pub fn model(&self) -> &Arc<dyn Model<T>> {

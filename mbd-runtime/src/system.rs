@@ -134,13 +134,12 @@ pub(crate) struct System<T: Float> {
 /// Whether a spring or a stop acts along an angle that jumps at half a turn.
 fn has_jumping_angles(scene: &Scene) -> bool {
     scene.joints.iter().any(|joint| {
-        let mut sprung = joint
-            .along
-            .iter()
-            .filter(|along| along.stiffness.is_some() || along.stops.iter().any(Option::is_some));
-        sprung.any(|along| {
-            let coordinate = joint.law.coordinate(along.coordinate);
-            coordinate.is_some_and(|coordinate| coordinate.wraps())
+        let mut sprung = joint.forces.iter().filter(|forces| {
+            forces.stiffness.is_some() || forces.stops.iter().any(Option::is_some)
+        });
+        sprung.any(|forces| {
+            let coordinate = joint.law.coordinate(forces.coordinate);
+            coordinate.is_some_and(|coordinate| coordinate.is_periodic())
         })
     })
 }
@@ -271,7 +270,7 @@ impl<T: Float> System<T> {
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
         self.wide.clear();
         self.wide.resize(out.len(), 0.0);
-        laws.evaluate_given(&*self.model, what, &at, multipliers, &mut self.wide);
+        laws.evaluate_with_multipliers(&*self.model, what, &at, multipliers, &mut self.wide);
         for (to, from) in out.iter_mut().zip(&self.wide) {
             *to = T::from_f64(*from);
         }

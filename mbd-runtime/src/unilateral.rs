@@ -1,4 +1,4 @@
-//! Unilateral elements: lines that slacken and stops of joints, one list (`Layout::one_way`): lines first, then stops.
+//! Unilateral elements: lines that slacken and stops of joints, one list (`Layout::unilateral`): lines first, then stops.
 //!
 //! Between located events an element keeps its mode; a guard ends it:
 //!
@@ -78,8 +78,8 @@ impl Mode {
 pub(crate) fn switches<T: Float>(model: &dyn Model<T>, element: usize) -> bool {
     let (scene, layout) = (model.scene(), model.layout());
     match (scene.lines.get(element), layout.lines.get(element)) {
-        (Some(declared), Some(slots)) => declared.kind.is_one_way() && slots.effective.is_none(),
-        _ => element < layout.one_way(),
+        (Some(declared), Some(slots)) => declared.kind.is_unilateral() && slots.effective.is_none(),
+        _ => element < layout.unilateral(),
     }
 }
 

@@ -144,11 +144,11 @@ fn random_place(model: &dyn Model<f64>, seed: &mut u64) -> Arguments<f64> {
             .enumerate()
             .map(stiffness)
             .collect(),
-        hold: list(layout.one_way())
+        hold: list(layout.unilateral())
             .into_iter()
             .map(|x| (1.4 * x).round())
             .collect(),
-        ends: list(layout.len(Quantity::Ends))
+        ends: list(layout.len(Quantity::AnchorStates))
             .into_iter()
             .map(|x| 3.0 * x)
             .collect(),

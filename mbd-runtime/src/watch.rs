@@ -114,9 +114,9 @@ fn coordinates<T: Float>(model: &dyn Model<T>) -> Vec<Coordinate> {
     let (scene, lines) = (model.scene(), model.layout().lines.len());
     let numbers = Numbers::new(scene, model.params());
     let mut found = Vec::new();
-    for (index, (joint, entries)) in scene.joints.iter().zip(&numbers.along).enumerate() {
-        for (along, numbers) in joint.along.iter().zip(entries) {
-            let Some((_, coordinate)) = scene.coordinate(index, along.coordinate) else {
+    for (index, (joint, entries)) in scene.joints.iter().zip(&numbers.forces).enumerate() {
+        for (forces, numbers) in joint.forces.iter().zip(entries) {
+            let Some((_, coordinate)) = scene.coordinate(index, forces.coordinate) else {
                 continue;
             };
             let stops = model
@@ -125,7 +125,7 @@ fn coordinates<T: Float>(model: &dyn Model<T>) -> Vec<Coordinate> {
                 .iter()
                 .zip(model.lines().iter().skip(lines));
             let own =
-                |slots: &StopSlots| slots.joint == index && slots.coordinate == along.coordinate;
+                |slots: &StopSlots| slots.joint == index && slots.coordinate == forces.coordinate;
             let stop = stops
                 .filter(|(slots, _)| own(slots))
                 .map(|(_, numbers)| numbers.stiffness.to_f64())

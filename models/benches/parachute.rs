@@ -54,7 +54,7 @@ fn execution(
     setting: &Setting,
 ) {
     let layout = model.layout();
-    let (effective, hold) = (numbers(model), vec![0.0; layout.one_way()]);
+    let (effective, hold) = (numbers(model), vec![0.0; layout.unilateral()]);
     let at = At {
         time: 6.0,
         state: &setting.state,
@@ -166,7 +166,7 @@ fn compare(c: &mut Criterion, scene: &str, generated: &dyn Model<f64>, at: &Inst
     let setting = Setting::new(generated, at, step);
     let equations = Equations::trace(generated.scene());
     for what in [
-        Quantity::Ends,
+        Quantity::AnchorStates,
         Quantity::Equilibrium(0),
         Quantity::Derivative,
     ] {

@@ -15,7 +15,7 @@ pub fn counts(scene: &Scene) -> Table {
     let layout = Layout::new(scene);
     let lines = |one_way: bool| {
         let kinds = scene.lines.iter().map(|line| line.kind);
-        kinds.filter(|kind| kind.is_one_way() == one_way).count()
+        kinds.filter(|kind| kind.is_unilateral() == one_way).count()
     };
     let rows: [(&str, usize); 18] = [
         ("bodies", scene.bodies.len()),
@@ -57,7 +57,10 @@ pub fn counts(scene: &Scene) -> Table {
 fn freedoms(scene: &Scene, layout: &Layout) -> String {
     let (bodies, rows, rank) = (scene.bodies.len(), layout.nc, layout.rank());
     let points = scene.points.len() - layout.nodes.len();
-    let (body, point) = (layout.directions.speeds(), layout.directions.moves().len());
+    let (body, point) = (
+        layout.directions.speeds(),
+        layout.directions.translations().len(),
+    );
     let count = |rows: usize| layout.nv as i64 - rows as i64;
     let mut text = format!(
         "freedoms (Grübler): {body}·{bodies} + {point}·{points} − {rows} = {}",
@@ -191,7 +194,7 @@ fn joints(scene: &Scene) -> Table {
 
 /// What acts along joint coordinates.
 fn along(scene: &Scene, numbers: &Numbers<f64>) -> Table {
-    let mut table = Table::new("Along joint coordinates")
+    let mut table = Table::new("JointForces joint coordinates")
         .column("coordinate", "")
         .column("unit", "")
         .column("stiffness", "")
@@ -200,9 +203,9 @@ fn along(scene: &Scene, numbers: &Numbers<f64>) -> Table {
         .column("low stop", "")
         .column("high stop", "")
         .column("force", "");
-    for (joint, numbers) in scene.joints.iter().zip(&numbers.along) {
-        for (along, numbers) in joint.along.iter().zip(numbers) {
-            let Some(coordinate) = joint.law.coordinate(along.coordinate) else {
+    for (joint, numbers) in scene.joints.iter().zip(&numbers.forces) {
+        for (forces, numbers) in joint.forces.iter().zip(numbers) {
+            let Some(coordinate) = joint.law.coordinate(forces.coordinate) else {
                 continue;
             };
             let number = |x: Option<f64>| x.map_or_else(|| Cell::from("–"), Cell::from);
@@ -213,7 +216,7 @@ fn along(scene: &Scene, numbers: &Numbers<f64>) -> Table {
                 "m, N"
             };
             let [low, high] = numbers.stops;
-            let force = if along.force.is_some() { "yes" } else { "–" };
+            let force = if forces.force.is_some() { "yes" } else { "–" };
             table.push([
                 Cell::from(name),
                 Cell::from(unit),
@@ -338,7 +341,7 @@ pub fn operations(equations: &Equations) -> Table {
 /// A quantity in words.
 fn quantity(what: Quantity) -> String {
     let words = match what {
-        Quantity::Ends => "ends of the node lines",
+        Quantity::AnchorStates => "ends of the node lines",
         Quantity::Equilibrium(network) => {
             return format!("equilibrium of network {network}, one iteration");
         }
@@ -358,7 +361,7 @@ fn quantity(what: Quantity) -> String {
         Quantity::ConstraintBias => "their bias γ",
         Quantity::Multipliers => "multipliers of the joints",
         Quantity::Reactions => "reactions of the joints",
-        Quantity::Correction => "correction of the joints (projection)",
+        Quantity::ProjectionStep => "correction of the joints (projection)",
         Quantity::NodeByAnchor(network) => return format!("∂node/∂anchor of network {network}"),
         Quantity::CondensedStiffness(network) => {
             return format!("condensed stiffness of network {network}");

@@ -17,7 +17,7 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
     let mut state: Vec<f64> = (0..layout.nx())
         .map(|_| random.uniform(-2.0, 2.0))
         .collect();
-    let moves = layout.directions.moves().len();
+    let moves = layout.directions.translations().len();
     for slots in &layout.bodies {
         state[slots.q..slots.q + moves].copy_from_slice(&random.vector(3.0)[..moves]);
         if layout.directions.plane.is_none() {
@@ -36,14 +36,14 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
     };
     let (nodes, ends, inputs, rows) = (
         list(3 * layout.nodes.len(), 3.0),
-        list(layout.len(Quantity::Ends), 3.0),
+        list(layout.len(Quantity::AnchorStates), 3.0),
         list(layout.ni, 5.0),
         list(layout.nc, 1.0),
     );
     let effective = (0..layout.effective_lines)
         .flat_map(|_| [random.decades(2.0, 4.0), random.uniform(0.2, 3.0)])
         .collect();
-    let hold = (0..layout.one_way())
+    let hold = (0..layout.unilateral())
         .map(|_| random.below(3) as f64 - 1.0)
         .collect();
     Instant {

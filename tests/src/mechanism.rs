@@ -100,7 +100,7 @@ pub fn add_joint(scene: &mut Scene, law: JointLaw, parent: Place, child: Place) 
         law,
         parent,
         child,
-        along: Vec::new(),
+        forces: Vec::new(),
         cut: false,
     });
 }
@@ -260,7 +260,10 @@ pub fn jets(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<Jet>
         let rate = w * q * 0.5;
         let curve = a * q * 0.5 + w * rate * 0.5;
         let parts = |q: &Quaternion<f64>| [q.w, q.i, q.j, q.k];
-        let (moves, turns) = (layout.directions.moves(), layout.directions.turns());
+        let (moves, turns) = (
+            layout.directions.translations(),
+            layout.directions.rotations(),
+        );
         let attitude = slots.q + moves.len();
         match layout.directions.plane.map(Plane::normal) {
             None => {
@@ -285,7 +288,7 @@ pub fn jets(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<Jet>
     }
     for (slots, point) in layout.points.iter().zip(points) {
         if let mbd_scene::PointSlots::Mass(slots) = slots {
-            for (at, &k) in layout.directions.moves().iter().enumerate() {
+            for (at, &k) in layout.directions.translations().iter().enumerate() {
                 let jet = Jet([point.position[k], point.velocity[k], point.acceleration[k]]);
                 list[slots.q + at] = jet;
                 list[layout.nq + slots.v + at] = Jet([jet.0[1], jet.0[2], f64::NAN]);

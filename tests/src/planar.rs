@@ -165,7 +165,7 @@ impl Mechanism {
         let plane = scene.planar.expect("a planar scene");
         for (slots, pose) in layout.bodies.iter().zip(self.poses) {
             let mut random = |size: f64| random.uniform(-size, size);
-            for (k, axis) in layout.directions.moves().iter().enumerate() {
+            for (k, axis) in layout.directions.translations().iter().enumerate() {
                 let place = axes(plane).iter().position(|own| own == axis);
                 state[slots.q + k] = pose[place.expect("an axis of the plane")];
             }
@@ -210,7 +210,7 @@ pub fn lifted(scene: &Scene, state: &[f64]) -> Vec<f64> {
     let normal = scene.planar.expect("a planar scene").normal();
     let mut out = vec![0.0; space.nx()];
     for (from, to) in flat.bodies.iter().zip(&space.bodies) {
-        for (k, &axis) in flat.directions.moves().iter().enumerate() {
+        for (k, &axis) in flat.directions.translations().iter().enumerate() {
             out[to.q + axis] = state[from.q + k];
             out[space.nq + to.v + axis] = state[flat.nq + from.v + k];
         }
@@ -220,7 +220,7 @@ pub fn lifted(scene: &Scene, state: &[f64]) -> Vec<f64> {
     }
     for (from, to) in flat.points.iter().zip(&space.points) {
         if let (PointSlots::Mass(from), PointSlots::Mass(to)) = (from, to) {
-            for (k, &axis) in flat.directions.moves().iter().enumerate() {
+            for (k, &axis) in flat.directions.translations().iter().enumerate() {
                 out[to.q + axis] = state[from.q + k];
                 out[space.nq + to.v + axis] = state[flat.nq + from.v + k];
             }
@@ -236,14 +236,14 @@ pub fn flattened(scene: &Scene, accelerations: &[f64]) -> Vec<f64> {
     let normal = scene.planar.expect("a planar scene").normal();
     let mut out = vec![0.0; flat.nv];
     for (to, from) in flat.bodies.iter().zip(&space.bodies) {
-        for (k, &axis) in flat.directions.moves().iter().enumerate() {
+        for (k, &axis) in flat.directions.translations().iter().enumerate() {
             out[to.v + k] = accelerations[from.v + axis];
         }
         out[to.v + 2] = accelerations[from.v + 3 + normal];
     }
     for (to, from) in flat.points.iter().zip(&space.points) {
         if let (PointSlots::Mass(to), PointSlots::Mass(from)) = (to, from) {
-            for (k, &axis) in flat.directions.moves().iter().enumerate() {
+            for (k, &axis) in flat.directions.translations().iter().enumerate() {
                 out[to.v + k] = accelerations[from.v + axis];
             }
         }

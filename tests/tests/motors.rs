@@ -1,7 +1,7 @@
 //! Motors: coordinates of joints that time prescribes, against jets, closed forms and the balance of power.
 
 use mbd_runtime::{Generic, Options, Simulation, StepError, model};
-use mbd_scene::joints::{Along, JointLaw};
+use mbd_scene::joints::{JointForces, JointLaw};
 use mbd_scene::laws::Numbers;
 use mbd_scene::{AngularVelocity, Formula, Function, Layout, Model, Place, Quantity, Scene};
 use nalgebra::{DMatrix, DVector};
@@ -31,11 +31,11 @@ fn course() -> Formula {
     sum(sum(0.3.into(), times(1.7)), wave)
 }
 
-fn motor(coordinate: usize, motor: Formula) -> Along {
-    Along {
+fn motor(coordinate: usize, motor: Formula) -> JointForces {
+    JointForces {
         coordinate,
         motor: Some(motor),
-        ..Along::default()
+        ..JointForces::default()
     }
 }
 
@@ -55,7 +55,7 @@ fn everywhere(mut check: impl FnMut(&str, &Scene, &mut Random)) {
                     let seat = Seat::random(&mut random).declared("two");
                     let to = add_frame(&mut scene, Some(child), seat);
                     add_joint(&mut scene, law.clone(), from, to);
-                    scene.joints[0].along = vec![motor(coordinate, course())];
+                    scene.joints[0].forces = vec![motor(coordinate, course())];
                     let name = format!("{law:?} {coordinate}, {components:?}, to world {to_world}");
                     check(&name, &scene, &mut random);
                 }
@@ -442,7 +442,7 @@ fn a_motor_half_a_turn_from_its_start_is_reported_as_the_wrong_branch() {
         Place::World(0),
         Place::Body(body, 0),
     );
-    scene.joints[0].along = vec![motor(0, 3.0.into())];
+    scene.joints[0].forces = vec![motor(0, 3.0.into())];
     let model = Generic::<f64>::with_defaults(scene).expect("a valid scene");
     let mut run = Simulation::new(&model, Options::rk4(0.01)).expect("options");
     let mut x = vec![0.0; 13];
@@ -466,7 +466,7 @@ fn a_motor_where_no_freedom_is_left_is_refused_by_name() {
         add_joint(&mut scene, law("prismatic"), Place::World(0), child);
         let rod = JointLaw::PointOnPlane(Default::default());
         add_joint(&mut scene, rod, Place::World(0), child);
-        scene.joints[0].along = vec![motor(0, course())];
+        scene.joints[0].forces = vec![motor(0, course())];
         let wall = add_frame(
             &mut scene,
             None,

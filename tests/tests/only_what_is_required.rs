@@ -87,7 +87,7 @@ fn a_scene_of_three_points_and_four_lines_carries_no_rotation() {
     let network = |what: &&(Quantity, Program)| {
         matches!(
             what.0,
-            Quantity::Ends
+            Quantity::AnchorStates
                 | Quantity::Equilibrium(_)
                 | Quantity::Balance
                 | Quantity::NodeByAnchor(_)
@@ -403,7 +403,7 @@ fn removing_a_node_removes_its_balance_and_everything_around_it() {
         assert!(
             !matches!(
                 what,
-                Quantity::Ends
+                Quantity::AnchorStates
                     | Quantity::Balance
                     | Quantity::Equilibrium(_)
                     | Quantity::NodeByAnchor(_)

@@ -296,7 +296,7 @@ fn a_planar_scene_is_the_same_from_toml() {
 
 /// Operations of the state derivative and of a projection step.
 fn costs(scene: &Scene) -> [usize; 2] {
-    let wanted = [Quantity::Derivative, Quantity::Correction];
+    let wanted = [Quantity::Derivative, Quantity::ProjectionStep];
     let equations = Equations::trace_only(scene, &wanted);
     wanted.map(|what| equations.program(what).expect("traced").cost().total())
 }

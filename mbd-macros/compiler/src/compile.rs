@@ -145,14 +145,14 @@ fn wanted(reading: &Reading, scene: &Scene, layout: &Layout) -> Vec<Quantity> {
     let needed = |what: Quantity| {
         matches!(
             what,
-            Quantity::Ends
+            Quantity::AnchorStates
                 | Quantity::Equilibrium(_)
                 | Quantity::Derivative
                 | Quantity::Balance
                 | Quantity::Guards
                 | Quantity::Constraint
                 | Quantity::ConstraintRate
-                | Quantity::Correction
+                | Quantity::ProjectionStep
         )
     };
     let asked = |what: Quantity| {

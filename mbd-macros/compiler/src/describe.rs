@@ -1,6 +1,6 @@
 //! Formulas as the user would write them, and formulas changed all over a scene.
 
-use mbd_scene::joints::{Along, Coordinate, FORCE, MOTOR, NUMBERS, STOPS};
+use mbd_scene::joints::{Coordinate, FORCE, JointForces, MOTOR, NUMBERS, STOPS};
 use mbd_scene::{Formula, Function, Gravity, LoadKind, Place, PointKind, Scene, Triple};
 
 /// A place by its name, `capsule.bridle[0]`.
@@ -161,24 +161,24 @@ fn apply(scene: &Scene, function: Function, parts: &[Formula], level: u8) -> Str
 
 /// What acts along one coordinate of a joint, in the user's names.
 #[must_use]
-pub fn along(scene: &Scene, coordinate: &Coordinate, along: &Along) -> String {
+pub fn forces(scene: &Scene, coordinate: &Coordinate, forces: &JointForces) -> String {
     let mut parts = Vec::new();
     let given = |index: usize| {
-        let (field, formula) = (NUMBERS.get(index)?, along.numbers()[index].as_ref()?);
+        let (field, formula) = (NUMBERS.get(index)?, forces.numbers()[index].as_ref()?);
         let unit = field.measured.unit(coordinate);
         Some(format!("{} = {} {unit}", field.name, text(scene, formula)))
     };
     parts.extend((0..NUMBERS.len()).filter_map(given));
-    if along.stops.iter().any(Option::is_some) {
+    if forces.stops.iter().any(Option::is_some) {
         let place = |stop: &Option<Formula>| {
             let stop = stop.as_ref();
             stop.map_or_else(|| "none".to_owned(), |stop| text(scene, stop))
         };
-        let [low, high] = along.stops.each_ref().map(place);
+        let [low, high] = forces.stops.each_ref().map(place);
         let unit = STOPS.measured.unit(coordinate);
         parts.push(format!("stops = [{low}, {high}] {unit}"));
     }
-    for (field, formula) in [(&FORCE, &along.force), (&MOTOR, &along.motor)] {
+    for (field, formula) in [(&FORCE, &forces.force), (&MOTOR, &forces.motor)] {
         if let Some(formula) = formula {
             let unit = field.measured.unit(coordinate);
             parts.push(format!("{} = {} {unit}", field.name, text(scene, formula)));
@@ -241,8 +241,8 @@ pub fn rewrite(scene: &mut Scene, change: &mut impl FnMut(&mut Formula)) {
     for joint in &mut scene.joints {
         let numbers = joint.law.numbers_mut();
         numbers.into_iter().for_each(|number| one(number, change));
-        let along = joint.along.iter_mut().flat_map(Along::formulas_mut);
-        along.for_each(|formula| one(formula, change));
+        let forces = joint.forces.iter_mut().flat_map(JointForces::formulas_mut);
+        forces.for_each(|formula| one(formula, change));
     }
     for line in &mut scene.lines {
         for formula in [

@@ -14,14 +14,22 @@ fn pose(layout: &Layout) -> Vec<&'static str> {
         None => &["qw", "qx", "qy", "qz"],
         Some(_) => &["angle"],
     };
-    let moves = layout.directions.moves().iter().map(|&k| POSITION[k]);
+    let moves = layout
+        .directions
+        .translations()
+        .iter()
+        .map(|&k| POSITION[k]);
     moves.chain(attitude.iter().copied()).collect()
 }
 
 /// The speeds of a body.
 fn twist(layout: &Layout) -> Vec<&'static str> {
-    let moves = layout.directions.moves().iter().map(|&k| VELOCITY[k]);
-    let turns = layout.directions.turns().iter().map(|&k| RATE[k]);
+    let moves = layout
+        .directions
+        .translations()
+        .iter()
+        .map(|&k| VELOCITY[k]);
+    let turns = layout.directions.rotations().iter().map(|&k| RATE[k]);
     moves.chain(turns).collect()
 }
 
@@ -99,7 +107,7 @@ pub fn result(scene: &Scene, layout: &Layout, what: Quantity, place: usize) -> O
         }
         Quantity::BiasForce => Some(format!("{}_bias", speed(place))),
         Quantity::Forces => Some(format!("{}_force", speed(place))),
-        Quantity::Correction if place < layout.nv => Some(format!("{}_move", speed(place))),
+        Quantity::ProjectionStep if place < layout.nv => Some(format!("{}_move", speed(place))),
         Quantity::Constraint => of_row("row"),
         Quantity::ConstraintRate => of_row("rate"),
         Quantity::ConstraintBias => of_row("gamma"),
@@ -132,7 +140,7 @@ const ENERGIES: [&str; 6] = [
 pub fn coordinate(scene: &Scene, layout: &Layout, index: usize) -> (String, &'static str) {
     let v = index.checked_sub(layout.nq);
     let (pose, twist) = (pose(layout), twist(layout));
-    let moves = layout.directions.moves();
+    let moves = layout.directions.translations();
     for (body, slots) in scene.bodies.iter().zip(&layout.bodies) {
         if let Some((i, item)) = v
             .is_none()
@@ -225,7 +233,7 @@ fn state(scene: &Scene, layout: &Layout, index: usize) -> String {
         let PointSlots::Mass(slots) = slots else {
             continue;
         };
-        let moves = layout.directions.moves();
+        let moves = layout.directions.translations();
         let own = |from: usize| index.checked_sub(from).and_then(|i| moves.get(i));
         if let (Some(&k), None) = (own(slots.q), v) {
             return format!("{}_{}", point(scene, number), POSITION[k]);
@@ -242,7 +250,7 @@ fn state(scene: &Scene, layout: &Layout, index: usize) -> String {
     )
 }
 
-/// The name of a number of [`mbd_scene::Quantity::Ends`].
+/// The name of a number of [`mbd_scene::Quantity::AnchorStates`].
 fn end(scene: &Scene, layout: &Layout, index: usize) -> String {
     match layout.anchors.get(index / 6) {
         Some(anchor) => {

@@ -109,7 +109,7 @@ fn phase(equations: &Equations, program: &Program, section: &str, visit: [usize;
             Quantity::Derivative
                 | Quantity::Multipliers
                 | Quantity::Reactions
-                | Quantity::Correction
+                | Quantity::ProjectionStep
         )
     );
     let moves = scene.bodies.iter().any(|body| body.name == section)

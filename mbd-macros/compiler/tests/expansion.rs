@@ -126,7 +126,7 @@ fn kernels_are_named_after_what_they_do() {
         "pin_rows",
         "rod_backward",
         "rod_forward",
-        "rod_correction",
+        "rod_projection_step",
     ] {
         assert!(text.contains(&format!("fn {name}<")), "{name}");
     }

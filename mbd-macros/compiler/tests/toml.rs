@@ -464,8 +464,8 @@ fn joint_coordinates_have_tables_of_their_own() {
         panic!("three joints");
     };
     assert!(lock.cut && !hinges.cut);
-    assert_eq!((hinges.along.len(), bolting.along.len()), (1, 2));
-    assert_eq!(bolting.along[1].damping, Some(0.1.into()));
+    assert_eq!((hinges.forces.len(), bolting.forces.len()), (1, 2));
+    assert_eq!(bolting.forces[1].damping, Some(0.1.into()));
     let text = r#"model Door {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         param closing = 2.0 N*m/rad;

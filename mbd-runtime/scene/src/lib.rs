@@ -25,10 +25,10 @@ mod scalar;
 mod scene;
 mod vocabulary;
 
-pub use evaluate::{Scratch, evaluate, evaluate_given, jumping_angles, sensitivity};
+pub use evaluate::{Scratch, evaluate, evaluate_with_multipliers, jumping_angles, sensitivity};
 pub use fingerprint::fingerprint;
 pub use joints::{
-    Along, ConstantAngle, Cylindrical, Distance, Free, Hinge, JointLaw, Planar, PointOnLine,
+    ConstantAngle, Cylindrical, Distance, Free, Hinge, JointForces, JointLaw, Planar, PointOnLine,
     PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical, Universal,
 };
 pub use layout::{

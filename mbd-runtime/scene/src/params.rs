@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::joints::{AlongField, NUMBERS, STOP_ORDER, STOPS, in_order};
+use crate::joints::{JointForceField, NUMBERS, STOP_ORDER, STOPS, in_order};
 use crate::laws::{Numbers, constant};
 use crate::{Float, Formula, PointKind, Scene};
 
@@ -177,20 +177,20 @@ fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), Pa
 /// What acts along joint coordinates: every number by its rule, stops with a stiffness and in order.
 fn check_along<T: Float>(scene: &Scene, params: &[T]) -> Result<(), ParamError> {
     for (index, joint) in scene.joints.iter().enumerate() {
-        for along in &joint.along {
-            let Some((_, coordinate)) = scene.coordinate(index, along.coordinate) else {
+        for forces in &joint.forces {
+            let Some((_, coordinate)) = scene.coordinate(index, forces.coordinate) else {
                 continue;
             };
             let value = |formula: &Formula| constant(scene, params, formula);
-            let check = |field: &AlongField, value: T| {
+            let check = |field: &JointForceField, value: T| {
                 let rule = field.of(&coordinate).rule;
                 let what = format!("{}.{}.{}", joint.name, coordinate.name, field.name);
                 demand(rule.holds(value.to_f64()), what, value, rule.words())
             };
-            for (field, formula) in NUMBERS.iter().zip(along.numbers()) {
+            for (field, formula) in NUMBERS.iter().zip(forces.numbers()) {
                 let needed = match field.name {
-                    "friction_rate" => along.friction.is_some(),
-                    "stop_stiffness" => along.stops.iter().any(Option::is_some),
+                    "friction_rate" => forces.friction.is_some(),
+                    "stop_stiffness" => forces.stops.iter().any(Option::is_some),
                     _ => false,
                 };
                 match formula {
@@ -199,7 +199,7 @@ fn check_along<T: Float>(scene: &Scene, params: &[T]) -> Result<(), ParamError> 
                     None => {}
                 }
             }
-            let stops = along.stops.each_ref().map(|stop| stop.as_ref().map(value));
+            let stops = forces.stops.each_ref().map(|stop| stop.as_ref().map(value));
             for stop in stops.into_iter().flatten() {
                 check(&STOPS, stop)?;
             }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::joints::{Along, JointLaw, Side};
+use crate::joints::{JointForces, JointLaw, Side};
 use crate::lines::LineKind;
 use crate::{AngularVelocity, Coordinate, Directions, Formula, Place, Plane, Table, Unit};
 
@@ -72,15 +72,16 @@ impl Scene {
     }
 
     /// Every stop: joint, its entry of [`Joint::along`], side; in the order of their numbers.
-    pub fn stops(&self) -> impl Iterator<Item = (usize, &Along, Side)> {
+    pub fn stops(&self) -> impl Iterator<Item = (usize, &JointForces, Side)> {
         let entries = self.joints.iter().enumerate();
-        let entries = entries
-            .flat_map(|(joint, declared)| declared.along.iter().map(move |along| (joint, along)));
-        entries.flat_map(|(joint, along)| {
+        let entries = entries.flat_map(|(joint, declared)| {
+            declared.forces.iter().map(move |forces| (joint, forces))
+        });
+        entries.flat_map(|(joint, forces)| {
             let sides = [Side::Low, Side::High].into_iter();
             sides
-                .filter(|side| along.stops[side.index()].is_some())
-                .map(move |side| (joint, along, side))
+                .filter(|side| forces.stops[side.index()].is_some())
+                .map(move |side| (joint, forces, side))
         })
     }
 
@@ -308,7 +309,7 @@ pub struct Joint {
     pub child: Place,
     /// What acts along its coordinates: at most one entry a coordinate, in their order.
     #[serde(default)]
-    pub along: Vec<Along>,
+    pub forces: Vec<JointForces>,
     /// Whether the declaration marks it `loop`: it closes a loop, and a spanning tree is cut here.
     #[serde(default)]
     pub cut: bool,
@@ -317,8 +318,8 @@ pub struct Joint {
 impl Joint {
     /// The coordinates that motors drive: number of the coordinate and its course, a formula of time; in the order of their rows.
     pub fn motors(&self) -> impl Iterator<Item = (usize, &Formula)> {
-        let along = self.along.iter();
-        along.filter_map(|along| Some((along.coordinate, along.motor.as_ref()?)))
+        let forces = self.forces.iter();
+        forces.filter_map(|forces| Some((forces.coordinate, forces.motor.as_ref()?)))
     }
 }
 

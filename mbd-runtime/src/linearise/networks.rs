@@ -124,9 +124,9 @@ impl<'a, T: Float> Elimination<'a, T> {
 /// ∂(anchors and loads of the nodes).
 fn ends<T: Float>(model: &dyn Model<T>, at: &At<'_, T>, by: Variable, columns: usize) -> Matrix<T> {
     let scene = (model.scene(), model.layout());
-    let mut ends = Matrix::new(scene.1.len(Quantity::Ends), columns);
+    let mut ends = Matrix::new(scene.1.len(Quantity::AnchorStates), columns);
     let mut slopes = Slopes::new(scene.0, scene.1, model.params());
-    let of = (Quantity::Ends, by);
+    let of = (Quantity::AnchorStates, by);
     slopes.differentiate(scene, of, Effective::Fixed, at, &mut ends.values);
     ends
 }

@@ -45,7 +45,7 @@ impl<T: Float> NodeMemory<T> {
             step: T::zero(),
             smooth: vec![false; layout.networks.len()],
             ranks: vec![3; layout.networks.len()],
-            modes: vec![Mode::Free; layout.one_way()],
+            modes: vec![Mode::Free; layout.unilateral()],
         }
     }
 
@@ -83,7 +83,7 @@ impl<T: Float> NodeMemory<T> {
             ),
             ("memory of networks", self.smooth.len(), networks),
             ("memory of networks", self.ranks.len(), networks),
-            ("memory of modes", self.modes.len(), layout.one_way()),
+            ("memory of modes", self.modes.len(), layout.unilateral()),
         ] {
             NodeError::same_length(what, found, expected)?;
         }

@@ -29,7 +29,7 @@ impl PlanLine {
             .is_some_and(|numbers| numbers.damping > T::zero())
     }
 
-    /// From its `from` end to its `to` end, with anchors as in `Quantity::Ends` and nodes 3 a node [m].
+    /// From its `from` end to its `to` end, with anchors as in `Quantity::AnchorStates` and nodes 3 a node [m].
     pub fn vector<T: Float>(&self, anchors: &[T], nodes: &[T]) -> Vector3<T> {
         let [from, to] = self.ends.map(|end| match end {
             LineEnd::Anchor(anchor) => triple(anchors, 6 * anchor),
@@ -152,7 +152,7 @@ impl<T: Float> Plan<T> {
         self.rate.place(triple(&self.p, 0), triple(&self.load, 0));
     }
 
-    /// Copies the loads of its nodes out of `Quantity::Ends`.
+    /// Copies the loads of its nodes out of `Quantity::AnchorStates`.
     pub fn read_loads(&mut self, ends: &[T], anchors: usize) {
         for (&node, load) in self.nodes.iter().zip(self.load.chunks_exact_mut(3)) {
             load.copy_from_slice(triple(ends, 6 * anchors + 3 * node).as_slice());

@@ -69,12 +69,12 @@ impl<T: Float> Nodes<T> {
         let list = |n: usize| vec![T::zero(); n];
         Nodes {
             plans: Plan::of(layout),
-            ends: list(layout.len(Quantity::Ends)),
+            ends: list(layout.len(Quantity::AnchorStates)),
             nodes: list(3 * layout.nodes.len()),
             effective: list(2 * layout.effective_lines),
-            hold: list(layout.one_way()),
+            hold: list(layout.unilateral()),
             stretch: list(layout.lines.len()),
-            modes: vec![Mode::Free; layout.one_way()],
+            modes: vec![Mode::Free; layout.unilateral()],
             guards: list(layout.len(Quantity::Guards)),
             frozen: false,
             span: T::zero(),
@@ -101,7 +101,7 @@ impl<T: Float> Nodes<T> {
         &self.hold
     }
 
-    /// `Quantity::Ends` of the last solve, for [`At::ends`].
+    /// `Quantity::AnchorStates` of the last solve, for [`At::ends`].
     #[must_use]
     pub fn ends(&self) -> &[T] {
         &self.ends
@@ -229,7 +229,7 @@ impl<T: Float> Nodes<T> {
         let lines = stage.model.lines().len();
         NodeError::same_length("state", stage.state.len(), self.layout.nx())?;
         NodeError::same_length("inputs", stage.inputs.len(), self.layout.ni)?;
-        NodeError::same_length("lines", lines, self.layout.one_way())
+        NodeError::same_length("lines", lines, self.layout.unilateral())
     }
 
     /// Reads the anchors and loads of this stage.
@@ -244,7 +244,9 @@ impl<T: Float> Nodes<T> {
         }
         let mut ends = std::mem::take(&mut self.ends);
         let at = self.at(stage.time, stage.state, stage.inputs);
-        stage.model.evaluate(Quantity::Ends, &at, work, &mut ends);
+        stage
+            .model
+            .evaluate(Quantity::AnchorStates, &at, work, &mut ends);
         self.ends = ends;
         NodeError::check_finite("anchors and loads of the nodes", &self.ends)?;
         for plan in &mut self.plans {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use mbd_scene::{Float, Model, NodeModel, Quantity};
 
+use super::moved::moved;
 use super::{Pace, Simulation};
 use crate::chatter::Chatter;
 use crate::columns::{input_name, node_name, state_names};
@@ -75,7 +76,7 @@ impl<T: Float> Simulation<T> {
             guards: layout.len(Quantity::Guards),
             inside: vec![T::zero(); length],
             chosen: vec![false; margins.now.len()],
-            switches: Vec::with_capacity(layout.one_way()),
+            switches: Vec::with_capacity(layout.unilateral()),
             crossed: Vec::with_capacity(layout.events),
             margins,
             noisy: fixed && options.guard_tolerance.is_none(),
@@ -89,6 +90,7 @@ impl<T: Float> Simulation<T> {
             options,
             guess: None,
             started: false,
+            moved: Vec::new(),
             events: Vec::with_capacity(256),
         })
     }
@@ -169,7 +171,12 @@ impl<T: Float> Simulation<T> {
     }
 
     fn consistent_start(&mut self) -> Result<(), StepError> {
-        self.system.assemble(self.time, &mut self.state)?;
+        let set = self.state.clone();
+        let assembled = self.system.assemble(self.time, &mut self.state);
+        let (model, nx) = (&self.system.model, self.system.nx);
+        let scene = (model.scene(), model.layout());
+        self.moved = moved(scene, &set[..nx], &self.state[..nx]);
+        assembled?;
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
         self.watch_weights = self.system.watch_weights(self.time, &self.state)?;

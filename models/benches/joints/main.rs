@@ -355,7 +355,7 @@ fn four_bars(name: &str, model: &dyn Model<f64>, windows: usize) {
     let layout = model.layout();
     let (flat, moves) = (
         layout.directions.plane.is_some(),
-        layout.directions.moves().len(),
+        layout.directions.translations().len(),
     );
     let mut start = vec![0.0; layout.nx()];
     for (body, slots) in layout.bodies.iter().enumerate() {

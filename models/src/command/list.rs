@@ -68,10 +68,6 @@ pub fn list() -> String {
     let mut table = Table::new("Ready scenes")
         .column("name", "")
         .column("what", "");
-    table.push([
-        "parachute".into(),
-        "The main job: `mbd` without arguments, or `mbd parachute`.".into(),
-    ]);
     for ready in scenes::READY {
         let doc = (ready.scene)().doc;
         let what = doc.lines().next().unwrap_or_default();
@@ -80,12 +76,14 @@ pub fn list() -> String {
     for ready in WRITTEN {
         table.push([ready.name.into(), ready.what.into()]);
     }
-    table.text() + "\n`mbd run NAME` runs one; check, expand and convert take its name, too.\n"
+    let about = "`mbd run NAME` runs one; check, expand and convert take its name, too. The parachute with every model of its confluence is the main job: \
+         `mbd` without arguments, or `mbd parachute`.";
+    format!("{}\n{about}\n", table.text())
 }
 
 /// No scene has this name.
 pub fn unknown(name: &str) -> String {
-    let hint = nearest(name, names().chain(["parachute"]))
-        .map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+    let hint =
+        nearest(name, names()).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
     format!("no ready scene and no file named `{name}`{hint} (`mbd list` shows the ready scenes)")
 }

@@ -1,11 +1,10 @@
 //! `mbd run`: flies a scene and writes what came out.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
-use mbd_runtime::scene::Scene;
 use models::progress::Progress;
-use models::run::{Outcome, Plan, Settings, publish, summary_json};
+use models::run::{Outcome, Plan, Settings, publish, summary_json, warning};
 use toml::Value;
 
 use super::failure::Failure;
@@ -17,7 +16,7 @@ use super::scene_file::SceneFile;
 pub struct RunArgs {
     /// A ready scene (`mbd list`) or a scene file.
     scene: PathBuf,
-    /// Folder for history, figures, report and summary [default: a folder of the scene's name in out].
+    /// Folder for history, figures, report and summary [default: out/NAME of a ready scene, out/PATH of a file without its extension].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Fixed step of RK4, with unit (`0.01s`, `5 ms`) or in seconds [default: 0.001 s if an equilibrium point is stepwise].
@@ -63,13 +62,18 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
     let folder = args
         .out
         .clone()
-        .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene, &scene)));
+        .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
     let table =
         publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&folder, &error))?;
+    let warning = warning(&scene, &plan, &outcome);
     let told = if args.json {
+        if let Some(warning) = warning {
+            eprintln!("{warning}");
+        }
         summary_json(&scene, &plan, &outcome).map_err(|error| unwritten(&folder, &error))?
     } else {
-        let remarks: String = remarks.iter().map(|remark| format!("{remark}\n")).collect();
+        let remarks = remarks.iter().chain(&warning);
+        let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
         format!("{remarks}{}\n{}", table.text(), written(&outcome, &folder))
     };
     match &outcome.error {
@@ -108,13 +112,31 @@ fn typed(text: &str) -> Value {
         .map_or_else(|_| Value::String(text.to_string()), Value::Float)
 }
 
-/// The name of a ready scene, or of the model in a file, as the name of a folder.
-fn folder_name(given: &Path, scene: &Scene) -> String {
-    let ready = given.to_str().filter(|name| list::ready(name).is_some());
-    ready
-        .unwrap_or(&scene.name)
-        .to_lowercase()
-        .replace(|c: char| !c.is_alphanumeric(), "_")
+/// The folder of a scene in `out`: the name of a ready scene, or where a file lies, so that no two scenes share one. The extension is left out
+/// unless it tells the file from a ready scene, or from another file beside it.
+pub(super) fn folder_name(given: &Path) -> PathBuf {
+    let here = std::env::current_dir().unwrap_or_default();
+    let path = given.strip_prefix(&here).unwrap_or(given);
+    let parts = path.components().filter_map(|part| match part {
+        Component::Normal(name) => Some(name),
+        _ => None,
+    });
+    let folder: PathBuf = parts.collect();
+    let short = folder.with_extension("");
+    let is_ready = short
+        .to_str()
+        .is_some_and(|name| list::ready(name).is_some());
+    let others = ["toml", "mbd"].map(|extension| given.with_extension(extension));
+    let beside = others.iter().any(|other| other != given && other.is_file());
+    if given.is_file() && (is_ready || beside) {
+        let name = folder.to_string_lossy().replace('.', "_");
+        return PathBuf::from(name);
+    }
+    if short == Path::new("parachute") {
+        // The main job has that one.
+        return PathBuf::from("parachute_scene");
+    }
+    short
 }
 
 fn unwritten(folder: &Path, error: &std::io::Error) -> Failure {

@@ -100,7 +100,7 @@ fn a_ready_scene_expands_to_the_functions_it_was_compiled_with() {
         "fn derivative",
         "fn reactions",
         "fn mass_matrix",
-        "fn correction",
+        "fn projection_step",
     ] {
         assert!(text.contains(emitted), "{emitted}");
     }
@@ -111,7 +111,11 @@ fn a_ready_scene_expands_to_the_functions_it_was_compiled_with() {
 
 #[test]
 fn a_ready_scene_is_checked_expanded_and_converted_by_its_name() {
-    for (name, word) in [("heavy_top", "HeavyTop"), ("drop", "Drop")] {
+    for (name, word) in [
+        ("heavy_top", "HeavyTop"),
+        ("drop", "Drop"),
+        ("parachute", "ParachuteRate"),
+    ] {
         let told = run(&["check", name]).unwrap();
         assert!(
             told.contains(&format!("Scene {word}")) && !told.contains("warning"),
@@ -133,6 +137,62 @@ fn a_ready_scene_is_checked_expanded_and_converted_by_its_name() {
             "{error}"
         );
     }
+}
+
+#[test]
+fn scene_files_of_one_model_name_have_folders_of_their_own() {
+    let folder = Folder::new("folders");
+    let text = run(&["convert", "swing"]).unwrap();
+    let one = folder.file("one.toml", &text);
+    let other = folder.file("other.toml", &text);
+    let as_text = folder.file("other.mbd", "");
+    let ready = folder.file("drop.toml", &text);
+    let names = [&one, &other, &as_text, &ready].map(|file| run::folder_name(file.as_ref()));
+    let ready = run::folder_name("drop".as_ref());
+    for (index, name) in names.iter().enumerate() {
+        assert!(
+            !names[..index].contains(name) && *name != ready,
+            "{names:?}"
+        );
+    }
+    assert!(names[0].ends_with("one"), "{names:?}");
+    assert_ne!(
+        run::folder_name("parachute".as_ref()),
+        PathBuf::from("parachute")
+    );
+}
+
+/// A pendulum of 1 m whose start says where its bob is, and nothing of its attitude.
+const PENDULUM: &str = "pub model Pendulum {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    body rod { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame pivot at [0, 0, 1] m }
+    joint pin: hinge from world to rod.pivot { axis: y }
+}";
+
+#[test]
+fn a_start_that_the_joints_do_not_allow_is_told() {
+    let folder = Folder::new("start");
+    let out = folder.0.join("out").display().to_string();
+    let flown = |start: &str| {
+        let run_table = format!("[run]\nuntil = \"0.1 s\"\n[run.start]\n{start}");
+        let file = folder.file("pendulum.mbd", &format!("{PENDULUM}\n{run_table}\n"));
+        run(&["run", &file, "--out", &out]).unwrap()
+    };
+    // 30°, of the position alone: the nearest that the hinge allows is another angle.
+    let told = flown("rod.x = \"-0.5 m\"\nrod.z = \"-0.8660254 m\"");
+    let first = told.lines().next().unwrap();
+    assert!(
+        first.starts_with("warning: `rod` does not start where"),
+        "{told}"
+    );
+    // The attitude with it, to the digits that a person writes: 30° about y.
+    let fits = flown("rod.x = \"-0.5 m\"\nrod.z = \"-0.866 m\"\nrod.qw = 0.9659\nrod.qy = 0.2588");
+    assert!(!fits.contains("warning"), "{fits}");
+    let json = std::fs::read_to_string(folder.0.join("out/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let moved = &summary["start_moved"];
+    assert_eq!(moved["name"], "rod");
+    assert!(moved["distance_m"].as_f64().unwrap() < 1e-3, "{moved}");
 }
 
 #[test]

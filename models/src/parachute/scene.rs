@@ -132,7 +132,7 @@ parachute! {
 }
 
 parachute! {
-    /// The confluence as an equilibrium point whose velocity follows from the balance of its damped lines.
+    /// A capsule under a parachute, its confluence an equilibrium point whose velocity follows from the balance of its damped lines.
     ParachuteRate {
         point: { point confluence { equilibrium: rate } }
         riser: { , damping: riser_c }
@@ -225,6 +225,24 @@ pub const PROVENANCE: &[[&str; 3]] = &[
         "assumed",
     ],
 ];
+
+/// How the scene is run by itself: test case 2.
+#[must_use]
+pub fn run() -> String {
+    let Instant { q, point, .. } = Instant::start(TestCase::Two);
+    format!(
+        r#"[run]
+until = "10 s"
+tolerance = 1e-8
+every = "10 ms"
+
+[run.start]
+chute.z = "{} m"
+confluence.z = "{} m"
+"#,
+        q[2], point[2]
+    )
+}
 
 /// The two test cases that are repeated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -35,7 +35,7 @@ pub(super) enum Range {
     /// Exactly these ends.
     Fixed(f64, f64),
     /// These data; an end that almost reaches a whole tick is moved to it.
-    Along(f64, f64),
+    JointForces(f64, f64),
     /// These data, rounded outwards to whole ticks; zero is included when it is near.
     Around(f64, f64),
 }
@@ -79,7 +79,7 @@ fn opened(low: f64, high: f64) -> (f64, f64) {
 
 fn linear(range: Range, count: usize) -> Axis {
     let (mut low, mut high) = match range {
-        Range::Fixed(low, high) | Range::Along(low, high) => opened(low, high),
+        Range::Fixed(low, high) | Range::JointForces(low, high) => opened(low, high),
         Range::Around(low, high) => {
             let (low, high) = opened(low, high);
             let near = 0.3 * (high - low);
@@ -96,7 +96,7 @@ fn linear(range: Range, count: usize) -> Axis {
     // How much of a step may be added at an end.
     let reach = match range {
         Range::Fixed(..) => 0.0,
-        Range::Along(..) => 0.1,
+        Range::JointForces(..) => 0.1,
         Range::Around(..) => 1.0,
     };
     let (floor, ceiling) = (
@@ -153,7 +153,8 @@ fn common_exponent(size: f64) -> i32 {
 
 /// A logarithmic axis always spans whole decades.
 fn logarithmic(range: Range, count: usize) -> Axis {
-    let (Range::Fixed(low, high) | Range::Along(low, high) | Range::Around(low, high)) = range;
+    let (Range::Fixed(low, high) | Range::JointForces(low, high) | Range::Around(low, high)) =
+        range;
     let decade = |x: f64| x.clamp(1.0 / HUGE, HUGE).log10();
     let low = (decade(low.min(high)) + 1e-9).floor();
     let high = (decade(low.max(high)) - 1e-9).ceil();

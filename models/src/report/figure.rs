@@ -227,7 +227,7 @@ impl<'a> Figure<'a> {
             }
         }
         match (ends, axis, self.scales[axis]) {
-            (Some((low, high)), 0, Scale::Linear) => Range::Along(low, high),
+            (Some((low, high)), 0, Scale::Linear) => Range::JointForces(low, high),
             (Some((low, high)), ..) => Range::Around(low, high),
             (None, _, Scale::Linear) => Range::Fixed(0.0, 1.0),
             (None, _, Scale::Log) => Range::Fixed(0.1, 10.0),

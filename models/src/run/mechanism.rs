@@ -254,7 +254,7 @@ impl Stage<'_> {
             let ends = [line.from, line.to].map(|end| self.place(end, row));
             let stretch = self.read(&line.name, ["stretch"], row);
             if let ([Some(from), Some(to)], Some([stretch])) = (ends, stretch) {
-                let slack = stretch <= 0.0 && line.kind.is_one_way();
+                let slack = stretch <= 0.0 && line.kind.is_unilateral();
                 parts.push(Part::Line([from, to], slack));
             }
             for end in [line.from, line.to] {

@@ -7,6 +7,7 @@ mod plots;
 mod publish;
 mod quality;
 mod settings;
+mod start;
 mod summary;
 
 pub use mechanism::drawings;
@@ -15,6 +16,7 @@ pub use plan::{Plan, PlanError};
 pub use publish::publish;
 pub use quality::Quality;
 pub use settings::{Settings, split};
+pub use start::warning;
 pub use summary::summary_json;
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::time::Instant;
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{
-    Content, External, Model, ParamError, RunError, Sampling, Simulation, Trajectory,
+    Content, External, Model, Moved, ParamError, RunError, Sampling, Simulation, Trajectory,
 };
 
 use super::plan::Plan;
@@ -20,6 +20,8 @@ pub struct Outcome {
     pub time: f64,
     /// Why it stopped before its end.
     pub error: Option<RunError>,
+    /// What the start moved so that the joints hold, the largest distance first.
+    pub moved: Vec<Moved>,
     /// Time the run took on the clock [s].
     pub wall_s: f64,
 }
@@ -50,7 +52,7 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
     let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
     let mut trajectory = Trajectory::new(model, sampling, Content::ALL);
     let started = Instant::now();
-    let mut time = 0.0;
+    let (mut time, mut moved) = (0.0, Vec::new());
     let mut run = || {
         let mut simulation =
             Simulation::with_loads(model, plan.options, Held(plan.inputs.clone()))?;
@@ -64,6 +66,7 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
         };
         let stop = simulation.run_while(plan.until, Some(&mut trajectory), &mut watch);
         time = simulation.time();
+        moved = simulation.start_moved().to_vec();
         stop
     };
     let error = run().err();
@@ -71,6 +74,7 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
     Outcome {
         time,
         error,
+        moved,
         wall_s: started.elapsed().as_secs_f64(),
         trajectory,
     }

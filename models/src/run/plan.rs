@@ -3,7 +3,7 @@
 use std::fmt;
 
 use mbd_compiler::{nearest, read_number};
-use mbd_runtime::scene::{Along, Frame, InputSource, Line, NodeModel, Scene};
+use mbd_runtime::scene::{Frame, InputSource, JointForces, Line, NodeModel, Scene};
 use mbd_runtime::{Content, Generic, Layout, Name, Options, Sampling, Trajectory, state_names};
 use toml::{Table, Value};
 
@@ -22,6 +22,8 @@ pub struct Plan {
     pub params: Vec<f64>,
     /// The state at the start, x = [q | v | z].
     pub state: Vec<f64>,
+    /// The bodies and points that the settings place or set in motion.
+    pub placed: Vec<String>,
     /// Where the equilibrium points are searched from [m], 3 a node; `None` if nothing was said.
     pub nodes: Option<Vec<f64>>,
     /// What the caller supplies, held constant.
@@ -85,6 +87,7 @@ impl Plan {
             let text = format!("asks for {rows:.1e} rows of history; at most {ROWS:.0e} fit");
             return Err(wrong("every", text));
         }
+        let placed = placed(&settings.start);
         let (state, nodes) = start(scene, &layout, &settings.start)?;
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants
@@ -99,6 +102,7 @@ impl Plan {
             every,
             params: params(scene, &settings.params)?,
             state,
+            placed,
             nodes,
             inputs: inputs(scene, &layout, &settings.inputs)?,
         })
@@ -184,17 +188,21 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
     // The balance of energy needs the work of what gives and takes it.
     let damped = |line: &Line| !scene.is_zero(&line.damping);
     let moves = scene.world_frames.iter().any(Frame::moves);
-    let acts = |along: &Along| {
+    let acts = |forces: &JointForces| {
         let springs_apart = [
-            &along.damping,
-            &along.friction,
-            &along.stop_damping,
-            &along.force,
-            &along.motor,
+            &forces.damping,
+            &forces.friction,
+            &forces.stop_damping,
+            &forces.force,
+            &forces.motor,
         ];
         springs_apart.iter().any(|field| field.is_some())
     };
-    let driven = scene.joints.iter().flat_map(|joint| &joint.along).any(acts);
+    let driven = scene
+        .joints
+        .iter()
+        .flat_map(|joint| &joint.forces)
+        .any(acts);
     options.work = moves || driven || !scene.loads.is_empty() || scene.lines.iter().any(damped);
     Ok(options)
 }
@@ -299,6 +307,15 @@ fn start(
         normalise(scene, &mut numbers, quaternion)?;
     }
     Ok((numbers, places_given.then_some(nodes)))
+}
+
+/// The owners of the coordinates that are given.
+fn placed(given: &Table) -> Vec<String> {
+    let names = flat(given).into_iter();
+    let owners = names.filter_map(|(name, _)| Some(name.rsplit_once('.')?.0.to_owned()));
+    let mut owners: Vec<String> = owners.collect();
+    owners.dedup();
+    owners
 }
 
 /// Makes a quaternion a unit one; it needs a direction for that.

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::outcome::Outcome;
 use super::plan::Plan;
 use super::quality::Quality;
+use super::start::moved;
 use crate::report::{Cell, Table};
 
 /// The numbers of a run, for programs.
@@ -31,6 +32,7 @@ struct Summary<'a> {
     newton_mean: f64,
     newton_max: u64,
     switches: u64,
+    start_moved: Option<StartMoved<'a>>,
     joint_drift_m: Option<f64>,
     joint_drift_rate_m_s: Option<f64>,
     energy_imbalance_j: Option<f64>,
@@ -49,6 +51,14 @@ struct Summary<'a> {
     params: BTreeMap<&'a str, f64>,
     last: BTreeMap<String, f64>,
     events: &'a [(f64, String)],
+}
+
+/// Of the bodies that the settings place the one that the start moved furthest.
+#[derive(Debug, Serialize)]
+struct StartMoved<'a> {
+    name: &'a str,
+    distance_m: f64,
+    angle_rad: f64,
 }
 
 /// The numbers of a run as JSON.
@@ -96,6 +106,11 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
         newton_mean: statistics.node_iterations_mean(),
         newton_max: statistics.node_iterations_max,
         switches: statistics.switches,
+        start_moved: moved(plan, outcome).map(|moved| StartMoved {
+            name: &moved.name,
+            distance_m: moved.distance,
+            angle_rad: moved.angle,
+        }),
         joint_drift_m: quality.drift,
         joint_drift_rate_m_s: quality.drift_rate,
         energy_imbalance_j: quality.imbalance,
@@ -188,6 +203,13 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
         if outcome.trajectory.undetermined > 0 {
             let undetermined = Cell::Count(outcome.trajectory.undetermined);
             rows.push(("rows with reactions that have no value", undetermined));
+        }
+        if let Some(moved) = moved(plan, outcome) {
+            let distance = format!("{:.3e} m, `{}`", moved.distance, moved.name);
+            rows.push((
+                "moved at the start so that the joints hold",
+                distance.into(),
+            ));
         }
         rows.push(("joints open by at most |Φ| [m]", quality.drift.into()));
         rows.push((

@@ -29,29 +29,40 @@ pub struct Ready {
 /// Params that it cannot be run with.
 pub type Fly = fn(&Plan, &mut Progress) -> Result<Outcome, ParamError>;
 
-/// The one list: file, model and params of every scene.
+/// A ready scene: its name, and where its model and `run()` are.
+macro_rules! ready {
+    ($name:expr, $($module:ident)::+, $model:ident, $params:ident) => {
+        Ready {
+            name: $name,
+            scene: $($module)::+::$model::<f64>::scene,
+            run: $($module)::+::run,
+            emitted: || {
+                let functions = $($module)::+::$model::<f64>::COST.0.iter();
+                functions.map(|(name, _)| *name).collect()
+            },
+            fly: |plan, progress| {
+                let values = plan.params.as_slice().try_into().map_err(|_| ParamError::Count {
+                    expected: $($module)::+::$model::<f64>::NP,
+                    found: plan.params.len(),
+                })?;
+                let params = $($module)::+::$params::from_array(values);
+                let model = $($module)::+::$model::new(params)?;
+                Ok(fly_model(&model, plan, progress))
+            },
+        }
+    };
+}
+
+/// The one list: file, model and params of every scene, behind the scene of the main job.
 macro_rules! scenes {
     ($($file:ident $model:ident $params:ident),* $(,)?) => {
         $(pub mod $file;)*
 
         /// The ready scenes.
-        pub const READY: &[Ready] = &[$(Ready {
-            name: stringify!($file),
-            scene: $file::$model::<f64>::scene,
-            run: $file::run,
-            emitted: || {
-                let functions = $file::$model::<f64>::COST.0.iter();
-                functions.map(|(name, _)| *name).collect()
-            },
-            fly: |plan, progress| {
-                let values = plan.params.as_slice().try_into().map_err(|_| ParamError::Count {
-                    expected: $file::$model::<f64>::NP,
-                    found: plan.params.len(),
-                })?;
-                let model = $file::$model::new($file::$params::from_array(values))?;
-                Ok(fly_model(&model, plan, progress))
-            },
-        }),*];
+        pub const READY: &[Ready] = &[
+            ready!("parachute", crate::parachute::scene, ParachuteRate, ParachuteRateParams),
+            $(ready!(stringify!($file), $file, $model, $params)),*
+        ];
     };
 }
 

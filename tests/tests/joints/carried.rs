@@ -1,7 +1,7 @@
 //! Bodies that leave the system together with the joint that carries them: accelerations and multipliers satisfy the equations of motion,
 //! on the joints and off them, with motors and loops, in space and in a plane.
 
-use mbd_scene::joints::{Along, Distance, JointLaw};
+use mbd_scene::joints::{Distance, JointForces, JointLaw};
 use mbd_scene::{AngularVelocity, Formula, Function, Layout, Plane, Quantity, Redundancy, Scene};
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 use tests::mechanism::{
@@ -29,18 +29,18 @@ fn net(seed: u64, components: AngularVelocity, plane: Option<Plane>) -> Scene {
             // In a plane most joints that are driven hold more than there is.
             if random.below(if plane.is_none() { 2 } else { 6 }) == 0 {
                 let wave = Formula::Apply(Function::Sin, vec![Formula::Time]);
-                scene.joints[joint].along.push(Along {
+                scene.joints[joint].forces.push(JointForces {
                     coordinate,
                     motor: Some(wave),
-                    ..Along::default()
+                    ..JointForces::default()
                 });
             }
         }
     }
     for (joint, coordinate) in Layout::still(&scene) {
         // Nothing in the plane changes it.
-        let along = &mut scene.joints[joint].along;
-        along.retain(|along| along.coordinate != coordinate);
+        let forces = &mut scene.joints[joint].forces;
+        forces.retain(|forces| forces.coordinate != coordinate);
     }
     let layout = Layout::keeping(&scene, Redundancy::default());
     if layout.nv > layout.nc {
@@ -58,10 +58,10 @@ fn anywhere(plane: Option<Plane>, random: &mut Random) -> Instance {
     let mut one = Instance::random(random);
     if let Some(plane) = plane {
         let n = plane.normal();
-        let along = |x: f64| Vector3::from_fn(|i, _| if i == n { x } else { 0.0 });
+        let forces = |x: f64| Vector3::from_fn(|i, _| if i == n { x } else { 0.0 });
         (one.position[n], one.velocity[n]) = (0.0, 0.0);
-        one.omega = along(random.uniform(-2.0, 2.0));
-        one.attitude = UnitQuaternion::from_scaled_axis(along(random.uniform(-3.0, 3.0)));
+        one.omega = forces(random.uniform(-2.0, 2.0));
+        one.attitude = UnitQuaternion::from_scaled_axis(forces(random.uniform(-3.0, 3.0)));
     }
     one
 }

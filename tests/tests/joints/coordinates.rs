@@ -1,7 +1,7 @@
 //! Joint coordinates of all joints: what is measured is what the motion was made of, and its row is its derivative, on the joint and off it.
 
 use mbd_scene::joints::JointLaw;
-use mbd_scene::rows::{End, Ends, Turn};
+use mbd_scene::rows::{End, Ends, Rotation};
 use mbd_scene::{AngularVelocity, Formula, Output, Quantity, Scene, Unit};
 use nalgebra::Vector3;
 use tests::assert_close;
@@ -142,8 +142,14 @@ pub fn end(body: &Instance, seat: &Seat, components: AngularVelocity) -> End<f64
         AngularVelocity::World => body.rotation() * v,
     };
     let (outward, frame) = match components {
-        AngularVelocity::Body => (Turn::By(body.rotation()), Turn::By(seat.frame)),
-        AngularVelocity::World => (Turn::None, Turn::By(body.rotation() * seat.frame)),
+        AngularVelocity::Body => (
+            Rotation::Matrix(body.rotation()),
+            Rotation::Matrix(seat.frame),
+        ),
+        AngularVelocity::World => (
+            Rotation::Identity,
+            Rotation::Matrix(body.rotation() * seat.frame),
+        ),
     };
     End {
         speeds: Some((0, 6)),

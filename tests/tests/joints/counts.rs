@@ -2,7 +2,7 @@
 
 use mbd_compiler::{Equations, Kernels};
 use mbd_scene::joints::{
-    Along, Axis, Cylindrical, Distance, Hinge, JointLaw, Planar, Prismatic, Screw, Spherical,
+    Axis, Cylindrical, Distance, Hinge, JointForces, JointLaw, Planar, Prismatic, Screw, Spherical,
     Universal,
 };
 use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Plane, Quantity, Scene, Variable};
@@ -115,7 +115,7 @@ fn cost(scene: &Scene, what: Quantity) -> usize {
 /// Operations of filling, factorising and solving the system, given the rows: without the margin, two a row.
 fn solving(scene: &Scene) -> usize {
     let margin = 2 * Layout::new(scene).rank();
-    cost(scene, Quantity::Correction) - cost(scene, Quantity::ConstraintJacobian) - margin
+    cost(scene, Quantity::ProjectionStep) - cost(scene, Quantity::ConstraintJacobian) - margin
 }
 
 #[test]
@@ -136,12 +136,12 @@ fn chain_of(n: usize, law: impl Fn(Axis) -> JointLaw, motors: &[usize]) -> Scene
         let (_, top, end) = rod(&mut scene);
         let axis = if index % 2 == 0 { Axis::Y } else { Axis::X };
         add_joint(&mut scene, law(axis), from, top);
-        let driven = motors.iter().map(|&coordinate| Along {
+        let driven = motors.iter().map(|&coordinate| JointForces {
             coordinate,
             motor: Some(0.3.into()),
-            ..Along::default()
+            ..JointForces::default()
         });
-        scene.joints[index].along.extend(driven);
+        scene.joints[index].forces.extend(driven);
         from = end;
     }
     scene
@@ -309,7 +309,7 @@ fn four_bars_in_a_plane_cost_a_fifth_of_those_in_space_and_grow_with_their_numbe
         assert_eq!([layout.nv, layout.nc], [6 * n + 3, 6 * n + 2]);
         assert_eq!((layout.rank(), layout.freedoms()), (layout.nc, 1));
         [flat, space].map(|scene| {
-            [Quantity::Derivative, Quantity::Correction].map(|what| cost(&scene, what))
+            [Quantity::Derivative, Quantity::ProjectionStep].map(|what| cost(&scene, what))
         })
     };
     let [flat, space] = costs(1);
@@ -362,7 +362,7 @@ fn counts() {
             Quantity::ConstraintBias,
             Quantity::Derivative,
             Quantity::Multipliers,
-            Quantity::Correction,
+            Quantity::ProjectionStep,
         ] {
             let total = cost(&scene, what);
             println!("  {what:?} {total}, {} a body", total / scene.bodies.len());

@@ -505,7 +505,7 @@ fn numbers_that_no_coordinate_can_have_are_refused_by_name() {
     refused("stiffness: k", [0.1, -0.5], "rail.slide.stiffness");
     // Scenes made by hand say everything, too.
     let mut by_hand = scene("stops: [a, 0.5 m], stop_stiffness: k");
-    by_hand.joints[0].along[0].stop_stiffness = None;
+    by_hand.joints[0].forces[0].stop_stiffness = None;
     let error = Generic::new(by_hand, &[0.1, 1.0]).err();
     assert!(
         matches!(error, Some(ParamError::NotPhysical { .. })),

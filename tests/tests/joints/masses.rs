@@ -2,7 +2,7 @@
 //! configurations.
 
 use mbd_runtime::{Generic, Options, Scalar, Simulation, StepError};
-use mbd_scene::joints::{Along, Axis, Hinge, JointLaw, Prismatic};
+use mbd_scene::joints::{Axis, Hinge, JointForces, JointLaw, Prismatic};
 use mbd_scene::{AngularVelocity, Scene};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use tests::double::{Double, solve};
@@ -134,9 +134,9 @@ fn sliders(masses: &[f64], axes: &[Axis], random: &mut Random) -> (Scene, Vec<f6
             end,
             own,
         );
-        scene.joints[index].along.push(Along {
+        scene.joints[index].forces.push(JointForces {
             stiffness: Some((40.0 * mass).into()),
-            ..Along::default()
+            ..JointForces::default()
         });
         end = own;
         let way = random.uniform(-1.0, 1.0);

@@ -188,7 +188,7 @@ fn the_correction_is_the_smallest_move_weighted_by_mass() {
         let r = DVector::from_vec(moment.rows.clone());
         let mu = s.clone().lu().solve(&r).expect("independent rows");
         let want = -(inverse * phi.transpose() * mu);
-        let mut got = moment.ask(scene, Quantity::Correction);
+        let mut got = moment.ask(scene, Quantity::ProjectionStep);
         let margin = got.pop().expect("the margin behind the move");
         assert!(margin > 1e-9 && margin <= 1.0, "{name}: margin {margin:e}");
         assert_close(&got, want.as_slice(), 1e-10, 0.0, name);

@@ -44,7 +44,7 @@ fn net(seed: u64) -> Scene {
 fn margin(scene: &Scene, x: &[f64]) -> f64 {
     let layout = layout(scene);
     let nothing = vec![0.0; layout.nc];
-    let correction = evaluate(scene, Quantity::Correction, x, &[], &nothing);
+    let correction = evaluate(scene, Quantity::ProjectionStep, x, &[], &nothing);
     correction.last().copied().unwrap_or(f64::NAN)
 }
 

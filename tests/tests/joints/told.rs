@@ -1,7 +1,7 @@
 //! What a run tells beside its numbers: reactions that are not unique or have no value, angles of springs that jump.
 
 use mbd_runtime::{Content, External, Generic, NoLoads, Options, Sampling, Simulation, Trajectory};
-use mbd_scene::joints::Along;
+use mbd_scene::joints::JointForces;
 use mbd_scene::{Formula, Function, Scene};
 use nalgebra::Vector3;
 use tests::declared::read;
@@ -110,9 +110,9 @@ fn a_motor_drives_through_positions_at_which_rows_lose_rank_and_its_power_is_kno
     // Half round from the flat position, driven at the first crank; and from half a step before it, with a stage on it.
     for start in [0.0, -2.0 * (0.5 * 0.5 * 2.0 * 5e-3f64).atan()] {
         let mut linkage = cranks(2, &[&[2, 3]], start, 2.0, 9.81);
-        linkage.scene.joints[0].along = vec![Along {
+        linkage.scene.joints[0].forces = vec![JointForces {
             motor: Some(steady(2.0)),
-            ..Along::default()
+            ..JointForces::default()
         }];
         let scene = linkage.scene.clone();
         let model = Generic::<f64>::with_defaults(scene).expect("a valid scene");

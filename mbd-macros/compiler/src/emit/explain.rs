@@ -9,7 +9,7 @@ use mbd_scene::{
 
 use super::context::{Context, unit_text};
 use super::quantity;
-use crate::describe::{along, place, text, triple};
+use crate::describe::{forces, place, text, triple};
 use crate::equations::Equations;
 
 /// The documentation of the model's struct.
@@ -138,7 +138,7 @@ fn equations(scene: &Scene, equations: &Equations, out: &mut String) {
     for (line, slots) in scene.lines.iter().zip(&layout.lines) {
         let damped = !scene.is_zero(&line.damping);
         let force = line.kind.formula();
-        let law = match (line.kind.is_one_way(), damped) {
+        let law = match (line.kind.is_unilateral(), damped) {
             // The effective numbers carry the damping by differences.
             (_, true) if slots.effective.is_some() => {
                 "T = max(0, K_e (d − L_e)), K_e and L_e from K, C, L0 and the last step".to_owned()
@@ -246,10 +246,14 @@ fn joints(scene: &Scene, layout: &Layout, out: &mut String) {
             place(scene, joint.child),
             slots.len
         );
-        for entry in &joint.along {
+        for entry in &joint.forces {
             if let Some(coordinate) = joint.law.coordinate(entry.coordinate) {
-                let acting = along(scene, &coordinate, entry);
-                let _ = writeln!(out, "  along {}.{}: {acting}.", joint.name, coordinate.name);
+                let acting = forces(scene, &coordinate, entry);
+                let _ = writeln!(
+                    out,
+                    "  forces {}.{}: {acting}.",
+                    joint.name, coordinate.name
+                );
             }
         }
     }

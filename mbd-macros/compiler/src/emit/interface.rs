@@ -129,7 +129,7 @@ fn state(context: &Context) -> TokenStream {
                 .to_owned()
         }
         Some(plane) => {
-            let [a, b] = [0, 1].map(|k| ["x", "y", "z"][layout.directions.moves()[k]]);
+            let [a, b] = [0, 1].map(|k| ["x", "y", "z"][layout.directions.translations()[k]]);
             let normal = ["x", "y", "z"][plane.normal()];
             format!(
                 "`q` per body {a} {b} and the angle about {normal} \\[rad\\], right-handed and not wrapped, per point {a} {b}; `v` per body v{a} v{b} (centre of mass) w{normal}, per point v{a} v{b}."
@@ -351,7 +351,7 @@ pub fn gather(context: &Context) -> TokenStream {
     };
     let position = |q: usize| {
         let mut place = [zero(), zero(), zero()];
-        for (offset, &axis) in layout.directions.moves().iter().enumerate() {
+        for (offset, &axis) in layout.directions.translations().iter().enumerate() {
             let at = whole(q + offset);
             place[axis] = quote!(q[#at]);
         }

@@ -55,11 +55,11 @@ fn order(what: Quantity) -> u8 {
 fn serves_runtime(what: Quantity) -> bool {
     matches!(
         what,
-        Quantity::Ends
+        Quantity::AnchorStates
             | Quantity::Equilibrium(_)
             | Quantity::Balance
             | Quantity::Guards
-            | Quantity::Correction
+            | Quantity::ProjectionStep
     )
 }
 

@@ -84,7 +84,7 @@ fn accessors(context: &Context, family: &Family<'_>, setter: &str) -> TokenStrea
     let getter = Ident::new(family.name, Span::call_site());
     let setter = Ident::new(setter, Span::call_site());
     let directions = context.equations.layout.directions;
-    let moves = directions.moves().len();
+    let moves = directions.translations().len();
     let part = match (family.is_body, directions.plane) {
         (true, None) => quote!(::mbd_runtime::BodyState<#t>),
         (true, Some(_)) => quote!(::mbd_runtime::PlanarBodyState<#t>),

@@ -28,7 +28,7 @@ pub fn name(scene: &Scene, layout: &Layout, what: Quantity) -> String {
 #[must_use]
 pub fn kind(what: Quantity) -> &'static str {
     match what {
-        Quantity::Ends => "ends",
+        Quantity::AnchorStates => "anchor_states",
         Quantity::Equilibrium(_) => "equilibrium",
         Quantity::Derivative => "derivative",
         Quantity::Balance => "balance",
@@ -46,7 +46,7 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::ConstraintBias => "constraint_bias",
         Quantity::Multipliers => "multipliers",
         Quantity::Reactions => "reactions",
-        Quantity::Correction => "correction",
+        Quantity::ProjectionStep => "projection_step",
         Quantity::NodeByAnchor(_) => "node_by_anchor",
         Quantity::CondensedStiffness(_) => "condensed_stiffness",
         Quantity::Partial(..) => "partial",
@@ -74,7 +74,7 @@ fn variable(by: Variable) -> &'static str {
 pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
     let (nx, nv, n) = (layout.nx(), layout.nv, layout.len(what));
     let (text, shape) = match what {
-        Quantity::Ends => (
+        Quantity::AnchorStates => (
             "Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.",
             format!(
                 "{} anchors × 6 [m, m/s], {} nodes × 3 [N]; world axes.",
@@ -170,7 +170,7 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
             "Reactions: force and torque of each joint on its child at the origin of frame 2.",
             format!("{} × 6 [N, N m], world axes.", layout.joints.len()),
         ),
-        Quantity::Correction => (
+        Quantity::ProjectionStep => (
             "Projection step: the smallest `δ`, weighted by mass, with `Φ_v δ = −r`; `M δ = Φ_vᵀ μ`.",
             format!(
                 "{nv}, in the components of the speeds; then the smallest part that other rows leave to a row's pivot."

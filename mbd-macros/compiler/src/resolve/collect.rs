@@ -276,7 +276,7 @@ impl<'a> Resolver<'a> {
                 law: JointLaw::Free(Free {}),
                 parent: nowhere,
                 child: nowhere,
-                along: Vec::new(),
+                forces: Vec::new(),
                 cut: false,
             }),
             "line" | "spring" => scene.lines.push(Line {

@@ -4,7 +4,7 @@ use mbd_scene::joints::{Axis, Field, Fields as Asks};
 use mbd_scene::{Formula, JointLaw, Place, PointKind};
 
 use super::fields::Fields;
-use super::{Instance, Named, Resolver, Scope, Stage, along, fold};
+use super::{Instance, Named, Resolver, Scope, Stage, fold, joint_forces};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;
 use crate::syntax::{Cursor, Value, Word};
@@ -213,8 +213,8 @@ impl Resolver<'_> {
         if kind.coordinates() > kind.freedoms() {
             names.0.push("coordinates");
         }
-        names.0.extend(along::words(&kind));
-        if let Some(lost) = along::without_coordinate(&kind, &instance.item.block) {
+        names.0.extend(joint_forces::words(&kind));
+        if let Some(lost) = joint_forces::without_coordinate(&kind, &instance.item.block) {
             let at = lost.word.at.into();
             return self.fail(say::no_single_coordinate(at, keyword, &lost.word.text));
         }

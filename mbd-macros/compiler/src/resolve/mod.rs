@@ -3,7 +3,6 @@
 //! The driver [`resolve`] reads as the list of what a declaration has. Every list of the scene gets all its entries first, with
 //! placeholders, so that a name can be used before it is declared and a scene with mistakes still has its shape.
 
-mod along;
 mod bodies;
 mod collect;
 mod coordinates;
@@ -11,6 +10,7 @@ mod fields;
 pub mod fold;
 mod forces;
 mod functions;
+mod joint_forces;
 mod joints;
 mod lines;
 mod names;

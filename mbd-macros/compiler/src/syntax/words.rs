@@ -371,7 +371,7 @@ pub const LINE_QUANTITIES: &[&str] = &["tension", "length", "stretch", "stretch_
 
 /// The quantities that `emit` knows.
 pub const EMITTED: &[&str] = &[
-    "ends",
+    "anchor_states",
     "equilibrium",
     "derivative",
     "balance",
@@ -389,7 +389,7 @@ pub const EMITTED: &[&str] = &[
     "constraint_bias",
     "multipliers",
     "reactions",
-    "correction",
+    "projection_step",
     "node_by_anchor",
     "condensed_stiffness",
     "partial",

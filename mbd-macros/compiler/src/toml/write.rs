@@ -271,7 +271,7 @@ fn connections(out: &mut String, scene: &Scene) {
             out.push_str("loop = true\n");
         }
         joint_fields(out, &joint.law, scene);
-        along(out, joint, scene);
+        forces(out, joint, scene);
     }
     for line in &scene.lines {
         write_line(out, line, scene);
@@ -329,29 +329,29 @@ fn joint_fields(out: &mut String, law: &JointLaw, scene: &Scene) {
 }
 
 /// What acts along the coordinates of a joint: directly for one coordinate, else in a table of its own for each.
-fn along(out: &mut String, joint: &Joint, scene: &Scene) {
+fn forces(out: &mut String, joint: &Joint, scene: &Scene) {
     let several = joint.law.measured().count() > 1;
-    for along in &joint.along {
-        let Some(coordinate) = joint.law.coordinate(along.coordinate) else {
+    for forces in &joint.forces {
+        let Some(coordinate) = joint.law.coordinate(forces.coordinate) else {
             continue;
         };
         if several {
             let _ = writeln!(out, "\n[joint.{}.{}]", key(&joint.name), coordinate.name);
         }
-        for (field, formula) in NUMBERS.iter().zip(along.numbers()) {
+        for (field, formula) in NUMBERS.iter().zip(forces.numbers()) {
             if let Some(formula) = formula {
                 entry(out, field.name, &text(formula, scene));
             }
         }
-        if along.stops.iter().any(Option::is_some) {
+        if forces.stops.iter().any(Option::is_some) {
             let place = |stop: &Option<Formula>| {
                 let stop = stop.as_ref();
                 stop.map_or_else(|| "none".to_string(), |stop| text(stop, scene))
             };
-            let [low, high] = along.stops.each_ref().map(place);
+            let [low, high] = forces.stops.each_ref().map(place);
             entry(out, STOPS.name, &format!("[{low}, {high}]"));
         }
-        let formulas = [(&FORCE, &along.force), (&MOTOR, &along.motor)];
+        let formulas = [(&FORCE, &forces.force), (&MOTOR, &forces.motor)];
         for (field, formula) in formulas {
             if let Some(formula) = formula {
                 entry(out, field.name, &text(formula, scene));

@@ -112,7 +112,7 @@ impl<T> KnotOutputs<T> {
 ///
 /// | function | numbers | operations |
 /// |---|---|---|
-/// | [`ends`](Self::ends) | 27 of 27 | 0 |
+/// | [`anchor_states`](Self::anchor_states) | 27 of 27 | 0 |
 /// | [`equilibrium_knot`](Self::equilibrium_knot) | 12 of 12 | 220 |
 /// | [`derivative`](Self::derivative) | 6 of 6 | 24 |
 /// | [`balance`](Self::balance) | 3 of 3 | 84 |
@@ -191,7 +191,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Knot\n\nState x = [q | v | z]: 3 + 3 + 0; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: [0, 0, -9.81] m/s².\n\nPoint knot: node, static: Σ T u + W = 0 with T = K s₊, damping ignored.\nPoint bob: m = 2 kg, m p\u{308} = Σ T u + W + m g.\nLine left_stay from world.left to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine right_stay from world.right to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine back_stay from world.back to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine hanger from knot to bob: T = K s for s > 0, else 0; K = 2000 N/m, L0 = 0.5 m.\nOutput hanger_force = hanger.tension [N].\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  No body: no rotation, no quaternion.\n  No stretch rate of undamped lines: left_stay, right_stay, back_stay, hanger.\n\nOperations\n  once per set of params: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  ends: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  equilibrium_knot: 220 operations (85 additions, 84 multiplications, 4 divisions, 4 roots, 0 trigonometric, 43 selections)\n  derivative: 24 operations (7 additions, 13 multiplications, 1 divisions, 1 roots, 0 trigonometric, 2 selections)\n  balance: 84 operations (29 additions, 39 multiplications, 4 divisions, 4 roots, 0 trigonometric, 8 selections)\n  guards: 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections)\n  outputs: 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n\nderivative: 24 operations as declared, 24 with every param a const, 24 with every const a param.\n"
+            "Knot\n\nState x = [q | v | z]: 3 + 3 + 0; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: [0, 0, -9.81] m/s².\n\nPoint knot: node, static: Σ T u + W = 0 with T = K s₊, damping ignored.\nPoint bob: m = 2 kg, m p\u{308} = Σ T u + W + m g.\nLine left_stay from world.left to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine right_stay from world.right to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine back_stay from world.back to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine hanger from knot to bob: T = K s for s > 0, else 0; K = 2000 N/m, L0 = 0.5 m.\nOutput hanger_force = hanger.tension [N].\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  No body: no rotation, no quaternion.\n  No stretch rate of undamped lines: left_stay, right_stay, back_stay, hanger.\n\nOperations\n  once per set of params: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  equilibrium_knot: 220 operations (85 additions, 84 multiplications, 4 divisions, 4 roots, 0 trigonometric, 43 selections)\n  derivative: 24 operations (7 additions, 13 multiplications, 1 divisions, 1 roots, 0 trigonometric, 2 selections)\n  balance: 84 operations (29 additions, 39 multiplications, 4 divisions, 4 roots, 0 trigonometric, 8 selections)\n  guards: 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections)\n  outputs: 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n\nderivative: 24 operations as declared, 24 with every param a const, 24 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -269,7 +269,7 @@ const _: () = {
         #[doc(hidden)]
         #[must_use]
         #[inline]
-        pub fn ends(
+        pub fn anchor_states(
             &self,
             state: &KnotState<T>,
         ) -> ::mbd_runtime::nalgebra::SVector<T, 27> {
@@ -277,7 +277,7 @@ const _: () = {
             let [v] = &state.v.data.0;
             let mut values = [T::zero(); 27];
             let out = &mut values;
-            ends(q, v, out);
+            anchor_states(q, v, out);
             ::mbd_runtime::nalgebra::SVector::from(values)
         }
         /// Balance of a network at trial positions: `g = −Σ T u − W`, `H = ∂g/∂p = Σ J`, then `ΣT`, `Σ K (d + |p|₁)`, lines with stretch.
@@ -386,7 +386,7 @@ const _: () = {
         pub const COST: ::mbd_runtime::Costs = ::mbd_runtime::Costs(
             &[
                 (
-                    "ends",
+                    "anchor_states",
                     ::mbd_runtime::Cost {
                         adds: 0,
                         muls: 0,
@@ -505,7 +505,7 @@ const _: () = {
         ) {
             let work = work.numbers.as_mut_slice();
             match what {
-                ::mbd_runtime::Quantity::Ends => {
+                ::mbd_runtime::Quantity::AnchorStates => {
                     if let (
                         ::core::option::Option::Some((q, v, z)),
                         ::core::option::Option::Some(out),
@@ -516,7 +516,7 @@ const _: () = {
                         let q: &[T; 3] = q;
                         let v: &[T; 3] = v;
                         let z: &[T; 0] = z;
-                        ends(q, v, out);
+                        anchor_states(q, v, out);
                     }
                 }
                 ::mbd_runtime::Quantity::Equilibrium(0) => {
@@ -652,7 +652,7 @@ const _: () = {
     /// 4 anchors × 6 [m, m/s], 1 nodes × 3 [N]; world axes.
     /// 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
     #[inline(never)]
-    fn ends<T: ::mbd_runtime::Real>(q: &[T; 3], v: &[T; 3], out: &mut [T; 27]) {
+    fn anchor_states<T: ::mbd_runtime::Real>(q: &[T; 3], v: &[T; 3], out: &mut [T; 27]) {
         let [bob_x, bob_y, bob_z] = *q;
         let [bob_vx, bob_vy, bob_vz] = *v;
         let minus_one = T::from_f64(-1.0);

@@ -173,7 +173,7 @@ for ParachuteExternal<L> {
 ///
 /// | function | numbers | operations |
 /// |---|---|---|
-/// | [`ends`](Self::ends) | 27 of 27 | 187 |
+/// | [`anchor_states`](Self::anchor_states) | 27 of 27 | 187 |
 /// | [`derivative`](Self::derivative) | 29 of 29 | 591 |
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
 /// | [`guards`](Self::guards) | 9 of 9 | 298 |
@@ -254,7 +254,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  ends: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections)\n  outputs: 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections)\n  energy: 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections)\n  outputs: 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections)\n  energy: 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
         }
         /// Everything the caller supplies, in the order of `Layout::inputs`.
         pub fn inputs(
@@ -445,7 +445,7 @@ const _: () = {
         #[doc(hidden)]
         #[must_use]
         #[inline]
-        pub fn ends(
+        pub fn anchor_states(
             &self,
             state: &ParachuteState<T>,
         ) -> ::mbd_runtime::nalgebra::SVector<T, 27> {
@@ -453,7 +453,7 @@ const _: () = {
             let [v] = &state.v.data.0;
             let mut values = [T::zero(); 27];
             let out = &mut values;
-            ends(q, v, out);
+            anchor_states(q, v, out);
             ::mbd_runtime::nalgebra::SVector::from(values)
         }
         /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
@@ -524,7 +524,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 3;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 3029362769033999780;
+        pub const DECL_HASH: u64 = 257930616952966872;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
             ("canopy.x", "m"),
@@ -607,7 +607,7 @@ const _: () = {
         pub const COST: ::mbd_runtime::Costs = ::mbd_runtime::Costs(
             &[
                 (
-                    "ends",
+                    "anchor_states",
                     ::mbd_runtime::Cost {
                         adds: 99,
                         muls: 88,
@@ -748,7 +748,7 @@ const _: () = {
         ) {
             let work = work.numbers.as_mut_slice();
             match what {
-                ::mbd_runtime::Quantity::Ends => {
+                ::mbd_runtime::Quantity::AnchorStates => {
                     if let (
                         ::core::option::Option::Some((q, v, z)),
                         ::core::option::Option::Some(out),
@@ -759,7 +759,7 @@ const _: () = {
                         let q: &[T; 14] = q;
                         let v: &[T; 12] = v;
                         let z: &[T; 3] = z;
-                        ends(q, v, out);
+                        anchor_states(q, v, out);
                     }
                 }
                 ::mbd_runtime::Quantity::Derivative => {
@@ -973,7 +973,11 @@ const _: () = {
     /// 4 anchors × 6 [m, m/s], 1 nodes × 3 [N]; world axes.
     /// 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections).
     #[inline(never)]
-    fn ends<T: ::mbd_runtime::Real>(q: &[T; 14], v: &[T; 12], out: &mut [T; 27]) {
+    fn anchor_states<T: ::mbd_runtime::Real>(
+        q: &[T; 14],
+        v: &[T; 12],
+        out: &mut [T; 27],
+    ) {
         let [canopy_x, canopy_y, canopy_z, canopy_qw, canopy_qx, canopy_qy, canopy_qz,
         capsule_x, capsule_y, capsule_z, capsule_qw, capsule_qx, capsule_qy, capsule_qz,
         ] = *q;

@@ -352,11 +352,11 @@ pub fn somewhere(scene: &Scene, random: &mut Random) -> Arguments<f64> {
         nodes: random.list(3 * layout.nodes.len(), |_| 0.0, 0.5),
         effective: random.list(2 * layout.effective_lines, taut, 1.0),
         hold: random
-            .list(layout.one_way(), |_| 0.0, 1.2)
+            .list(layout.unilateral(), |_| 0.0, 1.2)
             .iter()
             .map(|x| x.round())
             .collect(),
-        ends: random.list(layout.len(Quantity::Ends), |_| 0.0, 4.0),
+        ends: random.list(layout.len(Quantity::AnchorStates), |_| 0.0, 4.0),
         inputs: random.list(layout.ni, |_| 0.0, 3.0),
         rows: random.list(layout.nc, |_| 0.0, 1.0),
         state,

@@ -4,7 +4,7 @@ use crate::elimination::constraint::{Constraints, enter, in_system};
 use crate::elimination::reference::{Reference, rotated};
 use crate::joints::Carried;
 use crate::laws::evaluation::Evaluation;
-use crate::rows::{Ends, Row, Rows, Turn};
+use crate::rows::{Ends, Rotation, Row, Rows};
 use crate::scalar::Few;
 use crate::{Carrying, Part, Place, Real, Twist};
 use nalgebra::{Matrix3, Vector3};
@@ -19,9 +19,9 @@ pub struct Carriage<S: Real> {
     /// N γ, and what the motion of the parent brings along.
     pub(super) bias: Twist<S>,
     /// Components of the rows on the child → world axes.
-    pub(super) outward: Turn<S>,
+    pub(super) outward: Rotation<S>,
     /// Components of the angular parts → those of the child's unknowns.
-    turn: Turn<S>,
+    turn: Rotation<S>,
     /// Where the angular parts have axes of their own: ω_T by the parent's angular velocity, its own components, as the rows tell it.
     across: Option<Matrix3<S>>,
     /// Q from the reference point of the child's unknowns, where these are another: rows k of R q̃.
@@ -42,7 +42,7 @@ impl<S: Real> Carriage<S> {
             Some(_) => Carried::in_plane(rows, carrying, layout.directions)?,
             None => declared.law.carried(&ends, carrying.axes)?,
         };
-        let axes = Turn::from(carried.axes);
+        let axes = Rotation::from(carried.axes);
         let columns = |row: &Row<S>| Twist {
             linear: row.child.linear,
             angular: axes.back(&row.child.angular),
@@ -91,7 +91,7 @@ impl<S: Real> Carriage<S> {
             bias,
             across,
             outward: ends.child.outward,
-            turn: Turn::None,
+            turn: Rotation::Identity,
             lever: None,
             rows: columns,
             carried,
@@ -100,7 +100,7 @@ impl<S: Real> Carriage<S> {
 
     /// Takes up the reference frame of the child, where it is that of the parent.
     fn refer(&mut self, reference: &Reference<S>, place: &Vector3<S>) {
-        let outward = self.outward.after(&Turn::from(self.carried.axes));
+        let outward = self.outward.after(&Rotation::from(self.carried.axes));
         self.turn = reference.turn_from(&outward);
         let point = reference.turn.apply(place) - reference.arm();
         self.lever = Some(reference.lever(&point));
@@ -283,7 +283,7 @@ impl<S: Real> Constraints<S> {
                         let lever = evaluation.transport(joint, &parent, carrying.meets);
                         let turn = match &carriage.across {
                             // The rows are in the parent's own components.
-                            Some(across) => Turn::By(*across).after_back(&parent.turn),
+                            Some(across) => Rotation::Matrix(*across).after_back(&parent.turn),
                             None => child.rotation_from(&parent),
                         };
                         (turn, lever)
@@ -291,17 +291,17 @@ impl<S: Real> Constraints<S> {
                     None => return,
                 }
             }
-            _ => (Turn::None, None),
+            _ => (Rotation::Identity, None),
         };
         let none = [Vector3::zeros(); 3];
         let levers = levers.unwrap_or(none);
         // V_c of a unit of each speed of the parent.
         let units = Matrix3::identity();
-        let moves = directions.moves().iter().map(|&axis| Twist {
+        let moves = directions.translations().iter().map(|&axis| Twist {
             linear: units.column(axis).into_owned(),
             angular: Vector3::zeros(),
         });
-        let turns = directions.turns().iter().map(|&axis| Twist {
+        let turns = directions.rotations().iter().map(|&axis| Twist {
             linear: Vector3::from_fn(|k, _| levers[k][axis]),
             angular: turn.column(axis),
         });
@@ -391,13 +391,13 @@ impl<S: Real> Constraints<S> {
         let ends = evaluation.layout.joints[joint].ends.into_iter();
         ends.zip([&row.parent, &row.child])
             .fold(S::zero(), |sum, (end, columns)| {
-                let moves = directions.moves().iter().map(|&k| columns.linear[k]);
+                let moves = directions.translations().iter().map(|&k| columns.linear[k]);
                 let linear = moves.fold(S::zero(), |sum, x| sum + x * x);
                 match end {
                     Some(Part::Body(body)) => {
                         let angular = match self.references[body] {
                             // Unknowns elsewhere and along other axes.
-                            Some(reference) if !matches!(reference.turn, Turn::None) => {
+                            Some(reference) if !matches!(reference.turn, Rotation::Identity) => {
                                 let pushed = reference.outward.back(&columns.linear);
                                 let about_centre = reference.arm().cross(&pushed) + columns.angular;
                                 reference.turn.back(&about_centre)
@@ -405,7 +405,7 @@ impl<S: Real> Constraints<S> {
                             _ => columns.angular,
                         };
                         let body = &numbers.bodies[body];
-                        let turns = directions.turns().iter();
+                        let turns = directions.rotations().iter();
                         let rotated = turns.fold(linear * body.inverse_mass, |sum, &k| {
                             let x = angular[k];
                             sum + x * x * body.inverse_inertia[(k, k)]
@@ -440,8 +440,8 @@ impl<S: Real> Constraints<S> {
         };
         let levers = reference.levers();
         let (moves, turns) = (
-            evaluation.layout.directions.moves(),
-            evaluation.layout.directions.turns(),
+            evaluation.layout.directions.translations(),
+            evaluation.layout.directions.rotations(),
         );
         for k in 0..moves.len() {
             self.system.set_diagonal(plan, index, (k, k), numbers.mass);

@@ -21,9 +21,9 @@ use crate::elimination::reference::Reference;
 use crate::elimination::system::System;
 use crate::laws::GravityNumbers;
 use crate::laws::evaluation::Evaluation;
-use crate::laws::forces::Assembly;
+use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::{body_gravity, point_gravity};
-use crate::rows::{Columns, End, Ends, Row, Rows, Turn};
+use crate::rows::{Columns, End, Ends, Rotation, Row, Rows};
 use crate::scalar::algebra::write;
 use crate::{AngularVelocity, Directions, Layout, Part, PointSlots, Quantity, Real, Scene};
 
@@ -61,7 +61,7 @@ pub(super) fn in_system<'a, S: Real>(
 /// to world axes. What a plane carries is no reaction of the joint.
 pub(crate) fn reaction<'a, S: Real>(
     evaluation: &Evaluation<'_, S>,
-    outward: &Turn<S>,
+    outward: &Rotation<S>,
     rows: impl Iterator<Item = (&'a Row<S>, S)>,
 ) -> [Vector3<S>; 2] {
     let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
@@ -160,7 +160,7 @@ impl<S: Real> Constraints<S> {
     }
 
     /// Solves (1): accelerations less the common fall, and −λ.
-    pub fn accelerate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &Assembly<S>) {
+    pub fn accelerate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
         self.prepare(evaluation);
         let (layout, numbers) = (evaluation.layout, evaluation.numbers);
         let (plan, directions) = (&layout.elimination, layout.directions);
@@ -189,7 +189,7 @@ impl<S: Real> Constraints<S> {
                     };
                     let (own, gyroscopic) = (assembly.own[body], motion.gyroscopic(numbers));
                     let mut torque = match reference.turn {
-                        Turn::None => reference.outward.back(&torque) + own - gyroscopic,
+                        Rotation::Identity => reference.outward.back(&torque) + own - gyroscopic,
                         turn => reference.outward.back(&torque) + turn.apply(&(own - gyroscopic)),
                     };
                     for (k, lever) in reference.levers().iter().flatten().enumerate() {
@@ -292,9 +292,9 @@ impl<S: Real> Constraints<S> {
             let outward = match (&self.carriages[index], slots.ends[1]) {
                 (Some(carriage), _) => carriage.outward,
                 (None, Some(Part::Body(body))) => {
-                    self.references[body].map_or(Turn::None, |reference| reference.outward)
+                    self.references[body].map_or(Rotation::Identity, |reference| reference.outward)
                 }
-                _ => Turn::None,
+                _ => Rotation::Identity,
             };
             let [force, torque] = reaction(evaluation, &outward, rows.iter().zip(unknowns));
             write(out, 6 * index, &force);

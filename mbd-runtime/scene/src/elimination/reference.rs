@@ -13,7 +13,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::laws::evaluation::Evaluation;
-use crate::rows::{End, Ends, Turn};
+use crate::rows::{End, Ends, Rotation};
 use crate::{AngularVelocity, Part, Place, Real};
 
 /// The axes and the point of the unknowns of a body.
@@ -22,9 +22,9 @@ pub struct Reference<S: Real> {
     /// The body whose axes they are; `None` for those of the world.
     along: Option<usize>,
     /// These components → world axes.
-    pub outward: Turn<S>,
+    pub outward: Rotation<S>,
     /// Components along the body's own axes → these.
-    pub turn: Turn<S>,
+    pub turn: Rotation<S>,
     /// What makes a rotation of that, and of `outward`: 1 over the length of their columns, which quaternions leave inside a step.
     pub units: [S; 2],
     /// The point from the centre of mass, these components [m]; `None` for the centre of mass itself.
@@ -50,26 +50,26 @@ impl<S: Real> Reference<S> {
     }
 
     /// Components of other axes, `outward` of which takes them to the world's, → these.
-    pub fn turn_from(&self, outward: &Turn<S>) -> Turn<S> {
+    pub fn turn_from(&self, outward: &Rotation<S>) -> Rotation<S> {
         self.outward.to(outward)
     }
 
     /// The rotation from the components of another reference frame to these; none where the axes are the same.
-    pub fn rotation_from(&self, other: &Self) -> Turn<S> {
+    pub fn rotation_from(&self, other: &Self) -> Rotation<S> {
         if self.along == other.along {
-            return Turn::None;
+            return Rotation::Identity;
         }
         let unit = self.units[1] * other.units[1];
         match self.turn_from(&other.outward) {
-            Turn::None => Turn::None,
-            Turn::By(turn) => Turn::By(turn.map(|x| x * unit)),
+            Rotation::Identity => Rotation::Identity,
+            Rotation::Matrix(turn) => Rotation::Matrix(turn.map(|x| x * unit)),
         }
     }
 
     /// Own components of an angular acceleration in these.
     pub fn own_components(&self, spin: &Vector3<S>) -> Vector3<S> {
         match self.turn {
-            Turn::None => *spin,
+            Rotation::Identity => *spin,
             turn => turn.back(&spin.map(|x| x * self.units[0])),
         }
     }
@@ -123,15 +123,15 @@ impl<S: Real> Evaluation<'_, S> {
         let plan = &self.layout.elimination;
         let own = Reference {
             along: Some(body),
-            outward: Turn::By(motion.rotation),
-            turn: Turn::None,
+            outward: Rotation::Matrix(motion.rotation),
+            turn: Rotation::Identity,
             units: [S::one(), motion.unit],
             point: None,
             place: None,
         };
         let world = Reference {
             along: None,
-            outward: Turn::None,
+            outward: Rotation::Identity,
             turn: own.outward,
             units: [motion.unit, S::one()],
             ..own
@@ -216,7 +216,7 @@ impl<S: Real> Evaluation<'_, S> {
         };
         let end = match (axes.along, axes.turn) {
             (None, _) => self.exact(place, self.end(place, AngularVelocity::World)?),
-            (_, Turn::None) => end,
+            (_, Rotation::Identity) => end,
             (_, turn) => End {
                 omega: turn.apply(&end.omega),
                 outward: axes.outward,
@@ -233,8 +233,8 @@ impl<S: Real> Evaluation<'_, S> {
 }
 
 /// R I Rᵀ of a symmetric matrix. A diagonal one is turned as the sphere of two equal elements and what is more along the other axes.
-pub(super) fn rotated<S: Real>(turn: &Turn<S>, inertia: &Matrix3<S>) -> Matrix3<S> {
-    let Turn::By(r) = turn else {
+pub(super) fn rotated<S: Real>(turn: &Rotation<S>, inertia: &Matrix3<S>) -> Matrix3<S> {
+    let Rotation::Matrix(r) = turn else {
         return *inertia;
     };
     let diagonal = (0..3).all(|k| inertia[(k, (k + 1) % 3)].is_zero());

@@ -1,17 +1,17 @@
 //! What a model can be asked for, by running the laws on a scalar.
 
-mod given;
+mod with_multipliers;
 
-pub use given::evaluate_given;
+pub use with_multipliers::evaluate_with_multipliers;
 
 use nalgebra::Vector3;
 
 use crate::elimination::Constraints;
 use crate::laws::{
-    along, energy,
+    energy,
     evaluation::Evaluation,
-    forces::{self, Assembly},
-    gravity,
+    forces::{self, AppliedForces},
+    gravity, joint_forces,
     kinematics::Kinematics,
     mass, measured, node,
     numbers::Numbers,
@@ -24,7 +24,7 @@ use crate::{At, Layout, PointSlots, Quantity, Real, Scene};
 pub struct Scratch<S: Real> {
     kinematics: Kinematics<S>,
     multipliers: Vec<S>,
-    assembly: Assembly<S>,
+    assembly: AppliedForces<S>,
     constraints: Constraints<S>,
 }
 
@@ -36,7 +36,7 @@ impl<S: Real> Scratch<S> {
         Scratch {
             kinematics: Kinematics::new(layout),
             multipliers: Vec::new(),
-            assembly: Assembly::new(bodies, points),
+            assembly: AppliedForces::new(bodies, points),
             constraints: Constraints::new(layout),
         }
     }
@@ -88,7 +88,7 @@ pub fn evaluate<S: Real>(
         evaluation
     };
     match what {
-        Quantity::Ends => measured::ends(&evaluation, out),
+        Quantity::AnchorStates => measured::ends(&evaluation, out),
         Quantity::Derivative => {
             scratch.assembly.collect(&evaluation);
             if layout.nc > 0 {
@@ -140,7 +140,7 @@ pub fn evaluate<S: Real>(
                 .accelerate(&evaluation, &scratch.assembly);
             scratch.constraints.write_forces(what, &evaluation, out);
         }
-        Quantity::Correction => scratch.constraints.correct(&evaluation, out),
+        Quantity::ProjectionStep => scratch.constraints.correct(&evaluation, out),
         Quantity::Equilibrium(_)
         | Quantity::NodeByAnchor(_)
         | Quantity::CondensedStiffness(_)
@@ -166,7 +166,7 @@ pub fn sensitivity<S: Real>(what: Quantity, layout: &Layout, at: &At<'_, S>, out
 /// ẋ: q̇ = N(q) v, ż = w; v̇ = M⁻¹ (f − h) of what no joint holds, the solution of the constrained system for the rest.
 fn derivative<S: Real>(
     evaluation: &Evaluation<'_, S>,
-    assembly: &Assembly<S>,
+    assembly: &AppliedForces<S>,
     constraints: &Constraints<S>,
     out: &mut [S],
 ) {
@@ -180,7 +180,7 @@ fn derivative<S: Real>(
             &assembly.bodies[index],
         );
         directions.write_linear(out, slots.q, &motion.velocity);
-        let attitude = slots.q + directions.moves().len();
+        let attitude = slots.q + directions.translations().len();
         motion.write_attitude_rate(out, attitude, directions, components);
         let at = layout.nq + slots.v;
         if let Some([acceleration, spin]) = constraints.body_acceleration(evaluation, index) {
@@ -231,7 +231,7 @@ pub fn jumping_angles<S: Real>(
     out: &mut Vec<S>,
 ) {
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
-    along::visit(&evaluation, |acting| {
+    joint_forces::visit(&evaluation, |acting| {
         if acting.jumps() {
             out.push(acting.value());
         }

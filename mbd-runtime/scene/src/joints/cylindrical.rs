@@ -15,7 +15,7 @@ use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
-/// A sleeve on a shaft: 2 freedoms, the way along the axis, then the angle about it.
+/// A sleeve on a shaft: 2 freedoms, the displacement along the axis, then the angle about it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Cylindrical {

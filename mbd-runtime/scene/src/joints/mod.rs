@@ -6,13 +6,14 @@
 //! Frame 1 is the joint's place on the parent, frame 2 its place on the child. An axis has the same components in both.
 //! Source of the rows: J. W. Kamman, ME 6590, Connecting Joints, Part I; derivatives of every row in [`crate::rows`].
 
-mod along;
 mod carried;
+mod joint_forces;
 
-pub use along::{
-    Along, AlongField, FORCE, MOTOR, Measured, NUMBERS, STOP_ORDER, STOPS, Side, in_order,
-};
 pub use carried::{Carried, Held};
+pub use joint_forces::{
+    FORCE, JointForceField, JointForces, MOTOR, Measured, NUMBERS, STOP_ORDER, STOPS, Side,
+    in_order,
+};
 
 use serde::{Deserialize, Serialize};
 

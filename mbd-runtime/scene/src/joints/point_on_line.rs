@@ -15,7 +15,7 @@ use super::{Axis, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
-/// A ball in a groove: 4 freedoms, the way along the line, then the attitude.
+/// A ball in a groove: 4 freedoms, the displacement along the line, then the attitude.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PointOnLine {

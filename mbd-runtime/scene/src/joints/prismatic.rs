@@ -15,7 +15,7 @@ use super::{Axis, Carried, Coordinate, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::rows::{Ends, Rows};
 
-/// A slider on a rail: 1 freedom, the way along the axis.
+/// A slider on a rail: 1 freedom, the displacement along the axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Prismatic {

@@ -28,7 +28,7 @@ pub struct Screw {
     /// The axis, the same components in both joint frames.
     #[serde(default)]
     pub axis: Axis,
-    /// Way along the axis in a full turn [m]; positive for a right-handed thread, not zero.
+    /// Displacement along the axis in a full turn [m]; positive for a right-handed thread, not zero.
     pub pitch: Formula,
 }
 
@@ -38,7 +38,7 @@ static PITCH: Field = Field {
     rule: Rule::NotZero,
 };
 
-/// Way along the axis per radian [m].
+/// Displacement along the axis per radian [m].
 fn lead<S: Real>(pitch: S) -> S {
     (pitch * S::from_f64(1.0 / TAU)).label("lead")
 }
@@ -87,9 +87,9 @@ impl Joint for Screw {
     }
 
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {
-        let way = lead(at.number(0)) * at.q(0);
+        let displacement = lead(at.number(0)) * at.q(0);
         Pose {
-            position: self.axis.vector::<S>().map(|x| way * x),
+            position: self.axis.vector::<S>().map(|x| displacement * x),
             rotation: self.axis.turn(at.q(0)),
         }
     }

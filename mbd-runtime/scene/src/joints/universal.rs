@@ -113,7 +113,7 @@ impl Joint for Universal {
             0 => Some(Coordinate {
                 name: "angle1",
                 rate: "angle1_rate",
-                measure: Measure::Turn {
+                measure: Measure::Angle {
                     cosine: [b, b],
                     sine: [c, b],
                 },
@@ -121,7 +121,7 @@ impl Joint for Universal {
             1 => Some(Coordinate {
                 name: "angle2",
                 rate: "angle2_rate",
-                measure: Measure::Turn {
+                measure: Measure::Angle {
                     cosine: [a, a],
                     sine: [a, c],
                 },

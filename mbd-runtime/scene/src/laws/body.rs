@@ -27,7 +27,7 @@ pub enum Attitude<S> {
 
 /// A body in motion.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<S: Real> {
+pub struct BodyMotion<S: Real> {
     /// Position of the centre of mass, world axes [m].
     pub position: Vector3<S>,
     /// Rotation body → world.
@@ -44,10 +44,10 @@ pub struct Motion<S: Real> {
     pub omega_world: Vector3<S>,
 }
 
-impl<S: Real> Motion<S> {
+impl<S: Real> BodyMotion<S> {
     /// Nothing known yet.
     pub fn unknown() -> Self {
-        Motion {
+        BodyMotion {
             position: Vector3::zeros(),
             rotation: Matrix3::zeros(),
             unit: S::one(),
@@ -66,7 +66,7 @@ impl<S: Real> Motion<S> {
         directions: Directions,
         components: AngularVelocity,
     ) -> Self {
-        let at = slots.q + directions.moves().len();
+        let at = slots.q + directions.translations().len();
         let first: Vector3<S> = vector(state, at);
         let (rotation, unit, attitude) = match directions.plane {
             Some(plane) => (plane.axis().turn(first.x), S::one(), Attitude::Angle),
@@ -88,7 +88,7 @@ impl<S: Real> Motion<S> {
                 omega,
             ),
         };
-        Motion {
+        BodyMotion {
             position,
             rotation,
             unit,
@@ -129,7 +129,7 @@ impl<S: Real> Motion<S> {
         components: AngularVelocity,
     ) {
         let Attitude::Quaternion(quaternion) = self.attitude else {
-            let rates = out.iter_mut().skip(at).zip(directions.turns());
+            let rates = out.iter_mut().skip(at).zip(directions.rotations());
             rates.for_each(|(rate, &axis)| *rate = self.omega_body[axis]);
             return;
         };
@@ -207,11 +207,11 @@ impl<S: Real> Motion<S> {
             AngularVelocity::Body => body.inertia,
             AngularVelocity::World => self.rotation * body.inertia * self.rotation.transpose(),
         };
-        let moves = directions.moves().len();
+        let moves = directions.translations().len();
         for i in at..at + moves {
             write_at(out, i * n + i, body.mass);
         }
-        for (k, &i) in directions.turns().iter().enumerate() {
+        for (k, &i) in directions.rotations().iter().enumerate() {
             // The lower triangle repeats the upper one, so that M is symmetric to the bit.
             let row = Vector3::from_fn(|j, _| inertia[(i.min(j), i.max(j))]);
             directions.write_angular(out, (at + moves + k) * n + at, &row);

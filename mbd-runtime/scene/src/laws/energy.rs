@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::laws::{along, evaluation::Evaluation, forces, formula, gravity};
+use crate::laws::{evaluation::Evaluation, forces, formula, gravity, joint_forces};
 use crate::scalar::algebra::write;
 use crate::{PointSlots, Real};
 
@@ -45,7 +45,7 @@ pub fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S])
         }
     }
     let mut load = forces::load_power(evaluation);
-    along::visit(evaluation, |acting| {
+    joint_forces::visit(evaluation, |acting| {
         let [stored, given, lost] = acting.energy();
         elastic += stored;
         load += given;

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::laws::body::Motion;
+use crate::laws::body::BodyMotion;
 use crate::laws::formula::{Context, Value};
 use crate::laws::line;
 use crate::laws::node;
@@ -21,7 +21,7 @@ pub struct Evaluation<'a, S: Real> {
     pub layout: &'a Layout,
     pub numbers: &'a Numbers<S>,
     pub at: &'a At<'a, S>,
-    pub motions: &'a [Motion<S>],
+    pub motions: &'a [BodyMotion<S>],
     /// Per frame of the world its motion, if it moves.
     pub ground: &'a [Option<FrameMotion<S>>],
     /// Per static or stepwise network the velocities of its nodes, once something asks for them.
@@ -110,7 +110,7 @@ impl<'a, S: Real> Evaluation<'a, S> {
         velocities.get(declared.local).copied()
     }
 
-    fn frame(&self, body: usize, frame: usize) -> Option<(&Motion<S>, &FrameNumbers<S>)> {
+    fn frame(&self, body: usize, frame: usize) -> Option<(&BodyMotion<S>, &FrameNumbers<S>)> {
         Some((
             self.motions.get(body)?,
             self.numbers.bodies.get(body)?.frames.get(frame)?,
@@ -177,7 +177,7 @@ impl<'a, S: Real> Evaluation<'a, S> {
     }
 
     /// Three input numbers of a source; zero where the scene has none.
-    pub fn given(&self, source: InputSource, offset: usize) -> Vector3<S> {
+    pub fn input(&self, source: InputSource, offset: usize) -> Vector3<S> {
         match self.layout.input_at(source) {
             Some(at) => vector(self.at.inputs, at + offset),
             None => Vector3::zeros(),
@@ -272,7 +272,7 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         let element = self.element(index)?;
         // A static or stepwise node has no rate of its own; the rate is that of the moving balance.
         let own = self.layout.lines.get(index)?.effective.is_none() && element.damped;
-        let rate = match own && element.kind.is_one_way() {
+        let rate = match own && element.kind.is_unilateral() {
             true => motion.rate,
             false => self.rate(index, &motion.geometry.direction)?,
         };

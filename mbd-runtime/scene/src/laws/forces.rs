@@ -1,15 +1,15 @@
-//! Assembly: what lines and loads do to bodies, points and nodes.
+//! AppliedForces: what lines and loads do to bodies, points and nodes.
 
 use nalgebra::Vector3;
 
-use crate::laws::along::Acting;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::formula;
+use crate::laws::joint_forces::JointForcesAt;
 use crate::{InputSource, LoadKind, Place, PointSlots, Real};
 
 /// Force and torque on everything that moves, world axes; torque about the centre of mass.
 #[derive(Clone, Debug)]
-pub struct Assembly<S: Real> {
+pub struct AppliedForces<S: Real> {
     /// Per body: force [N] and torque [N m].
     pub bodies: Vec<(Vector3<S>, Vector3<S>)>,
     /// Per body: torque of what acts along joint coordinates, body axes [N m], besides the torque above.
@@ -18,10 +18,10 @@ pub struct Assembly<S: Real> {
     pub points: Vec<Vector3<S>>,
 }
 
-impl<S: Real> Assembly<S> {
+impl<S: Real> AppliedForces<S> {
     /// Room for one scene.
     pub fn new(bodies: usize, points: usize) -> Self {
-        Assembly {
+        AppliedForces {
             bodies: vec![(Vector3::zeros(), Vector3::zeros()); bodies],
             own: vec![Vector3::zeros(); bodies],
             points: vec![Vector3::zeros(); points],
@@ -67,7 +67,7 @@ impl<S: Real> Assembly<S> {
         for load in 0..evaluation.scene.loads.len() {
             self.collect_load(evaluation, load);
         }
-        crate::laws::along::visit(evaluation, |acting| self.collect_effort(acting));
+        crate::laws::joint_forces::visit(evaluation, |acting| self.collect_effort(acting));
     }
 
     fn collect_lines(&mut self, evaluation: &Evaluation<'_, S>) {
@@ -84,7 +84,7 @@ impl<S: Real> Assembly<S> {
     }
 
     /// Φ_vᵀ Q of one joint coordinate.
-    fn collect_effort(&mut self, acting: &Acting<'_, S>) {
+    fn collect_effort(&mut self, acting: &JointForcesAt<'_, S>) {
         let Some([parent, child]) = acting.places() else {
             return;
         };
@@ -139,8 +139,8 @@ fn wrench<S: Real>(
         LoadKind::Torque(formula) => (None, Some(formula::vector(formula, evaluation))),
         LoadKind::External => {
             let source = InputSource::Load(index);
-            let couple = matches!(load.at, Place::Body(..)).then(|| evaluation.given(source, 3));
-            (Some(evaluation.given(source, 0)), couple)
+            let couple = matches!(load.at, Place::Body(..)).then(|| evaluation.input(source, 3));
+            (Some(evaluation.input(source, 0)), couple)
         }
     }
 }
@@ -207,7 +207,7 @@ pub fn drive_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
             power -= along(velocity);
         }
     }
-    crate::laws::along::visit(evaluation, |acting| {
+    crate::laws::joint_forces::visit(evaluation, |acting| {
         if let Some(driven) = acting.driven() {
             power -= driven;
         }

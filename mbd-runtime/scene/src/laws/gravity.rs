@@ -90,7 +90,7 @@ pub fn energy<S: Real>(gravity: &GravityNumbers<S>, mass: S, r: &Vector3<S>) -> 
 
 /// Gravity at a body [m/s²].
 pub fn body_gravity<S: Real>(evaluation: &Evaluation<'_, S>, body: usize) -> Vector3<S> {
-    let given = evaluation.given(InputSource::BodyGravity(body), 0);
+    let given = evaluation.input(InputSource::BodyGravity(body), 0);
     acceleration(
         &evaluation.numbers.gravity,
         &evaluation.motions[body].position,
@@ -104,7 +104,7 @@ pub fn point_gravity<S: Real>(
     point: usize,
     q: usize,
 ) -> Vector3<S> {
-    let given = evaluation.given(InputSource::PointGravity(point), 0);
+    let given = evaluation.input(InputSource::PointGravity(point), 0);
     acceleration(
         &evaluation.numbers.gravity,
         &evaluation.layout.directions.linear(evaluation.at.state, q),

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::laws::evaluation::Evaluation;
 use crate::laws::kinematics::Kinematics;
-use crate::rows::{End, Ends, Rows, Turn};
+use crate::rows::{End, Ends, Rotation, Rows};
 use crate::{
     AngularVelocity, At, Coordinate, Jet, Joint, Layout, Place, PointSlots, Real, RowSet, Scene,
 };
@@ -47,10 +47,10 @@ impl<S: Real> Evaluation<'_, S> {
             }),
             Place::Point(point) => match *self.layout.points.get(point)? {
                 PointSlots::Mass(slots) => Some(End {
-                    speeds: Some((slots.v, self.layout.directions.moves().len())),
+                    speeds: Some((slots.v, self.layout.directions.translations().len())),
                     position: self.position_of(place)?,
                     velocity: self.velocity_of(place)?,
-                    ..End::fixed(Vector3::zeros(), Turn::None)
+                    ..End::fixed(Vector3::zeros(), Rotation::Identity)
                 }),
                 PointSlots::Node(_) => None,
             },
@@ -66,13 +66,13 @@ impl<S: Real> Evaluation<'_, S> {
                 Some(match components {
                     AngularVelocity::Body => End {
                         omega: motion.omega_body,
-                        outward: Turn::By(motion.rotation),
+                        outward: Rotation::Matrix(motion.rotation),
                         ..end
                     },
                     AngularVelocity::World => End {
                         omega: motion.omega_world,
                         arm: motion.arm(&frame.position),
-                        frame: Turn::By(match frame.rotation {
+                        frame: Rotation::Matrix(match frame.rotation {
                             Some(rotation) => motion.rotation * rotation,
                             None => motion.rotation,
                         }),

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use nalgebra::Vector3;
 
-use crate::laws::body::Motion;
+use crate::laws::body::BodyMotion;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::ground;
 use crate::laws::numbers::Numbers;
@@ -13,7 +13,7 @@ use crate::{At, FrameMotion, Layout, Real, Scene};
 /// Motions of the bodies and of the frames of the world. Carries nothing from call to call.
 #[derive(Clone, Debug)]
 pub struct Kinematics<S: Real> {
-    motions: Vec<Motion<S>>,
+    motions: Vec<BodyMotion<S>>,
     ground: Vec<Option<FrameMotion<S>>>,
     networks: Vec<OnceLock<Vec<Vector3<S>>>>,
 }
@@ -22,7 +22,7 @@ impl<S: Real> Kinematics<S> {
     /// Room for the scene of a layout.
     pub fn new(layout: &Layout) -> Self {
         Kinematics {
-            motions: vec![Motion::unknown(); layout.bodies.len()],
+            motions: vec![BodyMotion::unknown(); layout.bodies.len()],
             ground: Vec::new(),
             networks: vec![OnceLock::new(); layout.networks.len()],
         }
@@ -39,7 +39,7 @@ impl<S: Real> Kinematics<S> {
         let bodies = scene.bodies.iter().zip(&layout.bodies);
         for (motion, (body, slots)) in self.motions.iter_mut().zip(bodies) {
             S::section(&body.name);
-            *motion = Motion::read(
+            *motion = BodyMotion::read(
                 at.state,
                 *slots,
                 layout.nq,

@@ -86,7 +86,7 @@ impl<S: Real> Element<'_, S> {
 
     /// The stretch over which it acts: the positive part if it pulls only [m].
     fn acting(&self, stretch: S) -> S {
-        match self.kind.is_one_way() {
+        match self.kind.is_unilateral() {
             true => stretch.max(S::zero()),
             false => stretch,
         }
@@ -108,7 +108,7 @@ impl<S: Real> Element<'_, S> {
     /// Without damping the force is continuous at the slack edge, but its slope is not: held, a trial step across the edge stays smooth.
     pub fn tension(&self, stretch: S, rate: S, hold: S) -> S {
         let pull = self.pull(stretch, rate);
-        if !self.kind.is_one_way() {
+        if !self.kind.is_unilateral() {
             return pull.label("tension");
         }
         let zero = S::zero();

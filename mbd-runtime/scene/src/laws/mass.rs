@@ -2,7 +2,7 @@
 
 use crate::laws::{
     evaluation::Evaluation,
-    forces::Assembly,
+    forces::AppliedForces,
     gravity::{body_gravity, point_gravity},
 };
 use crate::{PointSlots, Real};
@@ -22,7 +22,7 @@ pub fn mass_matrix<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     }
     for (index, slots) in evaluation.layout.points.iter().enumerate() {
         if let PointSlots::Mass(slots) = slots {
-            for i in slots.v..slots.v + directions.moves().len() {
+            for i in slots.v..slots.v + directions.translations().len() {
                 out[i * n + i] = evaluation.numbers.points[index].0;
             }
         }
@@ -63,7 +63,7 @@ pub fn bias_force<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
 
 pub fn applied_forces<S: Real>(
     evaluation: &Evaluation<'_, S>,
-    assembly: &Assembly<S>,
+    assembly: &AppliedForces<S>,
     out: &mut [S],
 ) {
     let directions = evaluation.layout.directions;

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::Real;
-use crate::laws::{along, evaluation::Evaluation, forces, formula, line};
+use crate::laws::{evaluation::Evaluation, forces, formula, joint_forces, line};
 use crate::scalar::algebra::{elements, write};
 
 /// Position and velocity of every anchor, and the load at every node.
@@ -37,13 +37,13 @@ pub fn guards<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
             out[2 * index + 1] = motion.pull;
         }
     }
-    along::visit(evaluation, |acting| {
+    joint_forces::visit(evaluation, |acting| {
         for stop in acting.stops() {
             out[2 * (lines + stop.stop)] = stop.depth;
             out[2 * (lines + stop.stop) + 1] = stop.pull;
         }
     });
-    let events = 2 * evaluation.layout.one_way();
+    let events = 2 * evaluation.layout.unilateral();
     for (index, event) in evaluation.scene.events.iter().enumerate() {
         out[events + index] = formula::scalar(&event.guard, evaluation);
     }

@@ -1,6 +1,5 @@
 //! The laws of mechanics, each written once over [`Real`](crate::Real): numbers run them, dual numbers differentiate them, symbols record them.
 
-pub(crate) mod along;
 pub(crate) mod body;
 pub(crate) mod energy;
 pub(crate) mod evaluation;
@@ -9,6 +8,7 @@ pub(crate) mod formula;
 pub(crate) mod gravity;
 pub(crate) mod ground;
 mod joint_ends;
+pub(crate) mod joint_forces;
 pub(crate) mod kinematics;
 pub mod line;
 pub(crate) mod mass;
@@ -21,6 +21,6 @@ pub use ground::ground;
 pub use joint_ends::{branch, out_of_plane};
 pub use node::{Pulled, balance};
 pub use numbers::{
-    AlongNumbers, BodyNumbers, FrameNumbers, GravityNumbers, LineNumbers, Numbers, OblateNumbers,
-    constant,
+    BodyNumbers, FrameNumbers, GravityNumbers, JointForceNumbers, LineNumbers, Numbers,
+    OblateNumbers, constant,
 };

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::laws::formula::{Context, scalar, triple};
 use crate::scalar::algebra::{inverse, symmetric};
-use crate::{Along, Formula, Frame, Gravity, Plane, PointKind, Real, Scene};
+use crate::{Formula, Frame, Gravity, JointForces, Plane, PointKind, Real, Scene};
 
 /// The constants of a body.
 #[derive(Clone, Debug)]
@@ -83,9 +83,9 @@ pub struct OblateNumbers<S> {
     pub axis: Vector3<S>,
 }
 
-/// The constants of [`Along`]; `None`: absent, or zero by declaration.
+/// The constants of [`JointForces`]; `None`: absent, or zero by declaration.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AlongNumbers<S> {
+pub struct JointForceNumbers<S> {
     /// Stiffness K [N/m or N m/rad].
     pub stiffness: Option<S>,
     /// Rest x0 [m or rad].
@@ -98,20 +98,20 @@ pub struct AlongNumbers<S> {
     pub stops: [Option<S>; 2],
 }
 
-impl<S: Real> AlongNumbers<S> {
+impl<S: Real> JointForceNumbers<S> {
     /// The constants of one entry, evaluated by `of`.
-    pub fn new(scene: &Scene, along: &Along, of: impl Fn(&Formula) -> S) -> Self {
+    pub fn new(scene: &Scene, forces: &JointForces, of: impl Fn(&Formula) -> S) -> Self {
         let given = |formula: &Option<Formula>| {
             let formula = formula.as_ref().filter(|formula| !scene.is_zero(formula));
             formula.map(&of)
         };
-        AlongNumbers {
-            stiffness: given(&along.stiffness),
-            rest: given(&along.rest),
-            damping: given(&along.damping),
-            friction: given(&along.friction)
-                .map(|level| [level, given(&along.friction_rate).unwrap_or_else(S::zero)]),
-            stops: along.stops.each_ref().map(|stop| stop.as_ref().map(&of)),
+        JointForceNumbers {
+            stiffness: given(&forces.stiffness),
+            rest: given(&forces.rest),
+            damping: given(&forces.damping),
+            friction: given(&forces.friction)
+                .map(|level| [level, given(&forces.friction_rate).unwrap_or_else(S::zero)]),
+            stops: forces.stops.each_ref().map(|stop| stop.as_ref().map(&of)),
         }
     }
 }
@@ -134,7 +134,7 @@ pub struct Numbers<S> {
     /// The numbers of each joint, in the order of [`Joint::numbers`](crate::joints::Joint::numbers).
     pub joints: Vec<Vec<S>>,
     /// Per joint, what acts along its coordinates, in the order of [`Joint::along`](crate::Joint::along).
-    pub along: Vec<Vec<AlongNumbers<S>>>,
+    pub forces: Vec<Vec<JointForceNumbers<S>>>,
 }
 
 /// The only things a constant may depend on.
@@ -226,15 +226,15 @@ impl<S: Real> Numbers<S> {
             free_length: of(&line.free_length),
         });
         let given = |formula: &Option<Formula>| formula.as_ref().map(of);
-        let lines = lines.chain(scene.stops().map(|(_, along, _)| LineNumbers {
-            stiffness: given(&along.stop_stiffness).unwrap_or_else(|| S::from_f64(f64::NAN)),
-            damping: given(&along.stop_damping).unwrap_or_else(S::zero),
+        let lines = lines.chain(scene.stops().map(|(_, forces, _)| LineNumbers {
+            stiffness: given(&forces.stop_stiffness).unwrap_or_else(|| S::from_f64(f64::NAN)),
+            damping: given(&forces.stop_damping).unwrap_or_else(S::zero),
             free_length: S::zero(),
         }));
-        let along = scene.joints.iter().map(|joint| {
-            let entries = joint.along.iter();
+        let forces = scene.joints.iter().map(|joint| {
+            let entries = joint.forces.iter();
             entries
-                .map(|along| AlongNumbers::new(scene, along, of))
+                .map(|forces| JointForceNumbers::new(scene, forces, of))
                 .collect()
         });
         let gravity = match &scene.gravity {
@@ -278,7 +278,7 @@ impl<S: Real> Numbers<S> {
             world_frames: frames(&scene.world_frames),
             gravity,
             joints: joints.collect(),
-            along: along.collect(),
+            forces: forces.collect(),
         }
     }
 }

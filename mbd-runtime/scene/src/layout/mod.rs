@@ -114,12 +114,12 @@ impl Layout {
             .bodies
             .iter()
             .filter(|_| self.directions.plane.is_none());
-        bodies.map(|slots| slots.q + self.directions.moves().len())
+        bodies.map(|slots| slots.q + self.directions.translations().len())
     }
 
     /// Number of laws that act one way: lines, then stops.
     #[must_use]
-    pub fn one_way(&self) -> usize {
+    pub fn unilateral(&self) -> usize {
         self.lines.len() + self.stops.len()
     }
 

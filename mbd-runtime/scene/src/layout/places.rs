@@ -22,9 +22,9 @@ impl Layout {
         layout.place_inputs(scene);
         let laws = laws(&layout);
         layout.place_rows(scene, laws);
-        let stops = scene.stops().map(|(joint, along, side)| StopSlots {
+        let stops = scene.stops().map(|(joint, forces, side)| StopSlots {
             joint,
-            coordinate: along.coordinate,
+            coordinate: forces.coordinate,
             side,
         });
         layout.stops = stops.collect();
@@ -54,8 +54,8 @@ impl Layout {
                         q: self.nq,
                         v: self.nv,
                     }));
-                    self.nq += self.directions.moves().len();
-                    self.nv += self.directions.moves().len();
+                    self.nq += self.directions.translations().len();
+                    self.nv += self.directions.translations().len();
                 }
                 PointKind::Node(model) => {
                     self.points.push(PointSlots::Node(self.nodes.len()));

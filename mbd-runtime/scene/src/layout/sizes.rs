@@ -12,13 +12,13 @@ impl Layout {
     #[must_use]
     pub fn len(&self, what: Quantity) -> usize {
         match what {
-            Quantity::Ends => 6 * self.anchors.len() + 3 * self.nodes.len(),
+            Quantity::AnchorStates => 6 * self.anchors.len() + 3 * self.nodes.len(),
             Quantity::Equilibrium(k) => self
                 .placed(k)
                 .map_or(0, |n| 3 * n.nodes.len() + 6 * n.blocks.len() + 3),
             Quantity::Derivative => self.nx(),
             Quantity::Balance => 3 * self.nodes.len(),
-            Quantity::Guards => 2 * self.one_way() + self.events,
+            Quantity::Guards => 2 * self.unilateral() + self.events,
             Quantity::Outputs => self.columns,
             Quantity::Energy => 6,
             Quantity::Momentum => 6,
@@ -37,8 +37,8 @@ impl Layout {
             | Quantity::Multipliers => self.nc,
             Quantity::ConstraintJacobian => self.nc * self.nv,
             Quantity::Reactions if self.nc > 0 => 6 * self.joints.len(),
-            Quantity::Correction if self.nc > 0 => self.nv + 1,
-            Quantity::Reactions | Quantity::Correction => 0,
+            Quantity::ProjectionStep if self.nc > 0 => self.nv + 1,
+            Quantity::Reactions | Quantity::ProjectionStep => 0,
             Quantity::Partial(of, by) => self.len(of.quantity()) * self.variables(by),
         }
     }
@@ -100,7 +100,7 @@ impl Layout {
     /// rows they take 187,000 operations for eight hinges; those of the rows' residual with the factor at hand are still to come.
     #[must_use]
     pub fn quantities(&self) -> Vec<Quantity> {
-        let mut all = vec![Quantity::Ends];
+        let mut all = vec![Quantity::AnchorStates];
         all.extend((0..self.networks.len()).map(Quantity::Equilibrium));
         all.extend([
             Quantity::Derivative,
@@ -119,7 +119,7 @@ impl Layout {
             Quantity::ConstraintBias,
             Quantity::Multipliers,
             Quantity::Reactions,
-            Quantity::Correction,
+            Quantity::ProjectionStep,
         ]);
         for k in 0..self.networks.len() {
             all.extend([Quantity::NodeByAnchor(k), Quantity::CondensedStiffness(k)]);

@@ -3,6 +3,6 @@
 use crate::lines::LineLaw;
 
 /// f = K s, as a law is unless it says otherwise.
-pub struct Line;
+pub struct LinearLine;
 
-impl LineLaw for Line {}
+impl LineLaw for LinearLine {}

@@ -27,7 +27,7 @@ trait LineLaw {
     }
 
     /// Whether it pulls only: then it slackens, has a guard and a hold mode, and its switches are located.
-    fn is_one_way(&self) -> bool {
+    fn is_unilateral(&self) -> bool {
         true
     }
 
@@ -95,7 +95,7 @@ macro_rules! laws {
 
 laws! {
     /// Tension only, f = K s: zero when slack.
-    Line = line::Line;
+    Line = line::LinearLine;
     /// Tension and compression, f = K s.
     Spring = spring::Spring;
     /// Tension only, f a table of forces over stretch: index into [`Scene::tables`](crate::Scene::tables).
@@ -111,8 +111,8 @@ impl LineKind {
 
     /// Whether it pulls only: then it slackens, has a guard and a hold mode, and its switches are located.
     #[must_use]
-    pub fn is_one_way(self) -> bool {
-        with!(self, law => law.is_one_way())
+    pub fn is_unilateral(self) -> bool {
+        with!(self, law => law.is_unilateral())
     }
 
     /// Its elastic force in a formula of the documentation: `K s`.

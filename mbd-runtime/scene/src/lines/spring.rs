@@ -10,7 +10,7 @@ impl LineLaw for Spring {
         "spring"
     }
 
-    fn is_one_way(&self) -> bool {
+    fn is_unilateral(&self) -> bool {
         false
     }
 

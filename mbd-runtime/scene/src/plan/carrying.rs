@@ -16,7 +16,7 @@ use crate::{AngularVelocity, Axis, Carrying, Coordinate, Directions, Jet, RowSet
 use nalgebra::{Rotation3, Vector3};
 
 use crate::joints::{Carried, JointLaw};
-use crate::rows::{Columns, End, Ends, Row, Rows, Turn};
+use crate::rows::{Columns, End, Ends, Rotation, Row, Rows};
 use crate::scalar::Few;
 
 /// Most columns of H that are cheaper to take out than the rows are to keep, where they are not unit vectors.
@@ -56,7 +56,7 @@ impl Carrying {
         let turns = turns.count();
         let many = turns > 1 && motors.is_empty();
         let unit = |twist: &Twist<f64>| twist.angular.iter().filter(|x| **x != 0.0).count() == 1;
-        let child = End::fixed(ends.child.arm, Turn::None);
+        let child = End::fixed(ends.child.arm, Rotation::Identity);
         let ends = Ends::new(ends.parent, child, &[0.7, 0.6], AngularVelocity::World);
         let level = law.carried(&ends, false)?;
         let aligned = aligned && carried.meets && turns == 1 && level.free.last().is_some_and(unit);
@@ -101,7 +101,7 @@ impl Carrying {
         let turns = rows.len() - points.len();
         let meets = carries(ends.parent.arm);
         let slides = carries(ends.reach());
-        let independent = points.len() <= directions.moves().len() && turns <= 1;
+        let independent = points.len() <= directions.translations().len() && turns <= 1;
         (independent && (meets || slides)).then(|| Carrying {
             free: directions.speeds() - rows.len(),
             turns: 1 - turns,
@@ -116,7 +116,7 @@ impl Carrying {
 
 /// How large the linear columns of a row are along the plane.
 fn within(directions: Directions, columns: &Columns<f64>) -> f64 {
-    let moves = directions.moves().iter();
+    let moves = directions.translations().iter();
     moves.fold(0.0, |most: f64, &axis| most.max(columns.linear[axis].abs()))
 }
 
@@ -132,7 +132,7 @@ fn somewhere(directions: Directions) -> (End<f64>, End<f64>) {
         let frame = Rotation3::new(Vector3::from(turn)).into_inner();
         End {
             position,
-            ..End::fixed(arm, Turn::By(frame))
+            ..End::fixed(arm, Rotation::Matrix(frame))
         }
     };
     let parent = end([0.3, -0.7, 0.5], [0.4, 0.5, 0.6], [0.2, 0.5, -0.4]);
@@ -176,7 +176,7 @@ impl<S: crate::Real> Carried<S> {
         match points.first() {
             None => carried
                 .free
-                .extend(directions.moves().iter().map(|&k| axis(k))),
+                .extend(directions.translations().iter().map(|&k| axis(k))),
             Some(only) if points.len() == 1 => {
                 carried.free.push(Twist::slide(normal.cross(only)));
             }

@@ -4,7 +4,7 @@ use crate::{Carrying, Directions, JointSlots, Part, PointSlots};
 
 /// The graph while nodes leave it.
 #[derive(Clone)]
-pub(super) struct Graph {
+pub(super) struct EliminationGraph {
     pub(super) parts: Vec<Part>,
     pub(super) sizes: Vec<usize>,
     pub(super) neighbours: Vec<Vec<usize>>,
@@ -19,7 +19,7 @@ pub(super) struct Graph {
     gone: Vec<bool>,
 }
 
-impl Graph {
+impl EliminationGraph {
     pub(super) fn new(
         directions: Directions,
         bodies: usize,
@@ -27,7 +27,7 @@ impl Graph {
         joints: &[JointSlots],
         closed: bool,
     ) -> Self {
-        let mut graph = Graph {
+        let mut graph = EliminationGraph {
             parts: Vec::new(),
             sizes: Vec::new(),
             neighbours: Vec::new(),
@@ -44,7 +44,10 @@ impl Graph {
         };
         let moving = (0..bodies)
             .map(|body| (Part::Body(body), directions.speeds()))
-            .chain((0..points.len()).map(|point| (Part::Point(point), directions.moves().len())));
+            .chain(
+                (0..points.len())
+                    .map(|point| (Part::Point(point), directions.translations().len())),
+            );
         for (part, size) in moving.filter(|&(part, _)| held(part)) {
             graph.push(part, size);
         }
@@ -198,7 +201,7 @@ impl Graph {
                     carries[node] = true;
                 }
             }
-            let price = |graph: &Graph, node: usize| match pairs[node] {
+            let price = |graph: &EliminationGraph, node: usize| match pairs[node] {
                 Some((joint, carrying)) => graph.pair_cost(node, joint, &carrying),
                 None => graph.cost(node),
             };
@@ -225,7 +228,7 @@ impl Graph {
     /// Eliminates everything, always the ready node of the smallest key; the order and its cost.
     pub(super) fn run(
         mut self,
-        key: impl Fn(&Graph, usize) -> (usize, usize),
+        key: impl Fn(&EliminationGraph, usize) -> (usize, usize),
     ) -> (Vec<usize>, usize) {
         let (mut order, mut cost) = (Vec::new(), 0);
         while let Some(node) = (0..self.parts.len())

@@ -1,6 +1,6 @@
 //! A scene laid out and planned.
 
-use crate::plan::System;
+use crate::plan::Topology;
 use crate::redundancy;
 use crate::{Carrying, Layout, Order, Place, Plan, Redundancy, RowSet, Scene};
 
@@ -52,7 +52,7 @@ impl Layout {
                 Carrying::of(&joint.law, slots.law, &motors, directions)
             })
             .collect();
-        let system = System {
+        let system = Topology {
             directions: self.directions,
             bodies: self.bodies.len(),
             points: &self.points,

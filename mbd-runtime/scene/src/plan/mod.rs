@@ -30,7 +30,7 @@ mod carrying;
 mod graph;
 mod layout;
 
-use graph::Graph;
+use graph::EliminationGraph;
 
 use crate::{Below, Carrying, Directions, Elimination, JointSlots, Order, Part, PointSlots, Step};
 
@@ -94,7 +94,7 @@ fn in_components(
 }
 
 /// What an order is chosen for.
-pub(crate) struct System<'a> {
+pub(crate) struct Topology<'a> {
     /// The axes along which things move and about which bodies turn.
     pub directions: Directions,
     /// Number of bodies.
@@ -109,9 +109,9 @@ pub(crate) struct System<'a> {
     pub closed: bool,
 }
 
-impl System<'_> {
-    fn graph(&self) -> Graph {
-        Graph::new(
+impl Topology<'_> {
+    fn graph(&self) -> EliminationGraph {
+        EliminationGraph::new(
             self.directions,
             self.bodies,
             self.points,
@@ -124,8 +124,8 @@ impl System<'_> {
     pub(crate) fn choose(&self) -> Order {
         let graph = self.graph();
         let least_degree =
-            |g: &Graph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));
-        let least_cost = |g: &Graph, n: usize| (g.cost(n), 0);
+            |g: &EliminationGraph, n: usize| (g.neighbours[n].len(), usize::from(g.is_joint(n)));
+        let least_cost = |g: &EliminationGraph, n: usize| (g.cost(n), 0);
         let parents = parent_joints(self.bodies, self.joints, self.carrying);
         let carrying = in_components(self.directions, &parents, self.joints, self.carrying);
         let pairs: Vec<Option<(usize, Carrying)>> = graph
@@ -158,7 +158,7 @@ impl System<'_> {
         }
     }
 
-    /// The blocks of an order; those of the order that [`System::choose`] takes where this one is not of this system.
+    /// The blocks of an order; those of the order that [`Topology::choose`] takes where this one is not of this system.
     pub(crate) fn lay_out(&self, order: Order) -> Elimination {
         let graph = self.graph();
         let nodes = |order: &Order| {
@@ -193,7 +193,12 @@ impl System<'_> {
 }
 
 impl Elimination {
-    fn lay_out(&mut self, mut graph: Graph, order: &[usize], carrying: &[Option<Carrying>]) {
+    fn lay_out(
+        &mut self,
+        mut graph: EliminationGraph,
+        order: &[usize],
+        carrying: &[Option<Carrying>],
+    ) {
         let mut place = vec![0; graph.parts.len()];
         for (step, &node) in order.iter().enumerate() {
             place[node] = step;

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use crate::joints::JointLaw;
 use crate::redundancy::configuration::Configuration;
 use crate::redundancy::length;
-use crate::redundancy::local::{Hold, Motion, columns, speeds};
+use crate::redundancy::local::{Hold, PartMotion, columns, speeds};
 use crate::redundancy::tree::{Group, Link};
 use crate::rows::{Columns, Row, Rows};
 use crate::scalar::orthogonal::dot;
@@ -31,7 +31,7 @@ pub struct JointRow {
     /// Parent and child.
     pub ends: [Option<Part>; 2],
     /// On each of them.
-    pub columns: [Motion; 2],
+    pub columns: [PartMotion; 2],
 }
 
 /// The row of a motor at a state.
@@ -191,7 +191,7 @@ impl Assembly<'_> {
         CLOSED * self.length + 64.0 * f64::EPSILON * self.configuration.reach()
     }
 
-    fn shift(&mut self, part: Part, motion: &Motion) {
+    fn shift(&mut self, part: Part, motion: &PartMotion) {
         let [x, y, z, a, b, c] = *motion;
         let turn = Vector3::new(a, b, c) / self.length;
         let scale = (TURN / turn.norm()).min(1.0);
@@ -272,7 +272,7 @@ impl Assembly<'_> {
         let motions = self.sensitivities()?;
         for (part, of) in self.parts().into_iter().zip(&motions) {
             let motion = of * step;
-            let motion: Motion = std::array::from_fn(|k| -motion[k]);
+            let motion: PartMotion = std::array::from_fn(|k| -motion[k]);
             self.shift(part, &motion);
         }
         self.correct()
@@ -314,7 +314,7 @@ impl Assembly<'_> {
                 let near = usize::from(link.to_parent);
                 let inboard = motions.get(from)?;
                 for column in 0..first {
-                    let of: Motion = std::array::from_fn(|k| inboard[(k, column)]);
+                    let of: PartMotion = std::array::from_fn(|k| inboard[(k, column)]);
                     let mut rates = [0.0; 6];
                     for (rate, row) in rates.iter_mut().zip(rows) {
                         *rate = -dot(&row.columns[near], &of);

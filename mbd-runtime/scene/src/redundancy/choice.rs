@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use crate::redundancy::assembly::{JointRow, MotorRow, State};
-use crate::redundancy::local::Motion;
+use crate::redundancy::local::PartMotion;
 use crate::redundancy::tree::Group;
 use crate::scalar::orthogonal::{dot, subtract, take_out};
 use crate::{HeldMotor, Part, Repeat, RowSet};
@@ -185,7 +185,7 @@ fn partners(
 
 /// Forces on the parts of a group, and on the joints.
 struct Forces {
-    parts: Vec<(Part, Motion)>,
+    parts: Vec<(Part, PartMotion)>,
     closing: Vec<f64>,
 }
 
@@ -199,7 +199,7 @@ impl Forces {
         }
     }
 
-    fn push(&mut self, part: Option<Part>, times: f64, columns: &Motion) {
+    fn push(&mut self, part: Option<Part>, times: f64, columns: &PartMotion) {
         let own = self.parts.iter_mut().find(|(own, _)| Some(*own) == part);
         if let Some((_, force)) = own {
             force

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-use crate::laws::body::Motion;
+use crate::laws::body::BodyMotion;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::ground;
 use crate::laws::numbers::Numbers;
@@ -19,7 +19,7 @@ pub(crate) struct Configuration<'a> {
     pub numbers: Numbers<f64>,
     state: Vec<f64>,
     inputs: Vec<f64>,
-    motions: Vec<Motion<f64>>,
+    motions: Vec<BodyMotion<f64>>,
     ground: Vec<Option<FrameMotion<f64>>>,
 }
 
@@ -37,7 +37,7 @@ impl<'a> Configuration<'a> {
             ground: moving,
             state: vec![0.0; layout.nx()],
             inputs: vec![0.0; layout.ni],
-            motions: vec![Motion::unknown(); layout.bodies.len()],
+            motions: vec![BodyMotion::unknown(); layout.bodies.len()],
         };
         for body in 0..layout.bodies.len() {
             configuration.place(Part::Body(body), Vector3::zeros(), &Matrix3::identity());
@@ -105,14 +105,14 @@ impl<'a> Configuration<'a> {
         let attitude = self
             .state
             .iter_mut()
-            .skip(slots.q + directions.moves().len());
+            .skip(slots.q + directions.translations().len());
         for (slot, value) in attitude.zip(attitude_of(axes, directions)) {
             *slot = value;
         }
         if let Some(motion) = self.motions.get_mut(body) {
             let nq = self.layout.nq;
             // At rest in any components.
-            *motion = Motion::read(&self.state, slots, nq, directions, AngularVelocity::Body);
+            *motion = BodyMotion::read(&self.state, slots, nq, directions, AngularVelocity::Body);
         }
     }
 

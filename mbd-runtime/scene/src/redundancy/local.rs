@@ -7,7 +7,7 @@ use crate::scalar::orthogonal::{dot, subtract, take_out};
 use crate::{Directions, Part};
 
 /// A motion of a part.
-pub type Motion = [f64; 6];
+pub type PartMotion = [f64; 6];
 
 /// Less than this part of a row left by others is nothing.
 const NOTHING: f64 = 1e-9;
@@ -15,15 +15,20 @@ const NOTHING: f64 = 1e-9;
 /// The motions that a part is capable of, by their numbers.
 pub fn speeds(part: Part, directions: Directions) -> impl Iterator<Item = usize> + Clone {
     let turns = match part {
-        Part::Body(_) => directions.turns(),
+        Part::Body(_) => directions.rotations(),
         _ => &[],
     };
     let turns = turns.iter().map(|&axis| 3 + axis);
-    directions.moves().iter().copied().chain(turns)
+    directions.translations().iter().copied().chain(turns)
 }
 
 /// The columns of a row at one end.
-pub fn columns(columns: &Columns<f64>, part: Part, directions: Directions, length: f64) -> Motion {
+pub fn columns(
+    columns: &Columns<f64>,
+    part: Part,
+    directions: Directions,
+    length: f64,
+) -> PartMotion {
     let (v, w) = (columns.linear, columns.angular / length);
     let all = [v.x, v.y, v.z, w.x, w.y, w.z];
     let mut own = [0.0; 6];
@@ -36,10 +41,10 @@ pub fn columns(columns: &Columns<f64>, part: Part, directions: Directions, lengt
 /// The rows of a joint on the part it places, made orthonormal: e_i = Σ mix_ij φ_j.
 #[derive(Clone, Debug, Default)]
 pub struct Hold {
-    fixed: Vec<Motion>,
+    fixed: Vec<PartMotion>,
     mix: Vec<[f64; 6]>,
     /// What the rows leave: orthonormal motions.
-    pub free: Vec<Motion>,
+    pub free: Vec<PartMotion>,
 }
 
 impl Hold {
@@ -71,7 +76,7 @@ impl Hold {
         let speeds = speeds(part, directions);
         while hold.fixed.len() + hold.free.len() < speeds.clone().count() {
             let rest = |k: usize| {
-                let mut rest: Motion = std::array::from_fn(|i| f64::from(u8::from(i == k)));
+                let mut rest: PartMotion = std::array::from_fn(|i| f64::from(u8::from(i == k)));
                 let known = hold.fixed.iter().chain(&hold.free);
                 take_out(&mut rest, known.map(|known| &known[..]), |_, _| ());
                 rest
@@ -87,7 +92,7 @@ impl Hold {
     }
 
     /// The smallest motion with these rates of the rows.
-    pub fn motion(&self, rates: &[f64; 6]) -> Motion {
+    pub fn motion(&self, rates: &[f64; 6]) -> PartMotion {
         let mut motion = [0.0; 6];
         for (fixed, mix) in self.fixed.iter().zip(&self.mix) {
             subtract(&mut motion, -dot(mix, rates), fixed);
@@ -96,7 +101,7 @@ impl Hold {
     }
 
     /// The multipliers whose rows add up to a force that the joint can carry.
-    pub fn multipliers(&self, force: &Motion) -> [f64; 6] {
+    pub fn multipliers(&self, force: &PartMotion) -> [f64; 6] {
         let mut multipliers = [0.0; 6];
         for (fixed, mix) in self.fixed.iter().zip(&self.mix) {
             subtract(&mut multipliers, -dot(fixed, force), mix);

@@ -195,7 +195,7 @@ fn pair(row: &Row<f64>, joint: &Joint, directions: Directions) -> Pair {
         let speeds = match place {
             Place::World(_) => 0,
             Place::Body(..) => directions.speeds(),
-            Place::Point(_) => directions.moves().len(),
+            Place::Point(_) => directions.translations().len(),
         };
         let own = directions.components(linear, angular).take(speeds);
         for (k, value) in own.enumerate() {

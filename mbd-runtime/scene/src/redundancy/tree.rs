@@ -28,7 +28,7 @@ pub struct Group {
 
 /// The groups of a scene that have loops. The tree takes joints in the order of declaration, so that the last one closes the loop.
 pub fn groups(layout: &Layout) -> Vec<Group> {
-    let graph = Graph::new(layout);
+    let graph = JointGraph::new(layout);
     let mut groups: Vec<Group> = Vec::new();
     let mut seen = vec![false; graph.parts.len()];
     for start in 1..graph.parts.len() {
@@ -69,7 +69,7 @@ impl Edge {
     }
 }
 
-struct Graph {
+struct JointGraph {
     /// The world, then every part that joints hold.
     parts: Vec<Option<Part>>,
     edges: Vec<Edge>,
@@ -77,7 +77,7 @@ struct Graph {
     core: Vec<bool>,
 }
 
-impl Graph {
+impl JointGraph {
     fn new(layout: &Layout) -> Self {
         let mut parts: Vec<Option<Part>> = vec![None];
         let mut edges = Vec::new();
@@ -107,7 +107,7 @@ impl Graph {
                 core: true,
             });
         }
-        let mut graph = Graph {
+        let mut graph = JointGraph {
             core: vec![true; parts.len()],
             parts,
             edges,

@@ -39,7 +39,7 @@
 
 use nalgebra::Vector3;
 
-use super::ends::{End, Ends, Turn};
+use super::ends::{End, Ends, Rotation};
 use crate::scalar::algebra::labelled;
 use crate::{Axis, Coordinate, Jet, Real, RowSet};
 
@@ -152,9 +152,9 @@ pub struct Rows<S: Real> {
     /// The first of the rows along world axes, if there are such, and their axes.
     coincide: Option<(usize, RowSet)>,
     /// The rows of the law that are asked for.
-    asked: RowSet,
-    /// How many the law has told so far, asked for or not.
-    told: usize,
+    requested: RowSet,
+    /// How many the law has emitted so far, asked for or not.
+    emitted: usize,
 }
 
 impl<S: Real> Default for Rows<S> {
@@ -162,25 +162,25 @@ impl<S: Real> Default for Rows<S> {
         Rows {
             rows: Vec::with_capacity(6),
             coincide: None,
-            asked: RowSet::all(6),
-            told: 0,
+            requested: RowSet::all(6),
+            emitted: 0,
         }
     }
 }
 
 impl<S: Real> Rows<S> {
-    /// Forgets all rows and keeps the room; of the law that tells its rows next, those of `asked` are written. A plane asks for some.
-    pub fn begin(&mut self, asked: RowSet) {
+    /// Forgets all rows and keeps the room; of the law that tells its rows next, those of `requested` are written. A plane asks for some.
+    pub fn begin(&mut self, requested: RowSet) {
         self.rows.clear();
         self.coincide = None;
-        self.asked = asked;
-        self.told = 0;
+        self.requested = requested;
+        self.emitted = 0;
     }
 
     /// Whether the next row of the law is asked for.
     fn next(&mut self) -> bool {
-        self.told += 1;
-        self.asked.contains(self.told - 1)
+        self.emitted += 1;
+        self.requested.contains(self.emitted - 1)
     }
 
     /// The rows.
@@ -248,7 +248,7 @@ impl<S: Real> Rows<S> {
         let gap = ends.gap();
         let bias = labelled(ends.meeting(), ["gamma_x", "gamma_y", "gamma_z"]);
         for k in axes.rows() {
-            let unit = Turn::None.row(k);
+            let unit = Rotation::Identity.row(k);
             self.rows.push(Row {
                 value: gap[k],
                 parent: Columns {
@@ -466,8 +466,8 @@ pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
 /// (5), with the axes of frame 1 turned by φ: m = u1 sin φ − v1 cos φ and n = u1 cos φ + v1 sin φ.
 pub(crate) fn helix<S: Real>(ends: &Ends<'_, S>, axis: &Axis, lead: S) -> Row<S> {
     let [u, v] = axis.complement();
-    let way = in_plane(ends, axis);
-    let (sin, cos) = (way.value / lead).sin_cos();
+    let displacement = in_plane(ends, axis);
+    let (sin, cos) = (displacement.value / lead).sin_cos();
     let own = [u, v].map(|axis| ends.parent.axis(&axis));
     // v cos − u sin and v sin + u cos.
     let [behind, ahead] = rotated([own[1], own[0]], (sin, cos));
@@ -475,7 +475,7 @@ pub(crate) fn helix<S: Real>(ends: &Ends<'_, S>, axis: &Axis, lead: S) -> Row<S>
     let (miss, advance) = (across(ends, &-behind, &u), across(ends, &ahead, &u));
     let speed = ends.parent.axis(axis).dot(&ends.slide_rate());
     let turning = advance.parent.angular.dot(&ends.spin().difference);
-    let row = miss.scaled(lead).plus(&way.scaled(advance.value));
+    let row = miss.scaled(lead).plus(&displacement.scaled(advance.value));
     let two = S::from_f64(2.0);
     let own = (miss.value * speed / lead - two * turning) * speed;
     Row {

@@ -23,7 +23,7 @@ use super::basic::{Row, in_plane, rotated_rows};
 use super::ends::Ends;
 use crate::{Axis, Coordinate, Measure, Real};
 
-/// A turn on its way: C and S, the rows C Φ(S) − S Φ(C) and C Φ(C) + S Φ(S) at these, and 1/ρ.
+/// An angle while it is measured: C and S, the rows C Φ(S) − S Φ(C) and C Φ(C) + S Φ(S) at these, and 1/ρ.
 struct Turning<S: Real> {
     products: [S; 2],
     behind: Row<S>,
@@ -67,12 +67,12 @@ impl<S: Real> Ends<'_, S> {
     /// The value of a coordinate [m or rad].
     pub fn value(&self, coordinate: &Coordinate) -> S {
         let value = match &coordinate.measure {
-            Measure::Slide(axis) => self.way(axis),
-            Measure::Turn { cosine, sine } => {
+            Measure::Slide(axis) => self.displacement(axis),
+            Measure::Angle { cosine, sine } => {
                 let [c, s] = [cosine, sine].map(|[a, b]| self.cosine(a, b));
                 s.atan2(c)
             }
-            Measure::Thread { axis, pitch } => self.way(axis) / self.lead(*pitch),
+            Measure::Thread { axis, pitch } => self.displacement(axis) / self.lead(*pitch),
         };
         value.label(coordinate.name)
     }
@@ -81,7 +81,7 @@ impl<S: Real> Ends<'_, S> {
     pub fn rate(&self, coordinate: &Coordinate) -> S {
         let rate = match &coordinate.measure {
             Measure::Slide(axis) => self.way_rate(axis),
-            Measure::Turn { cosine, sine } => {
+            Measure::Angle { cosine, sine } => {
                 let swept = Turning::new(self, cosine, sine).parent();
                 swept.dot(&self.spin().difference)
             }
@@ -94,7 +94,7 @@ impl<S: Real> Ends<'_, S> {
     pub fn row(&self, coordinate: &Coordinate) -> Row<S> {
         match &coordinate.measure {
             Measure::Slide(axis) => in_plane(self, axis),
-            Measure::Turn { cosine, sine } => {
+            Measure::Angle { cosine, sine } => {
                 Turning::new(self, cosine, sine).row(&self.spin().difference)
             }
             Measure::Thread { axis, pitch } => {
@@ -104,7 +104,7 @@ impl<S: Real> Ends<'_, S> {
     }
 
     /// a1·d [m].
-    fn way(&self, axis: &Axis) -> S {
+    fn displacement(&self, axis: &Axis) -> S {
         let gap = self.reach() - self.parent.arm;
         self.parent.axis(axis).dot(&gap)
     }
@@ -114,7 +114,7 @@ impl<S: Real> Ends<'_, S> {
         self.parent.axis(axis).dot(&self.slide_rate())
     }
 
-    /// Way along the axis per radian [m/rad].
+    /// Displacement along the axis per radian [m/rad].
     fn lead(&self, pitch: usize) -> S {
         (self.number(pitch) * S::from_f64(1.0 / TAU)).label("lead")
     }

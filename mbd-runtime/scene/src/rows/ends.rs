@@ -13,33 +13,33 @@ use crate::{AngularVelocity, Axis, FrameMotion, Real};
 
 /// A rotation, or none at all.
 #[derive(Clone, Copy, Debug)]
-pub enum Turn<S: Real> {
+pub enum Rotation<S: Real> {
     /// The same components on both sides.
-    None,
+    Identity,
     /// By a matrix.
-    By(Matrix3<S>),
+    Matrix(Matrix3<S>),
 }
 
-impl<S: Real> From<Option<Matrix3<S>>> for Turn<S> {
+impl<S: Real> From<Option<Matrix3<S>>> for Rotation<S> {
     fn from(rotation: Option<Matrix3<S>>) -> Self {
-        rotation.map_or(Turn::None, Turn::By)
+        rotation.map_or(Rotation::Identity, Rotation::Matrix)
     }
 }
 
-impl<S: Real> Turn<S> {
+impl<S: Real> Rotation<S> {
     /// R v.
     pub fn apply(&self, v: &Vector3<S>) -> Vector3<S> {
         match self {
-            Turn::None => *v,
-            Turn::By(r) => r * v,
+            Rotation::Identity => *v,
+            Rotation::Matrix(r) => r * v,
         }
     }
 
     /// Rᵀ v.
     pub fn back(&self, v: &Vector3<S>) -> Vector3<S> {
         match self {
-            Turn::None => *v,
-            Turn::By(r) => r.transpose() * v,
+            Rotation::Identity => *v,
+            Rotation::Matrix(r) => r.transpose() * v,
         }
     }
 
@@ -47,8 +47,8 @@ impl<S: Real> Turn<S> {
     pub fn row(&self, k: usize) -> Vector3<S> {
         let unit = |i: usize| if i == k { S::one() } else { S::zero() };
         match self {
-            Turn::None => Vector3::from_fn(|i, _| unit(i)),
-            Turn::By(r) => Vector3::from_fn(|i, _| r[(k.min(2), i)]),
+            Rotation::Identity => Vector3::from_fn(|i, _| unit(i)),
+            Rotation::Matrix(r) => Vector3::from_fn(|i, _| r[(k.min(2), i)]),
         }
     }
 
@@ -56,35 +56,35 @@ impl<S: Real> Turn<S> {
     pub fn column(&self, k: usize) -> Vector3<S> {
         let unit = |i: usize| if i == k { S::one() } else { S::zero() };
         match self {
-            Turn::None => Vector3::from_fn(|i, _| unit(i)),
-            Turn::By(r) => Vector3::from_fn(|i, _| r[(i, k.min(2))]),
+            Rotation::Identity => Vector3::from_fn(|i, _| unit(i)),
+            Rotation::Matrix(r) => Vector3::from_fn(|i, _| r[(i, k.min(2))]),
         }
     }
 
     /// self other: other first.
-    pub fn after(&self, other: &Turn<S>) -> Turn<S> {
+    pub fn after(&self, other: &Rotation<S>) -> Rotation<S> {
         match (self, other) {
-            (Turn::None, other) => *other,
-            (turn, Turn::None) => *turn,
-            (Turn::By(a), Turn::By(b)) => Turn::By(a * b),
+            (Rotation::Identity, other) => *other,
+            (turn, Rotation::Identity) => *turn,
+            (Rotation::Matrix(a), Rotation::Matrix(b)) => Rotation::Matrix(a * b),
         }
     }
 
     /// self otherᵀ: other back first.
-    pub fn after_back(&self, other: &Turn<S>) -> Turn<S> {
+    pub fn after_back(&self, other: &Rotation<S>) -> Rotation<S> {
         match (self, other) {
-            (turn, Turn::None) => *turn,
-            (Turn::None, Turn::By(r)) => Turn::By(r.transpose()),
-            (Turn::By(a), Turn::By(b)) => Turn::By(a * b.transpose()),
+            (turn, Rotation::Identity) => *turn,
+            (Rotation::Identity, Rotation::Matrix(r)) => Rotation::Matrix(r.transpose()),
+            (Rotation::Matrix(a), Rotation::Matrix(b)) => Rotation::Matrix(a * b.transpose()),
         }
     }
 
     /// selfᵀ other.
-    pub fn to(&self, other: &Turn<S>) -> Turn<S> {
+    pub fn to(&self, other: &Rotation<S>) -> Rotation<S> {
         match (self, other) {
-            (Turn::None, other) => *other,
-            (Turn::By(r), Turn::None) => Turn::By(r.transpose()),
-            (Turn::By(a), Turn::By(b)) => Turn::By(a.transpose() * b),
+            (Rotation::Identity, other) => *other,
+            (Rotation::Matrix(r), Rotation::Identity) => Rotation::Matrix(r.transpose()),
+            (Rotation::Matrix(a), Rotation::Matrix(b)) => Rotation::Matrix(a.transpose() * b),
         }
     }
 }
@@ -102,26 +102,26 @@ pub struct End<S: Real> {
     /// Angular velocity, own components [rad/s].
     pub omega: Vector3<S>,
     /// Own components → world axes.
-    pub outward: Turn<S>,
+    pub outward: Rotation<S>,
     /// The joint's point from the centre of mass, own components [m].
     pub arm: Vector3<S>,
     /// The point whose velocity the columns of the rows multiply, from the centre of mass, own components [m].
     pub reference: Vector3<S>,
     /// Joint frame → own components.
-    pub frame: Turn<S>,
+    pub frame: Rotation<S>,
     /// Acceleration of `position` [m/s²] and angular acceleration [rad/s²] where time alone prescribes them, world axes.
     pub prescribed: Option<[Vector3<S>; 2]>,
 }
 
 impl<S: Real> End<S> {
     /// An end fixed in the world, at `arm` from its origin.
-    pub fn fixed(arm: Vector3<S>, frame: Turn<S>) -> Self {
+    pub fn fixed(arm: Vector3<S>, frame: Rotation<S>) -> Self {
         End {
             speeds: None,
             position: Vector3::zeros(),
             velocity: Vector3::zeros(),
             omega: Vector3::zeros(),
-            outward: Turn::None,
+            outward: Rotation::Identity,
             arm,
             reference: Vector3::zeros(),
             frame,
@@ -205,7 +205,7 @@ pub struct Ends<'a, S: Real> {
     pub child: End<S>,
     numbers: &'a [S],
     components: AngularVelocity,
-    relative: OnceCell<Turn<S>>,
+    relative: OnceCell<Rotation<S>>,
     spin: OnceCell<Spin<S>>,
     spin_in_child: OnceCell<Spin<S>>,
 }
@@ -238,14 +238,14 @@ impl<'a, S: Real> Ends<'a, S> {
     }
 
     /// A: child components → parent components.
-    pub fn relative(&self) -> &Turn<S> {
+    pub fn relative(&self) -> &Rotation<S> {
         self.relative.get_or_init(|| match self.components {
-            AngularVelocity::World => Turn::None,
+            AngularVelocity::World => Rotation::Identity,
             AngularVelocity::Body => match self.parent.outward.to(&self.child.outward) {
-                Turn::By(rotation) => Turn::By(Matrix3::from_fn(|row, column| {
+                Rotation::Matrix(rotation) => Rotation::Matrix(Matrix3::from_fn(|row, column| {
                     rotation[(row, column)].label(RELATIVE[row][column])
                 })),
-                Turn::None => Turn::None,
+                Rotation::Identity => Rotation::Identity,
             },
         })
     }

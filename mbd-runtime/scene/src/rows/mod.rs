@@ -7,4 +7,4 @@ mod motor;
 
 pub use basic::{Columns, Row, Rows};
 pub(crate) use basic::{couple, helix};
-pub use ends::{End, Ends, Spin, Turn};
+pub use ends::{End, Ends, Rotation, Spin};

@@ -20,7 +20,7 @@ use crate::{Coordinate, Jet, Measure, Real};
 impl<S: Real> Ends<'_, S> {
     /// The row that holds a coordinate to a course of time.
     pub fn prescribed(&self, coordinate: &Coordinate, course: &Jet<S>) -> Row<S> {
-        let Measure::Turn { cosine, sine } = &coordinate.measure else {
+        let Measure::Angle { cosine, sine } = &coordinate.measure else {
             let row = self.row(coordinate);
             return Row {
                 value: row.value - course.value,
@@ -46,7 +46,7 @@ impl<S: Real> Ends<'_, S> {
 
     /// cos(θ − f) of (2), positive on the branch that is meant; 1 for a coordinate without another.
     pub fn prescribed_cosine(&self, coordinate: &Coordinate, course: S) -> S {
-        let Measure::Turn { cosine, sine } = &coordinate.measure else {
+        let Measure::Angle { cosine, sine } = &coordinate.measure else {
             return S::one();
         };
         let (sin, cos) = course.sin_cos();

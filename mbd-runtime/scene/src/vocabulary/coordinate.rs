@@ -20,26 +20,26 @@ pub struct Coordinate {
 /// How a coordinate is measured; the first axis of a pair is fixed in frame 1, the second in frame 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// The way of the child's joint point along an axis of frame 1 [m].
+    /// The displacement of the child's joint point along an axis of frame 1 [m].
     Slide(Axis),
     /// The angle whose cosine and sine are the products of two pairs of axes [rad], in (−π, π].
-    Turn {
+    Angle {
         /// The pair whose product is the cosine.
         cosine: [Axis; 2],
         /// The pair whose product is the sine.
         sine: [Axis; 2],
     },
-    /// The angle of a thread [rad], from its way along the axis: it counts every turn and has no bound.
+    /// The angle of a thread [rad], from its displacement along the axis: it counts every turn and has no bound.
     Thread {
         /// The axis of frame 1.
         axis: Axis,
-        /// Which number of the joint is the way in a full turn [m].
+        /// Which number of the joint is the displacement in a full turn [m].
         pitch: usize,
     },
 }
 
 impl Coordinate {
-    /// A way along an axis of frame 1.
+    /// A displacement along an axis of frame 1.
     pub(crate) const fn slide(name: &'static str, rate: &'static str, axis: Axis) -> Self {
         Coordinate {
             name,
@@ -54,7 +54,7 @@ impl Coordinate {
         Coordinate {
             name,
             rate,
-            measure: Measure::Turn {
+            measure: Measure::Angle {
                 cosine: [u, u],
                 sine: [v, u],
             },
@@ -66,7 +66,7 @@ impl Coordinate {
     pub const fn dimension(&self) -> Dimension {
         match self.measure {
             Measure::Slide(_) => LENGTH,
-            Measure::Turn { .. } | Measure::Thread { .. } => ANGLE,
+            Measure::Angle { .. } | Measure::Thread { .. } => ANGLE,
         }
     }
 
@@ -87,7 +87,7 @@ impl Coordinate {
 
     /// Whether it jumps by a full turn where it passes half a turn.
     #[must_use]
-    pub const fn wraps(&self) -> bool {
-        matches!(self.measure, Measure::Turn { .. })
+    pub const fn is_periodic(&self) -> bool {
+        matches!(self.measure, Measure::Angle { .. })
     }
 }

@@ -77,7 +77,7 @@ pub struct Directions {
 impl Directions {
     /// The axes along which things move, in the order of the state: 3, in a plane 2.
     #[must_use]
-    pub const fn moves(self) -> &'static [usize] {
+    pub const fn translations(self) -> &'static [usize] {
         match self.plane {
             None => &[0, 1, 2],
             Some(Plane::Xy) => &[0, 1],
@@ -88,7 +88,7 @@ impl Directions {
 
     /// The axes about which bodies turn: 3, in a plane its normal.
     #[must_use]
-    pub const fn turns(self) -> &'static [usize] {
+    pub const fn rotations(self) -> &'static [usize] {
         match self.plane {
             None => &[0, 1, 2],
             Some(Plane::Xy) => &[2],
@@ -100,7 +100,7 @@ impl Directions {
     /// Speeds of a body: 6, in a plane 3.
     #[must_use]
     pub const fn speeds(self) -> usize {
-        self.moves().len() + self.turns().len()
+        self.translations().len() + self.rotations().len()
     }
 
     /// Numbers of an attitude: the 4 of a quaternion, in a plane the angle.
@@ -115,30 +115,30 @@ impl Directions {
     /// Coordinates of a body: 7, in a plane 3.
     #[must_use]
     pub const fn coordinates(self) -> usize {
-        self.moves().len() + self.attitude()
+        self.translations().len() + self.attitude()
     }
 
     /// A position or a velocity, world axes, from the numbers of `list` from `at` on; zero out of the plane, NaN where the list is too short.
     pub fn linear<S: Real>(self, list: &[S], at: usize) -> Vector3<S> {
-        spread(self.moves(), list, at)
+        spread(self.translations(), list, at)
     }
 
     /// An angular velocity from the numbers that follow those of [`Directions::linear`] from `at` on; in a plane along its normal.
     pub fn angular<S: Real>(self, list: &[S], at: usize) -> Vector3<S> {
-        spread(self.turns(), list, at + self.moves().len())
+        spread(self.rotations(), list, at + self.translations().len())
     }
 
     /// Writes the components in which things move from `at` on, as far as `out` is long enough.
     pub fn write_linear<S: Real>(self, out: &mut [S], at: usize, vector: &Vector3<S>) {
-        for (slot, &axis) in out.iter_mut().skip(at).zip(self.moves()) {
+        for (slot, &axis) in out.iter_mut().skip(at).zip(self.translations()) {
             *slot = vector[axis];
         }
     }
 
     /// Writes the components about which bodies turn behind those of [`Directions::write_linear`] from `at` on.
     pub fn write_angular<S: Real>(self, out: &mut [S], at: usize, vector: &Vector3<S>) {
-        let slots = out.iter_mut().skip(at + self.moves().len());
-        for (slot, &axis) in slots.zip(self.turns()) {
+        let slots = out.iter_mut().skip(at + self.translations().len());
+        for (slot, &axis) in slots.zip(self.rotations()) {
             *slot = vector[axis];
         }
     }
@@ -149,8 +149,8 @@ impl Directions {
         linear: &'a Vector3<S>,
         angular: &'a Vector3<S>,
     ) -> impl Iterator<Item = S> + 'a {
-        let moves = self.moves().iter().map(|&axis| linear[axis]);
-        moves.chain(self.turns().iter().map(|&axis| angular[axis]))
+        let moves = self.translations().iter().map(|&axis| linear[axis]);
+        moves.chain(self.rotations().iter().map(|&axis| angular[axis]))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::Real;
 pub enum Quantity {
     /// Anchors of the node lines and loads of the nodes: per anchor position and velocity [m, m/s] (6 numbers, in the order of
     /// `Layout::anchors`), then per node its load W (3 numbers) [N]. Reads time, state, inputs.
-    Ends,
+    AnchorStates,
     /// Balance of one network (index) at trial node positions: the gradient g = −Σ T u − W of the line energy (3 per node) [N], the
     /// blocks of H = ∂g/∂p (6 numbers each: xx xy xz yy yz zz, in the order of `Network::blocks`) [N/m], then three sums: ΣT [N], Σ K_e (d + |p|₁)
     /// over taut lines [N], and the number of lines with positive stretch. Reads `ends`, `nodes` (positions), `effective`.
@@ -61,7 +61,7 @@ pub enum Quantity {
     /// with r = Φ, the angular parts of δ are small turns in the components of the state. One more number: how near
     /// the rows are to depending on each other, as the smallest part that other rows leave to a row's pivot [1]; 1 for rows at right angles,
     /// sin² of the angle between two rows, rounding for dependent ones.
-    Correction,
+    ProjectionStep,
     /// The partial derivative of one quantity, dense, row by row; only structural non-zeros are written.
     Partial(Differentiated, Variable),
 }
@@ -114,11 +114,11 @@ pub struct At<'a, S> {
     pub effective: &'a [S],
     /// Per line, then per stop: 0 it decides by its own stretch and pull, +1 it carries K s + C ṡ whatever the sign, −1 it carries nothing.
     pub hold: &'a [S],
-    /// The value of [`Quantity::Ends`], for [`Quantity::Equilibrium`], [`Quantity::NodeByAnchor`], [`Quantity::CondensedStiffness`].
+    /// The value of [`Quantity::AnchorStates`], for [`Quantity::Equilibrium`], [`Quantity::NodeByAnchor`], [`Quantity::CondensedStiffness`].
     pub ends: &'a [S],
     /// Inputs, external loads and external gravity, in the order of `Layout::inputs`.
     pub inputs: &'a [S],
-    /// Right-hand sides of the rows, n_c numbers, for [`Quantity::Correction`]; empty elsewhere.
+    /// Right-hand sides of the rows, n_c numbers, for [`Quantity::ProjectionStep`]; empty elsewhere.
     pub rows: &'a [S],
 }
 

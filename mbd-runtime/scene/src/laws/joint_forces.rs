@@ -14,8 +14,8 @@
 
 use std::cell::OnceCell;
 
-use crate::joints::{Along, Side};
-use crate::laws::AlongNumbers;
+use crate::joints::{JointForces, Side};
+use crate::laws::JointForceNumbers;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::formula;
 use crate::laws::line;
@@ -23,14 +23,14 @@ use crate::rows::{Ends, Row};
 use crate::{AngularVelocity, Coordinate, Place, Real};
 
 /// A coordinate that something acts along, at a state.
-pub struct Acting<'a, S: Real> {
+pub struct JointForcesAt<'a, S: Real> {
     evaluation: &'a Evaluation<'a, S>,
     /// The joint.
     pub joint: usize,
     ends: Ends<'a, S>,
     coordinate: Coordinate,
-    declared: &'a Along,
-    numbers: &'a AlongNumbers<S>,
+    declared: &'a JointForces,
+    numbers: &'a JointForceNumbers<S>,
     /// The number of its first stop among all stops.
     first_stop: usize,
     value: OnceCell<S>,
@@ -55,25 +55,28 @@ pub struct StopMotion<'a, S> {
 }
 
 /// Calls `visit` for every coordinate that something acts along, in order.
-pub fn visit<S: Real>(evaluation: &Evaluation<'_, S>, mut visit: impl FnMut(&Acting<'_, S>)) {
+pub fn visit<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    mut visit: impl FnMut(&JointForcesAt<'_, S>),
+) {
     let mut first_stop = 0;
     for (joint, declared) in evaluation.scene.joints.iter().enumerate() {
-        let numbers = evaluation.numbers.along.get(joint);
-        for (along, numbers) in declared.along.iter().zip(numbers.into_iter().flatten()) {
+        let numbers = evaluation.numbers.forces.get(joint);
+        for (forces, numbers) in declared.forces.iter().zip(numbers.into_iter().flatten()) {
             let stop = first_stop;
-            first_stop += along.stops.iter().flatten().count();
+            first_stop += forces.stops.iter().flatten().count();
             S::section(&declared.name);
             let ends = evaluation.ends(joint, AngularVelocity::Body);
-            let coordinate = declared.law.coordinate(along.coordinate);
+            let coordinate = declared.law.coordinate(forces.coordinate);
             let (Some(ends), Some(coordinate)) = (ends, coordinate) else {
                 continue;
             };
-            visit(&Acting {
+            visit(&JointForcesAt {
                 evaluation,
                 joint,
                 ends,
                 coordinate,
-                declared: along,
+                declared: forces,
                 numbers,
                 first_stop: stop,
                 value: OnceCell::new(),
@@ -83,12 +86,12 @@ pub fn visit<S: Real>(evaluation: &Evaluation<'_, S>, mut visit: impl FnMut(&Act
     }
 }
 
-impl<S: Real> Acting<'_, S> {
+impl<S: Real> JointForcesAt<'_, S> {
     /// Whether it is an angle in (−π, π] that a spring or a stop pushes back: where it jumps by a full turn, so does the torque.
     pub fn jumps(&self) -> bool {
         let numbers = self.numbers;
         let sprung = numbers.stiffness.is_some() || numbers.stops.iter().any(Option::is_some);
-        sprung && self.coordinate.wraps()
+        sprung && self.coordinate.is_periodic()
     }
 
     pub fn value(&self) -> S {

@@ -16,7 +16,7 @@ use crate::{AngularVelocity, At, Layout, Quantity, Real, Scene};
 
 /// Writes [`Quantity::Reactions`], [`Quantity::Energy`] or [`Quantity::Outputs`] for given multipliers, n_c numbers in the order of the rows.
 /// A multiplier that is not a number makes what depends on it so. Other quantities, and slices of a wrong length, leave `out` untouched.
-pub fn evaluate_given<S: Real>(
+pub fn evaluate_with_multipliers<S: Real>(
     what: Quantity,
     scene: &Scene,
     layout: &Layout,

@@ -1,5 +1,5 @@
 //! The fields of a joint coordinate: a spring, a damper, friction, stops, a force, a motor. The law of what pushes is in
-//! [`crate::laws::along`], that of the motor, which is a row, in `rows/motor.rs`.
+//! [`crate::laws::joint_forces`], that of the motor, which is a row, in `rows/motor.rs`.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ use crate::{Dimension, Formula};
 /// the angle passes half a turn, and there its torque jumps by 2π K. A run counts the steps in which that happened.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Along {
+pub struct JointForces {
     /// Which coordinate of the joint.
     pub coordinate: usize,
     /// Stiffness of the spring [N/m or N m/rad], ≥ 0. Of an angle within half a turn of zero, see above.
@@ -37,7 +37,7 @@ pub struct Along {
     pub motor: Option<Formula>,
 }
 
-/// What a number of [`Along`] measures, by the coordinate it belongs to.
+/// What a number of [`JointForces`] measures, by the coordinate it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measured {
     /// The coordinate itself.
@@ -54,7 +54,7 @@ pub enum Measured {
 
 /// A number among the fields of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AlongField {
+pub struct JointForceField {
     /// The keyword of the field.
     pub name: &'static str,
     /// What it measures.
@@ -70,8 +70,8 @@ const fn field(
     measured: Measured,
     rule: Rule,
     needs: Option<&'static str>,
-) -> AlongField {
-    AlongField {
+) -> JointForceField {
+    JointForceField {
         name,
         measured,
         rule,
@@ -80,19 +80,19 @@ const fn field(
 }
 
 /// The keyword of the stops, and what their places obey.
-pub const STOPS: AlongField = field(
+pub const STOPS: JointForceField = field(
     "stops",
     Measured::Value,
     Rule::Finite,
     Some("stop_stiffness"),
 );
 /// The keyword of the force.
-pub const FORCE: AlongField = field("force", Measured::Force, Rule::Finite, None);
+pub const FORCE: JointForceField = field("force", Measured::Force, Rule::Finite, None);
 /// The keyword of the motor.
-pub const MOTOR: AlongField = field("motor", Measured::Value, Rule::Finite, None);
+pub const MOTOR: JointForceField = field("motor", Measured::Value, Rule::Finite, None);
 
-/// The numbers of [`Along`], in the order of [`Along::numbers`].
-pub const NUMBERS: [AlongField; 7] = [
+/// The numbers of [`JointForces`], in the order of [`JointForces::numbers`].
+pub const NUMBERS: [JointForceField; 7] = [
     field("stiffness", Measured::Stiffness, Rule::NotNegative, None),
     field("rest", Measured::Value, Rule::Finite, Some("stiffness")),
     field("damping", Measured::Damping, Rule::NotNegative, None),
@@ -122,12 +122,12 @@ pub const NUMBERS: [AlongField; 7] = [
     ),
 ];
 
-impl AlongField {
+impl JointForceField {
     /// The field for one coordinate.
     #[must_use]
     pub const fn of(&self, coordinate: &Coordinate) -> Field {
         let rule = match (self.measured, self.rule) {
-            (Measured::Value, Rule::Finite) if coordinate.wraps() => Rule::WithinHalfTurns,
+            (Measured::Value, Rule::Finite) if coordinate.is_periodic() => Rule::WithinHalfTurns,
             (_, rule) => rule,
         };
         Field {
@@ -184,7 +184,7 @@ impl Measured {
     }
 }
 
-impl Along {
+impl JointForces {
     /// Its numbers, in the order of [`NUMBERS`].
     #[must_use]
     pub fn numbers(&self) -> [&Option<Formula>; 7] {
@@ -214,7 +214,7 @@ impl Along {
 
     /// Every formula, to be changed.
     pub fn formulas_mut(&mut self) -> impl Iterator<Item = &mut Formula> {
-        let Along {
+        let JointForces {
             coordinate: _,
             stiffness,
             rest,
@@ -274,7 +274,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// The place of its stop in [`Along::stops`].
+    /// The place of its stop in [`JointForces::stops`].
     #[must_use]
     pub const fn index(self) -> usize {
         match self {

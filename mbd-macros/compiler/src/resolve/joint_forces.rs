@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use mbd_scene::joints::{AlongField, Coordinate, FORCE, MOTOR, NUMBERS, STOPS, in_order};
-use mbd_scene::{Along, Formula, JointLaw};
+use mbd_scene::joints::{Coordinate, FORCE, JointForceField, MOTOR, NUMBERS, STOPS, in_order};
+use mbd_scene::{Formula, JointForces, JointLaw};
 
 use super::joints::Names;
 use super::{Instance, Named, Resolver, Scope, Stage, Typed, fold};
@@ -95,15 +95,15 @@ impl Resolver<'_> {
                 coordinate,
                 scope: instance.scope(Stage::Fixed),
             };
-            let along = self.along(index, fields, &owner);
-            if let (Some(entries), Some(along)) = (entries.as_mut(), along.as_ref()) {
-                entries.extend((!along.is_empty()).then(|| along.clone()));
+            let forces = self.forces(index, fields, &owner);
+            if let (Some(entries), Some(forces)) = (entries.as_mut(), forces.as_ref()) {
+                entries.extend((!forces.is_empty()).then(|| forces.clone()));
             }
-            if along.is_none() {
+            if forces.is_none() {
                 entries = None;
             }
         }
-        self.scene.joints.get_mut(instance.slot)?.along = entries?;
+        self.scene.joints.get_mut(instance.slot)?.forces = entries?;
         Some(())
     }
 
@@ -166,10 +166,15 @@ impl Resolver<'_> {
     }
 
     /// What acts along one coordinate.
-    fn along(&mut self, index: usize, given: &Given<'_, '_>, owner: &Owner<'_>) -> Option<Along> {
-        let mut along = Along {
+    fn forces(
+        &mut self,
+        index: usize,
+        given: &Given<'_, '_>,
+        owner: &Owner<'_>,
+    ) -> Option<JointForces> {
+        let mut forces = JointForces {
             coordinate: index,
-            ..Along::default()
+            ..JointForces::default()
         };
         let mut whole = true;
         for field in NUMBERS.iter().chain([&STOPS]) {
@@ -184,7 +189,7 @@ impl Resolver<'_> {
                 whole = false;
             }
         }
-        for (field, slot) in NUMBERS.iter().zip(along.numbers_mut()) {
+        for (field, slot) in NUMBERS.iter().zip(forces.numbers_mut()) {
             let value = given.get(field.name).and_then(|item| item.clause(":"));
             if let Some(value) = value {
                 *slot = self.along_number(field, value, owner);
@@ -194,7 +199,7 @@ impl Resolver<'_> {
         if let Some(value) = given.get(STOPS.name).and_then(|item| item.clause(":")) {
             let stops = self.stops(value, owner);
             whole &= stops.is_some();
-            along.stops = stops.unwrap_or_default();
+            forces.stops = stops.unwrap_or_default();
         }
         if let Some(value) = given.get(FORCE.name).and_then(|item| item.clause(":")) {
             let scope = Scope {
@@ -202,14 +207,14 @@ impl Resolver<'_> {
                 ..owner.scope
             };
             let typed = self.value(value, scope);
-            along.force = typed.and_then(|typed| self.along_fits(typed, &FORCE, owner));
-            whole &= along.force.is_some();
+            forces.force = typed.and_then(|typed| self.along_fits(typed, &FORCE, owner));
+            whole &= forces.force.is_some();
         }
         if let Some(value) = given.get(MOTOR.name).and_then(|item| item.clause(":")) {
-            along.motor = self.motor(value, owner);
-            whole &= along.motor.is_some();
+            forces.motor = self.motor(value, owner);
+            whole &= forces.motor.is_some();
         }
-        whole.then_some(along)
+        whole.then_some(forces)
     }
 
     /// The course of a coordinate: a function of time with two derivatives, which may count turns.
@@ -227,7 +232,7 @@ impl Resolver<'_> {
 
     fn along_number(
         &mut self,
-        field: &AlongField,
+        field: &JointForceField,
         value: Value<'_>,
         owner: &Owner<'_>,
     ) -> Option<Formula> {
@@ -236,7 +241,12 @@ impl Resolver<'_> {
     }
 
     /// The formula of a value that fits a field and obeys its rule with all params at their defaults.
-    fn obeying(&mut self, typed: Typed, field: &AlongField, owner: &Owner<'_>) -> Option<Formula> {
+    fn obeying(
+        &mut self,
+        typed: Typed,
+        field: &JointForceField,
+        owner: &Owner<'_>,
+    ) -> Option<Formula> {
         let at = typed.at;
         let formula = self.along_fits(typed, field, owner)?;
         let held = field.of(owner.coordinate);
@@ -252,7 +262,7 @@ impl Resolver<'_> {
     fn along_fits(
         &mut self,
         typed: Typed,
-        field: &AlongField,
+        field: &JointForceField,
         owner: &Owner<'_>,
     ) -> Option<Formula> {
         let held = field.of(owner.coordinate);

@@ -1,0 +1,99 @@
+//! What the start of a run moved: a state at which the joints do not hold is corrected, and this says by how much.
+
+use std::ops::Range;
+
+use mbd_scene::{Float, Layout, Part, Scene};
+
+use crate::columns::{body_name, node_name};
+use crate::moving::moving;
+
+/// How far the start moved a body or a point with mass so that the joints hold: see [`Simulation::start_moved`](crate::Simulation::start_moved).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moved {
+    /// Its name.
+    pub name: String,
+    /// Distance of its centre of mass from where it was set [m].
+    pub distance: f64,
+    /// Angle between its attitude and the one that was set [rad]; zero for a point.
+    pub angle: f64,
+    /// Change of the velocity of its centre of mass [m/s].
+    pub velocity: f64,
+    /// Change of its angular velocity [rad/s]; zero for a point.
+    pub angular_velocity: f64,
+}
+
+/// Everything that is elsewhere after the start, or moves otherwise, the largest distance first.
+pub(super) fn moved<T: Float>(
+    (scene, layout): (&Scene, &Layout),
+    before: &[T],
+    after: &[T],
+) -> Vec<Moved> {
+    let difference = |own: Range<usize>| {
+        let [before, after] = [before, after].map(|state| state.get(own.clone()));
+        let pairs = after
+            .unwrap_or_default()
+            .iter()
+            .zip(before.unwrap_or_default());
+        let squares = pairs.map(|(after, before)| (after.to_f64() - before.to_f64()).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let all = moving(layout).map(|part| Moved {
+        name: match part.part {
+            Part::Body(body) => body_name(scene, body).to_owned(),
+            Part::Point(point) | Part::Joint(point) => node_name(scene, point).to_owned(),
+        },
+        distance: difference(part.position),
+        angle: match part.attitude.len() {
+            4 => {
+                let [before, after] = [before, after].map(|x| quaternion(x, part.attitude.start));
+                turn(before, after)
+            }
+            _ => difference(part.attitude),
+        },
+        velocity: difference(part.velocity),
+        angular_velocity: difference(part.spin),
+    });
+    let mut all: Vec<Moved> = all
+        .filter(|one| one.distance + one.angle + one.velocity + one.angular_velocity != 0.0)
+        .collect();
+    let size = |moved: &Moved| (moved.distance, moved.angle);
+    all.sort_by(|a, b| {
+        size(b)
+            .partial_cmp(&size(a))
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    all
+}
+
+/// The quaternion w, x, y, z at a place of a state.
+fn quaternion<T: Float>(state: &[T], at: usize) -> [f64; 4] {
+    std::array::from_fn(|k| state.get(at + k).map_or(f64::NAN, |x| x.to_f64()))
+}
+
+/// The angle between two attitudes [rad], 2 atan2(|v|, |w|) of the quaternion from one to the other: exact for small angles, too.
+fn turn([w, x, y, z]: [f64; 4], [a, b, c, d]: [f64; 4]) -> f64 {
+    let vector = [
+        w * b - x * a - y * d + z * c,
+        w * c - y * a - z * b + x * d,
+        w * d - z * a - x * c + y * b,
+    ];
+    let sine = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let cosine = (w * a + x * b + y * c + z * d).abs();
+    2.0 * sine.atan2(cosine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::turn;
+
+    #[test]
+    fn an_angle_between_attitudes_is_that_of_the_rotation_between_them() {
+        let about_x = |angle: f64| [(0.5 * angle).cos(), (0.5 * angle).sin(), 0.0, 0.0];
+        for angle in [1e-9, 1e-3, 0.7, 3.0] {
+            let found = turn(about_x(0.4), about_x(0.4 + angle));
+            assert!((found - angle).abs() < 1e-15 * (1.0 + 1.0 / angle).min(10.0));
+        }
+        let far = about_x(0.4).map(|x| -x);
+        assert!(turn(far, about_x(0.4)) < 1e-15, "−q is the same attitude");
+    }
+}

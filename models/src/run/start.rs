@@ -1,0 +1,63 @@
+//! Whether a run started where it was asked to.
+
+use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::laws::Numbers;
+use mbd_runtime::{Layout, Moved};
+
+use super::outcome::Outcome;
+use super::plan::Plan;
+
+/// A start that is moved by more than this part of the size of the scene is not the one that was asked for.
+const FAR: f64 = 1e-3;
+/// Nor is one that is turned by more [rad].
+const TURNED: f64 = 1e-3;
+
+/// What the start moved most of what was placed by the settings, if that is more than rounding.
+#[must_use]
+pub fn moved<'a>(plan: &Plan, outcome: &'a Outcome) -> Option<&'a Moved> {
+    let placed = |moved: &&Moved| plan.placed.contains(&moved.name);
+    outcome.moved.iter().find(placed)
+}
+
+/// One sentence where a body that the settings place starts somewhere else; `None` where all start where they were asked to.
+#[must_use]
+pub fn warning(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> {
+    let far = |moved: &&Moved| {
+        let distance = moved.distance > FAR * size(scene, plan);
+        plan.placed.contains(&moved.name) && (distance || moved.angle > TURNED)
+    };
+    let all: Vec<&Moved> = outcome.moved.iter().filter(far).collect();
+    let worst = all.first()?;
+    let others = match all.len() {
+        1 => String::new(),
+        2 => " (and another body)".to_owned(),
+        n => format!(" (and {} others)", n - 1),
+    };
+    Some(format!(
+        "warning: `{}` does not start where [run.start] puts it: its joints do not hold there, and the nearest place where they do is {} away, turned by {}{others}; \
+         give positions and attitudes that fit each other",
+        worst.name,
+        format_args!("{:.3e} m", worst.distance),
+        format_args!("{:.2}°", worst.angle.to_degrees()),
+    ))
+}
+
+/// The size of a scene [m]: how far its bodies are apart, or a frame from the centre of mass, whichever is more.
+fn size(scene: &Scene, plan: &Plan) -> f64 {
+    let layout = Layout::new(scene);
+    let extent = |axis: usize| {
+        let places = layout
+            .bodies
+            .iter()
+            .map(|slots| plan.state.get(slots.q + axis));
+        let places: Vec<f64> = places.flatten().copied().collect();
+        let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let low = places.iter().copied().fold(f64::INFINITY, f64::min);
+        high - low
+    };
+    let between = (0..layout.directions.translations().len()).map(extent);
+    let numbers = Numbers::<f64>::new(scene, &plan.params);
+    let frames = numbers.bodies.iter().flat_map(|body| &body.frames);
+    let arms = frames.map(|frame| frame.position.norm());
+    between.chain(arms).fold(0.0, f64::max)
+}
