@@ -105,6 +105,17 @@ impl Real for Jet {
         let e = self.0[0].exp();
         self.chain(e, e, e)
     }
+    fn ln(self) -> Self {
+        let x = self.0[0];
+        self.chain(x.ln(), 1.0 / x, -1.0 / (x * x))
+    }
+    fn tanh(self) -> Self {
+        let t = self.0[0].tanh();
+        self.chain(t, 1.0 - t * t, -2.0 * t * (1.0 - t * t))
+    }
+    fn floor(self) -> Self {
+        Jet::constant(self.0[0].floor())
+    }
     fn atan2(self, x: Self) -> Self {
         let value = f64::atan2(self.0[0], x.0[0]);
         let rate = |y: Jet, x: Jet| (x.0[0] * y.0[1] - y.0[0] * x.0[1]) / (x * x + y * y).0[0];

@@ -85,6 +85,15 @@ impl Real for Oracle {
     fn exp(self) -> Self {
         Oracle(DualNum::exp(&self.0))
     }
+    fn ln(self) -> Self {
+        Oracle(DualNum::ln(&self.0))
+    }
+    fn tanh(self) -> Self {
+        Oracle(DualNum::tanh(&self.0))
+    }
+    fn floor(self) -> Self {
+        Self::constant(self.0.re.floor())
+    }
     fn atan2(self, x: Self) -> Self {
         Oracle(DualNum::atan2(&self.0, x.0))
     }

@@ -144,17 +144,20 @@ fn apply(scene: &Scene, function: Function, parts: &[Formula], level: u8) -> Str
                 format!("-{inner}")
             };
         }
-        Function::Norm => "norm",
-        Function::Dot => "dot",
-        Function::Cross => "cross",
-        Function::Min => "min",
-        Function::Max => "max",
-        Function::Abs => "abs",
-        Function::Exp => "exp",
-        Function::Sqrt => "sqrt",
-        Function::Sin => "sin",
-        Function::Cos => "cos",
-        Function::Angle => "angle",
+        Function::IfLess | Function::IfAtMost => {
+            let sign = if function == Function::IfLess {
+                "<"
+            } else {
+                "≤"
+            };
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| {
+                parts
+                    .get(k)
+                    .map_or_else(String::new, |part| text(scene, part))
+            });
+            return format!("if({a} {sign} {b}, {c}, {d})");
+        }
+        function => function.word(),
     };
     format!("{name}({})", list(scene, parts))
 }

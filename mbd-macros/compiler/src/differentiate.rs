@@ -131,6 +131,9 @@ fn tangent(value: Expr, op: Op<Expr>, of: impl Fn(Expr) -> Option<Expr>) -> Opti
                 Unary::Sin => da * a.sin_cos().1,
                 Unary::Cos => -(da * a.sin_cos().0),
                 Unary::Exp => da * value,
+                Unary::Ln => da / a,
+                Unary::Tanh => da * (Expr::one() - value * value),
+                Unary::Floor => return None,
                 Unary::Abs => Expr::select(a.lt(Expr::zero()), -da, da),
             })
         }

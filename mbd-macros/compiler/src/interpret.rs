@@ -83,6 +83,9 @@ impl Program {
                 Code::Sin => a.sin_cos().0,
                 Code::Cos => a.sin_cos().1,
                 Code::Exp => a.exp(),
+                Code::Ln => a.ln(),
+                Code::Tanh => a.tanh(),
+                Code::Floor => a.floor(),
                 Code::Atan2 => a.atan2(b),
                 Code::Select => T::select(masks[step.mask as usize], a, b),
                 Code::Lt | Code::Le | Code::Both => {

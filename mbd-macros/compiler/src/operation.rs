@@ -15,6 +15,12 @@ pub enum Unary {
     Cos,
     /// e to the power a.
     Exp,
+    /// The natural logarithm of a.
+    Ln,
+    /// tanh a.
+    Tanh,
+    /// The largest whole number that is not above a.
+    Floor,
     /// |a|.
     Abs,
 }
@@ -114,6 +120,9 @@ impl Unary {
             Unary::Sin => a.sin_cos().0,
             Unary::Cos => a.sin_cos().1,
             Unary::Exp => a.exp(),
+            Unary::Ln => a.ln(),
+            Unary::Tanh => a.tanh(),
+            Unary::Floor => a.floor(),
             Unary::Abs => a.abs(),
         }
     }

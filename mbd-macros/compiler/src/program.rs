@@ -83,6 +83,9 @@ pub(crate) enum Code {
     Sin,
     Cos,
     Exp,
+    Ln,
+    Tanh,
+    Floor,
     Atan2,
     Select,
     Lt,
@@ -100,6 +103,9 @@ impl Step {
                     Unary::Sin => Code::Sin,
                     Unary::Cos => Code::Cos,
                     Unary::Exp => Code::Exp,
+                    Unary::Ln => Code::Ln,
+                    Unary::Tanh => Code::Tanh,
+                    Unary::Floor => Code::Floor,
                     Unary::Abs => Code::Abs,
                 },
                 a,
@@ -325,9 +331,9 @@ impl Program {
                 Op::Binary(Binary::Mul, ..) => cost.muls += 1,
                 Op::Binary(Binary::Div, ..) => cost.divs += 1,
                 Op::Unary(Unary::Sqrt, _) => cost.sqrts += 1,
-                Op::Unary(Unary::Sin | Unary::Cos | Unary::Exp, _)
+                Op::Unary(Unary::Sin | Unary::Cos | Unary::Exp | Unary::Ln | Unary::Tanh, _)
                 | Op::Binary(Binary::Atan2, ..) => cost.trigs += 1,
-                Op::Unary(Unary::Abs, _)
+                Op::Unary(Unary::Abs | Unary::Floor, _)
                 | Op::Binary(Binary::Min | Binary::Max, ..)
                 | Op::Compare(..)
                 | Op::Select(..) => cost.selects += 1,

@@ -61,16 +61,27 @@ const UNITS: &[(&str, f64, Dimension)] = &[
     ("s", 1.0, TIME),
     ("ms", 1e-3, TIME),
     ("min", 60.0, TIME),
+    ("h", 3600.0, TIME),
+    ("kph", 1000.0 / 3600.0, SPEED),
     ("Hz", 1.0, RATE),
+    ("rpm", std::f64::consts::TAU / 60.0, RATE),
     ("rad", 1.0, NONE),
     ("deg", DEGREE, NONE),
     ("N", 1.0, FORCE),
+    ("mN", 1e-3, FORCE),
     ("kN", 1e3, FORCE),
+    ("MN", 1e6, FORCE),
     ("lbf", POUND * 9.806_65, FORCE),
     ("J", 1.0, TORQUE),
+    ("kJ", 1e3, TORQUE),
     ("W", 1.0, POWER),
+    ("kW", 1e3, POWER),
+    ("MW", 1e6, POWER),
     ("Pa", 1.0, PRESSURE),
     ("kPa", 1e3, PRESSURE),
+    ("MPa", 1e6, PRESSURE),
+    ("bar", 1e5, PRESSURE),
+    ("l", 1e-3, VOLUME),
 ];
 
 /// Names people write for them.
@@ -130,6 +141,15 @@ pub fn foreign(word: &str) -> Option<&'static str> {
         .iter()
         .find(|(theirs, _)| *theirs == lower)
         .map(|(_, ours)| *ours)
+}
+
+/// Two units written as one word, as a product: `N*m` of `Nm`. `kgs` is a plural.
+pub fn run_together(word: &str) -> Option<String> {
+    let cuts = (1..word.len()).filter(|&cut| word.is_char_boundary(cut));
+    let mut products = cuts.map(|cut| word.split_at(cut));
+    let plural = |a: &str, b: &str| a.len() > 1 && b == "s";
+    let found = products.find(|(a, b)| find(a).is_some() && find(b).is_some() && !plural(a, b));
+    found.map(|(a, b)| format!("{a}*{b}"))
 }
 
 /// SI value and dimension of a unit word.

@@ -167,6 +167,9 @@ impl Terms {
                     Unary::Sin => ".sin_cos().0",
                     Unary::Cos => ".sin_cos().1",
                     Unary::Exp => ".exp()",
+                    Unary::Ln => ".ln()",
+                    Unary::Tanh => ".tanh()",
+                    Unary::Floor => ".floor()",
                     Unary::Abs | Unary::Neg => ".abs()",
                 });
             }

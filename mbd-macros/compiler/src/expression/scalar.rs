@@ -66,6 +66,15 @@ impl Real for Expr {
     fn exp(self) -> Self {
         self.unary(Unary::Exp)
     }
+    fn ln(self) -> Self {
+        self.unary(Unary::Ln)
+    }
+    fn tanh(self) -> Self {
+        self.unary(Unary::Tanh)
+    }
+    fn floor(self) -> Self {
+        self.unary(Unary::Floor)
+    }
     fn atan2(self, x: Self) -> Self {
         self.binary(Binary::Atan2, x)
     }

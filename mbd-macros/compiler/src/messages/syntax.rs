@@ -194,12 +194,21 @@ pub fn unknown_unit(at: Region, word: &str) -> Report {
     let known = crate::units::known();
     let text = match crate::units::foreign(word) {
         Some(ours) => format!("unknown unit `{word}`; here it is called `{ours}`"),
+        None if let Some(product) = crate::units::run_together(word) => {
+            format!("unknown unit `{word}`; a product of units is written `{product}`")
+        }
         None => format!(
             "unknown unit `{word}`{} known: {}, combined with * / ^ ( )",
             ended(did_you_mean(word, known.iter().copied())),
             known.join(" ")
         ),
     };
+    Report::new(at, text)
+}
+
+pub fn unit_product(at: Region, first: &str, second: &str) -> Report {
+    let text =
+        format!("`{first}.{second}` is no unit; a product of units is written `{first}*{second}`");
     Report::new(at, text)
 }
 

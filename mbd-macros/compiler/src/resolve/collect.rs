@@ -215,7 +215,6 @@ impl<'a> Resolver<'a> {
         let report = match words::reserved(&name.word.text) {
             None => return,
             Some(Reserved::Language) => say_syntax::reserved_name(at, &name.word.text),
-            Some(Reserved::Unit) => say::unit_as_name(at, &name.word.text),
             Some(Reserved::Rust) => say::rust_as_name(at, &name.word.text),
         };
         self.messages.push(report);

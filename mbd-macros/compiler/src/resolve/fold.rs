@@ -173,6 +173,13 @@ fn compute(function: Function, values: &[Fixed]) -> Option<Fixed> {
         Function::Sqrt => Fixed::Scalar(scalar(0)?.sqrt()),
         Function::Sin => Fixed::Scalar(sin_cos(scalar(0)?).0),
         Function::Cos => Fixed::Scalar(sin_cos(scalar(0)?).1),
+        Function::Atan2 => Fixed::Scalar(scalar(0)?.atan2(scalar(1)?)),
+        Function::Tanh => Fixed::Scalar(scalar(0)?.tanh()),
+        Function::Ln => Fixed::Scalar(scalar(0)?.ln()),
+        Function::Floor => Fixed::Scalar(scalar(0)?.floor()),
+        Function::IfLess if scalar(0)? < scalar(1)? => values.get(2).copied()?,
+        Function::IfAtMost if scalar(0)? <= scalar(1)? => values.get(2).copied()?,
+        Function::IfLess | Function::IfAtMost => values.get(3).copied()?,
         Function::Angle => {
             let (a, b) = (vector(0)?, vector(1)?);
             let c = cross(a, b);

@@ -19,6 +19,9 @@ impl Resolver<'_> {
         at: Region,
         scope: Scope<'_>,
     ) -> Option<Typed> {
+        if name.text == "if" {
+            return self.if_else(arguments, name, at, scope);
+        }
         let typed: Vec<Option<Typed>> = arguments
             .iter()
             .map(|argument| self.typed(argument, scope))
@@ -65,18 +68,54 @@ impl Resolver<'_> {
                 let (dimension, angle) = (a.dimension, a.angle);
                 self.result(Function::Abs, [a], false, dimension, angle, at)
             }
-            "exp" | "sin" | "cos" => {
+            "exp" | "sin" | "cos" | "tan" | "asin" | "acos" | "atan" | "sinh" | "cosh" | "tanh"
+            | "ln" | "log10" | "floor" => {
                 let [a] = self.scalars(typed, name, at)?;
                 if a.dimension.is_some_and(|d| d != units::NONE) {
                     let found = a.dimension.unwrap_or(units::NONE);
                     return self.fail(say::pure_number_wanted(a.at, &name.text, found));
                 }
-                let function = match name.text.as_str() {
-                    "exp" => Function::Exp,
-                    "sin" => Function::Sin,
-                    _ => Function::Cos,
-                };
-                self.result(function, [a], false, Some(units::NONE), 0, at)
+                let angle = i8::from(matches!(name.text.as_str(), "asin" | "acos" | "atan"));
+                Some(Typed {
+                    formula: self.of_number(&name.text, a.formula, at)?,
+                    vector: false,
+                    dimension: Some(units::NONE),
+                    angle,
+                    bare: None,
+                    at,
+                })
+            }
+            "atan2" => {
+                let [a, b] = self.scalars(typed, name, at)?;
+                let ratio = self.alike(Function::Atan2, a, b, at)?;
+                Some(Typed {
+                    dimension: Some(units::NONE),
+                    angle: 1,
+                    bare: None,
+                    ..ratio
+                })
+            }
+            "sign" => {
+                let [a] = self.scalars(typed, name, at)?;
+                let zero = || Formula::Number(0.0);
+                let [one, minus] = [1.0, -1.0].map(Formula::Number);
+                let above = self.apply(
+                    Function::IfLess,
+                    vec![zero(), a.formula.clone(), one, zero()],
+                    at,
+                )?;
+                let below = vec![a.formula, zero(), minus, above];
+                let formula = self.apply(Function::IfLess, below, at)?;
+                Some(Typed::of(formula, false, units::NONE, at))
+            }
+            "clamp" => {
+                let [a, low, high] = self.scalars(typed, name, at)?;
+                let above = self.alike(Function::Max, a, low, at)?;
+                self.alike(Function::Min, above, high, at)
+            }
+            "smoothstep" => {
+                let [low, high, a] = self.scalars(typed, name, at)?;
+                self.smoothstep(low, high, a, at)
             }
             "sqrt" => {
                 let [a] = self.scalars(typed, name, at)?;
@@ -102,6 +141,111 @@ impl Resolver<'_> {
                 self.fail(report)
             }
         }
+    }
+
+    /// `if(a < b, c, d)`: one of two values of the same shape and dimension.
+    fn if_else(
+        &mut self,
+        arguments: &[Expression],
+        name: &Word,
+        at: Region,
+        scope: Scope<'_>,
+    ) -> Option<Typed> {
+        let [condition, then, otherwise] = arguments else {
+            return self.fail(say::argument_count(at, &name.text, 3, arguments.len()));
+        };
+        let Expression::Compare { sign, sides } = condition else {
+            return self.fail(say::condition_wanted(condition.at()));
+        };
+        let [left, right] = [&sides[0], &sides[1]].map(|side| self.typed(side, scope));
+        let [then, otherwise] = [then, otherwise].map(|value| self.typed(value, scope));
+        let [a, b] = self.scalars(vec![left, right], name, condition.at())?;
+        let sides = [a.formula.clone(), b.formula.clone()];
+        // For what may be compared; its value is not used.
+        self.alike(Function::Min, a, b, condition.at())?;
+        let [a, b] = sides;
+        let (function, a, b) = match *sign {
+            "<" => (Function::IfLess, a, b),
+            ">" => (Function::IfLess, b, a),
+            "<=" => (Function::IfAtMost, a, b),
+            _ => (Function::IfAtMost, b, a),
+        };
+        let (then, otherwise) = (then?, otherwise?);
+        let values = [then.formula.clone(), otherwise.formula.clone()];
+        let like = self.alike(Function::Add, then, otherwise, at)?;
+        let [then, otherwise] = values;
+        Some(Typed {
+            formula: self.apply(function, vec![a, b, then, otherwise], at)?,
+            bare: None,
+            ..like
+        })
+    }
+
+    /// A function of one number by its name, put together from those that the laws know.
+    fn of_number(&mut self, name: &str, a: Formula, at: Region) -> Option<Formula> {
+        let one = || Formula::Number(1.0);
+        let mut apply = |function, arguments| self.apply(function, arguments, at);
+        match name {
+            "exp" => apply(Function::Exp, vec![a]),
+            "sin" => apply(Function::Sin, vec![a]),
+            "cos" => apply(Function::Cos, vec![a]),
+            "tanh" => apply(Function::Tanh, vec![a]),
+            "ln" => apply(Function::Ln, vec![a]),
+            "floor" => apply(Function::Floor, vec![a]),
+            "tan" => {
+                let sine = apply(Function::Sin, vec![a.clone()])?;
+                let cosine = apply(Function::Cos, vec![a])?;
+                apply(Function::Div, vec![sine, cosine])
+            }
+            "atan" => apply(Function::Atan2, vec![a, one()]),
+            "asin" | "acos" => {
+                // √((1 − a)(1 + a)) keeps the digits of 1 − a² near its ends.
+                let less = apply(Function::Sub, vec![one(), a.clone()])?;
+                let more = apply(Function::Add, vec![one(), a.clone()])?;
+                let product = apply(Function::Mul, vec![less, more])?;
+                let other = apply(Function::Sqrt, vec![product])?;
+                let sides = if name == "asin" {
+                    vec![a, other]
+                } else {
+                    vec![other, a]
+                };
+                apply(Function::Atan2, sides)
+            }
+            "log10" => {
+                let natural = apply(Function::Ln, vec![a])?;
+                apply(
+                    Function::Mul,
+                    vec![natural, Formula::Number(std::f64::consts::LOG10_E)],
+                )
+            }
+            _ => {
+                let minus = apply(Function::Neg, vec![a.clone()])?;
+                let [up, down] = [a.clone(), minus].map(|a| apply(Function::Exp, vec![a]));
+                let sum = apply(Function::Add, vec![up?, down?])?;
+                let cosh = apply(Function::Mul, vec![sum, Formula::Number(0.5)])?;
+                if name == "cosh" {
+                    return Some(cosh);
+                }
+                // Near zero e^a − e^−a would lose what tanh a keeps.
+                let tanh = apply(Function::Tanh, vec![a])?;
+                apply(Function::Mul, vec![tanh, cosh])
+            }
+        }
+    }
+
+    /// t² (3 − 2 t) with t = (a − low)/(high − low) between 0 and 1: from 0 to 1 without a kink.
+    fn smoothstep(&mut self, low: Typed, high: Typed, a: Typed, at: Region) -> Option<Typed> {
+        let width = self.alike(Function::Sub, high, low.clone(), at)?;
+        let rise = self.alike(Function::Sub, a, low, at)?;
+        let part = self.product(Function::Div, rise, width, at)?;
+        let number = |value| Formula::Number(value);
+        let above = self.apply(Function::Max, vec![part.formula, number(0.0)], at)?;
+        let t = self.apply(Function::Min, vec![above, number(1.0)], at)?;
+        let twice = self.apply(Function::Mul, vec![number(2.0), t.clone()], at)?;
+        let rest = self.apply(Function::Sub, vec![number(3.0), twice], at)?;
+        let square = self.apply(Function::Mul, vec![t.clone(), t], at)?;
+        let formula = self.apply(Function::Mul, vec![square, rest], at)?;
+        Some(Typed::of(formula, false, units::NONE, at))
     }
 
     /// The vector (r cos φ, r sin φ, h).

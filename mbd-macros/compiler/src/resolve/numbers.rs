@@ -144,7 +144,7 @@ impl Resolver<'_> {
             }
             Expression::Component { of, .. } => self.const_names(of, needs),
             Expression::Negative(inner, _) => self.const_names(inner, needs),
-            Expression::Binary { sides, .. } => {
+            Expression::Binary { sides, .. } | Expression::Compare { sides, .. } => {
                 sides.iter().for_each(|side| self.const_names(side, needs));
             }
             Expression::Path(steps) => {

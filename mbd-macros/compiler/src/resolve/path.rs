@@ -30,6 +30,10 @@ impl Resolver<'_> {
             let (place, rest) = self.world_place(first, rest, scope)?;
             return self.frame_quantity(place, "world", rest, at, scope);
         }
+        if word == "pi" && self.names.get(word).is_none() {
+            let pi = Formula::Number(std::f64::consts::PI);
+            return self.tail(Typed::of(pi, false, units::NONE, here), rest);
+        }
         let named = self.find(first, scope, rest.is_empty())?;
         self.mention(named, first.word.at);
         let number = matches!(
@@ -151,7 +155,7 @@ impl Resolver<'_> {
             let mut known = self
                 .names
                 .words_of(|n| matches!(n, Named::Const(_) | Named::Param(_) | Named::Input(_)));
-            known.push("time");
+            known.extend(["time", "pi"]);
             say::unknown_parameter(at, word, &known)
         } else {
             let known = self.names.words_of(|n| {

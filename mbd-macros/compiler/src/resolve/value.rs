@@ -2,7 +2,7 @@
 
 use mbd_scene::{Dimension, Formula, Function, Unit};
 
-use super::{Resolver, fold};
+use super::{Named, Resolver, fold};
 use crate::lexeme::Region;
 use crate::messages::{Report, resolve as say};
 use crate::syntax::expression::{self, Expression};
@@ -65,7 +65,10 @@ impl Typed {
 
     /// Its SI unit; angles are told apart from pure numbers where that is known.
     pub fn unit(&self) -> Unit {
-        let dimension = self.dimension.unwrap_or(units::NONE);
+        // Numbers without a unit under `units: si` leave open what a product of them measures.
+        let Some(dimension) = self.dimension else {
+            return units::si("", units::NONE);
+        };
         let text = match (self.angle, dimension) {
             (1, units::NONE) => "rad".to_string(),
             (1, units::RATE) => "rad/s".to_string(),
@@ -103,8 +106,14 @@ impl Resolver<'_> {
                 text,
                 unit,
                 at,
-            } => Some(self.number(*value, text, unit.as_ref(), *at)),
-            Expression::Vector { parts, unit, at } => self.vector(parts, unit.as_ref(), *at, scope),
+            } => {
+                self.unit_alone(unit.as_ref(), *at)?;
+                Some(self.number(*value, text, unit.as_ref(), *at))
+            }
+            Expression::Vector { parts, unit, at } => {
+                self.unit_alone(unit.as_ref(), *at)?;
+                self.vector(parts, unit.as_ref(), *at, scope)
+            }
             Expression::Path(steps) => self.path(steps, parsed.at(), scope),
             Expression::Call {
                 name,
@@ -115,6 +124,7 @@ impl Resolver<'_> {
                 let of = self.typed(of, scope)?;
                 self.component(of, axis)
             }
+            Expression::Compare { .. } => self.fail(say::comparison_alone(parsed.at())),
             Expression::Negative(inner, at) => {
                 let inner = self.typed(inner, scope)?;
                 let bare = inner.bare.as_ref().map(|text| format!("-{text}"));
@@ -144,6 +154,32 @@ impl Resolver<'_> {
         match fold::apply(function, arguments, &self.scene) {
             Some(formula) => Some(formula),
             None => self.fail(say::not_finite(at)),
+        }
+    }
+
+    /// Refuses a unit in whose product, brackets apart, stands the name of a value: `3 m * N` with a const `N`.
+    fn unit_alone(&mut self, unit: Option<&Unit>, at: Region) -> Option<()> {
+        let text = unit.map_or("", |unit| unit.text.as_str());
+        let mut depth = 0;
+        let open = text.chars().map(|c| {
+            depth += i32::from(c == '(') - i32::from(c == ')');
+            if depth == 0 && c.is_ascii_alphabetic() {
+                c
+            } else {
+                ' '
+            }
+        });
+        let open: String = open.collect();
+        let values = self
+            .names
+            .words_of(|named| matches!(named, Named::Const(_) | Named::Param(_) | Named::Input(_)));
+        let found = open
+            .split_whitespace()
+            .skip(1)
+            .find(|word| values.contains(word));
+        match found {
+            Some(word) => self.fail(say::unit_or_name(at, text, word)),
+            None => Some(()),
         }
     }
 
@@ -290,7 +326,13 @@ impl Resolver<'_> {
         } else {
             0
         };
-        let formula = self.apply(function, vec![a.formula, b.formula], at)?;
+        let nothing = function == Function::Sub && !a.vector && a.formula == b.formula;
+        let formula = if nothing {
+            // A difference of the same thing: whoever divides by it divides by zero.
+            Formula::Number(0.0)
+        } else {
+            self.apply(function, vec![a.formula, b.formula], at)?
+        };
         Some(Typed {
             bare: bare.then(|| shown(&formula)).flatten(),
             formula,
@@ -319,6 +361,14 @@ impl Resolver<'_> {
             _ => None,
         };
         let bare = a.bare.is_some() && b.bare.is_some();
+        if divide
+            && matches!(
+                fold::known(&b.formula, &self.scene, false),
+                Some(fold::Fixed::Scalar(0.0))
+            )
+        {
+            return self.fail(say::not_finite(at));
+        }
         let formula = self.apply(function, vec![a.formula, b.formula], at)?;
         Some(Typed {
             bare: bare.then(|| shown(&formula)).flatten(),
@@ -410,6 +460,6 @@ pub fn angle_of(unit: &Unit) -> i8 {
     i8::from(
         words
             .next()
-            .is_some_and(|word| word == "rad" || word == "deg"),
+            .is_some_and(|word| ["rad", "deg", "rpm"].contains(&word)),
     )
 }

@@ -50,6 +50,13 @@ pub enum Expression {
         /// `x`, `y` or `z`.
         axis: Word,
     },
+    /// `a < b`, the condition of an `if`
+    Compare {
+        /// `< <= > >=`
+        sign: &'static str,
+        /// The operands.
+        sides: Box<[Expression; 2]>,
+    },
     /// `-a`
     Negative(Box<Expression>, Region),
     /// `a + b`
@@ -86,7 +93,9 @@ impl Expression {
                 _ => Region::START,
             },
             Expression::Component { of, axis } => of.at().to(axis.at.into()),
-            Expression::Binary { sides, .. } => sides[0].at().to(sides[1].at()),
+            Expression::Binary { sides, .. } | Expression::Compare { sides, .. } => {
+                sides[0].at().to(sides[1].at())
+            }
         }
     }
 }
@@ -130,6 +139,18 @@ impl Parser {
 
     fn sum(&mut self, cursor: &mut Cursor<'_>) -> Deep {
         self.chain(cursor, &['+', '-'], Self::product)
+    }
+
+    /// A sum, or two with a comparison between them.
+    fn comparison(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        let (left, depth) = self.sum(cursor)?;
+        let mut signs = ["<=", ">=", "<", ">"].into_iter();
+        let Some(sign) = signs.find(|sign| cursor.signs(sign).is_some()) else {
+            return Ok((left, depth));
+        };
+        let (right, other) = self.sum(cursor)?;
+        let sides = Box::new([left, right]);
+        Ok((Expression::Compare { sign, sides }, depth.max(other) + 1))
     }
 
     fn product(&mut self, cursor: &mut Cursor<'_>) -> Deep {
@@ -274,7 +295,7 @@ impl Parser {
         let mut deepest = 0;
         for part in Cursor::new(group).comma_separated() {
             let mut inner = Cursor::new(part);
-            let (parsed, depth) = self.sum(&mut inner)?;
+            let (parsed, depth) = self.comparison(&mut inner)?;
             inner.finish("an operator or `,`")?;
             parts.push(parsed);
             deepest = deepest.max(depth);

@@ -92,7 +92,14 @@ fn factor(cursor: &mut Cursor<'_>) -> Result<Unit, Report> {
         let call = word.text == "min" && cursor.group(Bracket::Round).is_some();
         let path = matches!(cursor.peek().map(|l| &l.kind), Some(Kind::Sign('.')));
         if call || (path && !super::expression::range(cursor)) {
-            return Err(say::unknown_unit(here, &word.text));
+            return Err(match cursor.ahead(1).map(|l| &l.kind) {
+                Some(Kind::Word(next))
+                    if [&word.text, next].iter().all(|w| units::find(w).is_some()) =>
+                {
+                    say::unit_product(here, &word.text, next)
+                }
+                _ => say::unknown_unit(here, &word.text),
+            });
         }
         let (factor, dimension) =
             units::find(&word.text).ok_or_else(|| say::unknown_unit(here, &word.text))?;

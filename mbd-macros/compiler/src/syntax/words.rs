@@ -290,6 +290,16 @@ pub const FOREIGN_FUNCTIONS: Dictionary = &[
     ("pow", "^"),
     ("fabs", "abs"),
     ("inner", "dot"),
+    ("log", "ln"),
+    ("arcsin", "asin"),
+    ("arccos", "acos"),
+    ("arctan", "atan"),
+    ("arctan2", "atan2"),
+    ("sgn", "sign"),
+    ("signum", "sign"),
+    ("saturate", "clamp"),
+    ("where", "if"),
+    ("select", "if"),
     ("fmin", "min"),
     ("fmax", "max"),
 ];
@@ -349,7 +359,33 @@ pub const FOREIGN_JOINTS: Dictionary = &[
 
 /// The functions of an expression.
 pub const FUNCTIONS: &[&str] = &[
-    "norm", "dot", "cross", "min", "max", "abs", "exp", "sqrt", "sin", "cos", "angle", "polar",
+    "norm",
+    "dot",
+    "cross",
+    "min",
+    "max",
+    "abs",
+    "exp",
+    "sqrt",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "sinh",
+    "cosh",
+    "tanh",
+    "ln",
+    "log10",
+    "sign",
+    "floor",
+    "clamp",
+    "smoothstep",
+    "if",
+    "angle",
+    "polar",
 ];
 
 /// What may be asked of a body or one of its frames, of a point, of a line.
@@ -395,6 +431,9 @@ pub const EMITTED: &[&str] = &[
     "partial",
 ];
 
+/// Functions whose words are also names of things: they are functions only in front of a bracket.
+const FREE_FUNCTIONS: &[&str] = &["floor", "sign", "clamp", "ln", "tan"];
+
 /// Words of the language besides item keywords, functions and units.
 const OTHER_RESERVED: &[&str] = &[
     "model",
@@ -434,8 +473,6 @@ const RUST: &[&str] = &[
 pub enum Reserved {
     /// It has a meaning in the language.
     Language,
-    /// It is a unit.
-    Unit,
     /// It is a keyword of Rust, or begins with two underscores.
     Rust,
 }
@@ -443,14 +480,12 @@ pub enum Reserved {
 /// Whether and why a word cannot be the name of an item.
 pub fn reserved(word: &str) -> Option<Reserved> {
     let language = ITEMS.iter().any(|item| item.word == word)
-        || FUNCTIONS.contains(&word)
+        || FUNCTIONS.contains(&word) && !FREE_FUNCTIONS.contains(&word)
         || OTHER_RESERVED.contains(&word);
     if RUST.contains(&word) || word.starts_with("__") || word.starts_with("r#") {
         Some(Reserved::Rust)
     } else if language {
         Some(Reserved::Language)
-    } else if crate::units::known().contains(&word) {
-        Some(Reserved::Unit)
     } else {
         None
     }

@@ -110,17 +110,17 @@ fn applied(function: Function, of: &[Formula], scene: &Scene) -> (String, Rank) 
             let inner = of.first().map(|of| at_least(of, 3, scene));
             (format!("-{}", inner.unwrap_or_default()), 3)
         }
-        Function::Norm => (call("norm", of, scene), 5),
-        Function::Dot => (call("dot", of, scene), 5),
-        Function::Cross => (call("cross", of, scene), 5),
-        Function::Min => (call("min", of, scene), 5),
-        Function::Max => (call("max", of, scene), 5),
-        Function::Abs => (call("abs", of, scene), 5),
-        Function::Exp => (call("exp", of, scene), 5),
-        Function::Sqrt => (call("sqrt", of, scene), 5),
-        Function::Sin => (call("sin", of, scene), 5),
-        Function::Cos => (call("cos", of, scene), 5),
-        Function::Angle => (call("angle", of, scene), 5),
+        Function::IfLess => (choice("<", of, scene), 5),
+        Function::IfAtMost => (choice("<=", of, scene), 5),
+        function => (call(function.word(), of, scene), 5),
+    }
+}
+
+fn choice(sign: &str, of: &[Formula], scene: &Scene) -> String {
+    let parts: Vec<String> = of.iter().map(|part| text(part, scene)).collect();
+    match parts.as_slice() {
+        [a, b, c, d] => format!("if({a} {sign} {b}, {c}, {d})"),
+        _ => String::new(),
     }
 }
 

@@ -145,6 +145,14 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
             [a] => unary(*function, value(a, context)),
             [a, Formula::Number(n)] if *function == Function::Power => power(value(a, context), *n),
             [a, b] => binary(*function, value(a, context), value(b, context)),
+            [a, b, c, d] => {
+                let (a, b) = (scalar(a, context), scalar(b, context));
+                let mask = match function {
+                    Function::IfLess => a.lt(b),
+                    _ => a.le(b),
+                };
+                choice(mask, value(c, context), value(d, context))
+            }
             _ => None,
         },
         Formula::Lookup(table, argument) => {
@@ -166,6 +174,9 @@ fn unary<S: Real>(function: Function, a: Value<S>) -> Option<Value<S>> {
         (Function::Sqrt, Scalar(a)) => Scalar(a.sqrt()),
         (Function::Sin, Scalar(a)) => Scalar(a.sin_cos().0),
         (Function::Cos, Scalar(a)) => Scalar(a.sin_cos().1),
+        (Function::Tanh, Scalar(a)) => Scalar(a.tanh()),
+        (Function::Ln, Scalar(a)) => Scalar(a.ln()),
+        (Function::Floor, Scalar(a)) => Scalar(a.floor()),
         _ => return None,
     })
 }
@@ -185,9 +196,19 @@ fn binary<S: Real>(function: Function, a: Value<S>, b: Value<S>) -> Option<Value
         (Function::Cross, Vector(a), Vector(b)) => Vector(a.cross(&b)),
         (Function::Min, Scalar(a), Scalar(b)) => Scalar(a.min(b)),
         (Function::Max, Scalar(a), Scalar(b)) => Scalar(a.max(b)),
+        (Function::Atan2, Scalar(a), Scalar(b)) => Scalar(a.atan2(b)),
         (Function::Angle, Vector(a), Vector(b)) => Scalar(norm(&a.cross(&b)).atan2(a.dot(&b))),
         _ => return None,
     })
+}
+
+/// One of two values of the same shape.
+fn choice<S: Real>(mask: S::Mask, a: Value<S>, b: Value<S>) -> Option<Value<S>> {
+    match (a, b) {
+        (Scalar(a), Scalar(b)) => Some(Scalar(S::select(mask, a, b))),
+        (Vector(a), Vector(b)) => Some(Vector(a.zip_map(&b, |a, b| S::select(mask, a, b)))),
+        _ => None,
+    }
 }
 
 /// √(a·a); its derivative at zero is zero by the rule of [`Real::sqrt`].

@@ -150,6 +150,16 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
         let value = self.value.exp();
         self.chain(value, value)
     }
+    fn ln(self) -> Self {
+        self.chain(self.value.ln(), T::one() / self.value)
+    }
+    fn tanh(self) -> Self {
+        let value = self.value.tanh();
+        self.chain(value, T::one() - value * value)
+    }
+    fn floor(self) -> Self {
+        Self::constant(self.value.floor())
+    }
     fn atan2(self, x: Self) -> Self {
         let squared = (self.value * self.value + x.value * x.value).max(T::from_f64(TINY));
         self.zip(x, self.value.atan2(x.value), |dy, dx| {

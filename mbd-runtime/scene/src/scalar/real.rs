@@ -36,6 +36,12 @@ pub trait Real:
     fn sin_cos(self) -> (Self, Self);
     /// e to the power self.
     fn exp(self) -> Self;
+    /// The natural logarithm of self, for self > 0.
+    fn ln(self) -> Self;
+    /// The hyperbolic tangent of self.
+    fn tanh(self) -> Self;
+    /// The largest whole number that is not above self. Its derivative is zero.
+    fn floor(self) -> Self;
     /// The angle of the vector (`x`, self) [rad], in (−π, π].
     fn atan2(self, x: Self) -> Self;
     /// |self|.
@@ -97,6 +103,18 @@ macro_rules! machine_number {
             #[inline(always)]
             fn exp(self) -> Self {
                 $t::exp(self)
+            }
+            #[inline(always)]
+            fn ln(self) -> Self {
+                $t::ln(self)
+            }
+            #[inline(always)]
+            fn tanh(self) -> Self {
+                $t::tanh(self)
+            }
+            #[inline(always)]
+            fn floor(self) -> Self {
+                $t::floor(self)
             }
             #[inline(always)]
             fn atan2(self, x: Self) -> Self {

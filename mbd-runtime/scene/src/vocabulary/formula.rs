@@ -52,6 +52,44 @@ pub enum Function {
     Cos,
     /// The angle between two vectors [rad], 0 … π.
     Angle,
+    /// The angle of the vector (b, a) of two scalars [rad], in (−π, π].
+    Atan2,
+    /// Hyperbolic tangent of a number.
+    Tanh,
+    /// The natural logarithm of a number > 0.
+    Ln,
+    /// The largest whole number that is not above a.
+    Floor,
+    /// c where a < b, d elsewhere; c and d of one shape.
+    IfLess,
+    /// c where a ≤ b, d elsewhere; c and d of one shape.
+    IfAtMost,
+}
+
+impl Function {
+    /// How it is called in a declaration; empty for an operator, and for a choice.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Function::Norm => "norm",
+            Function::Dot => "dot",
+            Function::Cross => "cross",
+            Function::Min => "min",
+            Function::Max => "max",
+            Function::Abs => "abs",
+            Function::Exp => "exp",
+            Function::Sqrt => "sqrt",
+            Function::Sin => "sin",
+            Function::Cos => "cos",
+            Function::Angle => "angle",
+            Function::Atan2 => "atan2",
+            Function::Tanh => "tanh",
+            Function::Ln => "ln",
+            Function::Floor => "floor",
+            Function::Add | Function::Sub | Function::Mul | Function::Div => "",
+            Function::Neg | Function::Power | Function::IfLess | Function::IfAtMost => "",
+        }
+    }
 }
 
 /// An expression over the scene, in SI units, world axes.

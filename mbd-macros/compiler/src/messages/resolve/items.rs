@@ -15,13 +15,6 @@ pub fn twice(at: Region, word: &str, first: Region) -> Report {
         .also(first, "first used here")
 }
 
-pub fn unit_as_name(at: Region, word: &str) -> Report {
-    Report::new(
-        at,
-        format!("`{word}` is a unit and cannot be a name here; choose another, such as `{word}_0`"),
-    )
-}
-
 pub fn rust_as_name(at: Region, word: &str) -> Report {
     Report::new(
         at,

@@ -148,6 +148,29 @@ pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> Report {
     Report::new(at, text)
 }
 
+pub fn unit_or_name(at: Region, unit: &str, word: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{unit}` behind a number is read as a unit, but `{word}` is a name of this model: write `(1 {first}) * {word}` for the product, \
+             or `1 ({unit})` for the unit",
+            first = unit.split(['*', '/']).next().unwrap_or(unit)
+        ),
+    )
+}
+
+pub fn comparison_alone(at: Region) -> Report {
+    Report::new(
+        at,
+        "a comparison is no value: it stands in `if(a < b, this, that)`".to_owned(),
+    )
+}
+
+pub fn condition_wanted(at: Region) -> Report {
+    let text = "`if` takes a comparison first: `if(a < b, this, that)` with `<`, `<=`, `>` or `>=`";
+    Report::new(at, text.to_owned())
+}
+
 pub fn argument_count(at: Region, function: &str, wanted: usize, found: usize) -> Report {
     let plural = if wanted == 1 { "" } else { "s" };
     Report::new(
