@@ -85,7 +85,8 @@ mod tests {
         let angle = (sin - number(0.2)).atan2(cos + root);
         let larger = (sin * decay).max(cos).min(number(5.0) * t);
         let chosen = S::select(number(0.5).lt(t), (cos - t).abs(), root);
-        (root * angle + larger / (number(2.0) + decay)) * chosen - (-t) * larger
+        let bounded = (number(2.0) + t).ln().tanh();
+        (root * angle + larger / (number(2.0) + decay)) * chosen - (-t) * larger * bounded
     }
 
     #[test]
