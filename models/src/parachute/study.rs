@@ -1,6 +1,6 @@
 //! The study: every model of the confluence flown on both test cases, measured against tight references.
 
-use super::comparison::{END, EQUAL_ERROR, TIGHT, TONE, TONE_STEP, errors, grid, options, tight};
+use super::comparison::{END, TONE, TONE_STEP, errors, grid, options};
 use super::prepare::{Found, Task, prepare};
 use super::scene::{Instant, TestCase};
 use super::stability::Limit;
