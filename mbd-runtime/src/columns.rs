@@ -78,20 +78,24 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
     names
 }
 
-/// The name of a point.
-pub(crate) fn node_name(scene: &Scene, point: usize) -> &str {
-    scene
-        .points
-        .get(point)
-        .map_or("point", |point| point.name.as_str())
+macro_rules! names {
+    ($($(#[$doc:meta])* $name:ident: $list:ident or $none:literal;)*) => {$(
+        $(#[$doc])*
+        pub(crate) fn $name(scene: &Scene, index: usize) -> &str {
+            scene.$list.get(index).map_or($none, |found| found.name.as_str())
+        }
+    )*};
 }
 
-/// The name of a line.
-pub(crate) fn line_name(scene: &Scene, line: usize) -> &str {
-    scene
-        .lines
-        .get(line)
-        .map_or("line", |line| line.name.as_str())
+names! {
+    /// The name of a point.
+    node_name: points or "point";
+    /// The name of a line.
+    line_name: lines or "line";
+    /// The name of a joint.
+    joint_name: joints or "joint";
+    /// The name of a body.
+    body_name: bodies or "body";
 }
 
 /// The name of a stop: `elbow.angle high stop`.
@@ -105,14 +109,6 @@ pub(crate) fn stop_name(scene: &Scene, layout: &Layout, stop: usize) -> String {
     named.unwrap_or_else(|| format!("stop {stop}"))
 }
 
-/// The name of a joint.
-pub(crate) fn joint_name(scene: &Scene, joint: usize) -> &str {
-    scene
-        .joints
-        .get(joint)
-        .map_or("joint", |joint| joint.name.as_str())
-}
-
 /// The name of the input slot at an index of the list of inputs.
 pub(crate) fn input_name(scene: &Scene, layout: &Layout, index: usize) -> String {
     let slots = layout
@@ -120,16 +116,10 @@ pub(crate) fn input_name(scene: &Scene, layout: &Layout, index: usize) -> String
         .iter()
         .find(|slots| (slots.at..slots.at + slots.len).contains(&index));
     let name = slots.and_then(|slots| match slots.source {
-        InputSource::Input(i) => scene.inputs.get(i).map(|input| input.name.clone()),
-        InputSource::Load(i) => scene.loads.get(i).map(|load| load.name.clone()),
-        InputSource::BodyGravity(i) => scene
-            .bodies
-            .get(i)
-            .map(|body| format!("gravity at {}", body.name)),
-        InputSource::PointGravity(i) => scene
-            .points
-            .get(i)
-            .map(|point| format!("gravity at {}", point.name)),
+        InputSource::Input(i) => Some(scene.inputs.get(i)?.name.clone()),
+        InputSource::Load(i) => Some(scene.loads.get(i)?.name.clone()),
+        InputSource::BodyGravity(i) => Some(format!("gravity at {}", body_name(scene, i))),
+        InputSource::PointGravity(i) => Some(format!("gravity at {}", node_name(scene, i))),
     });
     name.unwrap_or_else(|| format!("input {index}"))
 }

@@ -76,24 +76,67 @@ pub enum Collapse {
     Event,
 }
 
-/// What went wrong in a step.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum StepError {
+/// Declares the errors of a step, each with its name in tables, its sentence and its advice.
+macro_rules! step_errors {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident $({ $($(#[$field_doc:meta])* $field:ident: $type:ty,)* })?
+        $status:literal, $sentence:expr, $advice:expr;
+    )*) => {
+        /// What went wrong in a step.
+        #[derive(Clone, Debug, PartialEq)]
+        #[non_exhaustive]
+        pub enum StepError {
+            $($(#[$doc])* $name $({ $($(#[$field_doc])* $field: $type,)* })?,)*
+        }
+
+        #[allow(unused_variables, reason = "not every sentence names every number")]
+        impl StepError {
+            /// The name of this kind of failure in tables: `non_finite`, `step_underflow`, ….
+            #[must_use]
+            pub fn status(&self) -> &'static str {
+                match self {
+                    $(StepError::$name { .. } => $status,)*
+                }
+            }
+
+            /// One sentence of advice.
+            #[must_use]
+            pub fn advice(&self) -> String {
+                match self {
+                    $(StepError::$name $({ $($field),* })? => $advice.into(),)*
+                }
+            }
+
+            /// What happened, in one sentence.
+            fn sentence(&self) -> String {
+                match self {
+                    $(StepError::$name $({ $($field),* })? => $sentence,)*
+                }
+            }
+        }
+    };
+}
+
+step_errors! {
     /// A number from the caller that cannot be used, refused before any step.
     InvalidInput {
         /// Its name: a coordinate, an option, a line.
         slot: String,
         /// The number.
         value: f64,
-    },
+    }
+    "range", format!("`{slot}` cannot be {value:e}"), "give a finite number in the accepted range";
+
     /// A number that became infinite or NaN.
     NonFinite {
         /// When [s].
         time: f64,
         /// What.
         source: Source,
-    },
+    }
+    "non_finite", format!("at {time:.9} s {source}"), source.advice();
+
     /// The balance of an equilibrium point was not found; no force was used.
     NoEquilibrium {
         /// The point.
@@ -104,7 +147,11 @@ pub enum StepError {
         residual_n: f64,
         /// Iterations spent.
         iterations: u64,
-    },
+    }
+    "newton_not_converged",
+    format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n:.3e} N left after {iterations} iterations"),
+    "take a smaller step, or bring the stiffnesses of the lines of this point closer together";
+
     /// The step fell below what time can resolve, or ten trials in a row were rejected.
     StepCollapse {
         /// When [s].
@@ -115,8 +162,15 @@ pub enum StepError {
         block: String,
         /// Why.
         cause: Collapse,
-    },
-    /// A line switches between slack and taut without end.
+    }
+    "step_underflow",
+    format!("at {time:.9} s the step shrank to {step_size:.3e} s: {cause} (`{block}`)"),
+    match cause {
+        Collapse::ErrorTest => "loosen the tolerance, or look for a jump in a load and declare it as an event",
+        Collapse::Event => "look for a load without a limit near this time",
+    };
+
+    /// A line or a stop switches without end.
     EventChatter {
         /// The line or the stop.
         line: String,
@@ -124,7 +178,11 @@ pub enum StepError {
         count: usize,
         /// The window [s].
         window: f64,
-    },
+    }
+    "event_limit",
+    format!("`{line}` switched between slack and taut {count} times in {window:.3e} s"),
+    "the line or stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless";
+
     /// The fixed step is above the stability limit: positions stay plausible, forces do not.
     UnstableStep {
         /// The step [s].
@@ -133,26 +191,42 @@ pub enum StepError {
         rho: f64,
         /// A step that should do [s].
         suggestion: f64,
-    },
+    }
+    "unstable_step",
+    format!("the fixed step {step_size:.3e} s is unstable: step times rate is {rho:.2}"),
+    format!("take a fixed step of at most {suggestion:.3e} s, or an adaptive method");
+
     /// The step budget of one call is used up.
     TooManySteps {
         /// The budget.
         steps: u64,
-    },
+    }
+    "too_many_steps", format!("{steps} steps were not enough"), "raise the budget `max_steps`, or take a larger step";
+
     /// The caller's `go on` said no, at a step boundary.
-    Cancelled,
+    Cancelled
+    "cancelled", "the run was cancelled".into(), "run again: the state is the last accepted step";
+
     /// The joints cannot be satisfied from the given state.
     InconsistentStart {
         /// The largest row that is left [m or 1].
         norm: f64,
         /// The joints furthest from holding, and by how much, largest first.
         rows: Vec<(String, f64)>,
-    },
+    }
+    "inconsistent_start",
+    format!("the joints do not hold at the start ({norm:.3e} left: {})", sized(rows)),
+    "start closer to a state where all joints hold, or look for joints that contradict each other";
+
     /// The joints hold, but on a root of their rows that is not the joint: an axis points the other way, or axes are exchanged.
     WrongBranch {
         /// The joints.
         joints: Vec<String>,
-    },
+    }
+    "wrong_branch",
+    format!("at the start {} would hold only turned around", listed(joints)),
+    "turn the bodies at these joints so that the axes of both sides agree";
+
     /// Rows of joints repeat each other, for good or in this configuration: the forces in them are not determined.
     SingularConstraints {
         /// When [s].
@@ -163,7 +237,17 @@ pub enum StepError {
         rows: usize,
         /// The joints that take part; empty when the rows are independent but their system is too badly conditioned.
         joints: Vec<String>,
+    }
+    "singular_constraints",
+    match joints.is_empty() {
+        true => format!("at {time:.9} s the joint forces cannot be solved ({rank} of {rows} rows are independent)"),
+        false => format!("at {time:.9} s {} repeat each other: {rank} of {rows} rows are independent", listed(joints)),
     },
+    match joints.is_empty() {
+        true => "bring the masses closer together, or measure lengths in a unit of the size of the mechanism",
+        false => "replace one of these joints by one that forbids less (a hinge by a spherical joint, a weld by nothing), or start away from this configuration",
+    };
+
     /// Masses so uneven that no way of solving the rows keeps three digits of the accelerations.
     IllConditioned {
         /// When [s].
@@ -174,7 +258,11 @@ pub enum StepError {
         strategy: u64,
         /// The largest mass over the smallest.
         ratio: f64,
-    },
+    }
+    "ill_conditioned",
+    format!("at {time:.9} s the accelerations lose {loss_digits} digits: masses differ by a factor of {ratio:.1e}"),
+    "bring the masses closer together, leave out bodies that weigh nothing beside the others, or run in f64 where this is f32";
+
     /// A step moved the joints so far apart that the projection did not bring them together.
     JointsApart {
         /// When [s].
@@ -183,197 +271,58 @@ pub enum StepError {
         norm: f64,
         /// The joints furthest from holding, and by how much, largest first.
         rows: Vec<(String, f64)>,
-    },
+    }
+    "joints_apart",
+    format!("at {time:.9} s the joints came apart ({norm:.3e} left: {})", sized(rows)),
+    "take a smaller step";
+
     /// A combination this runtime does not offer.
     Unsupported {
         /// What was asked for.
         what: String,
         /// What to take instead.
         instead: String,
-    },
-}
-
-impl StepError {
-    /// The name of this kind of failure in tables: `non_finite`, `step_underflow`, ….
-    #[must_use]
-    pub fn status(&self) -> &'static str {
-        match self {
-            StepError::InvalidInput { .. } => "range",
-            StepError::NonFinite { .. } => "non_finite",
-            StepError::NoEquilibrium { .. } => "newton_not_converged",
-            StepError::StepCollapse { .. } => "step_underflow",
-            StepError::EventChatter { .. } => "event_limit",
-            StepError::UnstableStep { .. } => "unstable_step",
-            StepError::TooManySteps { .. } => "too_many_steps",
-            StepError::Cancelled => "cancelled",
-            StepError::InconsistentStart { .. } => "inconsistent_start",
-            StepError::WrongBranch { .. } => "wrong_branch",
-            StepError::SingularConstraints { .. } => "singular_constraints",
-            StepError::IllConditioned { .. } => "ill_conditioned",
-            StepError::JointsApart { .. } => "joints_apart",
-            StepError::Unsupported { .. } => "unsupported",
-        }
     }
-
-    /// One sentence of advice.
-    #[must_use]
-    pub fn advice(&self) -> String {
-        match self {
-            StepError::InvalidInput { .. } => "give a finite number in the accepted range".into(),
-            StepError::NonFinite {
-                source: Source::Load(name),
-                ..
-            } => format!("look at what `{name}` returns at this time and state"),
-            StepError::NonFinite {
-                source: Source::Joint(_),
-                ..
-            } => {
-                "look for a time at which its motor, or a frame of the world that moves it, has no value".into()
-            }
-            StepError::NonFinite { .. } => {
-                "take a smaller step; if it stays, look for a division by zero or a root of a negative number in a load".into()
-            }
-            StepError::NoEquilibrium { .. } => {
-                "take a smaller step, or bring the stiffnesses of the lines of this point closer together".into()
-            }
-            StepError::StepCollapse {
-                cause: Collapse::ErrorTest,
-                ..
-            } => "loosen the tolerance, or look for a jump in a load and declare it as an event".into(),
-            StepError::StepCollapse { .. } => "look for a load without a limit near this time".into(),
-            StepError::EventChatter { .. } => {
-                "the line or stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless".into()
-            }
-            StepError::UnstableStep { suggestion, .. } => {
-                format!("take a fixed step of at most {suggestion:.3e} s, or an adaptive method")
-            }
-            StepError::TooManySteps { .. } => "raise the budget `max_steps`, or take a larger step".into(),
-            StepError::Cancelled => "run again: the state is the last accepted step".into(),
-            StepError::InconsistentStart { .. } => {
-                "start closer to a state where all joints hold, or look for joints that contradict each other".into()
-            }
-            StepError::WrongBranch { .. } => {
-                "turn the bodies at these joints so that the axes of both sides agree".into()
-            }
-            StepError::SingularConstraints { joints, .. } if joints.is_empty() => {
-                "bring the masses closer together, or measure lengths in a unit of the size of the mechanism".into()
-            }
-            StepError::SingularConstraints { .. } => {
-                "replace one of these joints by one that forbids less (a hinge by a spherical joint, a weld by nothing), or start away from this configuration".into()
-            }
-            StepError::IllConditioned { .. } => {
-                "bring the masses closer together, leave out bodies that weigh nothing beside the others, or run in f64 where this is f32".into()
-            }
-            StepError::JointsApart { .. } => "take a smaller step".into(),
-            StepError::Unsupported { instead, .. } => instead.clone(),
-        }
-    }
+    "unsupported", format!("{what} is not supported"), instead.as_str();
 }
 
 impl fmt::Display for StepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            StepError::InvalidInput { slot, value } => write!(f, "`{slot}` cannot be {value:e}"),
-            StepError::NonFinite { time, source } => {
-                write!(f, "at {time:.9} s ")?;
-                match source {
-                    Source::Load(name) => write!(f, "`{name}` is not a finite number"),
-                    Source::State(name) => write!(f, "the rate of `{name}` is not a finite number"),
-                    Source::Node(name) => write!(f, "the point `{name}` is not at a finite place"),
-                    Source::Joint(name) => {
-                        write!(f, "the rows of joint `{name}` are not finite numbers")
-                    }
-                }
-            }
-            StepError::NoEquilibrium {
-                point,
-                time,
-                residual_n,
-                iterations,
-            } => write!(
-                f,
-                "at {time:.9} s no equilibrium of `{point}` was found: {residual_n:.3e} N left after {iterations} iterations"
-            ),
-            StepError::StepCollapse {
-                time,
-                step_size,
-                block,
-                cause,
-            } => {
-                let why = match cause {
-                    Collapse::ErrorTest => "the error test did not pass",
-                    Collapse::Event => "an event could not be located",
-                };
-                write!(
-                    f,
-                    "at {time:.9} s the step shrank to {step_size:.3e} s: {why} (`{block}`)"
-                )
-            }
-            StepError::EventChatter {
-                line,
-                count,
-                window,
-            } => write!(
-                f,
-                "`{line}` switched between slack and taut {count} times in {window:.3e} s"
-            ),
-            StepError::UnstableStep { step_size, rho, .. } => {
-                write!(
-                    f,
-                    "the fixed step {step_size:.3e} s is unstable: step times rate is {rho:.2}"
-                )
-            }
-            StepError::TooManySteps { steps } => write!(f, "{steps} steps were not enough"),
-            StepError::Cancelled => write!(f, "the run was cancelled"),
-            StepError::InconsistentStart { norm, rows } => {
-                write!(f, "the joints do not hold at the start ({norm:.3e} left: ")?;
-                list_rows(f, rows)?;
-                write!(f, ")")
-            }
-            StepError::WrongBranch { joints } => write!(
-                f,
-                "at the start {} would hold only turned around",
-                listed(joints)
-            ),
-            StepError::SingularConstraints {
-                time,
-                rank,
-                rows,
-                joints,
-            } if joints.is_empty() => write!(
-                f,
-                "at {time:.9} s the joint forces cannot be solved ({rank} of {rows} rows are independent)"
-            ),
-            StepError::SingularConstraints {
-                time,
-                rank,
-                rows,
-                joints,
-            } => write!(
-                f,
-                "at {time:.9} s {} repeat each other: {rank} of {rows} rows are independent",
-                listed(joints)
-            ),
-            StepError::IllConditioned {
-                time,
-                loss_digits,
-                ratio,
-                ..
-            } => write!(
-                f,
-                "at {time:.9} s the accelerations lose {loss_digits} digits: masses differ by a factor of {ratio:.1e}"
-            ),
-            StepError::JointsApart { time, norm, rows } => {
-                write!(f, "at {time:.9} s the joints came apart ({norm:.3e} left: ")?;
-                list_rows(f, rows)?;
-                write!(f, ")")
-            }
-            StepError::Unsupported { what, .. } => write!(f, "{what} is not supported"),
-        }
+        f.write_str(&self.sentence())
     }
 }
 
 impl Error for StepError {}
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Source::Load(name) => write!(f, "`{name}` is not a finite number"),
+            Source::State(name) => write!(f, "the rate of `{name}` is not a finite number"),
+            Source::Node(name) => write!(f, "the point `{name}` is not at a finite place"),
+            Source::Joint(name) => write!(f, "the rows of joint `{name}` are not finite numbers"),
+        }
+    }
+}
+
+impl Source {
+    fn advice(&self) -> String {
+        match self {
+            Source::Load(name) => format!("look at what `{name}` returns at this time and state"),
+            Source::Joint(_) => "look for a time at which its motor, or a frame of the world that moves it, has no value".into(),
+            Source::State(_) | Source::Node(_) => "take a smaller step; if it stays, look for a division by zero or a root of a negative number in a load".into(),
+        }
+    }
+}
+
+impl fmt::Display for Collapse {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Collapse::ErrorTest => "the error test did not pass",
+            Collapse::Event => "an event could not be located",
+        })
+    }
+}
 
 /// `a`, `b`, `c`.
 fn listed(names: &[String]) -> String {
@@ -381,12 +330,12 @@ fn listed(names: &[String]) -> String {
     quoted.join(", ")
 }
 
-fn list_rows(f: &mut fmt::Formatter<'_>, rows: &[(String, f64)]) -> fmt::Result {
-    for (index, (name, size)) in rows.iter().enumerate() {
-        let comma = if index == 0 { "" } else { ", " };
-        write!(f, "{comma}`{name}` {size:.3e}")?;
-    }
-    Ok(())
+/// `a` 1e-3, `b` 1e-4.
+fn sized(rows: &[(String, f64)]) -> String {
+    let quoted = rows
+        .iter()
+        .map(|(name, size)| format!("`{name}` {size:.3e}"));
+    quoted.collect::<Vec<String>>().join(", ")
 }
 
 /// Where a run stopped.

@@ -1,31 +1,23 @@
 //! Slack/taut switches and declared events: which quantity must keep its sign inside a step, and where it loses it.
 //!
-//! With the modes of all lines frozen a step is smooth. Every line that can switch has one **margin** [m], not negative while its mode holds;
-//! s is the stretch, e = (f(s) + C ṡ)/K the pull in metres, K = f′(0) (`equilibrium.md` §11, `numerics.md` §2.5):
-//!
-//! ```text
-//! line without a node        active: min(s, e)         otherwise: −min(s, e)
-//! line of a `rate` node      active: min(s, e)         slack: −s                   idle (taut without force): min(s, −e)
-//! stop of a joint            as a line without a node: s its depth, in its own unit [m or rad]
-//! declared event             its guard times the sign it has now
-//! ```
+//! With all modes frozen a step is smooth. Every unilateral element and every declared event has one **margin** that is not negative while nothing
+//! happens: of an element that of its mode (`unilateral`), in metres or radians; of a declared event its guard times the sign it has now.
 //!
 //! Rejected: taking the start of a step as a sign change (just after a switch a margin is ±0 there, and the search would stand still), and looking at
 //! the end of a step only (a margin can leave and return inside it).
 
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{Direction, Float, Layout, Model, PointSlots};
+use mbd_scene::{Direction, Float, Model};
 
-use crate::node::{Mode, is_node_line, switches};
+use crate::moving::moving;
+use crate::unilateral::{Mode, is_node_line, switches};
 
 /// What can happen inside a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Happening {
-    /// A line goes taut, slack, or idle (taut without force).
-    Line(usize, Mode),
-    /// A stop of a joint, by its number in `Layout::stops`, is touched (`Active`) or left: it pushes no more (`Slack`, or `Idle` where
-    /// its damping ends the push before the depth is zero).
-    Stop(usize, Mode),
+    /// An element switches: a line, by index, goes taut (`Active`), slack, or idle (taut without force); a stop, by its number in `Layout::stops` behind
+    /// all lines, is touched (`Active`) or left: it pushes no more (`Slack`, or `Idle` where its damping ends the push before the depth is zero).
+    Switch(usize, Mode),
     /// A declared event, by index.
     Declared(usize),
 }
@@ -42,11 +34,11 @@ pub struct Occurrence {
 /// What is looked at inside a step.
 #[derive(Clone, Copy, Debug)]
 enum Watched {
-    /// A line or, behind the lines, a stop; 1/K [m/N, for an angle 1/(N m)], and whether it ends at a `rate` node.
-    Line {
-        line: usize,
+    /// A unilateral element; 1/K [m/N, for an angle 1/(N m)], and whether it ends at a `rate` node.
+    Element {
+        element: usize,
         softness: f64,
-        rate: bool,
+        at_node: bool,
     },
     /// A declared event: its index and its place in the guards.
     Declared {
@@ -68,7 +60,7 @@ pub(crate) struct Margins {
     floor: f64,
     /// The longest C/K of a watched line [s].
     delay: f64,
-    /// Where the state holds places and velocities along which lines stretch.
+    /// Where the state holds places and velocities along which elements stretch.
     places: Vec<usize>,
     speeds: Vec<usize>,
     /// Margins at the start of the step, at the last two looks.
@@ -88,12 +80,12 @@ impl Margins {
     pub(crate) fn new<T: Float>(model: &dyn Model<T>, locate: bool, tolerance: f64) -> Self {
         let (scene, layout) = (model.scene(), model.layout());
         let mut watched = Vec::new();
-        for (line, numbers) in model.lines().iter().enumerate() {
-            if locate && switches(model, line) {
-                watched.push(Watched::Line {
-                    line,
+        for (element, numbers) in model.lines().iter().enumerate() {
+            if locate && switches(model, element) {
+                watched.push(Watched::Element {
+                    element,
                     softness: 1.0 / numbers.stiffness.to_f64(),
-                    rate: is_node_line(layout, line),
+                    at_node: is_node_line(layout, element),
                 });
             }
         }
@@ -112,14 +104,24 @@ impl Margins {
             let found = scene.coordinate(stop.joint, stop.coordinate);
             found.is_some_and(|(_, coordinate)| coordinate.is_angle())
         });
+        let mut places: Vec<usize> = (layout.nq + layout.nv..layout.nx()).collect();
+        let mut speeds = Vec::new();
+        for part in moving(layout) {
+            places.extend(part.position);
+            speeds.extend(part.velocity);
+            if turning {
+                places.extend(part.attitude);
+                speeds.extend(part.spin);
+            }
+        }
         Margins {
             watched,
             sides: vec![false; scene.events.len()],
             tolerance,
             floor: tolerance,
             delay: longest_delay(model.lines()),
-            places: blocks(layout, Kind::Place, turning),
-            speeds: blocks(layout, Kind::Speed, turning),
+            places,
+            speeds,
             start: vec![0.0; count],
             before: vec![0.0; count],
             now: vec![0.0; count],
@@ -129,8 +131,10 @@ impl Margins {
     /// The stiffnesses and dampings of other parameters.
     pub(crate) fn read_lines<T: Float>(&mut self, lines: &[LineNumbers<T>]) {
         for watched in &mut self.watched {
-            if let Watched::Line { line, softness, .. } = watched
-                && let Some(numbers) = lines.get(*line)
+            if let Watched::Element {
+                element, softness, ..
+            } = watched
+                && let Some(numbers) = lines.get(*element)
             {
                 *softness = 1.0 / numbers.stiffness.to_f64();
             }
@@ -159,7 +163,7 @@ impl Margins {
     /// Whether a line that is watched does not carry: then a step is looked into.
     pub(crate) fn restless(&self, modes: &[Mode]) -> bool {
         self.watched.iter().any(|watched| match watched {
-            Watched::Line { line, .. } => modes.get(*line) != Some(&Mode::Active),
+            Watched::Element { element, .. } => modes.get(*element) != Some(&Mode::Active),
             Watched::Declared { .. } => false,
         })
     }
@@ -169,19 +173,14 @@ impl Margins {
         let guard = |index: usize| guards.get(index).map_or(f64::NAN, |x| x.to_f64());
         for (margin, watched) in self.now.iter_mut().zip(&self.watched) {
             *margin = match *watched {
-                Watched::Line {
-                    line,
+                Watched::Element {
+                    element,
                     softness,
-                    rate,
+                    at_node,
                 } => {
-                    let stretch = guard(2 * line);
-                    let pull = guard(2 * line + 1) * softness;
-                    match (modes.get(line).copied().unwrap_or(Mode::Slack), rate) {
-                        (Mode::Active, _) => stretch.min(pull),
-                        (_, false) => -stretch.min(pull),
-                        (Mode::Idle, true) => stretch.min(-pull),
-                        (Mode::Slack | Mode::Free, true) => -stretch,
-                    }
+                    let mode = modes.get(element).copied().unwrap_or(Mode::Slack);
+                    let pull = guard(2 * element + 1) * softness;
+                    mode.margin(guard(2 * element), pull, at_node)
                 }
                 Watched::Declared { event, at, .. } => {
                     let positive = self.sides.get(event).copied().unwrap_or(false);
@@ -194,7 +193,7 @@ impl Margins {
     /// Whether a watched margin is passed: by more than the tolerance for a line, at all for a declared event.
     pub(crate) fn passed(&self, index: usize, margin: f64) -> bool {
         match self.watched.get(index) {
-            Some(Watched::Line { .. }) => margin < -self.tolerance,
+            Some(Watched::Element { .. }) => margin < -self.tolerance,
             Some(Watched::Declared { .. }) => margin < 0.0,
             None => false,
         }
@@ -217,24 +216,20 @@ impl Margins {
     ) -> Option<Happening> {
         match *self.watched.get(index)? {
             Watched::Declared { event, .. } => Some(Happening::Declared(event)),
-            Watched::Line { line, softness, .. } => {
-                let stretch = guards.get(2 * line)?.to_f64();
-                let pull = guards.get(2 * line + 1)?.to_f64() * softness;
-                let next = match modes.get(line)? {
-                    Mode::Slack | Mode::Free => Mode::Active,
-                    Mode::Active if stretch <= self.tolerance && stretch <= pull => Mode::Slack,
-                    Mode::Active => Mode::Idle,
-                    Mode::Idle if pull >= -self.tolerance && stretch > 0.0 => Mode::Active,
-                    Mode::Idle => Mode::Slack,
-                };
-                Some(Happening::Line(line, next))
+            Watched::Element {
+                element, softness, ..
+            } => {
+                let stretch = guards.get(2 * element)?.to_f64();
+                let pull = guards.get(2 * element + 1)?.to_f64() * softness;
+                let next = modes.get(element)?.next(stretch, pull, self.tolerance);
+                Some(Happening::Switch(element, next))
             }
         }
     }
 
-    /// Whether a margin is that of a line.
-    pub(crate) fn is_line(&self, index: usize) -> bool {
-        matches!(self.watched.get(index), Some(Watched::Line { .. }))
+    /// Whether a margin is that of a unilateral element.
+    pub(crate) fn is_element(&self, index: usize) -> bool {
+        matches!(self.watched.get(index), Some(Watched::Element { .. }))
     }
 
     /// Sets the side of every declared event from the guards, and reports through `crossed` those that changed in a direction that counts.
@@ -267,42 +262,6 @@ impl Margins {
     }
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    Place,
-    Speed,
-}
-
-/// Indices of the places (bodies, points, nodes) or of the linear velocities in the state; with `turning` also of attitudes or angular
-/// velocities.
-fn blocks(layout: &Layout, kind: Kind, turning: bool) -> Vec<usize> {
-    let masses = layout.points.iter().filter_map(|slots| match slots {
-        PointSlots::Mass(slots) => Some(*slots),
-        PointSlots::Node(_) => None,
-    });
-    let owners = layout.bodies.iter().copied().chain(masses);
-    let first = owners.map(|slots| match kind {
-        Kind::Place => slots.q,
-        Kind::Speed => layout.nq + slots.v,
-    });
-    let (linear, speeds) = (
-        layout.directions.translations().len(),
-        layout.directions.speeds(),
-    );
-    let coordinates = layout.directions.coordinates();
-    let mut all: Vec<usize> = first.flat_map(|at| at..at + linear).collect();
-    for slots in layout.bodies.iter().filter(|_| turning) {
-        match kind {
-            Kind::Place => all.extend(slots.q + linear..slots.q + coordinates),
-            Kind::Speed => all.extend(layout.nq + slots.v + linear..layout.nq + slots.v + speeds),
-        }
-    }
-    if kind == Kind::Place {
-        all.extend(layout.nq + layout.nv..layout.nx());
-    }
-    all
-}
-
 /// The distance to the other side; a guard at zero is on the negative side.
 fn side_margin(guard: f64, positive: bool) -> f64 {
     match positive {
@@ -310,22 +269,5 @@ fn side_margin(guard: f64, positive: bool) -> f64 {
         // Zero is already the other side: just passed.
         true => guard.min(-f64::MIN_POSITIVE),
         false => -guard,
-    }
-}
-
-/// A mode of a stop in one word.
-pub(crate) fn stop_word(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Free | Mode::Active => "touched",
-        Mode::Slack | Mode::Idle => "left",
-    }
-}
-
-/// A mode in one word.
-pub(crate) fn word(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Free | Mode::Active => "taut",
-        Mode::Slack => "slack",
-        Mode::Idle => "idle",
     }
 }

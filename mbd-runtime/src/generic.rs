@@ -2,20 +2,18 @@
 
 use std::sync::Arc;
 
-use mbd_scene::Scratch;
-use mbd_scene::laws::{LineNumbers, Numbers};
-use mbd_scene::{At, Float, Layout, Model, ParamError, Quantity, Scene, Work, checked_numbers};
+use mbd_scene::laws::Numbers;
+use mbd_scene::{At, Float, Layout, ParamError, Quantity, Scene, Scratch, Work, checked_numbers};
 
-use crate::compiled::Scalar;
 use crate::slopes::{Effective, Slopes};
 
 /// A scene run by its laws.
 #[derive(Clone, Debug)]
 pub struct Generic<T: Float> {
-    scene: Arc<Scene>,
-    layout: Arc<Layout>,
-    params: Vec<T>,
-    numbers: Numbers<T>,
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) layout: Arc<Layout>,
+    pub(crate) params: Vec<T>,
+    pub(crate) numbers: Numbers<T>,
 }
 
 /// Scratch of a [`Generic`].
@@ -23,29 +21,6 @@ pub struct Generic<T: Float> {
 struct Scratches<T: Float> {
     scratch: Scratch<T>,
     slopes: Option<Slopes>,
-}
-
-impl<T: Scalar> Generic<T> {
-    /// A model of `scene` with `params` (SI, declaration order).
-    ///
-    /// # Errors
-    /// The first parameter that cannot be run.
-    pub fn new(scene: Scene, params: &[T]) -> Result<Self, ParamError> {
-        T::make_generic(scene, params)
-    }
-
-    /// A model of `scene` with the declared defaults.
-    ///
-    /// # Errors
-    /// The first parameter that cannot be run.
-    pub fn with_defaults(scene: Scene) -> Result<Self, ParamError> {
-        let params: Vec<T> = scene
-            .params
-            .iter()
-            .map(|param| T::from_f64(param.default))
-            .collect();
-        Self::new(scene, &params)
-    }
 }
 
 impl<T: Float> Generic<T> {
@@ -101,39 +76,5 @@ impl<T: Float> Generic<T> {
                 out,
             ),
         }
-    }
-}
-
-impl<T: Scalar> Model<T> for Generic<T> {
-    fn share(&self) -> Arc<dyn Model<T>> {
-        Arc::new(self.clone())
-    }
-
-    fn with_params(&self, params: &[T]) -> Result<Arc<dyn Model<T>>, ParamError> {
-        Ok(Arc::new(T::change_generic(self, params)?))
-    }
-
-    fn work(&self) -> Work<T> {
-        T::make_work(self)
-    }
-
-    fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn params(&self) -> &[T] {
-        &self.params
-    }
-
-    fn lines(&self) -> &[LineNumbers<T>] {
-        &self.numbers.lines
-    }
-
-    fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]) {
-        T::run_laws(self, what, at, work, out);
     }
 }

@@ -18,6 +18,7 @@
 #[doc(hidden)]
 #[path = "private.rs"]
 pub mod __private;
+mod chatter;
 mod columns;
 mod compiled;
 mod error;
@@ -30,6 +31,7 @@ mod laws;
 mod linearise;
 mod list;
 mod locate;
+mod moving;
 #[doc(hidden)]
 pub mod node;
 mod options;
@@ -39,6 +41,7 @@ mod simulation;
 mod slopes;
 mod system;
 mod trajectory;
+mod unilateral;
 mod verify;
 mod watch;
 
@@ -105,8 +108,9 @@ pub use system::{External, NoLoads};
 pub use columns::{Name, state_names};
 pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError};
 pub use event::{Happening, Occurrence};
-pub use node::{Mode, NodeMemory};
+pub use node::NodeMemory;
 pub use trajectory::{Content, Sampling, Trajectory};
+pub use unilateral::Mode;
 
 // Derivatives.
 pub use linearise::{Linearisation, LinearisationError, Matrix};

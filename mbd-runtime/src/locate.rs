@@ -3,10 +3,11 @@
 
 use mbd_scene::{Float, Quantity};
 
+use crate::chatter::MOST_SWITCHES;
 use crate::error::{Collapse, StepError};
 use crate::event::Happening;
-use crate::node::Mode;
 use crate::simulation::Simulation;
+use crate::unilateral::{Mode, name};
 
 /// Interior looks at a step while a watched line does not carry.
 const LOOKS: u32 = 16;
@@ -18,8 +19,6 @@ const TOGETHER: f64 = 1e-12;
 const POINT: f64 = 1e-14;
 /// Most redone steps for one event.
 const MOST_TRIALS: u32 = 100;
-/// Switches allowed in one thousandth of a run.
-const MOST_SWITCHES: usize = 200;
 
 /// A located event: the step that ends on it. Which margins are passed stands in `Simulation::chosen`.
 #[derive(Clone, Copy, Debug)]
@@ -35,36 +34,6 @@ struct Bracket {
     above: f64,
     high: f64,
     below: f64,
-}
-
-/// The times of the last switches, to tell chatter.
-#[derive(Clone, Debug)]
-pub(crate) struct Chatter {
-    /// One thousandth of the run [s].
-    pub window: f64,
-    times: [f64; MOST_SWITCHES],
-    next: usize,
-}
-
-impl Chatter {
-    pub(crate) fn new() -> Self {
-        Chatter {
-            window: f64::INFINITY,
-            times: [f64::NEG_INFINITY; MOST_SWITCHES],
-            next: 0,
-        }
-    }
-
-    /// Records a switch; true when two hundred fell into one window.
-    fn sees(&mut self, time: f64) -> bool {
-        let Some(slot) = self.times.get_mut(self.next) else {
-            return false;
-        };
-        let oldest = std::mem::replace(slot, time);
-        self.next = (self.next + 1) % MOST_SWITCHES;
-        // Two hundred switches at one instant are chatter in a run of any length.
-        time <= oldest || self.window.is_finite() && time - oldest < self.window
-    }
 }
 
 impl<T: Float> Simulation<T> {
@@ -264,7 +233,7 @@ impl<T: Float> Simulation<T> {
         let rounding =
             (4.0 * f64::EPSILON * (self.time.abs() + step)).max(T::EPSILON.to_f64() * step);
         let resolved = POINT.max(rounding);
-        let negligible = if self.only_lines() {
+        let negligible = if self.only_elements() {
             (1e-3 * self.margins.tolerance).min(1e-12)
         } else {
             0.0
@@ -304,13 +273,10 @@ impl<T: Float> Simulation<T> {
         Err(self.collapse(high, Collapse::Event))
     }
 
-    fn only_lines(&self) -> bool {
-        let chosen = self
-            .chosen
-            .iter()
-            .enumerate()
-            .filter(|(_, chosen)| **chosen);
-        chosen.fold(true, |all, (index, _)| all && self.margins.is_line(index))
+    /// Whether none of the chosen margins is that of a declared event.
+    fn only_elements(&self) -> bool {
+        let mut chosen = self.chosen.iter().enumerate();
+        chosen.all(|(index, chosen)| !chosen || self.margins.is_element(index))
     }
 
     /// Switches what was found, at the accepted state, and starts again from there.
@@ -318,17 +284,11 @@ impl<T: Float> Simulation<T> {
         self.add_simultaneous()?;
         let mut switches = std::mem::take(&mut self.switches);
         switches.clear();
-        for (index, _) in self
-            .chosen
-            .iter()
-            .enumerate()
-            .filter(|(_, chosen)| **chosen)
-        {
-            let happening = self
-                .margins
-                .happening(index, &self.scratch, self.system.modes());
-            if let Some(Happening::Line(line, mode)) = happening {
-                switches.push((line, mode));
+        for (index, _) in self.chosen.iter().enumerate().filter(|(_, it)| **it) {
+            let modes = self.system.modes();
+            let happening = self.margins.happening(index, &self.scratch, modes);
+            if let Some(Happening::Switch(element, mode)) = happening {
+                switches.push((element, mode));
             }
         }
         let switched = self.switch(&switches);
@@ -356,17 +316,14 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         }
         self.system.switch(self.time, &self.state, switches)?;
-        for &(line, mode) in switches {
-            let lines = self.system.model.layout().lines.len();
-            self.note(match line.checked_sub(lines) {
-                Some(stop) => Happening::Stop(stop, mode),
-                None => Happening::Line(line, mode),
-            });
+        for &(element, mode) in switches {
+            self.note(Happening::Switch(element, mode));
             let counters = &mut self.system.counters;
             counters.switches = counters.switches.saturating_add(1);
             if self.chatter.sees(self.time) {
+                let model = &self.system.model;
                 return Err(StepError::EventChatter {
-                    line: self.system.line(line),
+                    line: name(model.scene(), model.layout(), element),
                     count: MOST_SWITCHES,
                     window: self.chatter.window,
                 });
@@ -393,7 +350,7 @@ impl<T: Float> Simulation<T> {
             };
             // A margin that only hovers at zero in rounding is not falling.
             let falls = now - then > 1e-3 * self.margins.tolerance.min(1e-10);
-            *chosen |= self.margins.is_line(index) && *then < 0.0 && falls;
+            *chosen |= self.margins.is_element(index) && *then < 0.0 && falls;
         }
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)

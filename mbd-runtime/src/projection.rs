@@ -10,14 +10,20 @@
 //! projected state; the error estimate is made of the stages alone and does not see the move.
 
 use mbd_scene::laws::{self, Numbers};
-use mbd_scene::{AngularVelocity, At, Float, PointSlots, Quantity};
+use mbd_scene::{AngularVelocity, At, Float, Quantity, quaternion_rate};
+use nalgebra::Vector3;
 
 use crate::columns::joint_name;
 use crate::error::{Source, StepError};
 use crate::fallback::{Dependence, NEW, dependent};
 use crate::list::largest;
+use crate::moving::{Moving, moving};
 use crate::options::Stabilise;
 use crate::system::System;
+
+mod step;
+
+pub(crate) use step::Projection;
 
 /// How hard (1) is tried.
 #[derive(Clone, Copy)]
@@ -47,47 +53,6 @@ const ROUNDED: f64 = 64.0;
 const UNSOLVED: f64 = 1e-3;
 /// How many joints an error names.
 const NAMED: usize = 3;
-
-/// Room for the projection of one scene.
-pub(crate) struct Projection<T> {
-    /// How the run stays on the joints.
-    pub stabilise: Stabilise,
-    /// Length of the scene [m].
-    pub length: f64,
-    rows: Vec<T>,
-    /// δ, and behind it the margin of the factor.
-    shift: Vec<T>,
-    trial: Vec<T>,
-}
-
-impl<T: Float> Projection<T> {
-    /// Room for `nc` rows, `nv` speeds and states of length `nx`; nothing to do without rows.
-    pub(crate) fn new(nc: usize, nv: usize, nx: usize) -> Self {
-        let room = |length| vec![T::zero(); if nc > 0 { length } else { 0 }];
-        Projection {
-            stabilise: Stabilise::Projection,
-            length: 1.0,
-            rows: room(nc),
-            shift: room(nv + 1),
-            trial: room(nx),
-        }
-    }
-
-    /// δ of the last solve.
-    fn moves(&self) -> &[T] {
-        self.shift.split_last().map_or(&[], |(_, moves)| moves)
-    }
-
-    /// The smallest part that other rows left to the pivot of a row in the last solve.
-    fn margin(&self) -> f64 {
-        self.shift.last().map_or(1.0, |margin| margin.to_f64())
-    }
-
-    /// Whether there are rows.
-    pub(crate) fn any(&self) -> bool {
-        !self.rows.is_empty()
-    }
-}
 
 impl<T: Float> System<T> {
     /// Puts the state of a trial step back on the joints by (1) and (2).
@@ -325,30 +290,23 @@ impl<T: Float> System<T> {
         let layout = self.model.layout();
         let body_axes = self.model.scene().angular_velocity == AngularVelocity::Body;
         let shift = self.projection.moves();
-        let (linear, speeds) = (
-            layout.directions.translations().len(),
-            layout.directions.speeds(),
-        );
-        let turn = |v: usize| shift.get(v + linear..v + speeds).unwrap_or(&[]);
-        let turns = layout.bodies.iter().map(|slots| square(turn(slots.v)));
+        let moves = |part: &Moving| {
+            let own = shift.get(part.speeds()).unwrap_or(&[]);
+            own.split_at(part.velocity.len().min(own.len()))
+        };
+        let turns = moving(layout).map(|part| square(moves(&part).1));
         let most = turns.fold(T::zero(), |a, b| a.max(b)).sqrt();
         let limit = T::from_f64(LARGEST_TURN);
-        let part = if most > limit { limit / most } else { T::one() };
-        let masses = layout.points.iter().filter_map(|slots| match slots {
-            PointSlots::Mass(slots) => Some(slots),
-            PointSlots::Node(_) => None,
-        });
-        for slots in layout.bodies.iter().chain(masses) {
-            let moves = shift.iter().skip(slots.v).take(linear);
-            for (x, dx) in state.iter_mut().skip(slots.q).zip(moves) {
-                *x += part * *dx;
+        let share = if most > limit { limit / most } else { T::one() };
+        for part in moving(layout) {
+            let (moved, turned) = moves(&part);
+            let position = state.get_mut(part.position.clone()).unwrap_or_default();
+            for (x, dx) in position.iter_mut().zip(moved) {
+                *x += share * *dx;
             }
-        }
-        for slots in &layout.bodies {
-            let attitude = slots.q + linear..slots.q + layout.directions.coordinates();
-            match (state.get_mut(attitude), turn(slots.v)) {
-                (Some([angle]), [more]) => *angle += part * *more,
-                (Some(quaternion), turn) => rotate(quaternion, turn, part, body_axes),
+            match (state.get_mut(part.attitude.clone()), turned) {
+                (Some([angle]), [more]) => *angle += share * *more,
+                (Some(quaternion), turn) => rotate(quaternion, turn, share, body_axes),
                 (None, _) => {}
             }
         }
@@ -453,15 +411,17 @@ impl<T: Float> System<T> {
     /// The joints whose rows are furthest from zero, largest first, from the rows that were read last.
     #[cold]
     fn worst_joints(&self) -> Vec<(String, f64)> {
-        let (scene, layout) = (self.model.scene(), self.model.layout());
-        let joints = layout.joints.iter().enumerate();
-        let mut worst: Vec<(String, f64)> = joints
-            .map(|(joint, slots)| {
-                let rows = self.projection.rows.get(slots.row..slots.row + slots.len);
-                let size = largest(rows.unwrap_or(&[]));
-                (joint_name(scene, joint).to_owned(), size)
-            })
-            .collect();
+        let joints = self.model.layout().joints.iter().enumerate();
+        self.worst(joints.map(|(joint, slots)| {
+            let rows = self.projection.rows.get(slots.row..slots.row + slots.len);
+            (joint, largest(rows.unwrap_or(&[])))
+        }))
+    }
+
+    /// The names of those joints that are off by as much as the worst, largest first.
+    fn worst(&self, joints: impl Iterator<Item = (usize, f64)>) -> Vec<(String, f64)> {
+        let named = |(joint, size)| (joint_name(self.model.scene(), joint).to_owned(), size);
+        let mut worst: Vec<(String, f64)> = joints.map(named).collect();
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         let most = worst.first().map_or(0.0, |first| first.1);
         worst.retain(|(_, size)| *size >= 1e-3 * most);
@@ -478,20 +438,13 @@ impl<T: Float> System<T> {
         let numbers = Numbers::new(scene, self.model.params());
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let held = (0..layout.joints.len()).filter(|&joint| layout.joints[joint].holds);
-        let mut apart: Vec<(String, f64)> = held
-            .map(|joint| {
-                let size = laws::out_of_plane(scene, layout, &numbers, &at, joint).to_f64();
-                (joint_name(scene, joint).to_owned(), size)
-            })
-            .collect();
-        apart.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let norm = apart.first().map_or(0.0, |first| first.1);
-        if self.holds(norm, state) {
-            return Ok(());
+        let off = |joint| laws::out_of_plane(scene, layout, &numbers, &at, joint).to_f64();
+        let rows = self.worst(held.map(|joint| (joint, off(joint))));
+        let norm = rows.first().map_or(0.0, |first| first.1);
+        match self.holds(norm, state) {
+            true => Ok(()),
+            false => Err(StepError::InconsistentStart { norm, rows }),
         }
-        apart.retain(|(_, size)| *size >= 1e-3 * norm);
-        apart.truncate(NAMED);
-        Err(StepError::InconsistentStart { norm, rows: apart })
     }
 
     /// Rows have more roots than the one that is meant: every joint must be on its own.
@@ -528,26 +481,21 @@ fn square<T: Float>(vector: &[T]) -> T {
 
 /// Turns a quaternion w x y z by `part` of a small turn, in body axes or in world axes.
 fn rotate<T: Float>(quaternion: &mut [T], turn: &[T], part: T, body_axes: bool) {
-    let ([w, x, y, z], [a, b, c]) = (quaternion, turn) else {
+    let (Ok(old), &[a, b, c]) = (<[T; 4]>::try_from(&*quaternion), turn) else {
         return;
     };
     let half = T::from_f64(0.5) * part * square(turn).sqrt();
     let (sine, cosine) = half.sin_cos();
     let scale = if half > T::zero() {
-        T::from_f64(0.5) * part * sine / half
+        part * sine / half
     } else {
         T::zero()
     };
-    let (a, b, c) = (*a * scale, *b * scale, *c * scale);
-    // q ∘ r and r ∘ q differ in the sign of the cross product.
-    let sign = if body_axes { T::one() } else { -T::one() };
-    let rotated = [
-        *w * cosine - *x * a - *y * b - *z * c,
-        *w * a + *x * cosine + sign * (*y * c - *z * b),
-        *w * b + *y * cosine + sign * (*z * a - *x * c),
-        *w * c + *z * cosine + sign * (*x * b - *y * a),
-    ];
-    [*w, *x, *y, *z] = rotated;
+    let moved = Vector3::new(a, b, c).map(|x| x * scale);
+    let more = quaternion_rate(old, &moved, body_axes);
+    for (to, (old, more)) in quaternion.iter_mut().zip(old.into_iter().zip(more)) {
+        *to = old * cosine + more;
+    }
 }
 
 #[cfg(test)]

@@ -7,15 +7,14 @@ use std::sync::Arc;
 
 use mbd_scene::{Float, Model, ParamError, Quantity};
 
-use crate::columns::stop_name;
-use crate::compiled::Scalar;
+use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
-use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Scales, TSIT5};
-use crate::locate::Chatter;
-use crate::node::{Mode, NodeMemory};
-use crate::options::{Method, Options};
-use crate::system::{External, NoLoads, System};
+use crate::integrate::{Control, ErrorNorm, Explicit};
+use crate::node::NodeMemory;
+use crate::options::Options;
+use crate::system::System;
+use crate::unilateral::{Mode, report};
 use crate::watch::Watch;
 
 mod drive;
@@ -25,7 +24,6 @@ mod start;
 
 pub use moved::Moved;
 pub use snapshot::Snapshot;
-use start::{offered, stepwise};
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,52 +117,6 @@ pub struct Simulation<T: Float> {
     events: Vec<Occurrence>,
 }
 
-impl<T: Scalar> Simulation<T> {
-    /// A simulation of a model without inputs, at rest at the origin until [`Simulation::set_state`]. It owns what it runs: a [shared](Model::share)
-    /// model.
-    ///
-    /// # Errors
-    /// An option that cannot be used, or a combination of method and model that is not offered.
-    pub fn new(model: &(impl Model<T> + ?Sized), options: Options) -> Result<Self, RunError> {
-        T::make_simulation(model.share(), options, Box::new(NoLoads))
-    }
-
-    /// A simulation of a model whose inputs and external loads come from `loads`.
-    ///
-    /// # Errors
-    /// An option that cannot be used, or a combination of method and model that is not offered.
-    pub fn with_loads(
-        model: &(impl Model<T> + ?Sized),
-        options: Options,
-        loads: impl External<T> + Send + 'static,
-    ) -> Result<Self, RunError> {
-        T::make_simulation(model.share(), options, Box::new(loads))
-    }
-
-    /// Changes the parameters of a run (declaration order, SI). Nothing is built anew: time and state stay, and [`Simulation::start`] makes them
-    /// consistent with the new values before the next step: bodies back on their joints, nodes in balance, lines slack or taut.
-    ///
-    /// # Errors
-    /// The first parameter that cannot be run; the run keeps the old ones.
-    pub fn set_params(&mut self, params: &[T]) -> Result<(), ParamError> {
-        T::give_params(self, params)
-    }
-
-    /// The name of an event: that of the declaration, or the line and what it became.
-    #[must_use]
-    pub fn event_name(&self, what: Happening) -> String {
-        T::name_event(self, what)
-    }
-
-    /// Evaluates a quantity at the last accepted step; `out` has the length `Layout::len`. Of matrices only non-zeros are written.
-    ///
-    /// # Errors
-    /// A slice of another length; no equilibrium of a node.
-    pub fn evaluate(&mut self, what: Quantity, out: &mut [T]) -> Result<(), RunError> {
-        T::look(self, what, out)
-    }
-}
-
 impl<T: Float> Simulation<T> {
     /// What the start moved so that the joints hold, the largest distance first; empty where they held already. The state that is set says where
     /// bodies are wanted; where joints forbid it, [`Simulation::start`] takes the nearest state that they allow, weighted by mass.
@@ -177,85 +129,6 @@ impl<T: Float> Simulation<T> {
     #[must_use]
     pub fn model(&self) -> &Arc<dyn Model<T>> {
         &self.system.model
-    }
-
-    /// What [`Simulation::with_loads`] does.
-    pub(crate) fn make(
-        model: Arc<dyn Model<T>>,
-        options: Options,
-        loads: Box<dyn External<T> + Send>,
-    ) -> Result<Self, RunError> {
-        let refuse = |cause| RunError {
-            cause,
-            progress: Box::default(),
-        };
-        options.check().map_err(refuse)?;
-        offered(&*model, &options, loads.supplies()).map_err(refuse)?;
-        let scales = options.scales.unwrap_or_else(|| Scales::of(&*model));
-        let mut system = System::new(model.clone(), loads, options.work);
-        system.frozen(options.locate);
-        system.projection.stabilise = options.stabilise;
-        system.projection.length = scales.length;
-        let fixed = matches!(options.method, Method::Rk4 { .. });
-        let length = system.length();
-        let (method, pace, tolerance) = match options.method {
-            Method::Rk4 { step } => (Explicit::new(&RK4, length), Pace::Fixed(step), 1e-10),
-            Method::Tsit5 { rtol, max_step } => {
-                let method = Explicit::new(&TSIT5, length);
-                let control = Control::new(0.0, max_step, method.exponent);
-                let norm = ErrorNorm::new(model.layout(), length, scales, rtol);
-                (method, Pace::Adaptive(control, norm), rtol)
-            }
-        };
-        let tolerance = options.guard_tolerance.unwrap_or(tolerance * scales.length);
-        let margins = Margins::new(
-            &*model,
-            options.locate,
-            tolerance.max(16.0 * T::EPSILON.to_f64() * scales.length),
-        );
-        let layout = model.layout();
-        let room = [
-            Quantity::Guards,
-            Quantity::Lines,
-            Quantity::Outputs,
-            Quantity::Energy,
-            Quantity::Constraint,
-            Quantity::Reactions,
-        ]
-        .map(|what| layout.len(what));
-        let mut state = vec![T::zero(); length];
-        for qw in layout.quaternions() {
-            if let Some(qw) = state.get_mut(qw) {
-                *qw = T::one();
-            }
-        }
-        Ok(Simulation {
-            system,
-            method,
-            state,
-            time: 0.0,
-            chatter: Chatter::new(),
-            scratch: vec![T::zero(); room.into_iter().max().unwrap_or(0)],
-            guards: layout.len(Quantity::Guards),
-            inside: vec![T::zero(); length],
-            chosen: vec![false; margins.now.len()],
-            switches: Vec::with_capacity(layout.unilateral()),
-            crossed: Vec::with_capacity(layout.events),
-            margins,
-            noisy: fixed && options.guard_tolerance.is_none(),
-            stalled: f64::NAN,
-            pace,
-            watch: Watch::default(),
-            watch_weights: Vec::new(),
-            watched: options.watch && fixed && stepwise(&*model).is_none(),
-            origin: 0.0,
-            count: 0,
-            options,
-            guess: None,
-            moved: Vec::new(),
-            started: false,
-            events: Vec::with_capacity(256),
-        })
     }
 
     /// Time of the last accepted step [s].
@@ -316,12 +189,8 @@ impl<T: Float> Simulation<T> {
                 .events
                 .get(event)
                 .map_or_else(String::new, |event| event.name.clone()),
-            Happening::Stop(stop, mode) => {
-                let name = stop_name(scene, self.system.model.layout(), stop);
-                format!("{name}: {}", crate::event::stop_word(mode))
-            }
-            Happening::Line(line, mode) => {
-                format!("{}: {}", self.system.line(line), crate::event::word(mode))
+            Happening::Switch(element, mode) => {
+                report(scene, self.system.model.layout(), element, mode)
             }
         }
     }

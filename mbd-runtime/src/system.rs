@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use mbd_scene::{Float, Model, Quantity, Scene, Work};
 
-use crate::columns::{input_name, line_name, node_name, state_names, stop_name};
+use crate::columns::{input_name, line_name, node_name, state_names};
 use crate::error::{Source, Statistics, StepError};
-use crate::fallback::{self, Fallback};
+use crate::fallback::Fallback;
 use crate::integrate::Rates;
 use crate::laws::Laws;
 use crate::list::largest;
-use crate::node::{Mode, NodeError, NodeMemory, Nodes, Strategy};
+use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::projection::Projection;
+use crate::unilateral::Mode;
 use crate::watch;
 
 /// What the caller supplies at each evaluation: inputs, external loads, external gravity, in the order of `Layout::inputs`.
@@ -143,6 +144,20 @@ fn has_jumping_angles(scene: &Scene) -> bool {
     })
 }
 
+fn stage<'a, T: Float>(
+    model: &'a dyn Model<T>,
+    time: f64,
+    state: &'a [T],
+    inputs: &'a [T],
+) -> Stage<'a, T> {
+    Stage {
+        model,
+        time: T::from_f64(time),
+        state,
+        inputs,
+    }
+}
+
 impl<T: Float> System<T> {
     pub(crate) fn new(
         model: Arc<dyn Model<T>>,
@@ -193,35 +208,23 @@ impl<T: Float> System<T> {
     ) -> Result<(), StepError> {
         let state = state.get_mut(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
-        let t = T::from_f64(time);
-        self.nodes
-            .start(
-                &*self.model,
-                t,
-                state,
-                &self.inputs,
-                guess,
-                &mut self.memory,
-                &mut self.work,
-            )
-            .map_err(|error| self.node_error(time, error))
+        let stage = stage(&*self.model, time, state, &self.inputs);
+        let started = self
+            .nodes
+            .start(stage, guess, &mut self.memory, &mut self.work);
+        started.map_err(|error| self.node_error(time, error))?;
+        self.nodes.place_in(state);
+        Ok(())
     }
 
     /// Reads the inputs and solves the nodes at a state inside a step, without touching the stage that was evaluated last.
     pub(crate) fn look(&mut self, time: f64, span: f64, state: &[T]) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
-        self.probe
-            .solve(
-                &*self.model,
-                T::from_f64(time),
-                T::from_f64(span),
-                state,
-                &self.inputs,
-                &self.memory,
-                &mut self.work,
-            )
-            .map_err(|error| self.node_error(time, error))
+        let stage = stage(&*self.model, time, state, &self.inputs);
+        let span = T::from_f64(span);
+        let solved = self.probe.solve(stage, span, &self.memory, &mut self.work);
+        solved.map_err(|error| self.node_error(time, error))
     }
 
     /// A quantity at the state that [`System::look`] saw last.
@@ -298,18 +301,18 @@ impl<T: Float> System<T> {
         Ok(watch::weights(&*self.model, &mass))
     }
 
-    /// Whether the modes of lines are kept between located events, or decided at every stage.
+    /// Whether the modes of elements are kept between located events, or decided at every stage.
     pub(crate) fn frozen(&mut self, frozen: bool) {
         self.nodes.freeze(frozen);
         self.probe.freeze(frozen);
     }
 
-    /// The mode of every line.
+    /// The mode of every element.
     pub(crate) fn modes(&self) -> &[Mode] {
         self.memory.modes()
     }
 
-    /// Changes the modes of lines at an accepted state, and of what hangs on them.
+    /// Changes the modes of elements at an accepted state, and of what hangs on them.
     pub(crate) fn switch(
         &mut self,
         time: f64,
@@ -318,18 +321,11 @@ impl<T: Float> System<T> {
     ) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
-        let t = T::from_f64(time);
-        self.nodes
-            .switch(
-                &*self.model,
-                t,
-                state,
-                &self.inputs,
-                switches,
-                &mut self.memory,
-                &mut self.work,
-            )
-            .map_err(|error| self.node_error(time, error))
+        let stage = stage(&*self.model, time, state, &self.inputs);
+        let switched = self
+            .nodes
+            .switch(stage, switches, &mut self.memory, &mut self.work);
+        switched.map_err(|error| self.node_error(time, error))
     }
 
     /// Puts nodes back on the line or plane that balance keeps them on; true when the state changed.
@@ -426,18 +422,13 @@ impl<T: Float> System<T> {
             node_solves: nodes.solves,
             node_iterations: nodes.iterations,
             node_iterations_max: nodes.most as u64,
-            node_strategy: match nodes.strategy {
-                _ if nodes.solves == 0 => 0,
-                Strategy::Warm => 1,
-                Strategy::Homotopy => 2,
-                Strategy::Search => 3,
+            node_strategy: match nodes.solves {
+                0 => 0,
+                _ => nodes.strategy as u64 + 1,
             },
-            rows_strategy: match self.fallback.worst {
-                _ if !self.projection.any() => 0,
-                fallback::Strategy::Emitted => 1,
-                fallback::Strategy::Chosen => 2,
-                fallback::Strategy::Whole => 3,
-                fallback::Strategy::Regularised => 4,
+            rows_strategy: match self.projection.any() {
+                false => 0,
+                true => self.fallback.worst as u64 + 1,
             },
             lost_digits: self.fallback.lost_digits,
             ..self.counters
@@ -456,33 +447,16 @@ impl<T: Float> System<T> {
             source: Source::State(name),
         }
     }
-
-    /// The name of a line or, behind the lines, of a stop.
-    pub(crate) fn line(&self, line: usize) -> String {
-        let (scene, layout) = (self.model.scene(), self.model.layout());
-        match line.checked_sub(layout.lines.len()) {
-            Some(stop) => stop_name(scene, layout, stop),
-            None => line_name(scene, line).to_owned(),
-        }
-    }
 }
 
 impl<T: Float> Rates<T> for System<T> {
     fn rates(&mut self, time: f64, span: f64, state: &[T], out: &mut [T]) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
-        let t = T::from_f64(time);
-        self.nodes
-            .solve(
-                &*self.model,
-                t,
-                T::from_f64(span),
-                state,
-                &self.inputs,
-                &self.memory,
-                &mut self.work,
-            )
-            .map_err(|error| self.node_error(time, error))?;
+        let stage = stage(&*self.model, time, state, &self.inputs);
+        let (t, span) = (stage.time, T::from_f64(span));
+        let solved = self.nodes.solve(stage, span, &self.memory, &mut self.work);
+        solved.map_err(|error| self.node_error(time, error))?;
         self.counters.rhs = self.counters.rhs.saturating_add(1);
         let at = self.nodes.at(t, state, &self.inputs);
         let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));

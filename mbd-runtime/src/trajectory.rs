@@ -276,7 +276,7 @@ impl Trajectory {
                 .extend(state.iter().take(layout.nx()).map(|x| x.to_f64()));
             self.row.push(system.drift);
             for what in [Quantity::Constraint, Quantity::ConstraintRate] {
-                let rows = read(system, what, time, state, scratch);
+                let rows = read(system, (what, None), time, state, scratch);
                 let sizes = rows.iter().map(|x| x.to_f64().abs());
                 self.row.extend(sizes.reduce(f64::max));
             }
@@ -286,7 +286,7 @@ impl Trajectory {
                 .extend(system.probe.nodes().iter().map(|x| x.to_f64()));
         }
         if self.content.lines {
-            let lines = read(system, Quantity::Lines, time, state, scratch);
+            let lines = read(system, (Quantity::Lines, None), time, state, scratch);
             for line in lines.chunks_exact(10) {
                 self.row
                     .extend(line.iter().step_by(2).take(2).map(|x| x.to_f64()));
@@ -294,14 +294,14 @@ impl Trajectory {
         }
         if self.content.reactions {
             let what = (Quantity::Reactions, determined);
-            let reactions = read_under(system, what, time, state, scratch);
+            let reactions = read(system, what, time, state, scratch);
             self.row.extend(reactions.iter().map(|x| x.to_f64()));
         }
         if self.content.outputs {
             // Most outputs have nothing to do with multipliers: the model's own are taken to the bit.
             let asks = layout.asks_efforts(Quantity::Outputs);
             let what = (Quantity::Outputs, determined.filter(|_| asks));
-            let outputs = read_under(system, what, time, state, scratch);
+            let outputs = read(system, what, time, state, scratch);
             self.row.extend(outputs.iter().map(|x| x.to_f64()));
         }
         if anew.is_some() && self.row.iter().any(|x| x.is_nan()) {
@@ -312,7 +312,7 @@ impl Trajectory {
             // The power of prescribed motions is the same for every solution.
             let all = anew.as_ref().map(|[all, _]| all.as_slice());
             let what = (Quantity::Energy, all.filter(|_| driven));
-            let energy = read_under(system, what, time, state, scratch);
+            let energy = read(system, what, time, state, scratch);
             self.row.extend(energy.iter().take(3).map(|x| x.to_f64()));
             self.row
                 .push(energy.iter().take(3).map(|x| x.to_f64()).sum());
@@ -329,36 +329,21 @@ impl Trajectory {
     }
 }
 
-/// A quantity at the state that `system` looked at last.
+/// A quantity at the state that `system` looked at last; with multipliers that were found apart from the model, if there are any.
 fn read<'s, T: Float>(
-    system: &mut System<T>,
-    what: Quantity,
-    time: f64,
-    state: &[T],
-    scratch: &'s mut [T],
-) -> &'s [T] {
-    let list = scratch
-        .get_mut(..system.model.layout().len(what))
-        .unwrap_or_default();
-    system.seen(what, time, state, list);
-    list
-}
-
-/// The same with multipliers that were found apart from the model.
-fn read_under<'s, T: Float>(
     system: &mut System<T>,
     (what, multipliers): (Quantity, Option<&[f64]>),
     time: f64,
     state: &[T],
     scratch: &'s mut [T],
 ) -> &'s [T] {
-    let Some(multipliers) = multipliers else {
-        return read(system, what, time, state, scratch);
-    };
     let layout = system.model.layout();
-    let state = state.get(..layout.nx()).unwrap_or_default();
-    let list = scratch.get_mut(..layout.len(what)).unwrap_or_default();
-    system.by_multipliers(what, (time, state), multipliers, list);
+    let (length, own) = (layout.len(what), state.get(..layout.nx()));
+    let list = scratch.get_mut(..length).unwrap_or_default();
+    match multipliers {
+        Some(found) => system.by_multipliers(what, (time, own.unwrap_or_default()), found, list),
+        None => system.seen(what, time, state, list),
+    }
     list
 }
 

@@ -8,8 +8,10 @@
 //! in the slow directions and leave any ratio, while an unstable run soon has differences as large as the rates themselves.
 
 use mbd_scene::laws::Numbers;
-use mbd_scene::{Float, Layout, Model, Place, PointSlots, Slots, StopSlots};
+use mbd_scene::{Float, Model, Part, Place, StopSlots};
 use serde::{Deserialize, Serialize};
+
+use crate::moving::{Moving, moving};
 
 /// What hρ may not exceed often.
 const LIMIT: f64 = 2.5;
@@ -43,20 +45,15 @@ pub(crate) fn suggestion(step: f64, stiffness: f64) -> f64 {
 pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Vec<T> {
     let (scene, layout) = (model.scene(), model.layout());
     let mass = |v: usize| mass_matrix.get(v * (layout.nv + 1)).copied().unwrap_or(0.0);
-    let directions = layout.directions;
-    let (linear, turns) = (
-        directions.translations().len(),
-        directions.rotations().len(),
-    );
     // Its inertia, the mean of its moments; in a plane there is one.
-    let inertia_of = |v: usize| {
-        let own = v + linear..v + linear + turns;
-        own.map(mass).sum::<f64>() / turns as f64
+    let inertia_of = |part: &Moving| {
+        let own = part.speeds().skip(part.velocity.len());
+        own.map(mass).sum::<f64>() / part.spin.len() as f64
     };
     let coordinates = coordinates(model);
     let mut frequency: f64 = 1.0;
     let mut lightest = f64::INFINITY;
-    for (owner, slots) in owners(layout) {
+    for owner in moving(layout) {
         let lines = scene.lines.iter().zip(model.lines());
         let attached = lines.filter(|(line, _)| owner.holds(line.from) || owner.holds(line.to));
         let stiffness: f64 = attached
@@ -65,8 +62,7 @@ pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Ve
                 line.kind.stiffest(&scene.tables, slope)
             })
             .sum();
-        // A turn by the angle a moves the quaternion by a/2: its inertia is the mean of the three moments.
-        let inertia = inertia_of(slots.v);
+        let (mass, inertia) = (mass(owner.speed), inertia_of(&owner));
         let [pushing, turning] = coordinates.iter().fold([0.0; 2], |sum, acting| {
             match (
                 acting.ends.iter().any(|end| owner.holds(*end)),
@@ -77,10 +73,10 @@ pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Ve
                 (true, true) => [sum[0], sum[1] + acting.stiffness],
             }
         });
-        let rates = [(stiffness + pushing) / mass(slots.v), turning / inertia];
+        let rates = [(stiffness + pushing) / mass, turning / inertia];
         let fastest = rates.into_iter().filter(|rate| rate.is_finite());
         frequency = fastest.fold(frequency, f64::max);
-        lightest = lightest.min(mass(slots.v));
+        lightest = lightest.min(mass);
     }
     let mut weights = vec![T::zero(); layout.nx()];
     let mut set = |at: usize, value: f64| {
@@ -89,14 +85,17 @@ pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Ve
         }
     };
     (0..layout.nv).for_each(|v| set(layout.nq + v, mass(v)));
-    for (owner, slots) in owners(layout) {
-        (0..linear).for_each(|axis| set(slots.q + axis, frequency * mass(slots.v + axis)));
-        if matches!(owner, Owner::Body(_)) {
-            // A turn by the angle a moves the quaternion by a/2.
-            let square = if directions.plane.is_some() { 1.0 } else { 4.0 };
-            let weight = square * frequency * inertia_of(slots.v);
-            (linear..directions.coordinates()).for_each(|axis| set(slots.q + axis, weight));
+    for owner in moving(layout) {
+        for (at, speed) in owner.position.clone().zip(owner.speeds()) {
+            set(at, frequency * mass(speed));
         }
+        // A turn by the angle a moves the quaternion by a/2.
+        let square = match owner.part {
+            Part::Body(_) if layout.directions.plane.is_none() => 4.0,
+            _ => 1.0,
+        };
+        let weight = square * frequency * inertia_of(&owner);
+        owner.attitude.clone().for_each(|at| set(at, weight));
     }
     let massless = if lightest.is_finite() { lightest } else { 1.0 };
     (0..layout.nz).for_each(|z| set(layout.nq + layout.nv + z, frequency * massless));
@@ -139,31 +138,4 @@ fn coordinates<T: Float>(model: &dyn Model<T>) -> Vec<Coordinate> {
         }
     }
     found
-}
-
-/// Bodies and points with mass.
-fn owners(layout: &Layout) -> impl Iterator<Item = (Owner, Slots)> {
-    let bodies = layout.bodies.iter().enumerate();
-    let bodies = bodies.map(|(body, slots)| (Owner::Body(body), *slots));
-    let points = layout.points.iter().enumerate();
-    bodies.chain(points.filter_map(|(point, slots)| match slots {
-        PointSlots::Mass(slots) => Some((Owner::Point(point), *slots)),
-        PointSlots::Node(_) => None,
-    }))
-}
-
-#[derive(Clone, Copy)]
-enum Owner {
-    Body(usize),
-    Point(usize),
-}
-
-impl Owner {
-    fn holds(self, place: Place) -> bool {
-        match (self, place) {
-            (Owner::Body(body), Place::Body(other, _)) => body == other,
-            (Owner::Point(point), Place::Point(other)) => point == other,
-            _ => false,
-        }
-    }
 }

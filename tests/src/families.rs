@@ -1,8 +1,9 @@
 //! Random equilibrium problems, family by family: from ordinary ones to the hardest a line scene can pose. Seeded.
 
-use mbd_runtime::node::{Confluence, Outcome, Solver, Strategy, Tolerance, Web, WebBalance};
+use mbd_runtime::node::{Outcome, Solver, Strategy, Tolerance};
 
 use crate::random::Random;
+use crate::web::{Confluence, Web, WebBalance};
 
 /// What makes the problems of a family hard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -246,9 +247,8 @@ pub fn run(family: Family, start: Start, loaded: bool, count: usize, seed: u64) 
 
 /// Solves a web of one node in place.
 pub fn solve(web: &Web<f64>, p: &mut [f64]) -> Outcome<f64> {
-    let blocks = web.blocks();
-    let mut solver = Solver::new(web.loads.len(), web.lines.len(), &blocks);
-    let mut balance = WebBalance::new(web, &blocks);
+    let mut solver = Solver::new(web.loads.len(), web.lines.len(), &web.blocks());
+    let mut balance = WebBalance::new(web);
     let (k, l) = web.constants();
     solver.solve(&mut balance, &k, &l, p, Tolerance::alone())
 }

@@ -1,7 +1,7 @@
 //! States along flights of any model: fixed steps of the classical Runge–Kutta method, with the nodes at hand.
 
 use mbd_runtime::Work;
-use mbd_runtime::node::{NodeError, NodeMemory, Nodes};
+use mbd_runtime::node::{NodeError, NodeMemory, Nodes, Stage};
 use mbd_scene::{Model, Quantity};
 
 use crate::instant::Instant;
@@ -38,15 +38,16 @@ impl<'m> Course<'m> {
             model,
         };
         let guess = (guess.len() == 3 * layout.nodes.len()).then_some(guess);
-        course.nodes.start(
+        let stage = Stage {
             model,
-            0.0,
-            &mut course.state,
-            &[],
-            guess,
-            &mut course.memory,
-            &mut course.work,
-        )?;
+            time: 0.0,
+            state,
+            inputs: &[],
+        };
+        course
+            .nodes
+            .start(stage, guess, &mut course.memory, &mut course.work)?;
+        course.nodes.place_in(&mut course.state);
         Ok(course)
     }
 
@@ -55,16 +56,13 @@ impl<'m> Course<'m> {
     /// # Errors
     /// No equilibrium of a node.
     pub fn solve(&mut self, span: f64, state: &[f64]) -> Result<(), NodeError> {
-        let time = self.time + span;
-        self.nodes.solve(
-            self.model,
-            time,
-            span,
+        let stage = Stage {
+            model: self.model,
+            time: self.time + span,
             state,
-            &[],
-            &self.memory,
-            &mut self.work,
-        )
+            inputs: &[],
+        };
+        self.nodes.solve(stage, span, &self.memory, &mut self.work)
     }
 
     /// All arguments of an evaluation at a state with the nodes of the last solve.

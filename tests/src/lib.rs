@@ -18,6 +18,7 @@ pub mod random_scene;
 pub mod reference;
 pub mod system;
 pub mod turning;
+pub mod web;
 
 /// Asserts that every number of `got` equals that of `want` to `relative` of the largest number of `want`, plus `absolute`.
 ///

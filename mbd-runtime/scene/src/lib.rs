@@ -43,7 +43,11 @@ pub use packed::Packed;
 pub use params::{ParamError, check_params, checked_numbers};
 pub use placement::{JointStart, PlacementError, place};
 pub use redundancy::Apart;
-pub use scalar::{Dual, Float, Jet, Real, TINY, inverse, rotation, symmetric};
+#[doc(hidden)]
+pub use scalar::orthogonal;
+pub use scalar::{
+    Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, symmetric,
+};
 pub use scene::{
     Body, Clamp, Constant, Coordinates, Difference, Direction, Event, Frame, Gravity, Inertia,
     Input, Joint, Line, Load, LoadKind, NodeModel, Output, Parameter, Point, PointKind, Scene,

@@ -3,8 +3,8 @@
 use mbd_scene::Float;
 use mbd_scene::laws::Numbers;
 
+use super::chain::{Held, Strategy};
 use super::limits::{LOSS, RATIO, TOO_MUCH};
-use super::{Held, Strategy};
 use crate::error::StepError;
 use crate::system::System;
 

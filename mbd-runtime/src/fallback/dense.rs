@@ -18,6 +18,10 @@
 mod blend;
 mod regularised;
 
+use std::ops::Range;
+
+use mbd_scene::orthogonal::{dot, subtract, take_out};
+
 use super::limits::CORRECTIONS;
 
 /// Room for one scene.
@@ -88,10 +92,10 @@ impl Dense {
     }
 
     /// Says that these speeds move one part; the first is a velocity of its centre of mass.
-    pub(crate) fn set_mass(&mut self, first: usize, count: usize) {
-        let mass = self.mass.get(first * self.nv + first).copied();
-        let weights = self.weights.iter_mut().skip(first).take(count);
-        weights.for_each(|weight| *weight = mass.unwrap_or(1.0));
+    pub(crate) fn set_mass(&mut self, speeds: Range<usize>) {
+        let mass = self.mass.get(speeds.start * (self.nv + 1)).copied();
+        let weights = self.weights.get_mut(speeds).unwrap_or_default();
+        weights.fill(mass.unwrap_or(1.0));
     }
 
     /// L of (1).
@@ -155,13 +159,8 @@ impl Dense {
         let before = dot(&rest, &rest).sqrt();
         let line = &mut self.mix[at * nc..at * nc + at];
         line.fill(0.0);
-        for _ in 0..2 {
-            for (part, unit) in line.iter_mut().zip(self.units.chunks_exact(n)) {
-                let along = dot(&rest, unit);
-                rest.iter_mut().zip(unit).for_each(|(x, u)| *x -= along * u);
-                *part += along;
-            }
-        }
+        let units = self.units.chunks_exact(n).take(at);
+        take_out(&mut rest, units, |known, along| line[known] += along);
         let after = dot(&rest, &rest).sqrt();
         self.rest = rest;
         [before, after]
@@ -171,10 +170,8 @@ impl Dense {
     fn add(&mut self, at: usize, size: f64) {
         let (n, nc) = (self.nv, self.nc);
         self.mix[at * nc + at] = size;
-        let unit = &mut self.units[at * n..(at + 1) * n];
-        unit.iter_mut()
-            .zip(&self.rest)
-            .for_each(|(u, x)| *u = x / size);
+        let unit = self.units[at * n..(at + 1) * n].iter_mut();
+        unit.zip(&self.rest).for_each(|(u, x)| *u = x / size);
     }
 
     /// Chooses rows: the one with most that is new first, until nothing is. From `mass`, `weights` and `jacobian`; (1) is to be factorised.
@@ -240,9 +237,7 @@ impl Dense {
         let units = self.units.chunks_exact(self.nv);
         for (unit, along) in units.zip(&mut self.along).take(chosen.len()) {
             *along -= dot(unit, &self.force);
-            let change = *along;
-            let moved = self.force.iter_mut().zip(unit);
-            moved.for_each(|(z, q)| *z += change * q);
+            subtract(&mut self.force, -*along, unit);
         }
         Self::backward(&self.lower, &mut self.force);
         self.multipliers.fill(0.0);
@@ -272,16 +267,9 @@ impl Dense {
     pub(crate) fn correct(&mut self, chosen: &[usize]) {
         self.find_along(chosen);
         self.force.fill(0.0);
-        for (unit, along) in self
-            .units
-            .chunks_exact(self.nv)
-            .zip(&self.along)
-            .take(chosen.len())
-        {
-            self.force
-                .iter_mut()
-                .zip(unit)
-                .for_each(|(z, q)| *z -= along * q);
+        let units = self.units.chunks_exact(self.nv).zip(&self.along);
+        for (unit, along) in units.take(chosen.len()) {
+            subtract(&mut self.force, *along, unit);
         }
         Self::backward(&self.lower, &mut self.force);
     }
@@ -381,10 +369,6 @@ impl Dense {
 fn largest(list: &[f64]) -> f64 {
     list.iter()
         .fold(0.0, |most, x| if x.abs() <= most { most } else { x.abs() })
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// first + Σ a b with twice the digits: errors of sums and of products are summed beside (Ogita, Rump, Oishi 2005, Dot2).

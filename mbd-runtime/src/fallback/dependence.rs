@@ -1,6 +1,7 @@
 //! Which rows repeat others: elimination of the dense Jacobian row by row, in the order of declaration. Only where a run has failed.
 
 use mbd_scene::Float;
+use mbd_scene::orthogonal::{dot, subtract, take_out};
 
 use super::limits::INVOLVED;
 
@@ -38,16 +39,12 @@ pub(crate) fn dependent<T: Float>(
         if let Some(own) = made.get_mut(index) {
             *own = 1.0;
         }
-        let whole = norm(&rest);
-        // Twice is enough to leave nothing but the new part.
-        for _ in 0..2 {
-            for direction in &directions {
-                let along = dot(&rest, &direction.unit);
-                subtract(&mut rest, along, &direction.unit);
-                subtract(&mut made, along, &direction.made);
-            }
-        }
-        let new = norm(&rest);
+        let whole = dot(&rest, &rest).sqrt();
+        let units = directions.iter().map(|known| &known.unit[..]);
+        take_out(&mut rest, units, |known, along| {
+            subtract(&mut made, along, &directions[known].made);
+        });
+        let new = dot(&rest, &rest).sqrt();
         if new > new_from * whole {
             let scale = |list: Vec<f64>| list.into_iter().map(|x| x / new).collect();
             directions.push(Direction {
@@ -71,20 +68,6 @@ pub(crate) fn dependent<T: Float>(
         .map(|(row, _)| row)
         .collect();
     found
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-fn subtract(from: &mut [f64], times: f64, what: &[f64]) {
-    for (a, b) in from.iter_mut().zip(what) {
-        *a -= times * b;
-    }
 }
 
 #[cfg(test)]

@@ -14,10 +14,11 @@
 //! Source: derived. Rejected: the smallest multipliers at x, which differ from those before and after by a finite amount.
 
 use mbd_scene::laws::Numbers;
-use mbd_scene::{Float, Place, PointSlots, Quantity};
+use mbd_scene::{Float, Place, Quantity};
 
 use super::dependent;
 use super::limits::{POWER, WIDER};
+use crate::moving::moving;
 use crate::system::System;
 
 /// Limits of multipliers and accelerations at a state where rows lose rank.
@@ -181,22 +182,12 @@ impl<T: Float> System<T> {
     /// The largest of speeds over the reach of the joints and of angular speeds over a radian [1/s]; of accelerations likewise [1/s²].
     fn crossings(&mut self, speeds: &[f64]) -> f64 {
         let reach = self.reach();
-        let layout = self.model.layout();
-        let moves = layout.directions.translations().len();
         let mut most: f64 = 0.0;
-        let bodies = layout
-            .bodies
-            .iter()
-            .map(|slots| (slots.v, layout.directions.speeds()));
-        let points = layout.points.iter().filter_map(|slots| match slots {
-            PointSlots::Mass(slots) => Some((slots.v, moves)),
-            PointSlots::Node(_) => None,
-        });
-        for (at, count) in bodies.chain(points) {
-            let own = speeds.iter().skip(at).take(count).enumerate();
-            for (index, speed) in own {
-                let over = if index < moves { reach } else { 1.0 };
-                most = most.max(speed.abs() / over);
+        for part in moving(self.model.layout()) {
+            let own = speeds.get(part.speeds()).unwrap_or_default();
+            for (index, speed) in own.iter().enumerate() {
+                let is_linear = index < part.velocity.len();
+                most = most.max(speed.abs() / if is_linear { reach } else { 1.0 });
             }
         }
         most

@@ -15,129 +15,24 @@
 //!
 //! A step on the emitted strategy passes [`System::accelerate`] with one comparison; everything else here is cold.
 
-use mbd_scene::{Float, PointSlots, Quantity};
-use serde::{Deserialize, Serialize};
+use mbd_scene::{Float, Quantity};
 
+use self::chain::Held;
+pub(crate) use self::chain::{Fallback, SavedStrategy, Strategy};
 use self::dense::Dense;
 pub(crate) use self::dependence::{Dependence, dependent};
 pub(crate) use self::limits::NEW;
 use self::limits::{LASTING, LEFT, LEFT_INSIDE, MARGIN, NEAR, PASSING};
 use crate::error::StepError;
+use crate::moving::moving;
 use crate::system::System;
 
+mod chain;
 mod conditioning;
 mod dense;
 mod dependence;
 mod limit;
 mod limits;
-
-/// How the rows are solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub(crate) enum Strategy {
-    /// As emitted.
-    #[default]
-    Emitted,
-    /// Rows chosen anew.
-    Chosen,
-    /// The whole matrix.
-    Whole,
-    /// All rows, regularised: a stage, never a step.
-    Regularised,
-}
-
-/// What is held for a step.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Held {
-    strategy: Strategy,
-    rows: Vec<usize>,
-    /// Whether every stage of the step takes these rows: one of them could not be solved otherwise.
-    whole_step: bool,
-    /// √ of the margin at the start of the step.
-    size: f64,
-    /// Whether the step may pass a singular state.
-    near: bool,
-}
-
-/// What a run needs to go on solving its rows as it did.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct SavedStrategy {
-    held: Held,
-    base: Strategy,
-    lasting: bool,
-}
-
-/// The chain of one run.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Fallback {
-    /// Of the step that is tried.
-    now: Held,
-    /// Of the step after it.
-    next: Held,
-    /// Whether the stage to come is the first of the step after.
-    at_end: bool,
-    /// The strategy of a run away from singular states.
-    base: Strategy,
-    /// What the last factor left to its smallest pivot; NaN when there was none since the last step.
-    pub margin: f64,
-    dense: Dense,
-    /// Whether the stage that was evaluated last was solved by `dense`, and whether regularised.
-    anew: bool,
-    regularised: bool,
-    /// Whether rows have lost rank for longer than an instant.
-    lasting: bool,
-    /// Distance over which a motion changes [m], once it was asked for.
-    reach: Option<f64>,
-    /// Room for h.
-    bias: Vec<f64>,
-    /// Room for rows chosen in a projection.
-    spare: Vec<usize>,
-    /// The worst strategy used.
-    pub worst: Strategy,
-    /// Decimal digits that uneven masses cost on the strategy of the run.
-    pub lost_digits: u64,
-}
-
-impl Fallback {
-    fn held(&self) -> &Held {
-        if self.at_end { &self.next } else { &self.now }
-    }
-
-    fn held_mut(&mut self) -> &mut Held {
-        if self.at_end {
-            &mut self.next
-        } else {
-            &mut self.now
-        }
-    }
-
-    /// A trial step begins.
-    pub(crate) fn enter(&mut self) {
-        self.at_end = false;
-    }
-
-    /// The trial step is taken.
-    pub(crate) fn commit(&mut self) {
-        self.now.clone_from(&self.next);
-        self.at_end = false;
-    }
-
-    /// What the step to come is solved with.
-    pub(crate) fn saved(&self) -> SavedStrategy {
-        SavedStrategy {
-            held: self.now.clone(),
-            base: self.base,
-            lasting: self.lasting,
-        }
-    }
-
-    /// Takes up what another run held, for the stage at its last step; [`Fallback::commit`] follows.
-    pub(crate) fn resume(&mut self, footing: &SavedStrategy) {
-        self.next.clone_from(&footing.held);
-        self.base = footing.base;
-        self.lasting = footing.lasting;
-        self.at_end = true;
-    }
-}
 
 impl<T: Float> System<T> {
     /// Whether the last factor of the emitted elimination can be trusted.
@@ -348,15 +243,7 @@ impl<T: Float> System<T> {
         self.by_laws(Quantity::MassMatrix, time, state, &mut dense.mass);
         let jacobian = &mut dense.jacobian;
         self.by_laws(Quantity::ConstraintJacobian, time, state, jacobian);
-        let directions = layout.directions;
-        for slots in &layout.bodies {
-            dense.set_mass(slots.v, directions.speeds());
-        }
-        for slots in &layout.points {
-            if let PointSlots::Mass(slots) = slots {
-                dense.set_mass(slots.v, directions.translations().len());
-            }
-        }
+        moving(layout).for_each(|part| dense.set_mass(part.speeds()));
         self.fallback.dense = dense;
     }
 

@@ -3,8 +3,13 @@
 //! One block a body and kind: position, rotation (as a tangent angle), velocity, angular velocity; and one a point. Positions and rotations are
 //! measured against fixed scales, never against |y|: moving or turning the world must change nothing.
 
-use mbd_scene::{Float, Layout, Model, PointSlots, Scene};
+use std::ops::Range;
+
+use mbd_scene::{Float, Layout, Model, Part, Scene};
 use serde::{Deserialize, Serialize};
+
+use crate::columns::{body_name, node_name};
+use crate::moving::moving;
 
 /// What counts as one unit of error before the relative tolerance is applied.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,18 +68,16 @@ enum Kind {
     Angle,
     Velocity,
     AngularVelocity,
-    Node,
     Work,
 }
 
-#[derive(Clone, Copy, Debug)]
+/// Some numbers of the state that have one size.
+#[derive(Clone, Debug)]
 struct Block {
     kind: Kind,
-    at: usize,
-    /// Number of its components.
-    len: usize,
-    /// Body or point index.
-    owner: usize,
+    at: Range<usize>,
+    /// Whose they are.
+    owner: Option<Part>,
 }
 
 /// The norm of one scene.
@@ -91,45 +94,28 @@ impl ErrorNorm {
     /// The norm of states of `length`: those of the layout, with integrals behind.
     pub(crate) fn new(layout: &Layout, length: usize, scales: Scales, tolerance: f64) -> Self {
         let mut blocks = Vec::new();
-        let mut block = |kind, at, len, owner| {
-            blocks.push(Block {
-                kind,
-                at,
-                len,
-                owner,
-            });
+        let mut block = |kind, at: Range<usize>, owner| {
+            if !at.is_empty() {
+                blocks.push(Block { kind, at, owner });
+            }
         };
-        let directions = layout.directions;
-        let (moves, turns) = (
-            directions.translations().len(),
-            directions.rotations().len(),
-        );
-        let (attitude, numbers) = match directions.plane {
-            None => (Kind::Rotation, directions.attitude()),
-            Some(_) => (Kind::Angle, directions.attitude()),
+        let attitude = match layout.directions.plane {
+            None => Kind::Rotation,
+            Some(_) => Kind::Angle,
         };
-        for (body, slots) in layout.bodies.iter().enumerate() {
-            let v = layout.nq + slots.v;
-            block(Kind::Position, slots.q, moves, body);
-            block(attitude, slots.q + moves, numbers, body);
-            block(Kind::Velocity, v, moves, body);
-            block(Kind::AngularVelocity, v + moves, turns, body);
+        for part in moving(layout) {
+            let owner = Some(part.part);
+            block(Kind::Position, part.position, owner);
+            block(attitude, part.attitude, owner);
+            block(Kind::Velocity, part.velocity, owner);
+            block(Kind::AngularVelocity, part.spin, owner);
         }
-        for (point, slots) in layout.points.iter().enumerate() {
-            match slots {
-                PointSlots::Mass(slots) => {
-                    block(Kind::Node, slots.q, moves, point);
-                    let owner = layout.bodies.len() + point;
-                    block(Kind::Velocity, layout.nq + slots.v, moves, owner);
-                }
-                PointSlots::Node(node) => {
-                    if let Some(z) = layout.nodes.get(*node).and_then(|node| node.z) {
-                        block(Kind::Node, layout.nq + layout.nv + z, 3, point);
-                    }
-                }
+        for node in &layout.nodes {
+            if let Some(z) = node.z.map(|z| layout.nq + layout.nv + z) {
+                block(Kind::Position, z..z + 3, Some(Part::Point(node.point)));
             }
         }
-        (layout.nx()..length).for_each(|at| block(Kind::Work, at, 1, 0));
+        (layout.nx()..length).for_each(|at| block(Kind::Work, at..at + 1, None));
         ErrorNorm {
             blocks,
             scales,
@@ -160,17 +146,17 @@ impl ErrorNorm {
         let Some(block) = self.blocks.get(self.worst) else {
             return "state".into();
         };
-        let bodies = scene.bodies.len();
-        let body = scene.bodies.get(block.owner).map(|body| body.name.as_str());
-        let point = |index: usize| scene.points.get(index).map(|point| point.name.as_str());
-        let (owner, what) = match block.kind {
-            Kind::Position => (body, "position"),
-            Kind::Rotation | Kind::Angle => (body, "rotation"),
-            Kind::AngularVelocity => (body, "angular velocity"),
-            Kind::Velocity if block.owner < bodies => (body, "velocity"),
-            Kind::Velocity => (point(block.owner - bodies), "velocity"),
-            Kind::Node => (point(block.owner), "position"),
-            Kind::Work => (None, "work"),
+        let owner = match block.owner {
+            Some(Part::Body(body)) => Some(body_name(scene, body)),
+            Some(Part::Point(point)) => Some(node_name(scene, point)),
+            Some(Part::Joint(_)) | None => None,
+        };
+        let what = match block.kind {
+            Kind::Position => "position",
+            Kind::Rotation | Kind::Angle => "rotation",
+            Kind::Velocity => "velocity",
+            Kind::AngularVelocity => "angular velocity",
+            Kind::Work => "work",
         };
         format!("{what} of {}", owner.unwrap_or("the run"))
     }
@@ -179,16 +165,17 @@ impl ErrorNorm {
 impl Block {
     fn measure<T: Float>(&self, scales: &Scales, error: &[T], old: &[T], new: &[T]) -> f64 {
         match self.kind {
-            Kind::Position | Kind::Node => self.mean(error) / scales.length,
+            Kind::Position => self.mean(error) / scales.length,
             Kind::Rotation => {
-                tangent(quadruple(old, self.at), quadruple(error, self.at)) / scales.angle
+                let [old, error] = [old, error].map(|list| pick(list, self.at.start));
+                tangent(old, error) / scales.angle
             }
             Kind::Angle => self.mean(error) / scales.angle,
             Kind::Velocity => self.speed(scales.speed, error, old, new),
             Kind::AngularVelocity => self.speed(scales.rate, error, old, new),
             Kind::Work => {
                 let [error, old, new] =
-                    [error, old, new].map(|list| pick::<T, 1>(list, self.at)[0].abs());
+                    [error, old, new].map(|list| pick::<T, 1>(list, self.at.start)[0].abs());
                 error / (scales.energy + old.max(new))
             }
         }
@@ -202,13 +189,13 @@ impl Block {
 
     /// Sum of the squares of its components.
     fn square<T: Float>(&self, list: &[T]) -> f64 {
-        let own = list.iter().skip(self.at).take(self.len);
-        own.fold(0.0, |sum, x| sum + x.to_f64() * x.to_f64())
+        let own = list.get(self.at.clone()).unwrap_or_default();
+        own.iter().fold(0.0, |sum, x| sum + x.to_f64() * x.to_f64())
     }
 
     /// Root mean square of its components.
     fn mean<T: Float>(&self, list: &[T]) -> f64 {
-        (self.square(list) / self.len as f64).sqrt()
+        (self.square(list) / self.at.len() as f64).sqrt()
     }
 }
 
@@ -224,10 +211,6 @@ fn tangent([w, x, y, z]: [f64; 4], [dw, dx, dy, dz]: [f64; 4]) -> f64 {
         2.0 * (w * dy + x * dz - y * dw - z * dx),
         2.0 * (w * dz - x * dy + y * dx - z * dw),
     ])
-}
-
-fn quadruple<T: Float>(values: &[T], at: usize) -> [f64; 4] {
-    pick(values, at)
 }
 
 fn pick<T: Float, const N: usize>(values: &[T], at: usize) -> [f64; N] {

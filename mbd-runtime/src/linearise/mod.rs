@@ -10,24 +10,17 @@
 //! (slack rule of `static` and `stepwise`: ∂p/∂p_i = 1/n; rules 3 and 4 of `rate`). Modes, the memory of stepwise nodes and the weights of rule 4 stay
 //! fixed; at a switch these are the derivatives on one side.
 
+mod matrix;
 mod networks;
 
 use std::fmt;
 
 use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Work};
 
+pub use matrix::Matrix;
 use networks::Elimination;
 
-use crate::compiled::Scalar;
 use crate::slopes::{Effective, Slopes};
-
-/// A matrix, dense, row by row.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Matrix<T> {
-    rows: usize,
-    columns: usize,
-    values: Vec<T>,
-}
 
 /// Total derivatives at one state, with the room to compute them again.
 ///
@@ -85,69 +78,6 @@ struct Partials<T> {
     derivative: Matrix<T>,
     balance: Matrix<T>,
     outputs: Matrix<T>,
-}
-
-impl<T: Float> Matrix<T> {
-    fn new(rows: usize, columns: usize) -> Self {
-        Matrix {
-            rows,
-            columns,
-            values: vec![T::zero(); rows * columns],
-        }
-    }
-
-    /// Number of rows.
-    #[must_use]
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Number of columns.
-    #[must_use]
-    pub fn columns(&self) -> usize {
-        self.columns
-    }
-
-    /// All elements, row by row.
-    #[must_use]
-    pub fn values(&self) -> &[T] {
-        &self.values
-    }
-
-    /// One element; zero outside the matrix.
-    #[must_use]
-    pub fn at(&self, row: usize, column: usize) -> T {
-        if column < self.columns {
-            self.row(row).get(column).copied().unwrap_or_default()
-        } else {
-            T::zero()
-        }
-    }
-
-    fn row(&self, row: usize) -> &[T] {
-        self.values
-            .get(row * self.columns..(row + 1) * self.columns)
-            .unwrap_or(&[])
-    }
-
-    fn row_mut(&mut self, row: usize) -> &mut [T] {
-        self.values
-            .get_mut(row * self.columns..(row + 1) * self.columns)
-            .unwrap_or(&mut [])
-    }
-
-    /// Adds `left` · `right`.
-    fn add_product(&mut self, left: &Matrix<T>, right: &Matrix<T>) {
-        for row in 0..self.rows {
-            for (k, &factor) in left.row(row).iter().enumerate() {
-                if factor != T::zero() {
-                    for (target, &x) in self.row_mut(row).iter_mut().zip(right.row(k)) {
-                        *target += factor * x;
-                    }
-                }
-            }
-        }
-    }
 }
 
 impl<T: Float> Partials<T> {
@@ -233,23 +163,6 @@ impl fmt::Display for LinearisationError {
 }
 
 impl std::error::Error for LinearisationError {}
-
-impl<T: Scalar> Linearisation<T> {
-    /// Linearises at `at`, whose node unknowns solve the balance, as those of [`Simulation::nodes`](crate::Simulation::nodes) do.
-    ///
-    /// Parameters of node lines enter K_e and L_e as they enter K and L0.
-    ///
-    /// # Errors
-    /// [`LinearisationError`]; the numbers then mean nothing.
-    pub fn evaluate(
-        &mut self,
-        model: &dyn Model<T>,
-        at: &At<'_, T>,
-        work: &mut Work<T>,
-    ) -> Result<(), LinearisationError> {
-        T::linearise(self, model, at, work)
-    }
-}
 
 impl<T: Float> Linearisation<T> {
     /// Room for a layout.

@@ -1,6 +1,8 @@
 //! What the solver needs to know of an equilibrium problem: the gradient and the stiffness of a convex line energy.
 
 use mbd_scene::Float;
+use mbd_scene::laws::{self, line};
+use nalgebra::Vector3;
 
 use super::factor::Block;
 
@@ -14,14 +16,86 @@ use super::factor::Block;
 pub trait Balance<T: Float> {
     /// Number of nodes m.
     fn nodes(&self) -> usize;
-    /// Number of lines.
-    fn lines(&self) -> usize;
     /// The load W on the nodes, 3 a node [N].
     fn load(&self) -> &[T];
     /// Evaluates at `p` with stiffness `k` [N/m] and free length `l` [m] per line.
     fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut Evaluation<T>);
+    /// The two places between which a line is stretched [m].
+    fn places(&self, line: usize, p: &[T]) -> [Vector3<T>; 2];
+
     /// The smallest L − d over the slack lines at `p` [m]; zero if no line is slack.
-    fn smallest_slack(&self, p: &[T], l: &[T]) -> T;
+    fn smallest_slack(&self, p: &[T], l: &[T]) -> T {
+        let mut smallest = None;
+        for (index, &l) in l.iter().enumerate() {
+            let [from, to] = self.places(index, p);
+            let slack = -line::geometry(&(to - from), l).stretch;
+            if slack > T::zero() && smallest.is_none_or(|least| slack < least) {
+                smallest = Some(slack);
+            }
+        }
+        smallest.unwrap_or_default()
+    }
+}
+
+/// Where a line of [`Tied`] ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tie<T> {
+    /// At a fixed place [m].
+    Anchor([T; 3]),
+    /// At a node.
+    Node(usize),
+}
+
+/// Nodes and lines without a scene, by the law run on numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Tied<'a, T> {
+    /// The load on the nodes, 3 a node [N].
+    pub load: &'a [T],
+    /// Structural non-zero blocks of H, row ≥ column.
+    pub blocks: &'a [(usize, usize)],
+    /// The ends of every line.
+    pub lines: &'a [[Tie<T>; 2]],
+}
+
+impl<T: Float> Balance<T> for Tied<'_, T> {
+    fn nodes(&self) -> usize {
+        self.load.len() / 3
+    }
+
+    fn load(&self) -> &[T] {
+        self.load
+    }
+
+    fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut Evaluation<T>) {
+        let loads = self.load.chunks_exact(3).map(|load| triple(load, 0));
+        let lines = self.lines.iter().zip(k.iter().zip(l)).enumerate();
+        let lines = lines.map(|(index, (ends, (&k, &l)))| {
+            let [from, to] = self.places(index, p);
+            let [at_from, at_to] = ends.map(|tie| match tie {
+                Tie::Anchor(_) => None,
+                Tie::Node(node) => Some(node),
+            });
+            laws::Pulled::new([(at_from, from), (at_to, to)], [k, l])
+        });
+        laws::balance(self.blocks, loads, lines, out.values_mut());
+    }
+
+    fn places(&self, line: usize, p: &[T]) -> [Vector3<T>; 2] {
+        let ends = self.lines.get(line).copied();
+        ends.unwrap_or([Tie::Node(usize::MAX / 3); 2])
+            .map(|tie| match tie {
+                Tie::Anchor(place) => place.into(),
+                Tie::Node(node) => triple(p, 3 * node),
+            })
+    }
+}
+
+/// Three numbers of a list as a vector; zero beyond its end.
+pub(crate) fn triple<T: Float>(list: &[T], at: usize) -> Vector3<T> {
+    match list.get(at..).and_then(<[T]>::first_chunk) {
+        Some(&[x, y, z]) => Vector3::new(x, y, z),
+        None => Vector3::zeros(),
+    }
 }
 
 /// A balance evaluated: one flat list in the order of `Quantity::Equilibrium`, so that a model writes it in one call.
@@ -108,19 +182,15 @@ pub(crate) fn norm<T: Float>(list: &[T]) -> T {
     if largest == T::zero() {
         return largest;
     }
-    let mut sum = T::zero();
-    for &x in list {
+    let square = |sum, &x| {
         let scaled = x / largest;
-        sum += scaled * scaled;
-    }
-    largest * sum.sqrt()
+        sum + scaled * scaled
+    };
+    largest * list.iter().fold(T::zero(), square).sqrt()
 }
 
 /// The inner product of two lists.
 pub(crate) fn inner<T: Float>(a: &[T], b: &[T]) -> T {
-    let mut sum = T::zero();
-    for (&x, &y) in a.iter().zip(b) {
-        sum += x * y;
-    }
-    sum
+    let products = a.iter().zip(b);
+    products.fold(T::zero(), |sum, (&x, &y)| sum + x * y)
 }

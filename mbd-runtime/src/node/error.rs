@@ -60,33 +60,33 @@ pub enum NodeError {
 
 impl NodeError {
     /// Checks the constants of one line.
-    pub(crate) fn check_line<T: Float>(
+    ///
+    /// # Errors
+    /// [`NodeError::InvalidLine`].
+    pub fn check_line<T: Float>(
         line: usize,
         stiffness: T,
         damping: T,
         free_length: T,
     ) -> Result<(), NodeError> {
-        let bad = |what, value: T| {
-            Err(NodeError::InvalidLine {
-                line,
-                what,
-                value: value.to_f64(),
-            })
-        };
-        if !stiffness.is_finite() || stiffness <= T::zero() {
-            return bad("stiffness", stiffness);
-        }
-        if !damping.is_finite() || damping < T::zero() {
-            return bad("damping", damping);
-        }
-        if !free_length.is_finite() || free_length < T::zero() {
-            return bad("free length", free_length);
+        for (what, value, above) in [
+            ("stiffness", stiffness, stiffness > T::zero()),
+            ("damping", damping, damping >= T::zero()),
+            ("free length", free_length, free_length >= T::zero()),
+        ] {
+            if !above || !value.is_finite() {
+                let value = value.to_f64();
+                return Err(NodeError::InvalidLine { line, what, value });
+            }
         }
         Ok(())
     }
 
     /// Checks that every number of a list is finite.
-    pub(crate) fn check_finite<T: Float>(what: &'static str, list: &[T]) -> Result<(), NodeError> {
+    ///
+    /// # Errors
+    /// [`NodeError::NotFinite`].
+    pub fn check_finite<T: Float>(what: &'static str, list: &[T]) -> Result<(), NodeError> {
         match list.iter().position(|x| !x.is_finite()) {
             Some(index) => Err(NodeError::NotFinite { what, index }),
             None => Ok(()),
@@ -94,19 +94,17 @@ impl NodeError {
     }
 
     /// Checks a length.
-    pub(crate) fn same_length(
-        what: &'static str,
-        found: usize,
-        expected: usize,
-    ) -> Result<(), NodeError> {
-        if found == expected {
-            Ok(())
-        } else {
-            Err(NodeError::Shape {
+    ///
+    /// # Errors
+    /// [`NodeError::Shape`].
+    pub fn same_length(what: &'static str, found: usize, expected: usize) -> Result<(), NodeError> {
+        match found == expected {
+            true => Ok(()),
+            false => Err(NodeError::Shape {
                 what,
                 found,
                 expected,
-            })
+            }),
         }
     }
 }

@@ -8,6 +8,7 @@
 //! lists and allocate nothing. A pivot that is not positive is reported, never repaired here.
 
 use mbd_scene::Float;
+use nalgebra::{Matrix3, Vector3};
 
 /// A block of `B` × `B` numbers, row by row.
 pub type Block<T, const B: usize> = [[T; B]; B];
@@ -44,18 +45,19 @@ impl<T: Float, const B: usize> BlockCholesky<T, B> {
             .copied()
             .filter(|&(row, column)| row < size && column < size)
             .collect();
-        let order = least_degree(size, &pattern);
+        let (order, touched) = least_degree(size, &pattern);
         let mut place = vec![0; size];
         for (step, &row) in order.iter().enumerate() {
             place[row] = step;
         }
-        let lower = filled(size, &place, &pattern);
         let mut columns = Vec::with_capacity(size + 1);
         let mut rows = Vec::new();
-        for (j, below) in lower.iter().enumerate() {
+        for (j, touched) in touched.iter().enumerate() {
             columns.push(rows.len());
             rows.push(j);
-            rows.extend(below);
+            let below = rows.len();
+            rows.extend(touched.iter().map(|&row| place[row]));
+            rows[below..].sort_unstable();
         }
         columns.push(rows.len());
         let slot = |i: usize, j: usize| {
@@ -94,8 +96,7 @@ impl<T: Float, const B: usize> BlockCholesky<T, B> {
     }
 
     /// Number of block rows.
-    #[must_use]
-    pub fn size(&self) -> usize {
+    fn size(&self) -> usize {
         self.order.len()
     }
 
@@ -191,53 +192,42 @@ impl<T: Float, const B: usize> BlockCholesky<T, B> {
     }
 }
 
-/// Eliminates the row of least degree first, ties by index.
-fn least_degree(size: usize, pattern: &[(usize, usize)]) -> Vec<usize> {
-    let mut joined = adjacency(size, pattern);
+/// Eliminates the row of least degree first, ties by index: the order, and the rows that each touches when it goes, fill included.
+fn least_degree(size: usize, pattern: &[(usize, usize)]) -> (Vec<usize>, Vec<Vec<usize>>) {
+    let mut joined = vec![vec![false; size]; size];
+    for &(a, b) in pattern.iter().filter(|(a, b)| a != b) {
+        (joined[a][b], joined[b][a]) = (true, true);
+    }
     let mut left: Vec<usize> = (0..size).collect();
-    let mut order = Vec::with_capacity(size);
-    while let Some(&next) = left.iter().min_by_key(|&&row| {
-        (
-            left.iter().filter(|&&other| joined[row][other]).count(),
-            row,
-        )
-    }) {
+    let (mut order, mut touched) = (Vec::with_capacity(size), Vec::with_capacity(size));
+    let degree = |joined: &[Vec<bool>], left: &[usize], row: usize| {
+        left.iter().filter(|&&other| joined[row][other]).count()
+    };
+    while let Some(&next) = left
+        .iter()
+        .min_by_key(|&&row| (degree(&joined, &left, row), row))
+    {
         left.retain(|&row| row != next);
-        for &a in &left {
-            for &b in &left {
-                joined[a][b] |= a != b && joined[a][next] && joined[b][next];
-            }
+        let own = left.iter().copied().filter(|&row| joined[row][next]);
+        let own: Vec<usize> = own.collect();
+        for &a in &own {
+            own.iter().for_each(|&b| joined[a][b] |= a != b);
         }
         order.push(next);
+        touched.push(own);
     }
-    order
+    (order, touched)
 }
 
-/// Rows below the diagonal of each column of L, in elimination order.
-fn filled(size: usize, place: &[usize], pattern: &[(usize, usize)]) -> Vec<Vec<usize>> {
-    let placed: Vec<(usize, usize)> = pattern.iter().map(|&(a, b)| (place[a], place[b])).collect();
-    let mut joined = adjacency(size, &placed);
-    for j in 0..size {
-        for a in j + 1..size {
-            for b in j + 1..size {
-                joined[a][b] |= a != b && joined[a][j] && joined[b][j];
-            }
-        }
-    }
-    (0..size)
-        .map(|j| (j + 1..size).filter(|&i| joined[i][j]).collect())
-        .collect()
-}
-
-fn adjacency(size: usize, pattern: &[(usize, usize)]) -> Vec<Vec<bool>> {
-    let mut joined = vec![vec![false; size]; size];
-    for &(a, b) in pattern {
-        if a != b {
-            joined[a][b] = true;
-            joined[b][a] = true;
-        }
-    }
-    joined
+/// Solves A x = b for one symmetric positive definite block; `None` if a pivot is not positive.
+pub(crate) fn solve_block<T: Float>(a: &Matrix3<T>, b: &Vector3<T>) -> Option<Vector3<T>> {
+    // Only the lower triangle is read: columns stand for rows.
+    let (mut lower, mut x): (Block<T, 3>, [T; 3]) = (a.data.0, (*b).into());
+    triangle(&mut lower).then(|| {
+        forward(&lower, &mut x);
+        backward(&lower, &mut x);
+        x.into()
+    })
 }
 
 fn dot<T: Float, const B: usize>(a: &[T; B], b: &[T; B]) -> T {

@@ -4,20 +4,7 @@ use mbd_scene::{Float, Layout};
 use serde::{Deserialize, Serialize};
 
 use super::error::NodeError;
-
-/// What a damped line, or a stop, does between two located events.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Mode {
-    /// Decides by itself at every evaluation: undamped lines, springs, lines of static and stepwise nodes.
-    #[default]
-    Free,
-    /// Shorter than its free length: nothing.
-    Slack,
-    /// Taut, carries K s + C ṡ ≥ 0.
-    Active,
-    /// Taut, but K s + C ṡ would push: carries nothing.
-    Idle,
-}
+use crate::unilateral::Mode;
 
 /// The memory of all nodes and damped lines of one run.
 ///
@@ -82,30 +69,24 @@ impl<T: Float> NodeMemory<T> {
 
     /// Whether this memory belongs to that layout (it may have been read from a file).
     pub(crate) fn check(&self, layout: &Layout) -> Result<(), NodeError> {
-        let same = NodeError::same_length;
-        same("memory of nodes", self.nodes.len(), 3 * layout.nodes.len())?;
-        same(
-            "memory of anchors",
-            self.anchors.len(),
-            3 * layout.anchors.len(),
-        )?;
-        same("memory of stretch", self.stretch.len(), layout.lines.len())?;
-        same("memory of stretch", self.previous.len(), layout.lines.len())?;
-        same(
-            "memory of forces",
-            self.effective.len(),
-            2 * layout.effective_lines,
-        )?;
-        same(
-            "memory of networks",
-            self.smooth.len(),
-            layout.networks.len(),
-        )?;
-        same(
-            "memory of networks",
-            self.ranks.len(),
-            layout.networks.len(),
-        )?;
-        same("memory of modes", self.modes.len(), layout.unilateral())
+        let (anchors, lines) = (3 * layout.anchors.len(), layout.lines.len());
+        let networks = layout.networks.len();
+        for (what, found, expected) in [
+            ("memory of nodes", self.nodes.len(), 3 * layout.nodes.len()),
+            ("memory of anchors", self.anchors.len(), anchors),
+            ("memory of stretch", self.stretch.len(), lines),
+            ("memory of stretch", self.previous.len(), lines),
+            (
+                "memory of forces",
+                self.effective.len(),
+                2 * layout.effective_lines,
+            ),
+            ("memory of networks", self.smooth.len(), networks),
+            ("memory of networks", self.ranks.len(), networks),
+            ("memory of modes", self.modes.len(), layout.unilateral()),
+        ] {
+            NodeError::same_length(what, found, expected)?;
+        }
+        Ok(())
     }
 }

@@ -16,22 +16,23 @@
 //!
 //! Rejected: a dashpot on the node. It makes D regular and the forces wrong.
 
-use mbd_scene::Float;
-use mbd_scene::laws::LineNumbers;
+use mbd_scene::laws::{LineNumbers, line as law};
+use mbd_scene::{Float, elements};
 use nalgebra::{Matrix3, Vector3};
 
+use super::balance::{Balance, Evaluation, triple};
 use super::eigen::eigen;
-use mbd_scene::laws::line as law;
+use super::factor::solve_block;
+use super::solver::{Outcome, Solver, Tolerance};
 
 /// λ_min over λ_max below which a direction of D is missing.
 const RANK: f64 = 1e-6;
 const MOST_CHANGES: usize = 30;
 /// The vanishing dashpot over the largest damping: it only tells the active set.
 const DASHPOT: f64 = 1e-8;
-const MOST_STEPS: usize = 60;
 
 /// One line of a rate node at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Leg<T: Float> {
     /// The anchor [m].
     pub anchor: Vector3<T>,
@@ -49,8 +50,10 @@ pub struct Leg<T: Float> {
     pub pull: T,
     /// Stretch s [m].
     pub stretch: T,
-    direction: Vector3<T>,
-    length: T,
+    pub(crate) direction: Vector3<T>,
+    pub(crate) length: T,
+    /// u·(v − v̄) [m/s].
+    opening: T,
     /// K s + C u·(v − v̄) [N].
     push: T,
 }
@@ -81,26 +84,37 @@ pub struct RateNode<T: Float> {
     rank: usize,
     /// The rank of an algebraic set is held while the set stays as it was carried in.
     held: usize,
+    /// For the problem with a dashpot.
+    solver: Solver<T>,
 }
 
 impl<T: Float> Leg<T> {
-    fn idle() -> Self {
-        Leg {
-            anchor: Vector3::zeros(),
-            velocity: Vector3::zeros(),
-            numbers: LineNumbers {
-                stiffness: T::one(),
-                damping: T::one(),
-                free_length: T::one(),
-            },
-            taut: false,
-            active: false,
-            carried: false,
-            pull: T::zero(),
-            stretch: T::zero(),
-            direction: Vector3::zeros(),
-            length: T::zero(),
-            push: T::zero(),
+    /// K s + C ṡ where the node moves with `slip` relative to v̄ [N].
+    fn pull_at(&self, slip: &Vector3<T>) -> T {
+        let rate = self.opening - self.direction.dot(slip);
+        law::Element::linear(self.numbers).pull(self.stretch, rate)
+    }
+
+    /// C u uᵀ.
+    fn dashpot(&self) -> Matrix3<T> {
+        let c = self.numbers.damping;
+        (self.direction * self.direction.transpose()).map(|x| c * x)
+    }
+
+    /// The largest term of its pull where the node moves with `slip` relative to v̄ [N].
+    fn scale(&self, slip: &Vector3<T>) -> T {
+        self.push.abs() + self.numbers.damping * self.direction.dot(slip).abs()
+    }
+
+    fn pulls(&self, rounding: T) -> bool {
+        self.active && self.pull > rounding && self.length > T::zero()
+    }
+
+    fn wants_change(&self, rounding: T) -> bool {
+        if self.active {
+            self.pull < -rounding
+        } else {
+            self.taut && self.pull > rounding
         }
     }
 }
@@ -110,7 +124,7 @@ impl<T: Float> RateNode<T> {
     #[must_use]
     pub fn new(lines: usize) -> Self {
         RateNode {
-            legs: vec![Leg::idle(); lines],
+            legs: vec![Leg::default(); lines],
             position: Vector3::zeros(),
             load: Vector3::zeros(),
             mean: Vector3::zeros(),
@@ -118,6 +132,7 @@ impl<T: Float> RateNode<T> {
             spread: Spread::Full,
             rank: 3,
             held: 3,
+            solver: Solver::new(1, 0, &[(0, 0)]),
         }
     }
 
@@ -171,20 +186,14 @@ impl<T: Float> RateNode<T> {
     pub fn place(&mut self, position: Vector3<T>, load: Vector3<T>) {
         self.position = position;
         self.load = load;
-        let mut sum = Vector3::zeros();
-        let mut count = T::zero();
-        for leg in &self.legs {
-            sum += leg.velocity;
-            count += T::one();
-        }
-        self.mean = sum.map(|x| x / count.max(T::one()));
+        self.mean = mean(self.legs.iter().map(|leg| leg.velocity));
         for leg in &mut self.legs {
             let geometry = law::geometry(&(leg.anchor - position), leg.numbers.free_length);
             leg.length = geometry.length;
             leg.direction = geometry.direction;
             leg.stretch = geometry.stretch;
-            let relative = leg.direction.dot(&(leg.velocity - self.mean));
-            leg.push = law::Element::linear(leg.numbers).pull(leg.stretch, relative);
+            leg.opening = leg.direction.dot(&(leg.velocity - self.mean));
+            leg.push = leg.pull_at(&Vector3::zeros());
         }
     }
 
@@ -210,11 +219,9 @@ impl<T: Float> RateNode<T> {
 
     /// Solves on the present active set (rules 2–4).
     pub fn solve_frozen(&mut self) {
-        let mut d = Matrix3::zeros();
+        let d = self.damping();
         let mut right = self.load;
         for leg in self.legs.iter().filter(|leg| leg.active) {
-            let c = leg.numbers.damping;
-            d += (leg.direction * leg.direction.transpose()).map(|x| c * x);
             right += leg.direction.map(|x| leg.push * x);
         }
         let held = self.held < 3 && self.legs.iter().all(|leg| leg.active == leg.carried);
@@ -223,17 +230,19 @@ impl<T: Float> RateNode<T> {
         }
         (self.spread, self.rank) = (Spread::Full, 3);
         if certainly_full(&d)
-            && let Some(slip) = cholesky(&d, &right)
+            && let Some(slip) = solve_block(&d, &right)
         {
-            self.slip = slip;
-            self.find_pulls();
+            self.move_with(slip);
             return;
         }
-        let directions = eigen(&d);
-        let limit = (directions[0].0 * T::from_f64(RANK)).max(T::zero());
-        let rank = directions.iter().filter(|(value, _)| *value > limit);
-        let rank = rank.count();
+        let (directions, rank) = spanned(&d);
         self.solve_spanned(&directions, &right, rank);
+    }
+
+    /// D = Σ C u uᵀ over the active lines.
+    fn damping(&self) -> Matrix3<T> {
+        let active = self.legs.iter().filter(|leg| leg.active);
+        active.fold(Matrix3::zeros(), |sum, leg| sum + leg.dashpot())
     }
 
     /// Solves in the first `rank` directions; the others follow rule 3 or, if something pulls (`true`), rule 4.
@@ -243,12 +252,7 @@ impl<T: Float> RateNode<T> {
         right: &Vector3<T>,
         rank: usize,
     ) -> bool {
-        self.slip = Vector3::zeros();
-        for (value, vector) in directions.iter().take(rank) {
-            let along = vector.dot(right) / *value;
-            self.slip += vector.map(|x| along * x);
-        }
-        self.find_pulls();
+        self.move_with(inverse(&directions[..rank], right));
         if rank == 3 {
             return false;
         }
@@ -259,11 +263,8 @@ impl<T: Float> RateNode<T> {
             return false;
         }
         self.spread = Spread::Algebraic;
-        for (_, vector) in directions.iter().skip(rank) {
-            let along = vector.dot(&weighted) / weight;
-            self.slip += vector.map(|x| along * x);
-        }
-        self.find_pulls();
+        let free = projection(&directions[rank..], &weighted);
+        self.move_with(self.slip + free.map(|x| x / weight));
         true
     }
 
@@ -285,66 +286,25 @@ impl<T: Float> RateNode<T> {
     /// The active set of the rate problem with a vanishing dashpot, Φ(w) + (ε/2)|w − v̄|²: strictly convex, so Newton with slope search finds
     /// its one minimum, and the lines that pull there are those of the limit ε → 0. Only the set is taken, never its forces.
     fn project_end(&mut self) -> bool {
-        let zero = T::zero();
-        let mut largest = zero;
-        for leg in &self.legs {
-            largest = largest.max(leg.numbers.damping);
-        }
-        let dashpot = T::from_f64(DASHPOT).max(T::EPSILON * T::from_f64(1e3)) * largest;
+        let damping = self.legs.iter().map(|leg| leg.numbers.damping);
+        let largest = damping.fold(T::zero(), |most, c| most.max(c));
+        let mut problem = Dashed {
+            legs: &self.legs,
+            load: self.load.as_slice(),
+            dashpot: T::from_f64(DASHPOT).max(T::EPSILON * T::from_f64(1e3)) * largest,
+        };
+        let tolerance = Tolerance {
+            relative: T::zero(),
+            absolute: T::EPSILON * T::from_f64(1e2),
+        };
         let mut slip = Vector3::zeros();
-        for _ in 0..MOST_STEPS {
-            let (gradient, stiffness, scale) = self.dashed(&slip, dashpot);
-            if gradient.dot(&gradient) <= scale * scale * T::EPSILON * T::EPSILON {
-                break;
-            }
-            let Some(step) = cholesky(&stiffness, &-gradient) else {
-                return false;
-            };
-            let start = gradient.dot(&step).abs();
-            let (mut t, mut low, mut high) = (T::one(), zero, None);
-            for _ in 0..MOST_STEPS {
-                let slope = self
-                    .dashed(&(slip + step.map(|x| t * x)), dashpot)
-                    .0
-                    .dot(&step);
-                if slope.abs() <= T::from_f64(0.1) * start {
-                    break;
-                }
-                if slope < zero {
-                    low = t;
-                } else {
-                    high = Some(t);
-                }
-                t = high.map_or(t + t, |high| (low + high) * T::from_f64(0.5));
-            }
-            slip += step.map(|x| t * x);
-        }
-        self.slip = slip;
-        self.find_pulls();
+        let place = slip.as_mut_slice();
+        let outcome = self.solver.search(&mut problem, &[], &[], place, tolerance);
+        self.move_with(slip);
         for leg in &mut self.legs {
-            leg.active = leg.taut && leg.pull > zero;
+            leg.active = leg.taut && leg.pull > T::zero();
         }
-        let (gradient, _, scale) = self.dashed(&slip, dashpot);
-        let bound = scale * T::EPSILON * T::from_f64(1e4);
-        gradient.dot(&gradient) <= bound * bound
-    }
-
-    /// Gradient, stiffness and scale of forces of the problem with a dashpot.
-    fn dashed(&self, slip: &Vector3<T>, dashpot: T) -> (Vector3<T>, Matrix3<T>, T) {
-        let mut gradient = slip.map(|x| dashpot * x) - self.load;
-        let mut stiffness = Matrix3::from_diagonal_element(dashpot);
-        let mut scale = T::zero();
-        for leg in self.legs.iter().filter(|leg| leg.taut) {
-            let c = leg.numbers.damping;
-            let along = c * leg.direction.dot(slip);
-            let pull = leg.push - along;
-            scale = scale.max(leg.push.abs() + along.abs());
-            if pull > T::zero() {
-                gradient -= leg.direction.map(|u| pull * u);
-                stiffness += (leg.direction * leg.direction.transpose()).map(|x| c * x);
-            }
-        }
-        (gradient, stiffness, scale)
+        matches!(outcome, Outcome::Taut { .. })
     }
 
     /// Whether the present active set is wrong by more than rounding.
@@ -367,9 +327,11 @@ impl<T: Float> RateNode<T> {
         changed
     }
 
-    fn find_pulls(&mut self) {
+    /// Moves the node with `slip` relative to v̄ and finds the pulls.
+    fn move_with(&mut self, slip: Vector3<T>) {
+        self.slip = slip;
         for leg in &mut self.legs {
-            leg.pull = leg.push - leg.numbers.damping * leg.direction.dot(&self.slip);
+            leg.pull = leg.pull_at(&slip);
         }
     }
 
@@ -380,19 +342,15 @@ impl<T: Float> RateNode<T> {
 
     /// The largest term of a pull [N].
     fn scale(&self) -> T {
-        let mut scale = T::zero();
-        for leg in self.legs.iter().filter(|leg| leg.taut) {
-            let along = leg.direction.dot(&self.slip).abs();
-            scale = scale.max(leg.push.abs() + leg.numbers.damping * along);
-        }
-        scale
+        let taut = self.legs.iter().filter(|leg| leg.taut);
+        taut.fold(T::zero(), |most, leg| most.max(leg.scale(&self.slip)))
     }
 
     /// Σ T/d and Σ (T/d)(v − v̄) over the lines that pull; zero if the sum of their forces is rounding.
     fn carrying(&self) -> (T, Vector3<T>) {
         let rounding = self.rounding();
         let (mut weight, mut weighted) = (T::zero(), Vector3::zeros());
-        for leg in self.pulling(rounding) {
+        for leg in self.legs.iter().filter(|leg| leg.pulls(rounding)) {
             let w = leg.pull / leg.length;
             weight += w;
             weighted += (leg.velocity - self.mean).map(|x| w * x);
@@ -400,8 +358,22 @@ impl<T: Float> RateNode<T> {
         (weight, weighted)
     }
 
-    fn pulling(&self, rounding: T) -> impl Iterator<Item = &Leg<T>> {
-        self.legs.iter().filter(move |leg| leg.pulls(rounding))
+    /// Moves the node with a velocity [m/s].
+    pub(crate) fn set_velocity(&mut self, velocity: Vector3<T>) {
+        self.move_with(velocity - self.mean);
+    }
+
+    /// The part of each line in the motion that its lines do not span: T/d by rule 4, or equal parts where nothing pulls; their sum is 1.
+    pub(crate) fn weights(&self) -> Vec<T> {
+        let (total, _) = self.carrying();
+        let rounding = self.rounding();
+        let equal = T::one() / T::from_f64(self.legs.len().max(1) as f64);
+        let weight = |leg: &Leg<T>| match (total > T::zero(), leg.pulls(rounding)) {
+            (true, true) => leg.pull / leg.length / total,
+            (true, false) => T::zero(),
+            (false, _) => equal,
+        };
+        self.legs.iter().map(weight).collect()
     }
 
     /// Where the node belongs by rule 4: its orthogonal projection on the line or the plane through the carrying anchors; `None` elsewhere.
@@ -425,17 +397,7 @@ impl<T: Float> RateNode<T> {
         if !idle || span <= T::zero() || self.load != Vector3::zeros() {
             return None;
         }
-        let mut d = Matrix3::zeros();
-        for leg in self.legs.iter().filter(|leg| leg.active) {
-            let c = leg.numbers.damping;
-            d += (leg.direction * leg.direction.transpose()).map(|x| c * x);
-        }
-        let directions = eigen(&d);
-        let limit = (directions[0].0 * T::from_f64(RANK)).max(T::zero());
-        let rank = directions
-            .iter()
-            .filter(|(value, _)| *value > limit)
-            .count();
+        let (directions, rank) = spanned(&self.damping());
         let weakest = rank.checked_sub(1).filter(|weakest| *weakest > 0)?;
         let offset = self.to_hull(weakest, |leg| leg.active);
         let there = self.position + offset;
@@ -453,23 +415,13 @@ impl<T: Float> RateNode<T> {
 
     /// From the node to its projection on the line (`rank` 1) or plane (2) that fits the anchors of the chosen lines best.
     fn to_hull(&self, rank: usize, chosen: impl Fn(&Leg<T>) -> bool) -> Vector3<T> {
-        let (mut count, mut center) = (T::zero(), Vector3::zeros());
-        for leg in self.legs.iter().filter(|leg| chosen(leg)) {
-            count += T::one();
-            center += leg.anchor - self.position;
-        }
-        let center = center.map(|x| x / count.max(T::one()));
-        let mut scatter = Matrix3::zeros();
-        for leg in self.legs.iter().filter(|leg| chosen(leg)) {
-            let arm = leg.anchor - self.position - center;
-            scatter += arm * arm.transpose();
-        }
-        let mut offset = Vector3::zeros();
-        for (_, axis) in eigen(&scatter).iter().skip(rank) {
-            let out = axis.dot(&center);
-            offset += axis.map(|x| out * x);
-        }
-        offset
+        let legs = self.legs.iter().filter(|leg| chosen(leg));
+        let arms = legs.map(|leg| leg.anchor - self.position);
+        let center = mean(arms.clone());
+        let scatter = arms.fold(Matrix3::zeros(), |sum, arm| {
+            sum + (arm - center) * (arm - center).transpose()
+        });
+        projection(&eigen(&scatter)[rank..], &center)
     }
 
     /// Whether a load acts that the lines cannot balance: directions are missing and W does not vanish.
@@ -479,37 +431,89 @@ impl<T: Float> RateNode<T> {
     }
 }
 
-impl<T: Float> Leg<T> {
-    fn pulls(&self, rounding: T) -> bool {
-        self.active && self.pull > rounding && self.length > T::zero()
+/// The rate problem with a dashpot on the node: p is the slip w − v̄ [m/s], its gradient and stiffness are those of Φ.
+struct Dashed<'a, T: Float> {
+    legs: &'a [Leg<T>],
+    load: &'a [T],
+    dashpot: T,
+}
+
+impl<T: Float> Balance<T> for Dashed<'_, T> {
+    fn nodes(&self) -> usize {
+        1
     }
 
-    fn wants_change(&self, rounding: T) -> bool {
-        if self.active {
-            self.pull < -rounding
-        } else {
-            self.taut && self.pull > rounding
+    fn load(&self) -> &[T] {
+        self.load
+    }
+
+    fn evaluate(&mut self, p: &[T], _k: &[T], _l: &[T], out: &mut Evaluation<T>) {
+        let slip = triple(p, 0);
+        let mut gradient = slip.map(|x| self.dashpot * x) - triple(self.load, 0);
+        let mut stiffness = Matrix3::from_diagonal_element(self.dashpot);
+        let mut scale = T::zero();
+        for leg in self.legs.iter().filter(|leg| leg.taut) {
+            let pull = leg.pull_at(&slip);
+            scale = scale.max(leg.scale(&slip));
+            if pull > T::zero() {
+                gradient -= leg.direction.map(|u| pull * u);
+                stiffness += leg.dashpot();
+            }
         }
+        // The dashpot always carries: nothing here is slack.
+        let sums = [scale, scale, T::one()];
+        let values = gradient.as_slice().iter().copied();
+        let values = values.chain(elements(&stiffness)).chain(sums);
+        for (to, value) in out.values_mut().iter_mut().zip(values) {
+            *to = value;
+        }
+    }
+
+    fn places(&self, _line: usize, _p: &[T]) -> [Vector3<T>; 2] {
+        [Vector3::zeros(); 2]
     }
 }
 
-/// Solves D x = r by Cholesky; `None` if a pivot is not positive.
-fn cholesky<T: Float>(d: &Matrix3<T>, right: &Vector3<T>) -> Option<Vector3<T>> {
-    let l00 = d[(0, 0)].sqrt();
-    let (l10, l20) = (d[(1, 0)] / l00, d[(2, 0)] / l00);
-    let p1 = d[(1, 1)] - l10 * l10;
-    let l11 = p1.sqrt();
-    let l21 = (d[(2, 1)] - l20 * l10) / l11;
-    let p2 = d[(2, 2)] - l20 * l20 - l21 * l21;
-    if d[(0, 0)] <= T::zero() || p1 <= T::zero() || p2 <= T::zero() {
-        return None;
-    }
-    let y0 = right.x / l00;
-    let y1 = (right.y - l10 * y0) / l11;
-    let z = (right.z - l20 * y0 - l21 * y1) / p2;
-    let y = (y1 - l21 * z) / l11;
-    let x = (y0 - l10 * y - l20 * z) / l00;
-    Some(Vector3::new(x, y, z))
+/// The mean of vectors; zero of none.
+fn mean<T: Float>(vectors: impl Iterator<Item = Vector3<T>>) -> Vector3<T> {
+    let add = |(count, sum), vector| (count + T::one(), sum + vector);
+    let (count, sum) = vectors.fold((T::zero(), Vector3::zeros()), add);
+    sum.map(|x| x / count.max(T::one()))
+}
+
+/// Eigenvalue and unit vector.
+type Direction<T> = (T, Vector3<T>);
+
+/// The directions of D, and how many of them its lines span.
+pub(crate) fn spanned<T: Float>(d: &Matrix3<T>) -> ([Direction<T>; 3], usize) {
+    let directions = eigen(d);
+    let limit = (directions[0].0 * T::from_f64(RANK)).max(T::zero());
+    let spanned = directions.iter().filter(|(value, _)| *value > limit);
+    (directions, spanned.count())
+}
+
+/// D⁺ b in these directions.
+pub(crate) fn inverse<T: Float>(directions: &[Direction<T>], right: &Vector3<T>) -> Vector3<T> {
+    let part = |(value, vector): &Direction<T>| {
+        let along = vector.dot(right) / *value;
+        vector.map(|x| along * x)
+    };
+    directions
+        .iter()
+        .map(part)
+        .fold(Vector3::zeros(), |a, b| a + b)
+}
+
+/// The part of a vector in these directions.
+pub(crate) fn projection<T: Float>(directions: &[Direction<T>], vector: &Vector3<T>) -> Vector3<T> {
+    let part = |(_, direction): &Direction<T>| {
+        let along = direction.dot(vector);
+        direction.map(|x| along * x)
+    };
+    directions
+        .iter()
+        .map(part)
+        .fold(Vector3::zeros(), |a, b| a + b)
 }
 
 /// det D > 1e-5 (tr D)³: bounds λ_min/λ_max from below by 1e-5, without eigenvalues.

@@ -1,12 +1,13 @@
 //! The networks of a scene as balances: every evaluation is one call of the model, so generic, interpreted and generated code share the solver.
 
-use mbd_scene::laws::line;
-use mbd_scene::{At, Float, Layout, LineEnd, Model, NodeModel, Quantity, Work};
+use mbd_scene::laws::LineNumbers;
+use mbd_scene::{At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel, Quantity, Work};
 use nalgebra::Vector3;
 
-use super::balance::{Balance, Evaluation};
+use super::balance::{Balance, Evaluation, triple};
 use super::rate::RateNode;
 use super::solver::Solver;
+use super::stage::Stage;
 
 /// One line of a network: where it ends and where its effective numbers live.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +15,29 @@ pub(crate) struct PlanLine {
     pub line: usize,
     pub effective: Option<usize>,
     pub ends: [LineEnd; 2],
+}
+
+impl PlanLine {
+    /// K, C and L0.
+    pub fn numbers<'m, T: Float>(&self, model: &'m dyn Model<T>) -> Option<&'m LineNumbers<T>> {
+        model.lines().get(self.line)
+    }
+
+    /// Whether it has damping.
+    pub fn is_damped<T: Float>(&self, model: &dyn Model<T>) -> bool {
+        self.numbers(model)
+            .is_some_and(|numbers| numbers.damping > T::zero())
+    }
+
+    /// From its `from` end to its `to` end, with anchors as in `Quantity::AnchorStates` and nodes 3 a node [m].
+    pub fn vector<T: Float>(&self, anchors: &[T], nodes: &[T]) -> Vector3<T> {
+        let [from, to] = self.ends.map(|end| match end {
+            LineEnd::Anchor(anchor) => triple(anchors, 6 * anchor),
+            LineEnd::Node(node) => triple(nodes, 3 * node),
+            LineEnd::Plain => Vector3::zeros(),
+        });
+        to - from
+    }
 }
 
 /// One network with everything its solve needs; made once from the layout.
@@ -26,7 +50,7 @@ pub(crate) struct Plan<T: Float> {
     pub lines: Vec<PlanLine>,
     /// Per node the anchors that carry it along: its own, or all of the network if it has none.
     pub own_anchors: Vec<Vec<usize>>,
-    /// Offsets of the node positions in z (`rate`).
+    /// Where the position of a `rate` node is in the state.
     pub z: Option<usize>,
     pub solver: Solver<T>,
     /// The first node's rate problem: the law of a rate node, and the start of a stepwise one.
@@ -59,19 +83,6 @@ impl<T: Float> Plan<T> {
             })
         };
         let lines: Vec<PlanLine> = network.lines.iter().filter_map(line).collect();
-        let own = |&node: &usize| {
-            let own: Vec<usize> = network
-                .anchors
-                .iter()
-                .copied()
-                .filter(|&a| layout.anchors.get(a).is_some_and(|a| a.node == node))
-                .collect();
-            if own.is_empty() {
-                network.anchors.clone()
-            } else {
-                own
-            }
-        };
         let leg = |line: &PlanLine| match line.ends {
             [LineEnd::Anchor(a), LineEnd::Node(_)] | [LineEnd::Node(_), LineEnd::Anchor(a)] => {
                 Some((a, *line))
@@ -80,16 +91,14 @@ impl<T: Float> Plan<T> {
         };
         let legs: Vec<(usize, PlanLine)> = lines.iter().filter_map(leg).collect();
         let zeros = |n: usize| vec![T::zero(); n];
+        let first = layout.nodes.get(*network.nodes.first()?)?;
+        let own = |&node: &usize| own_anchors(layout, &network.anchors, node);
         Some(Plan {
             index,
             model: network.model,
             nodes: network.nodes.clone(),
             own_anchors: network.nodes.iter().map(own).collect(),
-            z: network
-                .nodes
-                .first()
-                .and_then(|&node| layout.nodes.get(node)?.z)
-                .map(|z| layout.nq + layout.nv + z),
+            z: first.z.map(|z| layout.nq + layout.nv + z),
             solver: Solver::new(network.nodes.len(), lines.len(), &network.blocks),
             rate: RateNode::new(legs.len()),
             legs,
@@ -101,51 +110,74 @@ impl<T: Float> Plan<T> {
         })
     }
 
+    /// Whether its node is part of the state.
+    pub fn is_rate(&self) -> bool {
+        self.model == NodeModel::Rate
+    }
+
+    /// Formula and clamp of the damping of a stepwise network.
+    pub fn stepwise(&self) -> Option<(Difference, Clamp)> {
+        match self.model {
+            NodeModel::Stepwise { formula, clamp } => Some((formula, clamp)),
+            NodeModel::Static | NodeModel::Rate => None,
+        }
+    }
+
     /// Whether the rate problem of the first node is the whole network.
     pub fn is_single(&self) -> bool {
         self.nodes.len() == 1 && self.legs.len() == self.lines.len()
     }
 
+    /// Sets K_e and L_e of every line.
+    pub fn set_law(
+        &mut self,
+        model: &dyn Model<T>,
+        law: impl Fn(&PlanLine, &LineNumbers<T>) -> [T; 2],
+    ) {
+        for ((line, k), l) in self.lines.iter().zip(&mut self.k).zip(&mut self.l) {
+            if let Some(numbers) = line.numbers(model) {
+                [*k, *l] = law(line, numbers);
+            }
+        }
+    }
+
+    /// Gives the rate problem anchors, velocities and constants, and places it at `p`.
+    pub fn set_legs(&mut self, model: &dyn Model<T>, ends: &[T]) {
+        for (index, (anchor, line)) in self.legs.iter().enumerate() {
+            if let Some(&numbers) = line.numbers(model) {
+                let [place, velocity] = [0, 3].map(|k| triple(ends, 6 * anchor + k));
+                self.rate.set_leg(index, place, velocity, numbers);
+            }
+        }
+        self.rate.place(triple(&self.p, 0), triple(&self.load, 0));
+    }
+
     /// Copies the loads of its nodes out of `Quantity::AnchorStates`.
     pub fn read_loads(&mut self, ends: &[T], anchors: usize) {
         for (&node, load) in self.nodes.iter().zip(self.load.chunks_exact_mut(3)) {
-            let at = 6 * anchors + 3 * node;
-            if let Some(values) = ends.get(at..at + 3) {
-                load.copy_from_slice(values);
-            }
+            load.copy_from_slice(triple(ends, 6 * anchors + 3 * node).as_slice());
         }
     }
 }
 
-/// Three numbers of a list as a vector; zero beyond its end.
-pub(crate) fn triple<T: Float>(list: &[T], at: usize) -> Vector3<T> {
-    match list.get(at..at + 3) {
-        Some(&[x, y, z]) => Vector3::new(x, y, z),
-        _ => Vector3::zeros(),
+/// Of the anchors of a network those that carry a node along: its own, or all if it has none.
+pub(crate) fn own_anchors(layout: &Layout, anchors: &[usize], node: usize) -> Vec<usize> {
+    let owns = |&anchor: &usize| layout.anchors.get(anchor).is_some_and(|a| a.node == node);
+    let own: Vec<usize> = anchors.iter().copied().filter(owns).collect();
+    match own.is_empty() {
+        true => anchors.to_vec(),
+        false => own,
     }
-}
-
-/// From the `from` end of a line to its `to` end, with anchors as in `Quantity::AnchorStates` and nodes 3 a node [m].
-pub(crate) fn vector<T: Float>(ends: &[LineEnd; 2], anchors: &[T], nodes: &[T]) -> Vector3<T> {
-    let [from, to] = ends.map(|end| match end {
-        LineEnd::Anchor(anchor) => triple(anchors, 6 * anchor),
-        LineEnd::Node(node) => triple(nodes, 3 * node),
-        LineEnd::Plain => Vector3::zeros(),
-    });
-    to - from
 }
 
 /// One network of a scene at one instant, as a [`Balance`].
 pub(crate) struct SceneBalance<'a, T: Float> {
-    pub model: &'a dyn Model<T>,
+    pub stage: Stage<'a, T>,
     pub work: &'a mut Work<T>,
     pub network: usize,
     pub members: &'a [usize],
     pub lines: &'a [PlanLine],
     pub load: &'a [T],
-    pub time: T,
-    pub state: &'a [T],
-    pub inputs: &'a [T],
     pub ends: &'a [T],
     pub hold: &'a [T],
     /// All node unknowns; those of the network follow the trial point.
@@ -177,10 +209,6 @@ impl<T: Float> Balance<T> for SceneBalance<'_, T> {
         self.members.len()
     }
 
-    fn lines(&self) -> usize {
-        self.lines.len()
-    }
-
     fn load(&self) -> &[T] {
         self.load
     }
@@ -188,40 +216,30 @@ impl<T: Float> Balance<T> for SceneBalance<'_, T> {
     fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut Evaluation<T>) {
         self.scatter(p, k, l);
         let at = At {
-            time: self.time,
-            state: self.state,
+            time: self.stage.time,
+            state: self.stage.state,
             nodes: self.nodes,
             effective: self.effective,
             hold: self.hold,
             ends: self.ends,
-            inputs: self.inputs,
+            inputs: self.stage.inputs,
             rows: &[],
         };
-        self.model.evaluate(
-            Quantity::Equilibrium(self.network),
-            &at,
-            self.work,
-            out.values_mut(),
-        );
+        let what = Quantity::Equilibrium(self.network);
+        self.stage
+            .model
+            .evaluate(what, &at, self.work, out.values_mut());
     }
 
-    fn smallest_slack(&self, p: &[T], l: &[T]) -> T {
-        let mut smallest = None;
-        for (line, &l) in self.lines.iter().zip(l) {
-            let [from, to] = line.ends.map(|end| match end {
-                LineEnd::Anchor(anchor) => triple(self.ends, 6 * anchor),
-                LineEnd::Node(node) => self
-                    .members
-                    .iter()
-                    .position(|&member| member == node)
-                    .map_or_else(Vector3::zeros, |local| triple(p, 3 * local)),
-                LineEnd::Plain => Vector3::zeros(),
-            });
-            let slack = -line::geometry(&(to - from), l).stretch;
-            if slack > T::zero() && smallest.is_none_or(|least| slack < least) {
-                smallest = Some(slack);
+    fn places(&self, line: usize, p: &[T]) -> [Vector3<T>; 2] {
+        let ends = self.lines.get(line).map(|line| line.ends);
+        ends.unwrap_or([LineEnd::Plain; 2]).map(|end| match end {
+            LineEnd::Anchor(anchor) => triple(self.ends, 6 * anchor),
+            LineEnd::Node(node) => {
+                let local = self.members.iter().position(|&member| member == node);
+                local.map_or_else(Vector3::zeros, |local| triple(p, 3 * local))
             }
-        }
-        smallest.unwrap_or_default()
+            LineEnd::Plain => Vector3::zeros(),
+        })
     }
 }

@@ -15,6 +15,7 @@
 use mbd_scene::Float;
 
 use super::balance::{Balance, Evaluation, inner, norm};
+use super::error::NodeError;
 use super::factor::BlockCholesky;
 
 /// When a balance counts as solved.
@@ -86,7 +87,22 @@ pub enum Outcome<T> {
     },
 }
 
-impl<T> Outcome<T> {
+impl<T: Float> Outcome<T> {
+    /// The error of a solve that found no balance, at the first `node` of its network.
+    pub(crate) fn check(&self, node: Option<usize>) -> Result<(), NodeError> {
+        match *self {
+            Outcome::NotConverged {
+                residual,
+                iterations,
+            } => Err(NodeError::NotConverged {
+                node: node.unwrap_or_default(),
+                residual_n: residual.to_f64(),
+                iterations,
+            }),
+            Outcome::Taut { .. } | Outcome::Slack { .. } => Ok(()),
+        }
+    }
+
     /// Newton steps in all strategies.
     #[must_use]
     pub fn iterations(&self) -> usize {
@@ -186,7 +202,7 @@ impl<T: Float> Solver<T> {
         tolerance: Tolerance<T>,
     ) -> Outcome<T> {
         self.descent.begin(p);
-        let (strategy, verdict) = self.climb(balance, k, l, tolerance);
+        let (strategy, verdict) = self.escalate(balance, k, l, tolerance);
         self.descent.end(strategy, verdict, p)
     }
 
@@ -205,14 +221,15 @@ impl<T: Float> Solver<T> {
         self.descent.end(Strategy::Search, verdict, p)
     }
 
-    fn climb<B: Balance<T>>(
+    fn escalate<B: Balance<T>>(
         &mut self,
         balance: &mut B,
         k: &[T],
         l: &[T],
         tolerance: Tolerance<T>,
     ) -> (Strategy, Verdict<T>) {
-        let warm = self.descent.newton(balance, k, l, Limits::warm(tolerance));
+        let limits = Limits::steps(tolerance, WARM_STEPS, WARM_STEPS);
+        let warm = self.descent.newton(balance, k, l, limits);
         if !matches!(warm, Verdict::Stopped) {
             return (Strategy::Warm, warm);
         }
@@ -234,10 +251,7 @@ impl<T: Float> Solver<T> {
         l: &[T],
         tolerance: Tolerance<T>,
     ) -> Verdict<T> {
-        let mut largest = T::zero();
-        for &k in k {
-            largest = largest.max(k);
-        }
+        let largest = largest(k);
         self.descent.go_to_centroid(balance, k, &self.zero);
         for (eighth, &k) in self.eighth.iter_mut().zip(k) {
             *eighth = (k / largest).sqrt().sqrt().sqrt();
@@ -262,13 +276,18 @@ impl<T: Float> Solver<T> {
 }
 
 impl<T: Float> Limits<T> {
-    fn warm(balanced: Tolerance<T>) -> Self {
+    /// So many plain steps of so many in all.
+    fn steps(balanced: Tolerance<T>, plain: usize, cap: usize) -> Self {
         Limits {
             balanced,
             slack: balanced.absolute,
-            plain: WARM_STEPS,
-            cap: WARM_STEPS,
+            plain,
+            cap,
         }
+    }
+
+    fn search(balanced: Tolerance<T>) -> Self {
+        Limits::steps(balanced, 0, SEARCH_CAP)
     }
 
     fn homotopy(target: Tolerance<T>, last: bool) -> Self {
@@ -278,18 +297,7 @@ impl<T: Float> Limits<T> {
         };
         Limits {
             balanced: if last { target } else { loose },
-            slack: target.absolute,
-            plain: HOMOTOPY_PLAIN,
-            cap: HOMOTOPY_CAP,
-        }
-    }
-
-    fn search(balanced: Tolerance<T>) -> Self {
-        Limits {
-            balanced,
-            slack: balanced.absolute,
-            plain: 0,
-            cap: SEARCH_CAP,
+            ..Limits::steps(target, HOMOTOPY_PLAIN, HOMOTOPY_CAP)
         }
     }
 }
@@ -345,10 +353,7 @@ impl<T: Float> Descent<T> {
                 smallest = Some(residual);
                 self.best.copy_from_slice(&self.p);
             }
-            if step == limits.cap {
-                break;
-            }
-            if smallest.is_none() {
+            if step == limits.cap || smallest.is_none() {
                 break;
             }
             if !searching && (step >= limits.plain || !residual.is_finite()) {
@@ -511,11 +516,11 @@ impl<T: Float> Descent<T> {
 
 /// How far a node without a taut line is sent along its load [m].
 fn reach<T: Float, B: Balance<T>>(balance: &B, p: &[T], l: &[T]) -> T {
-    let mut longest = T::zero();
-    for &l in l {
-        longest = longest.max(l);
-    }
     balance
         .smallest_slack(p, l)
-        .max(T::from_f64(1e-3) * longest)
+        .max(T::from_f64(1e-3) * largest(l))
+}
+
+fn largest<T: Float>(list: &[T]) -> T {
+    list.iter().fold(T::zero(), |most, &x| most.max(x))
 }

@@ -1,13 +1,15 @@
 //! The nodes of a model at one stage of an integration step.
 
 use mbd_scene::laws::line;
-use mbd_scene::{At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel, Quantity, Work};
+use mbd_scene::{At, Float, Layout, LineEnd, Model, Quantity, Work};
 
+use super::balance::triple;
 use super::error::NodeError;
-use super::memory::{Mode, NodeMemory};
-use super::scene::{Plan, PlanLine, SceneBalance, triple, vector};
+use super::memory::NodeMemory;
+use super::scene::{Plan, PlanLine, SceneBalance};
 use super::solver::{Outcome, Strategy, Tolerance};
 use super::stepwise::{History, effective};
+use crate::unilateral::{Mode, has_mode};
 
 /// The node unknowns, effective line numbers and line modes of one stage, with all the room their solve needs.
 ///
@@ -33,14 +35,19 @@ pub struct Nodes<T: Float> {
 }
 
 /// When and where a model is evaluated.
-pub(crate) struct Stage<'a, T> {
+#[derive(Clone, Copy)]
+pub struct Stage<'a, T> {
+    /// The model.
     pub model: &'a dyn Model<T>,
+    /// Time [s].
     pub time: T,
+    /// State x = [q | v | z].
     pub state: &'a [T],
+    /// Inputs, in the order of `Layout::inputs`.
     pub inputs: &'a [T],
 }
 
-/// Work of the solves since the last [`Nodes::reset_statistics`].
+/// Work of the solves so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Networks solved.
@@ -115,15 +122,10 @@ impl<T: Float> Nodes<T> {
         }
     }
 
-    /// Work since the last reset.
+    /// Work so far.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         self.statistics
-    }
-
-    /// Forgets the statistics.
-    pub fn reset_statistics(&mut self) {
-        self.statistics = Statistics::default();
     }
 
     /// Whether the modes of damped lines stay as the memory holds them (`true`: runs with located events) or every stage decides anew.
@@ -135,52 +137,44 @@ impl<T: Float> Nodes<T> {
     ///
     /// # Errors
     /// [`NodeError`] for numbers that are not finite, lists of wrong length, or a network without a balance. The memory is only read.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "the arguments of a pure evaluation: when, where, what is carried, scratch"
-    )]
     pub fn solve(
         &mut self,
-        model: &dyn Model<T>,
-        time: T,
+        stage: Stage<'_, T>,
         span: T,
-        state: &[T],
-        inputs: &[T],
         memory: &NodeMemory<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         self.span = span;
         if self.is_idle() {
-            return self.check_shape(model, state, inputs);
+            return self.check_shape(stage);
         }
         memory.check(&self.layout)?;
-        self.read_ends(model, time, state, inputs, work)?;
-        self.hold_lines(model, memory);
-        let stage = Stage {
-            model,
-            time,
-            state,
-            inputs,
-        };
-        let mut plans = std::mem::take(&mut self.plans);
-        let mut result = Ok(());
-        for plan in &mut plans {
-            let solved = match plan.model {
-                NodeModel::Rate => self.solve_rate(model, plan, state, memory),
-                NodeModel::Stepwise { .. } if span <= T::zero() => self.restore(plan, memory),
-                _ => {
-                    self.law(model, plan, span, memory);
-                    self.carry(plan, memory);
-                    self.balance(&stage, plan, work)
-                }
-            };
-            if solved.is_err() {
-                result = solved;
-                break;
+        self.read_ends(stage, work)?;
+        self.hold_modes(stage.model, memory);
+        let result = self.each_plan(|nodes, plan| {
+            if plan.is_rate() {
+                return nodes.solve_rate(stage, plan, memory);
             }
-        }
+            if plan.stepwise().is_some() && span <= T::zero() {
+                nodes.restore(plan, memory);
+                return Ok(());
+            }
+            law(stage.model, plan, span, memory);
+            nodes.carry(plan, memory);
+            nodes.balance(stage, plan, work)
+        });
+        self.find_stretches(stage.model);
+        result
+    }
+
+    /// Does something with every network in turn, until one fails.
+    pub(crate) fn each_plan(
+        &mut self,
+        mut act: impl FnMut(&mut Self, &mut Plan<T>) -> Result<(), NodeError>,
+    ) -> Result<(), NodeError> {
+        let mut plans = std::mem::take(&mut self.plans);
+        let result = plans.iter_mut().try_for_each(|plan| act(self, plan));
         self.plans = plans;
-        self.find_stretches(model);
         result
     }
 
@@ -231,33 +225,28 @@ impl<T: Float> Nodes<T> {
         }
     }
 
-    fn check_shape(
-        &self,
-        model: &dyn Model<T>,
-        state: &[T],
-        inputs: &[T],
-    ) -> Result<(), NodeError> {
-        NodeError::same_length("state", state.len(), self.layout.nx())?;
-        NodeError::same_length("inputs", inputs.len(), self.layout.ni)?;
-        NodeError::same_length("lines", model.lines().len(), self.layout.unilateral())
+    fn check_shape(&self, stage: Stage<'_, T>) -> Result<(), NodeError> {
+        let lines = stage.model.lines().len();
+        NodeError::same_length("state", stage.state.len(), self.layout.nx())?;
+        NodeError::same_length("inputs", stage.inputs.len(), self.layout.ni)?;
+        NodeError::same_length("lines", lines, self.layout.unilateral())
     }
 
     /// Reads the anchors and loads of this stage.
     pub(crate) fn read_ends(
         &mut self,
-        model: &dyn Model<T>,
-        time: T,
-        state: &[T],
-        inputs: &[T],
+        stage: Stage<'_, T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
-        self.check_shape(model, state, inputs)?;
+        self.check_shape(stage)?;
         if self.plans.is_empty() {
             return Ok(());
         }
         let mut ends = std::mem::take(&mut self.ends);
-        let at = self.at(time, state, inputs);
-        model.evaluate(Quantity::AnchorStates, &at, work, &mut ends);
+        let at = self.at(stage.time, stage.state, stage.inputs);
+        stage
+            .model
+            .evaluate(Quantity::AnchorStates, &at, work, &mut ends);
         self.ends = ends;
         NodeError::check_finite("anchors and loads of the nodes", &self.ends)?;
         for plan in &mut self.plans {
@@ -266,57 +255,14 @@ impl<T: Float> Nodes<T> {
         Ok(())
     }
 
-    /// Holds the damped lines outside nodes and the stops in their modes, if modes are frozen.
-    pub(crate) fn hold_lines(&mut self, model: &dyn Model<T>, memory: &NodeMemory<T>) {
+    /// Holds the elements outside nodes in their modes, if modes are frozen.
+    pub(crate) fn hold_modes(&mut self, model: &dyn Model<T>, memory: &NodeMemory<T>) {
         for (index, (hold, mode)) in self.hold.iter_mut().zip(&mut self.modes).enumerate() {
-            *mode = Mode::Free;
-            *hold = T::zero();
-            if super::modes::has_mode(model, index)
-                && !super::modes::is_node_line(&self.layout, index)
-            {
-                *mode = memory.modes.get(index).copied().unwrap_or_default();
-                *hold = if self.frozen { mode.hold() } else { T::zero() };
-            }
-        }
-    }
-
-    /// The line law of a static or stepwise network at `span` after the last accepted step.
-    pub(crate) fn law(
-        &self,
-        model: &dyn Model<T>,
-        plan: &mut Plan<T>,
-        span: T,
-        memory: &NodeMemory<T>,
-    ) {
-        let smooth = memory.smooth.get(plan.index).copied().unwrap_or_default();
-        for ((line, k), l) in plan.lines.iter().zip(&mut plan.k).zip(&mut plan.l) {
-            let Some(numbers) = model.lines().get(line.line) else {
-                continue;
+            *mode = match has_mode(model, index) {
+                true => memory.modes.get(index).copied().unwrap_or_default(),
+                false => Mode::Free,
             };
-            [*k, *l] = match plan.model {
-                NodeModel::Stepwise { formula, clamp } => {
-                    let of = |list: &[T]| list.get(line.line).copied().unwrap_or_default();
-                    let history = History {
-                        last: of(&memory.stretch),
-                        before: smooth.then(|| (of(&memory.previous), memory.step)),
-                    };
-                    effective(numbers, formula, clamp, span, history)
-                }
-                NodeModel::Static | NodeModel::Rate => [numbers.stiffness, numbers.free_length],
-            };
-        }
-    }
-
-    /// The law of a step of length `span` from the stretches in `memory`, first order: the consistent start of damped networks.
-    pub(crate) fn first_law(model: &dyn Model<T>, plan: &mut Plan<T>, span: T, stretch: &[T]) {
-        for ((line, k), l) in plan.lines.iter().zip(&mut plan.k).zip(&mut plan.l) {
-            if let Some(numbers) = model.lines().get(line.line) {
-                let history = History {
-                    last: stretch.get(line.line).copied().unwrap_or_default(),
-                    before: None,
-                };
-                [*k, *l] = effective(numbers, Difference::Euler, Clamp::Positive, span, history);
-            }
+            *hold = if self.frozen { mode.hold() } else { T::zero() };
         }
     }
 
@@ -339,7 +285,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// The accepted node and forces again: the first stage of a step.
-    fn restore(&mut self, plan: &mut Plan<T>, memory: &NodeMemory<T>) -> Result<(), NodeError> {
+    fn restore(&mut self, plan: &Plan<T>, memory: &NodeMemory<T>) {
         for &node in &plan.nodes {
             let slots = 3 * node..3 * node + 3;
             self.nodes[slots.clone()].copy_from_slice(&memory.nodes[slots]);
@@ -348,26 +294,22 @@ impl<T: Float> Nodes<T> {
             let slots = 2 * at..2 * at + 2;
             self.effective[slots.clone()].copy_from_slice(&memory.effective[slots]);
         }
-        Ok(())
     }
 
     /// Solves the balance of a static or stepwise network from `plan.p` with the law in `plan.k`, `plan.l`.
     pub(crate) fn balance(
         &mut self,
-        stage: &Stage<'_, T>,
+        stage: Stage<'_, T>,
         plan: &mut Plan<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let mut balance = SceneBalance {
-            model: stage.model,
+            stage,
             work,
             network: plan.index,
             members: &plan.nodes,
             lines: &plan.lines,
             load: &plan.load,
-            time: stage.time,
-            state: stage.state,
-            inputs: stage.inputs,
             ends: &self.ends,
             hold: &self.hold,
             nodes: &mut self.nodes,
@@ -382,54 +324,58 @@ impl<T: Float> Nodes<T> {
         );
         balance.scatter(&plan.p, &plan.k, &plan.l);
         self.statistics.count(&outcome);
-        match outcome {
-            Outcome::Taut { .. } => Ok(()),
-            Outcome::Slack { .. } => {
-                for at in plan.lines.iter().filter_map(|line| line.effective) {
-                    self.effective[2 * at..2 * at + 2].fill(T::zero());
-                }
-                Ok(())
+        if let Outcome::Slack { .. } = outcome {
+            for at in plan.lines.iter().filter_map(|line| line.effective) {
+                self.effective[2 * at..2 * at + 2].fill(T::zero());
             }
-            Outcome::NotConverged {
-                residual,
-                iterations,
-            } => Err(NodeError::NotConverged {
-                node: plan.nodes.first().copied().unwrap_or_default(),
-                residual_n: residual.to_f64(),
-                iterations,
-            }),
         }
+        outcome.check(plan.nodes.first().copied())
     }
 
     /// Stretches of the node lines with the nodes where the last solve put them.
     pub(crate) fn find_stretches(&mut self, model: &dyn Model<T>) {
         let plans = std::mem::take(&mut self.plans);
-        for plan in &plans {
-            self.stretch_of(model, plan);
-        }
+        plans.iter().for_each(|plan| self.stretch_of(model, plan));
         self.plans = plans;
     }
 
     /// Stretches of the lines of one network.
     pub(crate) fn stretch_of(&mut self, model: &dyn Model<T>, plan: &Plan<T>) {
         for line in &plan.lines {
-            let Some(numbers) = model.lines().get(line.line) else {
+            let Some(numbers) = line.numbers(model) else {
                 continue;
             };
             let vector = match (plan.z, line.ends) {
                 (Some(_), [LineEnd::Anchor(a), _] | [_, LineEnd::Anchor(a)]) => {
                     triple(&self.ends, 6 * a) - triple(&plan.p, 0)
                 }
-                _ => vector(&line.ends, &self.ends, &self.nodes),
+                _ => line.vector(&self.ends, &self.nodes),
             };
             self.stretch[line.line] = line::geometry(&vector, numbers.free_length).stretch;
         }
     }
 }
 
+/// The line law of a static or stepwise network at `span` after the last accepted step.
+fn law<T: Float>(model: &dyn Model<T>, plan: &mut Plan<T>, span: T, memory: &NodeMemory<T>) {
+    let smooth = memory.smooth.get(plan.index).copied().unwrap_or_default();
+    let stepwise = plan.stepwise();
+    plan.set_law(model, |line, numbers| match stepwise {
+        Some((formula, clamp)) => {
+            let of = |list: &[T]| list.get(line.line).copied().unwrap_or_default();
+            let history = History {
+                last: of(&memory.stretch),
+                before: smooth.then(|| (of(&memory.previous), memory.step)),
+            };
+            effective(numbers, formula, clamp, span, history)
+        }
+        None => [numbers.stiffness, numbers.free_length],
+    });
+}
+
 impl Statistics {
     /// Counts one solve.
-    pub(crate) fn count<T>(&mut self, outcome: &Outcome<T>) {
+    pub(crate) fn count<T: Float>(&mut self, outcome: &Outcome<T>) {
         self.solves += 1;
         self.iterations += outcome.iterations() as u64;
         self.most = self.most.max(outcome.iterations());

@@ -1,36 +1,30 @@
 //! The consistent start of a run: where the nodes are, which lines carry, and the forces of a taut start.
 
 use mbd_scene::laws::line as law;
-use mbd_scene::{Float, Model, NodeModel, Work};
+use mbd_scene::{Clamp, Difference, Float, Model, Work};
 
-use super::confluence::{Tie, Web, WebLine};
+use super::balance::{Tie, Tied, triple};
 use super::error::NodeError;
-use super::memory::{Mode, NodeMemory};
-use super::modes::is_node_line;
-use super::scene::{Plan, triple, vector};
+use super::memory::NodeMemory;
+use super::scene::Plan;
 use super::solver::Tolerance;
 use super::stage::{Nodes, Stage};
+use super::stepwise::{History, effective};
+use crate::unilateral::{Mode, is_node_line};
 
 /// The tiny step that finds the first forces of networks without a rate problem, as a part of the shortest C/K.
 const TINY_STEP: f64 = 1e-4;
 
 impl<T: Float> Nodes<T> {
-    /// Starts a run at `state`: places the nodes at `guess` (3 a node [m]) or, without one, where the undamped lines balance, searched from
+    /// Starts a run at a state: places the nodes at `guess` (3 a node [m]) or, without one, where the undamped lines balance, searched from
     /// the stiffness-weighted mean of the anchors; decides all modes; finds the forces of damped taut lines from the rate problem, because
-    /// starting from zero costs an order. Writes the positions of `rate` nodes into the state.
+    /// starting from zero costs an order. [`Nodes::place_in`] then writes the positions of `rate` nodes into the state.
     ///
     /// # Errors
     /// [`NodeError`] for lines that are none, node models that cannot hold the scene, numbers that are not finite, or no balance.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "the arguments of a pure evaluation: when, where, what is carried, scratch"
-    )]
     pub fn start(
         &mut self,
-        model: &dyn Model<T>,
-        time: T,
-        state: &mut [T],
-        inputs: &[T],
+        stage: Stage<'_, T>,
         guess: Option<&[T]>,
         memory: &mut NodeMemory<T>,
         work: &mut Work<T>,
@@ -45,24 +39,24 @@ impl<T: Float> Nodes<T> {
             NodeError::same_length("guess", guess.len(), self.nodes.len())?;
             NodeError::check_finite("guess", guess)?;
         }
-        self.read_ends(model, time, state, inputs, work)?;
-        self.check_lines(model)?;
-        self.hold_lines(model, memory);
-        let mut plans = std::mem::take(&mut self.plans);
-        let mut result = Ok(());
-        for plan in &mut plans {
-            result = self.start_plan((model, time, inputs), plan, state, guess, work);
-            if result.is_err() {
-                break;
-            }
-        }
-        self.plans = plans;
-        result?;
-        self.find_modes(model, time, state, inputs, memory, work);
-        self.find_stretches(model);
+        self.read_ends(stage, work)?;
+        self.check_lines(stage.model)?;
+        self.hold_modes(stage.model, memory);
+        self.each_plan(|nodes, plan| nodes.start_plan(stage, plan, guess, work))?;
+        self.find_modes(stage, memory, work);
+        self.find_stretches(stage.model);
         memory.previous.fill(T::zero());
         self.record(memory);
         Ok(())
+    }
+
+    /// Writes the positions of `rate` nodes into a state, as the last solve has them.
+    pub fn place_in(&self, state: &mut [T]) {
+        for plan in &self.plans {
+            if let Some(target) = plan.z.and_then(|z| state.get_mut(z..z + 3)) {
+                target.copy_from_slice(&plan.p);
+            }
+        }
     }
 
     fn check_lines(&self, model: &dyn Model<T>) -> Result<(), NodeError> {
@@ -87,7 +81,7 @@ impl<T: Float> Nodes<T> {
                 let why = "nodes joined by lines need the same `equilibrium`";
                 return Err(NodeError::Unsupported { node, why });
             }
-            if plan.model != NodeModel::Rate {
+            if !plan.is_rate() {
                 continue;
             }
             if !plan.is_single() {
@@ -95,7 +89,7 @@ impl<T: Float> Nodes<T> {
                 return Err(NodeError::Unsupported { node, why });
             }
             for (_, line) in &plan.legs {
-                if let Some(numbers) = model.lines().get(line.line)
+                if let Some(numbers) = line.numbers(model)
                     && numbers.damping <= T::zero()
                 {
                     return Err(NodeError::InvalidLine {
@@ -111,26 +105,16 @@ impl<T: Float> Nodes<T> {
 
     fn start_plan(
         &mut self,
-        (model, time, inputs): (&dyn Model<T>, T, &[T]),
+        stage: Stage<'_, T>,
         plan: &mut Plan<T>,
-        state: &mut [T],
         guess: Option<&[T]>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
-        let damped = plan.lines.iter().any(|line| {
-            let numbers = model.lines().get(line.line);
-            numbers.is_some_and(|numbers| numbers.damping > T::zero())
-        });
-        for ((line, k), l) in plan.lines.iter().zip(&mut plan.k).zip(&mut plan.l) {
-            if let Some(numbers) = model.lines().get(line.line) {
-                (*k, *l) = (numbers.stiffness, numbers.free_length);
-            }
-        }
+        let model = stage.model;
+        plan.set_law(model, |_, numbers| [numbers.stiffness, numbers.free_length]);
         // A given z is where its node is.
-        let given = match (guess, plan.z) {
-            (None, Some(z)) => Some(triple(state, z)).filter(|p| p.iter().any(|x| *x != T::zero())),
-            _ => None,
-        };
+        let given = |z| triple(stage.state, z);
+        let given = plan.z.map(given).filter(|p| *p != triple(&[], 0));
         match (guess, given) {
             (Some(guess), _) => {
                 for (&node, p) in plan.nodes.iter().zip(plan.p.chunks_exact_mut(3)) {
@@ -140,30 +124,22 @@ impl<T: Float> Nodes<T> {
             (None, Some(place)) => plan.p.copy_from_slice(place.as_slice()),
             (None, None) => self.to_mean(plan),
         }
-        let elastic = plan.model == NodeModel::Static || !damped;
-        if plan.model == NodeModel::Rate {
+        if plan.is_rate() {
             if guess.is_none() && given.is_none() {
                 self.balance_alone(plan)?;
             }
-            if let Some(target) = plan.z.and_then(|z| state.get_mut(z..z + 3)) {
-                target.copy_from_slice(&plan.p);
-            }
-            self.place_rate(model, plan, state, &NodeMemory::new(&self.layout));
-            return self.start_rate(plan, state);
+            let decided = self.decide_placed(model, plan);
+            return self.finish_rate(plan, decided);
         }
-        let stage = Stage {
-            model,
-            time,
-            state,
-            inputs,
-        };
+        let damped = plan.lines.iter().any(|line| line.is_damped(model));
+        let elastic = plan.stepwise().is_none() || !damped;
         if elastic || guess.is_none() {
-            self.balance(&stage, plan, work)?;
+            self.balance(stage, plan, work)?;
         }
         if elastic {
             return Ok(());
         }
-        self.start_damped(&stage, plan, work)
+        self.start_damped(stage, plan, work)
     }
 
     /// Each node at the mean of its anchors, weighted by the stiffness of their lines.
@@ -188,66 +164,54 @@ impl<T: Float> Nodes<T> {
 
     /// Moves a rate node to the balance of its lines without damping.
     fn balance_alone(&mut self, plan: &mut Plan<T>) -> Result<(), NodeError> {
-        let anchor = |&(anchor, _): &(usize, _)| triple(&self.ends, 6 * anchor).into();
-        let line = |(index, (&stiffness, &free_length))| WebLine {
-            ends: [Tie::Node(0), Tie::Anchor(index)],
-            stiffness,
-            free_length,
+        let anchor = |(anchor, _): &(usize, _)| Tie::Anchor(triple(&self.ends, 6 * anchor).into());
+        let ties = plan.legs.iter().map(|leg| [Tie::Node(0), anchor(leg)]);
+        let mut balance = Tied {
+            load: &plan.load,
+            blocks: &[(0, 0)],
+            lines: &ties.collect::<Vec<_>>(),
         };
-        let web = Web {
-            anchors: plan.legs.iter().map(anchor).collect(),
-            loads: vec![triple(&plan.load, 0).into()],
-            lines: plan.k.iter().zip(&plan.l).enumerate().map(line).collect(),
-        };
-        let start = [triple(&plan.p, 0).into()];
-        let found = web.solve(&start, Tolerance::inside_step())?;
-        plan.p.copy_from_slice(found.nodes.as_flattened());
-        self.statistics.count(&found.outcome);
-        Ok(())
+        let tolerance = Tolerance::inside_step();
+        let outcome = plan
+            .solver
+            .solve(&mut balance, &plan.k, &plan.l, &mut plan.p, tolerance);
+        self.statistics.count(&outcome);
+        outcome.check(plan.nodes.first().copied())
     }
 
-    /// Decides which lines of a rate node carry, all taut ones assumed to at first; one that must lie between its anchors is put there.
-    fn start_rate(&mut self, plan: &mut Plan<T>, state: &mut [T]) -> Result<(), NodeError> {
+    /// Decides which lines of a node carry, all taut ones assumed to at first; one that must lie between its anchors is put there.
+    fn decide_placed(&self, model: &dyn Model<T>, plan: &mut Plan<T>) -> bool {
+        plan.rate.hold_rank(3);
+        plan.set_legs(model, &self.ends);
         let mut decided = decide(plan);
-        if let Some(projected) = plan.rate.projected()
-            && let Some(target) = plan.z.and_then(|z| state.get_mut(z..z + 3))
-        {
-            target.copy_from_slice(projected.as_slice());
+        if let Some(projected) = plan.rate.projected() {
             plan.p.copy_from_slice(projected.as_slice());
-            plan.rate.place(projected, triple(&plan.load, 0));
+            plan.set_legs(model, &self.ends);
             decided = decide(plan);
         }
-        self.finish_rate(plan, decided)
+        decided
     }
 
     /// Forces of a damped stepwise network at its start, written as K (d − L_e) with the L_e that gives them.
     fn start_damped(
         &mut self,
-        stage: &Stage<'_, T>,
+        stage: Stage<'_, T>,
         plan: &mut Plan<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let model = stage.model;
-        let all_damped = plan.lines.iter().all(|line| {
-            let numbers = model.lines().get(line.line);
-            numbers.is_some_and(|numbers| numbers.damping > T::zero())
-        });
-        if plan.is_single() && all_damped && triple(&plan.load, 0) == triple(&[], 0) {
-            self.place_rate(model, plan, &[], &NodeMemory::new(&self.layout));
-            let mut decided = decide(plan);
-            if let Some(projected) = plan.rate.projected() {
-                plan.p.copy_from_slice(projected.as_slice());
-                plan.rate.place(projected, triple(&plan.load, 0));
-                decided = decide(plan);
+        let all_damped = plan.lines.iter().all(|line| line.is_damped(model));
+        if plan.is_single()
+            && all_damped
+            && triple(&plan.load, 0) == triple(&[], 0)
+            && self.decide_placed(model, plan)
+        {
+            for (tension, leg) in plan.k.iter_mut().zip(plan.rate.legs()) {
+                let pull = leg.pull.max(T::zero());
+                *tension = if leg.active { pull } else { T::zero() };
             }
-            if decided {
-                for (tension, leg) in plan.k.iter_mut().zip(plan.rate.legs()) {
-                    let pull = leg.pull.max(T::zero());
-                    *tension = if leg.active { pull } else { T::zero() };
-                }
-                self.carry_tensions(model, plan);
-                return Ok(());
-            }
+            self.carry_tensions(model, plan);
+            return Ok(());
         }
         self.tiny_step(stage, plan, work)
     }
@@ -255,24 +219,23 @@ impl<T: Float> Nodes<T> {
     /// The forces after one tiny first-order step: for networks, and for nodes with undamped lines or a load.
     fn tiny_step(
         &mut self,
-        stage: &Stage<'_, T>,
+        stage: Stage<'_, T>,
         plan: &mut Plan<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let model = stage.model;
-        let mut span = None;
-        for line in &plan.lines {
-            if let Some(n) = model.lines().get(line.line)
-                && n.damping > T::zero()
-            {
-                let relaxation = n.damping / n.stiffness;
-                span = Some(span.map_or(relaxation, |least: T| least.min(relaxation)));
-            }
-        }
-        let span = span.unwrap_or_default() * T::from_f64(TINY_STEP);
+        let damped = plan.lines.iter().filter(|line| line.is_damped(model));
+        let relaxations = damped.filter_map(|line| line.numbers(model));
+        let relaxations = relaxations.map(|numbers| numbers.damping / numbers.stiffness);
+        let shortest = relaxations.reduce(|least, one| least.min(one));
+        let span = shortest.unwrap_or_default() * T::from_f64(TINY_STEP);
         self.place(plan);
         self.stretch_of(model, plan);
-        Self::first_law(model, plan, span, &self.stretch);
+        plan.set_law(model, |line, numbers| {
+            let last = self.stretch.get(line.line).copied().unwrap_or_default();
+            let history = History { last, before: None };
+            effective(numbers, Difference::Euler, Clamp::Positive, span, history)
+        });
         let ends = self.ends.clone();
         let mut mean = triple(&[], 0);
         let anchors = self.layout.anchors.len();
@@ -287,7 +250,7 @@ impl<T: Float> Nodes<T> {
         }
         let solved = self.balance(stage, plan, work);
         for (line, (k, l)) in plan.lines.iter().zip(plan.k.iter_mut().zip(&plan.l)) {
-            let vector = vector(&line.ends, &self.ends, &self.nodes);
+            let vector = line.vector(&self.ends, &self.nodes);
             *k = law::effective_tension(*k, law::geometry(&vector, *l).stretch);
         }
         self.ends = ends;
@@ -299,7 +262,7 @@ impl<T: Float> Nodes<T> {
     /// Solves the balance once more with the carried numbers as the law: the tiny step moved the anchors, and momentum asks for exact balance.
     fn rebalance(
         &mut self,
-        stage: &Stage<'_, T>,
+        stage: Stage<'_, T>,
         plan: &mut Plan<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
@@ -329,10 +292,10 @@ impl<T: Float> Nodes<T> {
         self.place(plan);
         let pulls = plan.k.iter().any(|&tension| tension > T::zero());
         for (line, &tension) in plan.lines.iter().zip(&plan.k) {
-            let (Some(at), Some(numbers)) = (line.effective, model.lines().get(line.line)) else {
+            let (Some(at), Some(numbers)) = (line.effective, line.numbers(model)) else {
                 continue;
             };
-            let vector = vector(&line.ends, &self.ends, &self.nodes);
+            let vector = line.vector(&self.ends, &self.nodes);
             let length = law::geometry(&vector, numbers.free_length).length;
             let pair = if !pulls {
                 [T::zero(); 2]
@@ -348,9 +311,7 @@ impl<T: Float> Nodes<T> {
 
 /// Decides the active set of a plan's rate problem, all taut lines assumed active at first.
 fn decide<T: Float>(plan: &mut Plan<T>) -> bool {
-    for index in 0..plan.legs.len() {
-        plan.rate.set_mode(index, true, true);
-    }
+    (0..plan.legs.len()).for_each(|index| plan.rate.set_mode(index, true, true));
     plan.rate.taut_by_stretch();
     plan.rate.decide()
 }

@@ -3,7 +3,6 @@
 use mbd_scene::Float;
 
 use super::{Pace, Simulation, Stop};
-use crate::compiled::Scalar;
 use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
 use crate::integrate::Verdict;
@@ -12,45 +11,6 @@ use crate::watch::{NEGLIGIBLE, suggestion};
 
 /// A step beyond this says nothing about a scene [s].
 const LONGEST: f64 = 1e9;
-
-impl<T: Scalar> Simulation<T> {
-    /// Runs until a time [s].
-    ///
-    /// # Errors
-    /// What [`StepError`] lists; the state is the last accepted step. A time before that of the state cannot be reached.
-    pub fn run(&mut self, until: f64) -> Result<Stop, RunError> {
-        T::drive(self, until, None, &mut |_| true)
-    }
-
-    /// Runs until a time [s] and records rows; after an error the rows so far are kept.
-    ///
-    /// # Errors
-    /// As [`Simulation::run`].
-    pub fn record(&mut self, until: f64, trajectory: &mut Trajectory) -> Result<Stop, RunError> {
-        T::drive(self, until, Some(trajectory), &mut |_| true)
-    }
-
-    /// Runs until a time [s] or until `go_on`, called with the time of every accepted step, returns false.
-    ///
-    /// # Errors
-    /// As [`Simulation::run`], and [`StepError::Cancelled`].
-    pub fn run_while(
-        &mut self,
-        until: f64,
-        trajectory: Option<&mut Trajectory>,
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Stop, RunError> {
-        T::drive(self, until, trajectory, go_on)
-    }
-
-    /// One accepted step.
-    ///
-    /// # Errors
-    /// As [`Simulation::run`].
-    pub fn step(&mut self) -> Result<(), RunError> {
-        T::take_step(self)
-    }
-}
 
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::step`] does.
@@ -374,7 +334,7 @@ impl<T: Float> Simulation<T> {
             .iter()
             .find_map(|occurrence| match occurrence.what {
                 Happening::Declared(event) => Some(event),
-                Happening::Line(..) | Happening::Stop(..) => None,
+                Happening::Switch(..) => None,
             })
     }
 }

@@ -1,6 +1,11 @@
 //! What the start of a run moved: a state at which the joints do not hold is corrected, and this says by how much.
 
-use mbd_scene::{Float, Layout, PointSlots, Scene, Slots};
+use std::ops::Range;
+
+use mbd_scene::{Float, Layout, Part, Scene};
+
+use crate::columns::{body_name, node_name};
+use crate::moving::moving;
 
 /// How far the start moved a body or a point with mass so that the joints hold: see [`Simulation::start_moved`](crate::Simulation::start_moved).
 #[derive(Clone, Debug, PartialEq)]
@@ -23,56 +28,33 @@ pub(super) fn moved<T: Float>(
     before: &[T],
     after: &[T],
 ) -> Vec<Moved> {
-    let difference = |from: usize, count: usize| {
-        let squares = (from..from + count).map(|slot| {
-            let of = |state: &[T]| state.get(slot).map_or(f64::NAN, |x| x.to_f64());
-            (of(after) - of(before)).powi(2)
-        });
+    let difference = |own: Range<usize>| {
+        let [before, after] = [before, after].map(|state| state.get(own.clone()));
+        let pairs = after
+            .unwrap_or_default()
+            .iter()
+            .zip(before.unwrap_or_default());
+        let squares = pairs.map(|(after, before)| (after.to_f64() - before.to_f64()).powi(2));
         squares.sum::<f64>().sqrt()
     };
-    let directions = layout.directions;
-    let (moves, turns) = (
-        directions.translations().len(),
-        directions.rotations().len(),
-    );
-    let angle = |slots: &Slots| match directions.plane {
-        Some(_) => difference(slots.q + moves, 1),
-        None => turn(
-            quaternion(before, slots.q + moves),
-            quaternion(after, slots.q + moves),
-        ),
-    };
-    let bodies = layout.bodies.iter().zip(&scene.bodies);
-    let bodies = bodies.map(|(slots, body)| Moved {
-        name: body.name.clone(),
-        distance: difference(slots.q, moves),
-        angle: angle(slots),
-        velocity: difference(layout.nq + slots.v, moves),
-        angular_velocity: difference(layout.nq + slots.v + moves, turns),
+    let all = moving(layout).map(|part| Moved {
+        name: match part.part {
+            Part::Body(body) => body_name(scene, body).to_owned(),
+            Part::Point(point) | Part::Joint(point) => node_name(scene, point).to_owned(),
+        },
+        distance: difference(part.position),
+        angle: match part.attitude.len() {
+            4 => {
+                let [before, after] = [before, after].map(|x| quaternion(x, part.attitude.start));
+                turn(before, after)
+            }
+            _ => difference(part.attitude),
+        },
+        velocity: difference(part.velocity),
+        angular_velocity: difference(part.spin),
     });
-    let points = layout.points.iter().zip(&scene.points);
-    let points = points.filter_map(|(slots, point)| match slots {
-        PointSlots::Mass(slots) => Some(Moved {
-            name: point.name.clone(),
-            distance: difference(slots.q, moves),
-            angle: 0.0,
-            velocity: difference(layout.nq + slots.v, moves),
-            angular_velocity: 0.0,
-        }),
-        PointSlots::Node(_) => None,
-    });
-    let mut all: Vec<Moved> = bodies
-        .chain(points)
-        .filter(|moved| {
-            let Moved {
-                distance,
-                angle,
-                velocity,
-                angular_velocity,
-                ..
-            } = moved;
-            distance + angle + velocity + angular_velocity != 0.0
-        })
+    let mut all: Vec<Moved> = all
+        .filter(|one| one.distance + one.angle + one.velocity + one.angular_velocity != 0.0)
         .collect();
     let size = |moved: &Moved| (moved.distance, moved.angle);
     all.sort_by(|a, b| {

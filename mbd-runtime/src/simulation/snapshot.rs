@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use super::{Pace, Simulation};
 use crate::columns::state_names;
-use crate::compiled::Scalar;
 use crate::error::{RunError, StepError};
 use crate::fallback::SavedStrategy;
 use crate::integrate::Control;
@@ -34,22 +33,6 @@ impl<T> Snapshot<T> {
     #[must_use]
     pub fn time(&self) -> f64 {
         self.time
-    }
-}
-
-impl<T: Scalar> Simulation<T> {
-    /// Everything needed to go on from here later, in this process or another.
-    #[must_use]
-    pub fn snapshot(&self) -> Snapshot<T> {
-        T::save(self)
-    }
-
-    /// Continues from a snapshot of the same model with the same options: every later step is equal to the bit.
-    ///
-    /// # Errors
-    /// A snapshot of another model or method, after which the run is as it was; and what the first evaluation may return.
-    pub fn restore(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
-        T::continue_from(self, snapshot)
     }
 }
 

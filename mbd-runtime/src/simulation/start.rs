@@ -1,84 +1,113 @@
 //! The start of a run: a state that can be used, nodes in balance, a mode for every line, a first step.
 
-use mbd_scene::{Float, Model, NodeModel};
+use std::sync::Arc;
+
+use mbd_scene::{Float, Model, NodeModel, Quantity};
 
 use super::moved::moved;
 use super::{Pace, Simulation};
+use crate::chatter::Chatter;
 use crate::columns::{input_name, node_name, state_names};
-use crate::compiled::Scalar;
 use crate::error::{RunError, StepError};
-use crate::integrate::Control;
-use crate::locate::Chatter;
+use crate::event::Margins;
+use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Scales, TSIT5};
 use crate::options::{Method, Options};
-use crate::system::WORKS;
+use crate::system::{External, System, WORKS};
 use crate::watch::Watch;
 
-impl<T: Scalar> Simulation<T> {
-    /// Sets time [s] and state x = [q | v | z]; `rate` nodes are placed by [`Simulation::start`] where z is all zero. Quaternions are normalised.
-    ///
-    /// # Errors
-    /// A number that is not finite, a quaternion off unit length by more than 1e-3, or a wrong length.
-    pub fn set_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
-        T::give_state(self, time, state)
-    }
-
-    /// Gives positions of the nodes (3 each) to start their search from; those of `rate` nodes are taken as they are, whatever z is.
-    ///
-    /// # Errors
-    /// A number that is not finite, or a wrong length.
-    pub fn set_nodes(&mut self, guess: &[T]) -> Result<(), RunError> {
-        T::give_nodes(self, guess)
-    }
-
-    /// Makes the start consistent: corrects bodies so that the joints hold (the state that was set chooses the branch), places the nodes, decides the
-    /// mode of every line, evaluates the first rates. [`Simulation::run`] calls it when nobody has.
-    ///
-    /// # Errors
-    /// Joints that cannot be satisfied together, or only on a branch they do not mean; no equilibrium of a node; rates that are not finite.
-    pub fn start(&mut self) -> Result<(), RunError> {
-        T::begin(self)
-    }
-}
-
 impl<T: Float> Simulation<T> {
+    /// What [`Simulation::with_loads`] does.
+    pub(crate) fn make(
+        model: Arc<dyn Model<T>>,
+        options: Options,
+        loads: Box<dyn External<T> + Send>,
+    ) -> Result<Self, RunError> {
+        let refuse = |cause| RunError {
+            cause,
+            progress: Box::default(),
+        };
+        options.check().map_err(refuse)?;
+        offered(&*model, &options, loads.supplies()).map_err(refuse)?;
+        let scales = options.scales.unwrap_or_else(|| Scales::of(&*model));
+        let mut system = System::new(model.clone(), loads, options.work);
+        system.frozen(options.locate);
+        system.projection.stabilise = options.stabilise;
+        system.projection.length = scales.length;
+        let fixed = matches!(options.method, Method::Rk4 { .. });
+        let length = system.length();
+        let (method, pace, tolerance) = match options.method {
+            Method::Rk4 { step } => (Explicit::new(&RK4, length), Pace::Fixed(step), 1e-10),
+            Method::Tsit5 { rtol, max_step } => {
+                let method = Explicit::new(&TSIT5, length);
+                let control = Control::new(0.0, max_step, method.exponent);
+                let norm = ErrorNorm::new(model.layout(), length, scales, rtol);
+                (method, Pace::Adaptive(control, norm), rtol)
+            }
+        };
+        let tolerance = options.guard_tolerance.unwrap_or(tolerance * scales.length);
+        let margins = Margins::new(
+            &*model,
+            options.locate,
+            tolerance.max(16.0 * T::EPSILON.to_f64() * scales.length),
+        );
+        let layout = model.layout();
+        let room = [
+            Quantity::Guards,
+            Quantity::Lines,
+            Quantity::Outputs,
+            Quantity::Energy,
+            Quantity::Constraint,
+            Quantity::Reactions,
+        ]
+        .map(|what| layout.len(what));
+        let mut state = vec![T::zero(); length];
+        for qw in layout.quaternions() {
+            if let Some(qw) = state.get_mut(qw) {
+                *qw = T::one();
+            }
+        }
+        Ok(Simulation {
+            system,
+            method,
+            state,
+            time: 0.0,
+            chatter: Chatter::new(),
+            scratch: vec![T::zero(); room.into_iter().max().unwrap_or(0)],
+            guards: layout.len(Quantity::Guards),
+            inside: vec![T::zero(); length],
+            chosen: vec![false; margins.now.len()],
+            switches: Vec::with_capacity(layout.unilateral()),
+            crossed: Vec::with_capacity(layout.events),
+            margins,
+            noisy: fixed && options.guard_tolerance.is_none(),
+            stalled: f64::NAN,
+            pace,
+            watch: Watch::default(),
+            watch_weights: Vec::new(),
+            watched: options.watch && fixed && stepwise(&*model).is_none(),
+            origin: 0.0,
+            count: 0,
+            options,
+            guess: None,
+            started: false,
+            moved: Vec::new(),
+            events: Vec::with_capacity(256),
+        })
+    }
+
     /// What [`Simulation::set_state`] does.
     pub(crate) fn give_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
-        let invalid = |slot: String, value: f64| StepError::InvalidInput { slot, value };
-        let names = || state_names(self.system.model.scene(), self.system.model.layout());
-        let cause = if state.len() != self.system.nx {
-            Some(invalid(
-                format!("length of the state (this model has {})", self.system.nx),
-                state.len() as f64,
-            ))
-        } else if !time.is_finite() {
-            Some(invalid("time".into(), time))
-        } else if let Some(at) = state
-            .iter()
-            .position(|x| !x.is_finite() || x.to_f64().abs() > 1e150)
-        {
-            let name = names()
-                .into_iter()
-                .nth(at)
-                .map_or_else(String::new, |name| name.name);
-            Some(invalid(
-                name,
-                state.get(at).map_or(f64::NAN, |x| x.to_f64()),
-            ))
-        } else {
-            None
-        };
-        if let Some(cause) = cause {
-            return Err(self.failed(cause));
-        }
         let mut fresh = state.to_vec();
-        self.system.drift = self.system.normalise(&mut fresh);
-        if self.system.drift > 1e-3 {
-            let cause = invalid(
-                "deviation of a quaternion from unit length".into(),
-                self.system.drift,
-            );
-            return Err(self.failed(cause));
-        }
+        let drift =
+            self.check_state(time, state)
+                .and_then(|()| match self.system.normalise(&mut fresh) {
+                    drift if drift > 1e-3 => Err(StepError::InvalidInput {
+                        slot: "deviation of a quaternion from unit length".into(),
+                        value: drift,
+                    }),
+                    drift => Ok(drift),
+                });
+        self.system.drift = drift.map_err(|cause| self.failed(cause))?;
         for (to, from) in self
             .state
             .iter_mut()
@@ -89,6 +118,27 @@ impl<T: Float> Simulation<T> {
         self.time = time;
         self.started = false;
         Ok(())
+    }
+
+    /// Refuses a time or a state that cannot be run.
+    fn check_state(&self, time: f64, state: &[T]) -> Result<(), StepError> {
+        let (model, nx) = (&self.system.model, self.system.nx);
+        let bad = |x: &T| !x.is_finite() || x.to_f64().abs() > 1e150;
+        let (slot, value) = if state.len() != nx {
+            let slot = format!("length of the state (this model has {nx})");
+            (slot, state.len() as f64)
+        } else if !time.is_finite() {
+            ("time".into(), time)
+        } else if let Some(at) = state.iter().position(bad) {
+            let name = state_names(model.scene(), model.layout())
+                .into_iter()
+                .nth(at);
+            let name = name.map_or_else(String::new, |name| name.name);
+            (name, state.get(at).map_or(f64::NAN, |x| x.to_f64()))
+        } else {
+            return Ok(());
+        };
+        Err(StepError::InvalidInput { slot, value })
     }
 
     /// What [`Simulation::set_nodes`] does.
@@ -151,7 +201,7 @@ impl<T: Float> Simulation<T> {
 }
 
 /// Whether this combination of model, method and loads is offered.
-pub(super) fn offered<T: Float>(
+fn offered<T: Float>(
     model: &dyn Model<T>,
     options: &Options,
     supplies: bool,
@@ -182,7 +232,7 @@ pub(super) fn offered<T: Float>(
 }
 
 /// The first point with a `stepwise` node.
-pub(super) fn stepwise<T: Float>(model: &dyn Model<T>) -> Option<usize> {
+fn stepwise<T: Float>(model: &dyn Model<T>) -> Option<usize> {
     let nodes = &model.layout().nodes;
     nodes
         .iter()

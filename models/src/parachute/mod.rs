@@ -1,5 +1,6 @@
 //! The main job: test cases 2 and 3 of AAS 03-163 (B. Raiszadeh, 2003), with every model of the confluence.
 
+pub mod comparison;
 pub mod figures;
 pub mod prepare;
 pub mod scene;

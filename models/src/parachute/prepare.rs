@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
+use super::comparison::{END, EQUAL_ERROR, TIGHT, errors, grid, options, tight};
 use super::scene::TestCase;
 use super::stability::{Limit, largest_stable_step, largest_taut_step};
-use super::study::{END, EQUAL_ERROR, TIGHT, errors, grid, options, tight};
 use super::variant::{Confluence, Flight, FlightError, Plan, fly};
 
 /// Something to be found.

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use mbd_runtime::Options;
 
+use super::comparison::{END, tight};
 use super::scene::{Instant, TestCase};
-use super::study::tight;
 use super::variant::{Confluence, Flight, FlightError, Plan, fly};
 
 /// How far the riser force may be off [1].
@@ -32,7 +32,7 @@ pub fn largest_stable_step(confluence: Confluence) -> Result<Limit, FlightError>
     if !confluence.is_damped() {
         return Ok(Limit { taut, whole: None });
     }
-    let end = super::study::END;
+    let end = END;
     let plan = Plan::new(TestCase::Two, confluence.exact(), tight(1e-9), end);
     let exact = fly(&plan.sampled(&every(0.0, end, 0.01)))?;
     let passes = |step: f64| {

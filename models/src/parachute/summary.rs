@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::study::{EQUAL_ERROR, Race, Run, Study};
+use super::comparison::EQUAL_ERROR;
+use super::study::{Race, Run, Study};
 use crate::report::{Cell, Table};
 
 /// `summary.json`.

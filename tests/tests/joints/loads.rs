@@ -282,7 +282,7 @@ fn bounces_on_stops_follow_their_closed_form_and_are_located() {
                 assert_eq!(got.0, want.0, "{text}");
                 assert_close(&[got.1], &[want.1], 1e-9, 1e-9, &got.0);
             }
-            assert!(matches!(run.events()[0].what, Happening::Stop(0, _)));
+            assert!(matches!(run.events()[0].what, Happening::Switch(0, _)));
         });
     }
 }
@@ -352,7 +352,7 @@ fn balance(scene: Scene, params: &[f64], start: &[f64]) -> ([f64; 3], usize) {
         assert_close(&[change], &[works.iter().sum()], 0.0, 1e-9, "energy");
     }
     let stops = run.events().iter();
-    let stops = stops.filter(|event| matches!(event.what, Happening::Stop(..)));
+    let stops = stops.filter(|event| matches!(event.what, Happening::Switch(..)));
     (run.work().expect("asked for"), stops.count())
 }
 
@@ -545,7 +545,7 @@ fn a_run_goes_on_from_a_snapshot_in_the_middle_of_a_touch_to_the_bit() {
         .expect("a state");
     run.run(0.5).expect("a run");
     assert!(
-        matches!(run.events(), [only] if matches!(only.what, Happening::Stop(1, Mode::Active)))
+        matches!(run.events(), [only] if matches!(only.what, Happening::Switch(1, Mode::Active)))
     );
     let snapshot = run.snapshot();
     let mut other = Simulation::new(&model, Options::rk4(0.01)).expect("options");

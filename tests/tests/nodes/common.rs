@@ -1,6 +1,6 @@
 //! Scenes for the node tests, written as data: the parachute of AAS 03-163 and what its references were made with.
 
-use mbd_runtime::node::{NodeError, NodeMemory, Nodes};
+use mbd_runtime::node::{NodeError, NodeMemory, Nodes, Stage};
 use mbd_runtime::{Generic, Model, Quantity, Work};
 use mbd_scene::{
     Body, Formula, Frame, Function, Gravity, Inertia, Line, LineKind, Load, LoadKind, NodeModel,
@@ -139,30 +139,28 @@ impl Run<Generic<f64>> {
             model,
         };
         run.state.resize(layout.nx(), 0.0);
-        run.nodes.start(
-            &run.model,
-            0.0,
-            &mut run.state,
-            &[],
-            guess,
-            &mut run.memory,
-            &mut run.work,
-        )?;
+        let stage = Stage {
+            model: &run.model,
+            time: 0.0,
+            state: &run.state,
+            inputs: &[],
+        };
+        run.nodes
+            .start(stage, guess, &mut run.memory, &mut run.work)?;
+        run.nodes.place_in(&mut run.state);
         Ok(run)
     }
 }
 
 impl<M: Model<f64>> Run<M> {
     pub fn solve(&mut self, time: f64, span: f64, state: &[f64]) -> Result<(), NodeError> {
-        self.nodes.solve(
-            &self.model,
+        let stage = Stage {
+            model: &self.model,
             time,
-            span,
             state,
-            &[],
-            &self.memory,
-            &mut self.work,
-        )
+            inputs: &[],
+        };
+        self.nodes.solve(stage, span, &self.memory, &mut self.work)
     }
 
     pub fn ask(&mut self, what: Quantity, state: &[f64]) -> Vec<f64> {

@@ -1,13 +1,14 @@
 //! The counterexamples of the equilibrium node: scenes on which simpler solvers cycle, jump or lose digits. Data exact as printed there.
 
 use mbd_runtime::node::{
-    Balance, BlockCholesky, Confluence, Equilibrium, Evaluation, History, Leg, NodeError, Outcome,
-    RateNode, Solver, Spread, Strategy, Tolerance, Web, WebBalance, effective,
+    Balance, BlockCholesky, Evaluation, History, Leg, NodeError, Outcome, RateNode, Solver, Spread,
+    Strategy, Tolerance, effective,
 };
 use mbd_scene::laws::LineNumbers;
 use mbd_scene::{Clamp, Difference};
 use nalgebra::Vector3;
 use tests::random::Random;
+use tests::web::{Confluence, Equilibrium, Web, WebBalance};
 
 fn confluence(anchors: &[[f64; 3]], stiffness: &[f64], free_length: &[f64]) -> Confluence<f64> {
     Confluence {
@@ -39,7 +40,7 @@ fn searched(problem: &Confluence<f64>, start: [f64; 3]) -> (Outcome<f64>, [f64; 
     let mut solver = Solver::new(1, web.lines.len(), &web.blocks());
     let (k, l) = web.constants();
     let mut p = start;
-    let mut balance = WebBalance::new(&web, &web.blocks());
+    let mut balance = WebBalance::new(&web);
     let outcome = solver.search(&mut balance, &k, &l, &mut p, Tolerance::alone());
     (outcome, p)
 }
@@ -47,7 +48,7 @@ fn searched(problem: &Confluence<f64>, start: [f64; 3]) -> (Outcome<f64>, [f64; 
 /// |g| along plain Newton steps.
 fn plain_newton(problem: &Confluence<f64>, start: [f64; 3], steps: usize) -> Vec<f64> {
     let web = problem.web().unwrap();
-    let mut balance = WebBalance::new(&web, &web.blocks());
+    let mut balance = WebBalance::new(&web);
     let mut factor = BlockCholesky::<f64, 3>::new(1, &[(0, 0)]);
     let mut at = Evaluation::new(1, 1);
     let (k, l) = web.constants();
@@ -428,7 +429,7 @@ fn one_ulp_on_either_side_of_the_slack_edge_everything_is_finite_and_tension_con
     for place in [edge.next_down(), edge, edge.next_up()] {
         let problem = confluence(&[[0.0; 3], [3.0, 0.0, 0.0]], &[1e4, 2e4], &[1.5, 1.5]);
         let web: Web<f64> = problem.web().unwrap();
-        let mut balance = WebBalance::new(&web, &web.blocks());
+        let mut balance = WebBalance::new(&web);
         let mut at = Evaluation::new(1, 1);
         let (k, l) = web.constants();
         balance.evaluate(&[place, 0.0, 0.0], &k, &l, &mut at);

@@ -2,9 +2,10 @@
 //!
 //! The full campaign: `cargo test -p tests --test nodes families -- --ignored --nocapture`.
 
-use mbd_runtime::node::{Confluence, Outcome};
+use mbd_runtime::node::Outcome;
 use tests::families::{COMBINATIONS, Family, Start, Tally, run, solve};
 use tests::random::Random;
+use tests::web::Confluence;
 
 fn print(family: Family, start: Start, loaded: bool, tally: &Tally) {
     let (mean, p99, most) = tally.steps();

@@ -1,10 +1,11 @@
 //! Derivatives through the nodes: against differences of the solved system, and finite where nothing pulls.
 
 use crate::common::{Run, parachute, state_of};
-use mbd_runtime::node::{Tie, Tolerance, Web, WebLine};
+use mbd_runtime::node::Tolerance;
 use mbd_runtime::{Generic, Linearisation, Model, Quantity};
 use mbd_scene::{Clamp, Difference, Formula, NodeModel, Parameter, PointKind, Scene, Unit};
 use tests::reference::{load, numbers};
+use tests::web::{Tie, Web, WebLine};
 
 const EULER: NodeModel = NodeModel::Stepwise {
     formula: Difference::Euler,

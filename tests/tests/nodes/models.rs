@@ -1,7 +1,8 @@
 //! The three node models in an integration: orders, memory, starts, modes, and what they refuse.
 
 use crate::common::{Run, body, frame, line, node, parachute, state_of};
-use mbd_runtime::node::{Mode, NodeError, NodeMemory, RateNode, Spread};
+use mbd_runtime::Mode;
+use mbd_runtime::node::{NodeError, NodeMemory, RateNode, Spread, Stage};
 use mbd_runtime::{Generic, Model, Options, Quantity, Simulation};
 use mbd_scene::laws::LineNumbers;
 use mbd_scene::{
@@ -239,26 +240,11 @@ fn node_models_refuse_scenes_they_cannot_hold() {
 }
 
 #[test]
-fn nothing_that_is_not_damped_has_modes_and_guards_lead_where_the_table_says() {
+fn only_the_lines_of_rate_nodes_have_modes() {
     let run = swing(NodeModel::Rate);
     assert!(run.memory.modes().iter().all(|mode| *mode == Mode::Active));
-    let mut seen = Vec::new();
-    run.nodes.guards(
-        &run.model,
-        &[0.1, 60.0, -0.1, 47.0, 0.2, -94.0, 0.3, 0.0],
-        &run.memory,
-        |guard| seen.push((guard.line, guard.value, guard.leads_to)),
-    );
-    assert_eq!(seen[0], (0, 1e-3, Mode::Idle));
-    assert_eq!(seen[1], (0, 0.1, Mode::Slack));
-    assert_eq!(seen[4], (2, -2e-3, Mode::Idle));
     let other = swing(EULER);
     assert!(other.memory.modes().iter().all(|mode| *mode == Mode::Free));
-    other
-        .nodes
-        .guards(&other.model, &[0.0; 8], &other.memory, |_| {
-            panic!("stepwise lines have no guards")
-        });
 }
 
 #[test]
@@ -266,16 +252,14 @@ fn a_switch_to_slack_releases_the_lines_that_would_push() {
     let mut run = swing(NodeModel::Rate);
     let state = run.state.clone();
     run.nodes.freeze(true);
+    let stage = Stage {
+        model: &run.model,
+        time: 0.0,
+        state: &state,
+        inputs: &[],
+    };
     run.nodes
-        .switch(
-            &run.model,
-            0.0,
-            &state,
-            &[],
-            &[(1, Mode::Slack)],
-            &mut run.memory,
-            &mut run.work,
-        )
+        .switch(stage, &[(1, Mode::Slack)], &mut run.memory, &mut run.work)
         .unwrap();
     assert_eq!(run.memory.modes()[1], Mode::Slack);
     run.solve(0.0, 0.0, &state).unwrap();
@@ -519,9 +503,14 @@ fn single_precision_runs_the_same_scene() {
     // Near the origin, where single precision resolves the stretch.
     let z = state[9];
     (state[2], state[9]) = (state[2] - z, 0.0);
-    nodes
-        .start(&model, 0.0, &mut state, &[], None, &mut memory, &mut work)
-        .unwrap();
+    let stage = Stage {
+        model: &model,
+        time: 0.0,
+        state: &state,
+        inputs: &[],
+    };
+    nodes.start(stage, None, &mut memory, &mut work).unwrap();
+    nodes.place_in(&mut state);
     let mut shifted: Vec<f64> = state.iter().map(|&x| f64::from(x)).collect();
     wide.state.copy_from_slice(&shifted);
     wide.solve(0.0, 0.0, &shifted).unwrap();

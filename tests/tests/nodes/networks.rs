@@ -1,13 +1,11 @@
 //! Coupled nodes, and single nodes against an independent reference.
 
-use mbd_runtime::node::{
-    Balance, BlockCholesky, Confluence, Evaluation, NodeError, Outcome, Tie, Tolerance, Web,
-    WebBalance, WebLine,
-};
+use mbd_runtime::node::{Balance, BlockCholesky, Evaluation, NodeError, Outcome, Tolerance};
 use nalgebra::DMatrix;
 use tests::assert_close;
 use tests::random::Random;
 use tests::reference::{field, load, numbers};
+use tests::web::{Confluence, Tie, Web, WebBalance, WebLine};
 
 const TIGHT: Tolerance<f64> = Tolerance {
     relative: 1e-13,
@@ -94,7 +92,7 @@ fn forces_on_every_node_of_a_network_balance_its_load() {
             Err(NodeError::NotConverged { .. }) => continue,
             Err(other) => panic!("{other}"),
         };
-        let mut balance = WebBalance::new(&web, &web.blocks());
+        let mut balance = WebBalance::new(&web);
         let mut at = Evaluation::new(web.loads.len(), web.blocks().len());
         let (k, l) = web.constants();
         balance.evaluate(found.nodes.as_flattened(), &k, &l, &mut at);
@@ -115,7 +113,7 @@ fn stiffness_of_a_stretched_node_is_positive_definite_with_the_bound_of_its_line
             load: [0.0; 3],
         };
         let web = problem.web().unwrap();
-        let mut balance = WebBalance::new(&web, &web.blocks());
+        let mut balance = WebBalance::new(&web);
         let mut at = Evaluation::new(1, 1);
         let (k, l) = web.constants();
         let p = random.vector(3.0);
@@ -244,7 +242,7 @@ fn confluences_agree_with_forty_digit_references() {
             0.0,
             "tensions",
         );
-        let mut balance = WebBalance::new(&web, &web.blocks());
+        let mut balance = WebBalance::new(&web);
         let mut at = Evaluation::new(1, 1);
         let (k, l) = web.constants();
         let mut check = |p: &[f64], jacobian: &[f64]| {

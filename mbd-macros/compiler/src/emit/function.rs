@@ -4,7 +4,7 @@ use mbd_scene::Quantity;
 use proc_macro2::TokenStream;
 
 use super::kernel;
-use super::literal::{digits, number_text};
+use super::literal::{digits, document, number_text};
 use super::naming::flat_names;
 use super::quantity;
 use super::terms::{Terms, lets};
@@ -117,13 +117,6 @@ fn member(
 /// Text that is Rust as tokens at the call of the macro.
 pub fn tokens(text: &str) -> TokenStream {
     text.parse().unwrap_or_default()
-}
-
-/// A line of documentation.
-pub fn document(out: &mut String, line: &str) {
-    out.push_str("#[doc = ");
-    out.push_str(&format!("{line:?}"));
-    out.push_str("]\n");
 }
 
 /// The lists a function takes, as arguments.

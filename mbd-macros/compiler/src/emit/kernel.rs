@@ -7,8 +7,8 @@
 
 use proc_macro2::TokenStream;
 
-use super::function::{constants, document, taken, tokens};
-use super::literal::{digits, number_text};
+use super::function::{constants, taken, tokens};
+use super::literal::{digits, document, number_text};
 use super::naming::kernel_names;
 use super::terms::{Terms, lets};
 use crate::equations::Equations;

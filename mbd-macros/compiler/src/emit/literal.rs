@@ -1,4 +1,4 @@
-//! Numbers and scenes as Rust text.
+//! Numbers, scenes and documentation as Rust text.
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 
@@ -54,4 +54,11 @@ pub fn ident(name: &str, span: Span) -> Ident {
         }
         Err(_) => Ident::new(&format!("{changed}_"), span),
     }
+}
+
+/// A line of documentation.
+pub fn document(out: &mut String, line: &str) {
+    out.push_str("#[doc = ");
+    out.push_str(&format!("{line:?}"));
+    out.push_str("]\n");
 }

@@ -2,7 +2,7 @@
 //!
 //! Text, not tokens: a macro is seldom optimised, and the compiler that runs it reads text faster than it takes tokens one by one.
 
-use super::function::document;
+use super::literal::document;
 use crate::operation::{Binary, Comparison, Op, Unary};
 use crate::partition::Local;
 

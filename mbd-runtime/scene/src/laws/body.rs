@@ -13,7 +13,7 @@
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::laws::numbers::BodyNumbers;
-use crate::scalar::algebra::{labelled, rotation, vector};
+use crate::scalar::algebra::{labelled, quaternion_rate, rotation, vector};
 use crate::{AngularVelocity, Directions, Real, Slots};
 
 /// What the state carries of a rotation.
@@ -128,28 +128,16 @@ impl<S: Real> BodyMotion<S> {
         directions: Directions,
         components: AngularVelocity,
     ) {
-        let Attitude::Quaternion([w, x, y, z]) = self.attitude else {
+        let Attitude::Quaternion(quaternion) = self.attitude else {
             let rates = out.iter_mut().skip(at).zip(directions.rotations());
             rates.for_each(|(rate, &axis)| *rate = self.omega_body[axis]);
             return;
         };
-        let half = S::from_f64(0.5);
-        let (omega, sign) = match components {
-            AngularVelocity::Body => (self.omega_body, S::one()),
-            AngularVelocity::World => (self.omega_world, -S::one()),
+        let (omega, in_body) = match components {
+            AngularVelocity::Body => (self.omega_body, true),
+            AngularVelocity::World => (self.omega_world, false),
         };
-        let omega = omega.map(|rate| half * rate);
-        let swirl = Vector3::new(
-            y * omega.z - z * omega.y,
-            z * omega.x - x * omega.z,
-            x * omega.y - y * omega.x,
-        );
-        let rates = [
-            -(x * omega.x + y * omega.y + z * omega.z),
-            w * omega.x + sign * swirl.x,
-            w * omega.y + sign * swirl.y,
-            w * omega.z + sign * swirl.z,
-        ];
+        let rates = quaternion_rate(quaternion, &omega, in_body);
         for (slot, rate) in out.iter_mut().skip(at).zip(rates) {
             *slot = rate;
         }

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::laws::formula::{Context, scalar, triple};
 use crate::laws::numbers::Numbers;
-use crate::scalar::split;
+use crate::scalar::{OfTime, split};
 use crate::{Formula, Frame, FrameMotion, Jet, Real, Scene};
 
 /// What a prescribed motion may depend on: time, consts and params.
@@ -20,17 +20,17 @@ struct Course<'a, S: Real> {
     time: S,
 }
 
-impl<S: Real> Context<Jet<S>> for Course<'_, S> {
+impl<S: Real> Context<OfTime<S>> for Course<'_, S> {
     fn scene(&self) -> &Scene {
         self.scene
     }
 
-    fn param(&self, index: usize) -> Option<Jet<S>> {
-        self.params.get(index).copied().map(Jet::constant)
+    fn param(&self, index: usize) -> Option<OfTime<S>> {
+        self.params.get(index).copied().map(OfTime::still)
     }
 
-    fn time(&self) -> Option<Jet<S>> {
-        Some(Jet::time(self.time))
+    fn time(&self) -> Option<OfTime<S>> {
+        Some(OfTime::time(self.time))
     }
 }
 
@@ -42,7 +42,7 @@ pub fn course<S: Real>(formula: &Formula, scene: &Scene, numbers: &Numbers<S>, t
         params,
         time,
     };
-    scalar(formula, &course)
+    scalar(formula, &course).into()
 }
 
 /// The frames of the world that move, at a time; `None` where one does not.

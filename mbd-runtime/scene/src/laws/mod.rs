@@ -19,6 +19,7 @@ pub(crate) mod numbers;
 pub use formula::norm;
 pub use ground::ground;
 pub use joint_ends::{branch, out_of_plane};
+pub use node::{Pulled, balance};
 pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, JointForceNumbers, LineNumbers, Numbers,
     OblateNumbers, constant,

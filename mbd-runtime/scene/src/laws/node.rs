@@ -19,46 +19,64 @@ use crate::laws::line;
 use crate::scalar::algebra::{elements, fill, labelled, solve_coupled, vector, write};
 use crate::{At, Layout, LineEnd, Network, Real};
 
-/// A line of a network in its trial configuration.
-struct Pulled<S: Real> {
-    ends: [LineEnd; 2],
+/// A line of a network in its trial configuration, by the law of a node line.
+#[derive(Clone, Copy, Debug)]
+pub struct Pulled<S: Real> {
+    /// The nodes that it ends at, by their place in the network.
+    nodes: [Option<usize>; 2],
     geometry: line::Geometry<S>,
     stiffness: S,
-    tension: S,
+    /// Tension [N].
+    pub tension: S,
     /// J, zero when slack.
     block: Matrix3<S>,
     /// Σ over the line's nodes of |p|₁.
     reach: S,
 }
 
+impl<S: Real> Pulled<S> {
+    /// Between two places [m], each with the node that is there, with K_e [N/m] and L_e [m].
+    pub fn new(ends: [(Option<usize>, Vector3<S>); 2], [stiffness, free_length]: [S; 2]) -> Self {
+        let mut reach = S::zero();
+        for (_, p) in ends.iter().filter(|(node, _)| node.is_some()) {
+            reach += p.x.abs() + p.y.abs() + p.z.abs();
+        }
+        let [(from, p_from), (to, p_to)] = ends;
+        let geometry = line::geometry(&(p_to - p_from), free_length);
+        let tension = line::effective_tension(stiffness, geometry.stretch);
+        let tangent = line::Tangent::linear(stiffness, free_length);
+        let block = line::stiffness(&geometry, &tangent, tension);
+        Pulled {
+            nodes: [from, to],
+            geometry,
+            stiffness,
+            tension,
+            block,
+            reach,
+        }
+    }
+}
+
+/// The nodes at the ends of a line, by their place in its network.
+fn locals(layout: &Layout, ends: &[LineEnd; 2]) -> [Option<usize>; 2] {
+    ends.map(|end| match end {
+        LineEnd::Node(node) => layout.nodes.get(node).map(|node| node.local),
+        _ => None,
+    })
+}
+
 fn pulled<S: Real>(layout: &Layout, at: &At<'_, S>, index: usize) -> Option<Pulled<S>> {
     let slots = layout.lines.get(index)?;
     let effective = slots.effective?;
-    let stiffness = at.effective.get(2 * effective).copied()?;
-    let free_length = at.effective.get(2 * effective + 1).copied()?;
-    let mut reach = S::zero();
-    let mut place = |end: LineEnd| match end {
+    let numbers = [0, 1].map(|k| at.effective.get(2 * effective + k).copied());
+    let [from, to] = slots.ends.map(|end| match end {
         LineEnd::Anchor(anchor) => vector(at.ends, 6 * anchor),
-        LineEnd::Node(node) => {
-            let p: Vector3<S> = vector(at.nodes, 3 * node);
-            reach += p.x.abs() + p.y.abs() + p.z.abs();
-            p
-        }
+        LineEnd::Node(node) => vector(at.nodes, 3 * node),
         LineEnd::Plain => Vector3::zeros(),
-    };
-    let [from, to] = slots.ends.map(&mut place);
-    let geometry = line::geometry(&(to - from), free_length);
-    let tension = line::effective_tension(stiffness, geometry.stretch);
-    let tangent = line::Tangent::linear(stiffness, free_length);
-    let block = line::stiffness(&geometry, &tangent, tension);
-    Some(Pulled {
-        ends: slots.ends,
-        geometry,
-        stiffness,
-        tension,
-        block,
-        reach,
-    })
+    });
+    let [at_from, at_to] = locals(layout, &slots.ends);
+    let ends = [(at_from, from), (at_to, to)];
+    Some(Pulled::new(ends, [numbers[0]?, numbers[1]?]))
 }
 
 /// Writes [`Quantity::Equilibrium`](crate::Quantity::Equilibrium) of one network by (1).
@@ -74,38 +92,46 @@ pub fn equilibrium<'s, S: Real>(
     let Some(network) = layout.networks.get(network) else {
         return;
     };
-    let (blocks, sums) = (
-        3 * network.nodes.len(),
-        3 * network.nodes.len() + 6 * network.blocks.len(),
-    );
-    out.fill(S::zero());
-    for (local, &node) in network.nodes.iter().enumerate() {
-        let load: Vector3<S> = vector(at.ends, 6 * layout.anchors.len() + 3 * node);
-        write(out, 3 * local, &-load);
-    }
-    let zero = S::zero();
-    for &index in &network.lines {
+    let loads = network
+        .nodes
+        .iter()
+        .map(|node| vector(at.ends, 6 * layout.anchors.len() + 3 * node));
+    let lines = network.lines.iter().filter_map(|&index| {
         S::section(name(index));
-        let Some(line) = pulled(layout, at, index) else {
-            continue;
-        };
+        pulled(layout, at, index)
+    });
+    balance(&network.blocks, loads, lines, out);
+}
+
+/// Writes (1) in the order of [`Quantity::Equilibrium`](crate::Quantity::Equilibrium): g of nodes under `loads` [N], the `blocks` of H, three sums.
+pub fn balance<S: Real>(
+    blocks: &[(usize, usize)],
+    loads: impl Iterator<Item = Vector3<S>>,
+    lines: impl Iterator<Item = Pulled<S>>,
+    out: &mut [S],
+) {
+    out.fill(S::zero());
+    let mut first = 0;
+    for load in loads {
+        write(out, first, &-load);
+        first += 3;
+    }
+    let (sums, zero) = (first + 6 * blocks.len(), S::zero());
+    for line in lines {
         let force = labelled(
             line.geometry.direction.map(|u| line.tension * u),
             ["force_x", "force_y", "force_z"],
         );
-        for (end, force) in line.ends.iter().zip([-force, force]) {
-            if let LineEnd::Node(node) = end {
-                let local = layout.nodes[*node].local;
-                let sum = vector(out, 3 * local) + force;
-                write(out, 3 * local, &sum);
+        for (node, force) in line.nodes.iter().zip([-force, force]) {
+            if let Some(node) = node {
+                let sum = vector(out, 3 * node) + force;
+                write(out, 3 * node, &sum);
             }
         }
-        for (pair, &(row, column)) in network.blocks.iter().enumerate() {
-            if let Some(sign) = share(layout, &line.ends, row, column) {
-                for (slot, element) in out[blocks + 6 * pair..]
-                    .iter_mut()
-                    .zip(elements(&line.block))
-                {
+        for (pair, &(row, column)) in blocks.iter().enumerate() {
+            if let Some(sign) = share(line.nodes, row, column) {
+                let own = out[first + 6 * pair..].iter_mut();
+                for (slot, element) in own.zip(elements(&line.block)) {
                     *slot = if sign {
                         *slot + element
                     } else {
@@ -125,30 +151,25 @@ pub fn equilibrium<'s, S: Real>(
     }
 }
 
-/// How a line with these ends enters block (row, column) of H: added, subtracted or not at all.
-fn share(layout: &Layout, ends: &[LineEnd; 2], row: usize, column: usize) -> Option<bool> {
-    let local = ends.map(|end| match end {
-        LineEnd::Node(node) => layout.nodes.get(node).map(|node| node.local),
-        _ => None,
-    });
+/// How a line at these nodes enters block (row, column) of H: added, subtracted or not at all.
+fn share(nodes: [Option<usize>; 2], row: usize, column: usize) -> Option<bool> {
     if row == column {
-        (local[0] == Some(row) || local[1] == Some(row)).then_some(true)
+        nodes.contains(&Some(row)).then_some(true)
     } else {
-        (local == [Some(row), Some(column)] || local == [Some(column), Some(row)]).then_some(false)
+        (nodes == [Some(row), Some(column)] || nodes == [Some(column), Some(row)]).then_some(false)
     }
 }
 
+/// A line by index, the nodes at its ends and its J.
+type Stiffness<S> = (usize, [Option<usize>; 2], Matrix3<S>);
+
 /// H + r I of a network and r.
-fn regularised<S: Real>(
-    layout: &Layout,
-    network: &Network,
-    lines: &[(usize, [LineEnd; 2], Matrix3<S>)],
-) -> (DMatrix<S>, S) {
+fn regularised<S: Real>(network: &Network, lines: &[Stiffness<S>]) -> (DMatrix<S>, S) {
     let n = network.nodes.len();
     let mut h = DMatrix::from_element(3 * n, 3 * n, S::zero());
-    for (_, ends, block) in lines {
+    for (_, nodes, block) in lines {
         for &(row, column) in &network.blocks {
-            let Some(sign) = share(layout, ends, row, column) else {
+            let Some(sign) = share(*nodes, row, column) else {
                 continue;
             };
             for i in 0..3 {
@@ -173,12 +194,8 @@ fn regularised<S: Real>(
 }
 
 /// The lines of a network with their stiffness at the trial positions in `at`.
-fn stiffnesses<S: Real>(
-    layout: &Layout,
-    at: &At<'_, S>,
-    network: &Network,
-) -> Vec<(usize, [LineEnd; 2], Matrix3<S>)> {
-    let of = |&index: &usize| pulled(layout, at, index).map(|line| (index, line.ends, line.block));
+fn stiffnesses<S: Real>(layout: &Layout, at: &At<'_, S>, network: &Network) -> Vec<Stiffness<S>> {
+    let of = |&index: &usize| pulled(layout, at, index).map(|line| (index, line.nodes, line.block));
     network.lines.iter().filter_map(of).collect()
 }
 
@@ -186,7 +203,7 @@ fn stiffnesses<S: Real>(
 fn anchor_blocks<'a, S: Real>(
     layout: &'a Layout,
     network: &'a Network,
-    lines: &'a [(usize, [LineEnd; 2], Matrix3<S>)],
+    lines: &'a [Stiffness<S>],
     r: S,
 ) -> impl Iterator<Item = (usize, Matrix3<S>)> + 'a {
     let owners = network
@@ -212,12 +229,8 @@ fn anchor_blocks<'a, S: Real>(
 }
 
 /// ∂p/∂p_i of a network, 3 nodes × 3 anchors, by (2).
-fn by_anchor<S: Real>(
-    layout: &Layout,
-    network: &Network,
-    lines: &[(usize, [LineEnd; 2], Matrix3<S>)],
-) -> DMatrix<S> {
-    let (mut h, r) = regularised(layout, network, lines);
+fn by_anchor<S: Real>(layout: &Layout, network: &Network, lines: &[Stiffness<S>]) -> DMatrix<S> {
+    let (mut h, r) = regularised(network, lines);
     let width = 3 * network.anchors.len();
     let mut b = DMatrix::from_element(3 * network.nodes.len(), width, S::zero());
     for (index, (local, block)) in anchor_blocks(layout, network, lines, r).enumerate() {
@@ -286,10 +299,10 @@ pub fn velocities<S: Real>(evaluation: &Evaluation<'_, S>, network: usize) -> Ve
     let stiffness_of = |&index: &usize| {
         let motion = evaluation.line_motion(index)?;
         let block = line::stiffness(&motion.geometry, &motion.tangent, motion.tension);
-        Some((index, layout.lines.get(index)?.ends, block))
+        Some((index, locals(layout, &layout.lines.get(index)?.ends), block))
     };
     let lines: Vec<_> = network.lines.iter().filter_map(stiffness_of).collect();
-    let (mut h, r) = regularised(layout, network, &lines);
+    let (mut h, r) = regularised(network, &lines);
     let blocks: Vec<_> = anchor_blocks(layout, network, &lines, r).collect();
     let mut b = DMatrix::from_element(3 * network.nodes.len(), 1, S::zero());
     for (&anchor, (local, block)) in network.anchors.iter().zip(&blocks) {

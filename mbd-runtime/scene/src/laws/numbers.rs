@@ -40,7 +40,7 @@ impl<S: Real> FrameNumbers<S> {
 }
 
 /// The constants of a line, or of a stop, which has no free length.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LineNumbers<S> {
     /// Stiffness K [N/m]: the slope of the elastic force at zero stretch.
     pub stiffness: S,

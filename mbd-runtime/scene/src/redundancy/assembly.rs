@@ -5,9 +5,10 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use crate::joints::JointLaw;
 use crate::redundancy::configuration::Configuration;
 use crate::redundancy::length;
-use crate::redundancy::local::{Hold, PartMotion, columns, dot, speeds};
+use crate::redundancy::local::{Hold, PartMotion, columns, speeds};
 use crate::redundancy::tree::{Group, Link};
 use crate::rows::{Columns, Row, Rows};
+use crate::scalar::orthogonal::dot;
 use crate::{Layout, Part, Relative, Scene, Twist};
 
 /// States looked for in a group.

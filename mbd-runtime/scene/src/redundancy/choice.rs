@@ -3,8 +3,9 @@
 use nalgebra::DVector;
 
 use crate::redundancy::assembly::{JointRow, MotorRow, State};
-use crate::redundancy::local::{PartMotion, dot};
+use crate::redundancy::local::PartMotion;
 use crate::redundancy::tree::Group;
+use crate::scalar::orthogonal::{dot, subtract, take_out};
 use crate::{HeldMotor, Part, Repeat, RowSet};
 
 /// What is left of a row below this part of it is rounding: repeated rows leave 1e-12, others rarely less than 1e-3.
@@ -24,14 +25,10 @@ impl Span {
     /// What is new in a row of size 1 or less, and what of the kept rows was taken out of it.
     fn rest(&self, row: &DVector<f64>) -> (DVector<f64>, Vec<f64>) {
         let (mut rest, mut made) = (row.clone(), vec![0.0; self.units.len()]);
-        // Twice is enough to leave nothing but the new part.
-        for _ in 0..2 {
-            for (unit, of) in &self.units {
-                let along = rest.dot(unit);
-                rest.axpy(-along, unit, 1.0);
-                made.iter_mut().zip(of).for_each(|(m, o)| *m -= along * o);
-            }
-        }
+        let units = self.units.iter().map(|(unit, _)| unit.as_slice());
+        take_out(rest.as_mut_slice(), units, |index, along| {
+            subtract(&mut made, along, &self.units[index].1);
+        });
         (rest, made)
     }
 

@@ -3,6 +3,7 @@
 //! Motions are (v, ℓ ω): six numbers in metres a second, world axes, ℓ a length of the scene. A point has the first three.
 
 use crate::rows::{Columns, Rows};
+use crate::scalar::orthogonal::{dot, subtract, take_out};
 use crate::{Directions, Part};
 
 /// A motion of a part.
@@ -37,16 +38,6 @@ pub fn columns(
     own
 }
 
-pub fn dot(a: &PartMotion, b: &PartMotion) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn subtract(from: &mut PartMotion, times: f64, what: &PartMotion) {
-    for (a, b) in from.iter_mut().zip(what) {
-        *a -= times * b;
-    }
-}
-
 /// The rows of a joint on the part it places, made orthonormal: e_i = Σ mix_ij φ_j.
 #[derive(Clone, Debug, Default)]
 pub struct Hold {
@@ -71,13 +62,10 @@ impl Hold {
             let whole = dot(&rest, &rest).sqrt();
             let mut mix = [0.0; 6];
             *mix.get_mut(index)? = 1.0;
-            for _ in 0..2 {
-                for (fixed, other) in hold.fixed.iter().zip(&hold.mix) {
-                    let along = dot(&rest, fixed);
-                    subtract(&mut rest, along, fixed);
-                    subtract(&mut mix, along, other);
-                }
-            }
+            let fixed = hold.fixed.iter().map(|fixed| &fixed[..]);
+            take_out(&mut rest, fixed, |index, along| {
+                subtract(&mut mix, along, &hold.mix[index]);
+            });
             let new = dot(&rest, &rest).sqrt();
             if new.is_nan() || new <= NOTHING * whole {
                 return None;
@@ -89,12 +77,8 @@ impl Hold {
         while hold.fixed.len() + hold.free.len() < speeds.clone().count() {
             let rest = |k: usize| {
                 let mut rest: PartMotion = std::array::from_fn(|i| f64::from(u8::from(i == k)));
-                for _ in 0..2 {
-                    for known in hold.fixed.iter().chain(&hold.free) {
-                        let along = dot(&rest, known);
-                        subtract(&mut rest, along, known);
-                    }
-                }
+                let known = hold.fixed.iter().chain(&hold.free);
+                take_out(&mut rest, known.map(|known| &known[..]), |_, _| ());
                 rest
             };
             let longest = speeds

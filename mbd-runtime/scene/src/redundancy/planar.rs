@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 use crate::redundancy::assembly::Random;
 use crate::redundancy::configuration::Configuration;
 use crate::rows::{Columns, Row, Rows};
+use crate::scalar::orthogonal::take_out;
 use crate::{Directions, Joint, Layout, Part, Place, Redundancy, Relative, RowSet, Scene};
 
 /// A row is new when more than this part of it is.
@@ -180,10 +181,8 @@ fn counting(
 /// What of a row is new against orthonormal ones.
 fn beyond(span: &[Pair], row: &Pair) -> Pair {
     let mut rest = *row;
-    // Twice is enough to leave nothing but the new part.
-    for unit in span.iter().chain(span) {
-        rest -= *unit * rest.dot(unit);
-    }
+    let units = span.iter().map(|unit| unit.as_slice());
+    take_out(rest.as_mut_slice(), units, |_, _| ());
     rest
 }
 

@@ -4,7 +4,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 
 use num_traits::{One, Zero};
 
-use crate::{Float, Real, TINY};
+use crate::{Real, TINY};
 
 /// `value` + Σ `slopes`[i] ε_i with ε_i ε_j = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Dual<T, const N: usize> {
     pub slopes: [T; N],
 }
 
-impl<T: Float, const N: usize> Dual<T, N> {
+impl<T: Real, const N: usize> Dual<T, N> {
     /// A number that does not depend on any variable.
     #[must_use]
     pub fn constant(value: T) -> Self {
@@ -43,6 +43,11 @@ impl<T: Float, const N: usize> Dual<T, N> {
         }
     }
 
+    /// `a` where the mask holds, `b` elsewhere; `value` is that of the result.
+    fn choose(mask: T::Mask, value: T, a: Self, b: Self) -> Self {
+        a.zip(b, value, |a, b| T::select(mask, a, b))
+    }
+
     fn zip(self, other: Self, value: T, f: impl Fn(T, T) -> T) -> Self {
         Dual {
             value,
@@ -51,14 +56,14 @@ impl<T: Float, const N: usize> Dual<T, N> {
     }
 }
 
-impl<T: Float, const N: usize> Add for Dual<T, N> {
+impl<T: Real, const N: usize> Add for Dual<T, N> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         self.zip(other, self.value + other.value, |a, b| a + b)
     }
 }
 
-impl<T: Float, const N: usize> Sub for Dual<T, N> {
+impl<T: Real, const N: usize> Sub for Dual<T, N> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self.zip(other, self.value - other.value, |a, b| a - b)
@@ -69,7 +74,7 @@ impl<T: Float, const N: usize> Sub for Dual<T, N> {
     clippy::suspicious_arithmetic_impl,
     reason = "the product and quotient rules mix operators"
 )]
-impl<T: Float, const N: usize> Mul for Dual<T, N> {
+impl<T: Real, const N: usize> Mul for Dual<T, N> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         self.zip(other, self.value * other.value, |a, b| {
@@ -82,7 +87,7 @@ impl<T: Float, const N: usize> Mul for Dual<T, N> {
     clippy::suspicious_arithmetic_impl,
     reason = "the product and quotient rules mix operators"
 )]
-impl<T: Float, const N: usize> Div for Dual<T, N> {
+impl<T: Real, const N: usize> Div for Dual<T, N> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
@@ -90,16 +95,19 @@ impl<T: Float, const N: usize> Div for Dual<T, N> {
     }
 }
 
-impl<T: Float, const N: usize> Neg for Dual<T, N> {
+impl<T: Real, const N: usize> Neg for Dual<T, N> {
     type Output = Self;
     fn neg(self) -> Self {
-        self.chain(-self.value, -T::one())
+        Dual {
+            value: -self.value,
+            slopes: self.slopes.map(|slope| -slope),
+        }
     }
 }
 
 macro_rules! assign {
     ($($trait:ident $method:ident $op:tt),*) => {$(
-        impl<T: Float, const N: usize> $trait for Dual<T, N> {
+        impl<T: Real, const N: usize> $trait for Dual<T, N> {
             fn $method(&mut self, other: Self) {
                 *self = *self $op other;
             }
@@ -109,7 +117,7 @@ macro_rules! assign {
 
 assign!(AddAssign add_assign +, SubAssign sub_assign -, MulAssign mul_assign *, DivAssign div_assign /);
 
-impl<T: Float, const N: usize> Zero for Dual<T, N> {
+impl<T: Real, const N: usize> Zero for Dual<T, N> {
     fn zero() -> Self {
         Self::constant(T::zero())
     }
@@ -118,14 +126,14 @@ impl<T: Float, const N: usize> Zero for Dual<T, N> {
     }
 }
 
-impl<T: Float, const N: usize> One for Dual<T, N> {
+impl<T: Real, const N: usize> One for Dual<T, N> {
     fn one() -> Self {
         Self::constant(T::one())
     }
 }
 
-impl<T: Float, const N: usize> Real for Dual<T, N> {
-    type Mask = bool;
+impl<T: Real, const N: usize> Real for Dual<T, N> {
+    type Mask = T::Mask;
 
     fn from_f64(value: f64) -> Self {
         Self::constant(T::from_f64(value))
@@ -159,35 +167,39 @@ impl<T: Float, const N: usize> Real for Dual<T, N> {
         })
     }
     fn abs(self) -> Self {
-        if self.value < T::zero() { -self } else { self }
+        let negative = self.value.lt(T::zero());
+        Self::choose(negative, self.value.abs(), -self, self)
     }
     fn min(self, other: Self) -> Self {
-        if other.value < self.value {
-            other
-        } else {
-            self
-        }
+        let value = self.value.min(other.value);
+        Self::choose(other.value.lt(self.value), value, other, self)
     }
     fn max(self, other: Self) -> Self {
-        if other.value > self.value {
-            other
-        } else {
-            self
-        }
+        let value = self.value.max(other.value);
+        Self::choose(self.value.lt(other.value), value, other, self)
     }
-    fn lt(self, other: Self) -> bool {
-        self.value < other.value
+    fn lt(self, other: Self) -> T::Mask {
+        self.value.lt(other.value)
     }
-    fn le(self, other: Self) -> bool {
-        self.value <= other.value
+    fn le(self, other: Self) -> T::Mask {
+        self.value.le(other.value)
     }
-    fn both(a: bool, b: bool) -> bool {
-        a & b
+    fn both(a: T::Mask, b: T::Mask) -> T::Mask {
+        T::both(a, b)
     }
-    fn select(mask: bool, a: Self, b: Self) -> Self {
-        if mask { a } else { b }
+    fn select(mask: T::Mask, a: Self, b: Self) -> Self {
+        Self::choose(mask, T::select(mask, a.value, b.value), a, b)
     }
     fn is_finite_all(self) -> bool {
-        self.value.is_finite() && self.slopes.iter().all(|slope| slope.is_finite())
+        self.value.is_finite_all() && self.slopes.iter().all(|slope| slope.is_finite_all())
+    }
+    fn label(self, name: &'static str) -> Self {
+        Dual {
+            value: self.value.label(name),
+            ..self
+        }
+    }
+    fn section(name: &str) {
+        T::section(name);
     }
 }

@@ -4,10 +4,12 @@ pub(crate) mod algebra;
 mod dual;
 mod few;
 mod jet;
+#[doc(hidden)]
+pub mod orthogonal;
 mod real;
 
-pub use algebra::{inverse, rotation, symmetric};
+pub use algebra::{elements, inverse, quaternion_rate, rotation, symmetric};
 pub use dual::Dual;
 pub(crate) use few::Few;
-pub use jet::{Jet, split};
+pub use jet::{Jet, OfTime, split};
 pub use real::{Float, Real, TINY};

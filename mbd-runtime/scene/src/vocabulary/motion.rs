@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::{Real, rotation};
+use crate::{Real, quaternion_rate, rotation};
 
 /// Frame 2 in frame 1.
 #[derive(Clone, Copy, Debug)]
@@ -118,12 +118,10 @@ impl<S: Real> Relative<'_, S> {
 
     /// Writes q̇ of a quaternion from `q_at` on whose angular velocity in frame 2 are the speeds from `u_at` on: ½ q ⊗ (0, ω).
     pub fn attitude_rates(&self, q_at: usize, u_at: usize, rates: &mut [S]) {
-        let (w, v, omega) = (self.q(q_at), self.q3(q_at + 1), self.u3(u_at));
-        let half = S::from_f64(0.5);
-        let imaginary = omega.map(|x| w * x) + v.cross(&omega);
-        let all = [-v.dot(&omega), imaginary.x, imaginary.y, imaginary.z];
+        let quaternion = std::array::from_fn(|i| self.q(q_at + i));
+        let all = quaternion_rate(quaternion, &self.u3(u_at), true);
         for (rate, value) in rates.iter_mut().skip(q_at).zip(all) {
-            *rate = half * value;
+            *rate = value;
         }
     }
 }

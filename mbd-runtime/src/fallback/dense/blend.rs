@@ -9,7 +9,9 @@
 //! Rejected: the multipliers of all rows handed in instead. Their errors enter every direction, and where one of them grows as the inverse
 //! of the distance to the state, as with masses that are not symmetric, half of its force is lost.
 
-use super::{Dense, dot};
+use mbd_scene::orthogonal::{dot, subtract};
+
+use super::Dense;
 use crate::fallback::limits::FREE;
 
 impl Dense {
@@ -23,8 +25,7 @@ impl Dense {
         }
         self.correct(chosen);
         self.right = bias;
-        let sums = self.force.iter_mut().zip(smooth);
-        sums.for_each(|(force, x)| *force += x);
+        subtract(&mut self.force, -1.0, smooth);
         let rows = self.jacobian.chunks_exact(n);
         let [moved, most] = rows.fold([0.0_f64; 2], |[moved, most], row| {
             let terms = row.iter().zip(speeds).map(|(a, v)| (a * v).abs());
@@ -38,8 +39,7 @@ impl Dense {
         let momenta: Vec<f64> = momenta.collect();
         let along = (dot(&momenta, &own) - dot(&momenta, &self.force)) / dot(&momenta, speeds);
         if is_free && along.is_finite() {
-            let sums = self.force.iter_mut().zip(speeds);
-            sums.for_each(|(force, v)| *force += along * v);
+            subtract(&mut self.force, -along, speeds);
         }
     }
 }

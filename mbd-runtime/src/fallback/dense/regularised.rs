@@ -12,7 +12,9 @@
 //! order (four becomes two), and its multipliers say nothing about reactions: they serve for the power of prescribed motions only, which is
 //! the same for every solution.
 
-use super::{Dense, dot, largest};
+use mbd_scene::orthogonal::{dot, subtract};
+
+use super::{Dense, largest};
 use crate::fallback::limits::{GIVE, LEAST, ROUNDS};
 
 impl Dense {
@@ -65,8 +67,7 @@ impl Dense {
                 *multiplier += more / size;
             }
             for (unit, more) in self.units.chunks_exact(n).zip(&self.along) {
-                let moved = self.force.iter_mut().zip(unit);
-                moved.for_each(|(w, y)| *w += more * y);
+                subtract(&mut self.force, -more, unit);
             }
         }
         Self::backward(&self.lower, &mut self.force);

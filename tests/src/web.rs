@@ -2,13 +2,12 @@
 //!
 //! The line law is the one of the scenes, so these problems test the solver and the law together.
 
+use mbd_runtime::node::{
+    Balance, Evaluation, NodeError, Outcome, Solver, Tie as Place, Tied, Tolerance,
+};
 use mbd_scene::Float;
-use nalgebra::{Matrix3, Vector3};
-
-use super::balance::{Balance, Evaluation};
-use super::error::NodeError;
-use super::solver::{Outcome, Solver, Tolerance};
-use mbd_scene::laws::line as law;
+use mbd_scene::laws::Pulled;
+use nalgebra::Vector3;
 
 /// Where a line of a [`Web`] ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,10 +148,9 @@ impl<T: Float> Web<T> {
         self.check()?;
         NodeError::same_length("start", start.len(), self.loads.len())?;
         NodeError::check_finite("start", start.as_flattened())?;
-        let blocks = self.blocks();
-        let mut solver = Solver::new(self.loads.len(), self.lines.len(), &blocks);
+        let mut balance = WebBalance::new(self);
+        let mut solver = Solver::new(self.loads.len(), self.lines.len(), &balance.blocks);
         let mut nodes = start.to_vec();
-        let mut balance = WebBalance::new(self, &blocks);
         let (k, l) = self.constants();
         let outcome = solver.solve(&mut balance, &k, &l, nodes.as_flattened_mut(), tolerance);
         let tensions = match outcome {
@@ -188,123 +186,63 @@ impl<T: Float> Web<T> {
     /// The tension of every line with the nodes at `nodes` [N].
     #[must_use]
     pub fn tensions(&self, nodes: &[[T; 3]]) -> Vec<T> {
-        self.lines
-            .iter()
-            .map(|line| {
-                let vector = self.vector(line, nodes.as_flattened());
-                let geometry = law::geometry(&vector, line.free_length);
-                law::effective_tension(line.stiffness, geometry.stretch)
-            })
-            .collect()
-    }
-
-    /// From the first end of a line to the second; zero for an end that does not exist.
-    fn vector(&self, line: &WebLine<T>, nodes: &[T]) -> Vector3<T> {
-        let [from, to] = line.ends.map(|tie| match tie {
-            Tie::Anchor(a) => self.anchors.get(a).map_or(&[][..], |a| &a[..]),
-            Tie::Node(n) => nodes.get(3 * n..3 * n + 3).unwrap_or(&[]),
-        });
-        match (from, to) {
-            (&[a, b, c], &[x, y, z]) => Vector3::new(x - a, y - b, z - c),
-            _ => Vector3::zeros(),
-        }
+        let place = |tie: Tie| match tie {
+            Tie::Anchor(a) => (None, self.anchors[a].into()),
+            Tie::Node(n) => (Some(n), nodes[n].into()),
+        };
+        let tension = |line: &WebLine<T>| {
+            Pulled::new(line.ends.map(place), [line.stiffness, line.free_length]).tension
+        };
+        self.lines.iter().map(tension).collect()
     }
 }
 
 /// A [`Web`] as a [`Balance`].
 #[derive(Clone, Debug)]
-pub struct WebBalance<'a, T> {
-    web: &'a Web<T>,
-    /// Per line between two nodes: its block of H.
-    pairs: Vec<usize>,
+pub struct WebBalance<T> {
+    load: Vec<T>,
+    blocks: Vec<(usize, usize)>,
+    lines: Vec<[Place<T>; 2]>,
 }
 
-impl<'a, T: Float> WebBalance<'a, T> {
-    /// Prepares `web`, whose blocks are [`Web::blocks`].
+impl<T: Float> WebBalance<T> {
+    /// Of a web.
     #[must_use]
-    pub fn new(web: &'a Web<T>, blocks: &[(usize, usize)]) -> Self {
-        let block = |line: &WebLine<T>| match line.ends {
-            [Tie::Node(a), Tie::Node(b)] => blocks
-                .iter()
-                .position(|&block| block == (a.max(b), a.min(b)))
-                .unwrap_or(0),
-            _ => 0,
+    pub fn new(web: &Web<T>) -> Self {
+        let place = |tie: Tie| match tie {
+            Tie::Anchor(a) => Place::Anchor(web.anchors[a]),
+            Tie::Node(n) => Place::Node(n),
         };
         WebBalance {
-            web,
-            pairs: web.lines.iter().map(block).collect(),
+            load: web.loads.as_flattened().to_vec(),
+            blocks: web.blocks(),
+            lines: web.lines.iter().map(|line| line.ends.map(place)).collect(),
+        }
+    }
+
+    fn tied(&self) -> Tied<'_, T> {
+        Tied {
+            load: &self.load,
+            blocks: &self.blocks,
+            lines: &self.lines,
         }
     }
 }
 
-impl<T: Float> Balance<T> for WebBalance<'_, T> {
+impl<T: Float> Balance<T> for WebBalance<T> {
     fn nodes(&self) -> usize {
-        self.web.loads.len()
-    }
-
-    fn lines(&self) -> usize {
-        self.web.lines.len()
+        self.tied().nodes()
     }
 
     fn load(&self) -> &[T] {
-        self.web.loads.as_flattened()
+        &self.load
     }
 
     fn evaluate(&mut self, p: &[T], k: &[T], l: &[T], out: &mut Evaluation<T>) {
-        let nodes = self.web.loads.len();
-        let values = out.values_mut();
-        let (gradient, rest) = values.split_at_mut(3 * nodes);
-        let (blocks, sums) = rest.split_at_mut(rest.len() - 3);
-        for (g, &w) in gradient.iter_mut().zip(self.web.loads.as_flattened()) {
-            *g = -w;
-        }
-        blocks.fill(T::zero());
-        sums.fill(T::zero());
-        for (((line, &pair), &k), &l) in self.web.lines.iter().zip(&self.pairs).zip(k).zip(l) {
-            let vector = self.web.vector(line, p);
-            let geometry = law::geometry(&vector, l);
-            if geometry.stretch < T::zero() {
-                continue;
-            }
-            let tension = law::effective_tension(k, geometry.stretch);
-            let force = geometry.direction.map(|u| tension * u);
-            let stiffness = law::stiffness(&geometry, &law::Tangent::linear(k, l), tension);
-            let mut reach = geometry.length;
-            for (tie, sign) in line.ends.iter().zip([-T::one(), T::one()]) {
-                let &Tie::Node(n) = tie else { continue };
-                for a in 0..3 {
-                    gradient[3 * n + a] += sign * force[a];
-                    reach += p[3 * n + a].abs();
-                }
-                add(blocks, n, &stiffness, T::one());
-            }
-            if let [Tie::Node(_), Tie::Node(_)] = line.ends {
-                add(blocks, pair, &stiffness, -T::one());
-            }
-            sums[0] += tension;
-            sums[1] += k * reach;
-            if geometry.stretch > T::zero() {
-                sums[2] += T::one();
-            }
-        }
+        self.tied().evaluate(p, k, l, out);
     }
 
-    fn smallest_slack(&self, p: &[T], l: &[T]) -> T {
-        let mut smallest = None;
-        for (line, &l) in self.web.lines.iter().zip(l) {
-            let slack = -law::geometry(&self.web.vector(line, p), l).stretch;
-            if slack > T::zero() && smallest.is_none_or(|least| slack < least) {
-                smallest = Some(slack);
-            }
-        }
-        smallest.unwrap_or_default()
-    }
-}
-
-/// Adds the six distinct numbers of a symmetric block.
-fn add<T: Float>(blocks: &mut [T], block: usize, value: &Matrix3<T>, sign: T) {
-    let six = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-    for (target, index) in blocks[6 * block..].iter_mut().zip(six) {
-        *target += sign * value[index];
+    fn places(&self, line: usize, p: &[T]) -> [Vector3<T>; 2] {
+        self.tied().places(line, p)
     }
 }

@@ -1,0 +1,113 @@
+//! What a run knows of how its rows are solved: the strategy held for a step, that of the step after it, and room for the solvers.
+
+use serde::{Deserialize, Serialize};
+
+use super::dense::Dense;
+
+/// How the rows are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub(crate) enum Strategy {
+    /// As emitted.
+    #[default]
+    Emitted,
+    /// Rows chosen anew.
+    Chosen,
+    /// The whole matrix.
+    Whole,
+    /// All rows, regularised: a stage, never a step.
+    Regularised,
+}
+
+/// What is held for a step.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Held {
+    pub strategy: Strategy,
+    pub rows: Vec<usize>,
+    /// Whether every stage of the step takes these rows: one of them could not be solved otherwise.
+    pub whole_step: bool,
+    /// √ of the margin at the start of the step.
+    pub size: f64,
+    /// Whether the step may pass a singular state.
+    pub near: bool,
+}
+
+/// What a run needs to go on solving its rows as it did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SavedStrategy {
+    held: Held,
+    base: Strategy,
+    lasting: bool,
+}
+
+/// The chain of one run.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Fallback {
+    /// Of the step that is tried.
+    pub(super) now: Held,
+    /// Of the step after it.
+    pub(super) next: Held,
+    /// Whether the stage to come is the first of the step after.
+    pub(super) at_end: bool,
+    /// The strategy of a run away from singular states.
+    pub(super) base: Strategy,
+    /// What the last factor left to its smallest pivot; NaN when there was none since the last step.
+    pub margin: f64,
+    pub(super) dense: Dense,
+    /// Whether the stage that was evaluated last was solved by `dense`, and whether regularised.
+    pub(super) anew: bool,
+    pub(super) regularised: bool,
+    /// Whether rows have lost rank for longer than an instant.
+    pub(super) lasting: bool,
+    /// Distance over which a motion changes [m], once it was asked for.
+    pub(super) reach: Option<f64>,
+    /// Room for h.
+    pub(super) bias: Vec<f64>,
+    /// Room for rows chosen in a projection.
+    pub(super) spare: Vec<usize>,
+    /// The worst strategy used.
+    pub worst: Strategy,
+    /// Decimal digits that uneven masses cost on the strategy of the run.
+    pub lost_digits: u64,
+}
+
+impl Fallback {
+    pub(super) fn held(&self) -> &Held {
+        if self.at_end { &self.next } else { &self.now }
+    }
+
+    pub(super) fn held_mut(&mut self) -> &mut Held {
+        if self.at_end {
+            &mut self.next
+        } else {
+            &mut self.now
+        }
+    }
+
+    /// A trial step begins.
+    pub(crate) fn enter(&mut self) {
+        self.at_end = false;
+    }
+
+    /// The trial step is taken.
+    pub(crate) fn commit(&mut self) {
+        self.now.clone_from(&self.next);
+        self.at_end = false;
+    }
+
+    /// What the step to come is solved with.
+    pub(crate) fn saved(&self) -> SavedStrategy {
+        SavedStrategy {
+            held: self.now.clone(),
+            base: self.base,
+            lasting: self.lasting,
+        }
+    }
+
+    /// Takes up what another run held, for the stage at its last step; [`Fallback::commit`] follows.
+    pub(crate) fn resume(&mut self, footing: &SavedStrategy) {
+        self.next.clone_from(&footing.held);
+        self.base = footing.base;
+        self.lasting = footing.lasting;
+        self.at_end = true;
+    }
+}

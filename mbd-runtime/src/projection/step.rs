@@ -1,0 +1,46 @@
+//! Room for the projection steps of a run, and the last of them.
+
+use mbd_scene::Float;
+
+use crate::options::Stabilise;
+
+/// Room for the projection of one scene.
+pub(crate) struct Projection<T> {
+    /// How the run stays on the joints.
+    pub stabilise: Stabilise,
+    /// Length of the scene [m].
+    pub length: f64,
+    pub(super) rows: Vec<T>,
+    /// δ, and behind it the margin of the factor.
+    pub(super) shift: Vec<T>,
+    pub(super) trial: Vec<T>,
+}
+
+impl<T: Float> Projection<T> {
+    /// Room for `nc` rows, `nv` speeds and states of length `nx`; nothing to do without rows.
+    pub(crate) fn new(nc: usize, nv: usize, nx: usize) -> Self {
+        let room = |length| vec![T::zero(); if nc > 0 { length } else { 0 }];
+        Projection {
+            stabilise: Stabilise::Projection,
+            length: 1.0,
+            rows: room(nc),
+            shift: room(nv + 1),
+            trial: room(nx),
+        }
+    }
+
+    /// δ of the last solve.
+    pub(super) fn moves(&self) -> &[T] {
+        self.shift.split_last().map_or(&[], |(_, moves)| moves)
+    }
+
+    /// The smallest part that other rows left to the pivot of a row in the last solve.
+    pub(super) fn margin(&self) -> f64 {
+        self.shift.last().map_or(1.0, |margin| margin.to_f64())
+    }
+
+    /// Whether there are rows.
+    pub(crate) fn any(&self) -> bool {
+        !self.rows.is_empty()
+    }
+}
