@@ -35,8 +35,9 @@ pub use fingerprint::fingerprint;
 pub use formula::{Formula, Function, Place};
 pub use jet::Jet;
 pub use joints::{
-    Along, Axis, ConstantAngle, Cylindrical, Distance, Free, Hinge, JointLaw, Planar, PointOnLine,
-    PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical, Universal,
+    Along, Axis, ConstantAngle, ConstantVelocity, Cylindrical, Distance, Free, Gear, Hinge,
+    JointLaw, Planar, PointOnLine, PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical,
+    Universal,
 };
 pub use layout::{
     Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node, Plan,

@@ -8,6 +8,7 @@ mod body;
 mod configuration;
 mod constraint;
 mod coordinate;
+mod coupling;
 mod ends;
 mod evaluation;
 mod forces;
@@ -36,6 +37,7 @@ pub use algebra::{inverse, rotation, symmetric};
 pub use along::{AlongNumbers, jumping_angles};
 
 pub(crate) use configuration::Configuration;
+pub use coupling::{Coupling, is_discontinuous};
 pub use formula::norm;
 pub use given::evaluate_given;
 pub use ground::{FrameMotion, ground};
