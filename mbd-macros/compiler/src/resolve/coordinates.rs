@@ -23,6 +23,9 @@ impl Resolver<'_> {
         };
         let (first, rest) = steps.split_first()?;
         let word = first.word.text.as_str();
+        if word == "world" {
+            return self.fail(say::coordinate_wanted(value.at, keyword, word, "place"));
+        }
         let Some(entry) = self.names.get(word).cloned() else {
             let known = self.names.words_of(|n| matches!(n, Named::Joint(_)));
             let report = say::no_joint_to_couple(value.at, keyword, word, &known);
@@ -41,6 +44,11 @@ impl Resolver<'_> {
                 named.kind(),
             ));
         };
+        let law = &self.scene.joints.get(joint)?.law;
+        if law.measured().next().is_none() && !self.bad.contains(&named) {
+            let report = say::nothing_to_couple(value.at, word, law.keyword());
+            return self.fail(report);
+        }
         let scope = Scope {
             stage: Stage::Live,
             ..scope

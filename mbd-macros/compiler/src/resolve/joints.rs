@@ -315,7 +315,9 @@ impl Resolver<'_> {
         names.0.extend(along::words(&kind));
         if let Some(lost) = along::without_coordinate(&kind, &instance.item.block) {
             let at = lost.word.at.into();
-            return self.fail(say::no_single_coordinate(at, keyword, &lost.word.text));
+            let couples = !kind.couples().is_empty();
+            let report = say::no_single_coordinate(at, keyword, &lost.word.text, couples);
+            return self.fail(report);
         }
         let fields = self.fields(&instance.item.block, &names.0);
         if let Some(value) = fields.value("coordinates") {

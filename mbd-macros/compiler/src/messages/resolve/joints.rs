@@ -164,6 +164,15 @@ pub fn coordinate_wanted(at: Region, keyword: &str, word: &str, kind: &str) -> R
     )
 }
 
+pub fn nothing_to_couple(at: Region, name: &str, keyword: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{name}` is a `{keyword}` joint, which has no coordinate to couple; take a joint that has one, such as `hinge` or `prismatic`"
+        ),
+    )
+}
+
 pub fn coordinate_not_rate(at: Region, keyword: &str) -> Report {
     Report::new(
         at,
@@ -191,8 +200,10 @@ pub fn no_common_measure(at: Region, keyword: &str, name: &str) -> Report {
     )
 }
 
-pub fn no_single_coordinate(at: Region, keyword: &str, field: &str) -> Report {
-    let instead = if field == MOTOR.name {
+pub fn no_single_coordinate(at: Region, keyword: &str, field: &str, couples: bool) -> Report {
+    let instead = if couples {
+        "give it to one of the joints that it couples"
+    } else if field == MOTOR.name {
         "take a joint that has one, such as `hinge` or `prismatic`, or let a frame of the `world` move"
     } else {
         "put a `load` or a `spring` between the two bodies"
