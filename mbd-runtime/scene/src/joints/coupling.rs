@@ -20,6 +20,7 @@ impl<S: Real> Relation<S> {
     /// Of factors, in the order of the coordinates.
     #[must_use]
     pub fn new<const N: usize>(factors: [S; N], constant: S) -> Self {
+        const { assert!(N <= MOST_COUPLED) };
         let mut few = Few::new(S::zero());
         few.extend(factors);
         Relation {
