@@ -11,14 +11,14 @@
 //! 2 freedoms. The row also holds at every half turn, w = 0: the start must satisfy u1·u2 + v1·v2 > 0. Singular where the shafts fold back,
 //! a2 = −a1. Rejected: two universal joints and a shaft between them, one body more; angles as coordinates, singular at a right angle.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
 use super::{Axis, Carried, Fields, Joint, Pose, Relative, Twist};
 use crate::Real;
 use crate::laws::rotation;
-use crate::laws::rows::{Ends, Row, Rows, perpendicular};
+use crate::laws::rows::{Ends, Row, Rows, couple, perpendicular};
 
 /// A drive-shaft joint: 2 freedoms, the tangents of half the bend about two axes across the shaft.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,17 +62,39 @@ impl Joint for ConstantVelocity {
         rows.push(|| self.twist(ends));
     }
 
-    fn carried<S: Real>(&self, ends: &Ends<'_, S>, _own: bool) -> Option<Carried<S>> {
-        // The column c of the row on the child: N along a2, H = v2 × c and c × u2 over a2·c.
+    fn carried<S: Real>(&self, ends: &Ends<'_, S>, own: bool) -> Option<Carried<S>> {
+        // The column c of the row on the child.
         let [u, v] = self.axis.complement();
-        let [u, v, a] = [u, v, self.axis].map(|axis| ends.child.axis(&axis));
-        let column = self.twist(ends).child().angular;
-        let inverse = S::one() / a.dot(&column);
+        let half = S::from_f64(0.5);
+        let column = (couple(ends, &v, &u) - couple(ends, &u, &v)).map(|x| half * x);
+        let [u2, v2, a2] = [u, v, self.axis].map(|axis| ends.child.axis(&axis));
         let mut carried = Carried::coincide();
-        for across in [v.cross(&column), column.cross(&u)] {
-            carried.free.push(Twist::spin(across.map(|x| x * inverse)));
+        if own {
+            // Axes along c and across it, of length one: free columns of one number each.
+            let inverse = S::one() / column.dot(&column).sqrt();
+            let normal = column.map(|x| x * inverse);
+            let side = v2.cross(&normal);
+            let unit = S::one() / side.dot(&side).sqrt();
+            let side = side.map(|x| x * unit);
+            // |w|² Φ − ((v1·w)(u2·w) − (u1·w)(v2·w))/2, w = ω_p − ω_c: γ besides what the parent brings along.
+            let [u1, v1] = [u, v].map(|axis| ends.in_child(&axis));
+            let spin = ends.spin_in_child();
+            let w = spin.difference;
+            let lean =
+                |a: &Vector3<S>, b: &Vector3<S>| spin.square * a.dot(b) - a.dot(&w) * b.dot(&w);
+            let right = half * (lean(&v1, &u2) - lean(&u1, &v2));
+            carried.axes = Some(Matrix3::from_columns(&[normal, side, normal.cross(&side)]));
+            let [x, y, z] = [Axis::X, Axis::Y, Axis::Z].map(|axis| axis.vector::<S>());
+            carried.free.extend([y, z].map(Twist::spin));
+            carried.bias = Some(Twist::spin(x.map(|x| x * (right * inverse))));
+            carried.hold(Twist::spin(x), inverse);
+        } else {
+            let inverse = S::one() / a2.dot(&column);
+            for across in [v2.cross(&column), column.cross(&u2)] {
+                carried.free.push(Twist::spin(across.map(|x| x * inverse)));
+            }
+            carried.hold(Twist::spin(a2), inverse);
         }
-        carried.hold(Twist::spin(a), inverse);
         Some(carried)
     }
 
