@@ -169,11 +169,14 @@ fn joints(scene: &Scene) -> Table {
         .column("reaction", "");
     let layout = Layout::new(scene);
     for (index, (joint, slots)) in scene.joints.iter().zip(&layout.joints).enumerate() {
+        let ends = scene.coupled(joint);
+        let [from, to] =
+            ends.unwrap_or_else(|| [joint.parent, joint.child].map(|end| place(scene, end)));
         let words = [
             joint.name.clone(),
             joint.law.keyword().to_string(),
-            place(scene, joint.parent),
-            place(scene, joint.child),
+            from,
+            to,
         ];
         let motors = if slots.len > 0 {
             joint.motors().count()

@@ -1,7 +1,7 @@
 //! Mechanisms of bodies and joints built in code, and their motions: arbitrary ones, and ones that obey a joint.
 
 use mbd_scene::Scratch;
-use mbd_scene::joints::{Axis, JointLaw, Relative, Twist};
+use mbd_scene::joints::{Axis, Coupled, Gear, JointLaw, Relative, Twist};
 use mbd_scene::laws::Numbers;
 use mbd_scene::{
     AngularVelocity, At, Body, Formula, Frame, Gravity, Inertia, Joint, Layout, Load, LoadKind,
@@ -103,6 +103,17 @@ pub fn add_joint(scene: &mut Scene, law: JointLaw, parent: Place, child: Place) 
         forces: Vec::new(),
         cut: false,
     });
+}
+
+/// Couples coordinates of joints by a gear: the one that follows, then the one that leads, each by joint and number.
+pub fn add_gear(scene: &mut Scene, couples: [(usize, usize); 2], ratio: Formula, offset: f64) {
+    let Joint { parent, child, .. } = scene.joints[couples[0].0];
+    let law = JointLaw::Gear(Gear {
+        couples,
+        ratio,
+        offset: offset.into(),
+    });
+    add_joint(scene, law, parent, child);
 }
 
 /// Adds an external force and couple at the centre of mass of every body, and a force on every point.
@@ -511,7 +522,7 @@ pub fn carried(law: &JointLaw, seats: [Seat; 2], parent: &Instance, at: &Coordin
     }
 }
 
-/// Every joint of the list with its numbers, aligned and along odd axes.
+/// Every joint of the list that joins two places, with its numbers, aligned and along odd axes.
 #[must_use]
 pub fn all_joints() -> Vec<(JointLaw, Vec<f64>)> {
     struct Values {
@@ -535,6 +546,12 @@ pub fn all_joints() -> Vec<(JointLaw, Vec<f64>)> {
             self.numbers.push(value);
             value.into()
         }
+        fn coordinates(&mut self) -> [(usize, usize); 2] {
+            Default::default()
+        }
+        fn coupled(&mut self, field: &'static mbd_scene::joints::Field, _: Coupled) -> Formula {
+            self.number(field)
+        }
     }
     let read = |keyword: &&str, odd: bool| {
         let mut values = Values {
@@ -548,5 +565,6 @@ pub fn all_joints() -> Vec<(JointLaw, Vec<f64>)> {
     [false, true]
         .iter()
         .flat_map(|&odd| keywords.iter().map(move |keyword| read(keyword, odd)))
+        .filter(|(law, _)| law.couples().is_empty())
         .collect()
 }

@@ -1,4 +1,4 @@
-//! Random motions that obey every joint of a tree: joint coordinates first, bodies from them.
+//! Random motions that obey every joint of a tree, couplings apart: joint coordinates first, bodies from them.
 
 use mbd_scene::laws::Numbers;
 use mbd_scene::{Place, Scene};
@@ -27,7 +27,8 @@ pub fn obeying(scene: &Scene, random: &mut Random) -> Vec<f64> {
         }
     };
     let mut bodies: Vec<Option<Instance>> = vec![None; scene.bodies.len()];
-    for (joint, own) in scene.joints.iter().zip(&numbers.joints) {
+    let joints = scene.joints.iter().zip(&numbers.joints);
+    for (joint, own) in joints.filter(|(joint, _)| joint.law.couples().is_empty()) {
         let parent = match joint.parent {
             Place::Body(body, _) => bodies[body].expect("a parent declared before"),
             _ => Instance::rest(),

@@ -131,6 +131,41 @@ macro_rules! hub {
 hub!(HubBody body);
 hub!(HubWorld world);
 
+/// Coordinates coupled by gears, along a chain and across it, one with a ratio that stays a parameter, and a constant-velocity joint.
+macro_rules! geared {
+    ($name:ident $components:ident) => {
+        model! {
+            /// A train of gears.
+            pub model $name<T> {
+            gravity: [0.4, -0.3, -9.81] m/s^2;
+            angular_velocity: $components;
+            param radius = 40 mm in 10 mm ..= 90 mm;
+            body rotor {
+                mass: 1.5 kg,
+                inertia: full { xx: 0.0305, yy: 0.0305, zz: 0.02, xz: 0.0005 } kg*m^2 (matrix elements),
+                frame pin at [0.1, 0.2, 0.0] m rotated rpy(20 deg, 0.0, 10 deg),
+                frame tip at [0.0, 0.0, 0.3] m,
+            }
+            body wheel { mass: 0.5 kg, inertia: diag(0.004, 0.005, 0.006) kg*m^2, frame hub at [0.02, 0.0, 0.0] m }
+            body rack { mass: 2.0 kg, inertia: diag(0.17, 0.17, 0.02) kg*m^2 }
+            body shaft { mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, frame root at [0.0, 0.0, -0.5] m }
+            joint teeth: gear from motor.angle to axle.angle { ratio: -20 / 43, offset: 5 deg }
+            joint motor: hinge from world to rotor.com { axis: [0.3, -0.5, 0.7] }
+            joint axle: hinge from rotor.pin to wheel.hub { axis: z }
+            joint rail: prismatic from world to rack.com { axis: x }
+            joint pinion: gear from motor.angle to rail.slide { ratio: radius }
+            joint bend: constant_velocity from rotor.tip to shaft.root { axis: [0.2, 0.1, 0.9] }
+            load push on wheel: external;
+            load pull on rack: external;
+            output turned = axle.angle;
+            }
+        }
+    };
+}
+
+geared!(GearedBody body);
+geared!(GearedWorld world);
+
 /// Joints in a tree, axes odd, frames inclined, a pitch that stays a parameter.
 macro_rules! turning {
     ($name:ident $components:ident) => {
@@ -302,6 +337,8 @@ fn every_joint_agrees_in_every_execution() {
     check(&SlidingWorld::<f64>::new(Default::default()).expect("defaults"));
     check(&HoldingBody::<f64>::new(Default::default()).expect("defaults"));
     check(&HoldingWorld::<f64>::new(Default::default()).expect("defaults"));
+    check(&GearedBody::<f64>::new(Default::default()).expect("defaults"));
+    check(&GearedWorld::<f64>::new(Default::default()).expect("defaults"));
     check(&HubBody::<f64>::new(Default::default()).expect("defaults"));
     check(&HubWorld::<f64>::new(Default::default()).expect("defaults"));
 }
@@ -316,6 +353,8 @@ fn a_run_of_a_tree_is_the_same_in_every_execution() {
     run(&ChainWorld::<f64>::new(Default::default()).expect("defaults"));
     run(&HubBody::<f64>::new(Default::default()).expect("defaults"));
     run(&HubWorld::<f64>::new(Default::default()).expect("defaults"));
+    run(&GearedBody::<f64>::new(Default::default()).expect("defaults"));
+    run(&GearedWorld::<f64>::new(Default::default()).expect("defaults"));
     run(&TurningBody::<f64>::new(Default::default()).expect("defaults"));
     run(&TurningWorld::<f64>::new(Default::default()).expect("defaults"));
     run(&SlidingBody::<f64>::new(Default::default()).expect("defaults"));
@@ -346,6 +385,8 @@ fn runs_in_single_precision_have_the_bits_of_the_interpreter() {
     run(&hub, &start(hub.scene()));
     let turning = TurningBody::<f32>::new(Default::default()).expect("defaults");
     run(&turning, &start(turning.scene()));
+    let geared = GearedBody::<f32>::new(Default::default()).expect("defaults");
+    run(&geared, &start(geared.scene()));
     let sliding = SlidingWorld::<f32>::new(Default::default()).expect("defaults");
     run(&sliding, &start(sliding.scene()));
     let holding = HoldingWorld::<f32>::new(Default::default()).expect("defaults");

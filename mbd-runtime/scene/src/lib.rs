@@ -29,8 +29,9 @@ mod vocabulary;
 pub use evaluate::{Scratch, evaluate, evaluate_with_multipliers, jumping_angles, sensitivity};
 pub use fingerprint::fingerprint;
 pub use joints::{
-    ConstantAngle, Cylindrical, Distance, Free, Hinge, JointForces, JointLaw, Planar, PointOnLine,
-    PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical, Universal,
+    ConstantAngle, ConstantVelocity, Cylindrical, Distance, Free, Gear, Hinge, JointForces,
+    JointLaw, Planar, PointOnLine, PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical,
+    Universal,
 };
 pub use layout::{
     Anchor, Below, Carrying, Elimination, HeldMotor, InputSlots, InputSource, JointSlots, Layout,

@@ -65,6 +65,27 @@ impl Scene {
         Some((joint, joint.law.coordinate(index)?))
     }
 
+    /// What a coupling leads from and to, as a declaration names it: `motor.angle`, `wheel.angle`; `None` of a joint between two places.
+    #[must_use]
+    pub fn coupled(&self, joint: &Joint) -> Option<[String; 2]> {
+        let &[to, from] = joint.law.couples() else {
+            return None;
+        };
+        let name = |(of, index): (usize, usize)| {
+            let (joint, coordinate) = self.coordinate(of, index)?;
+            Some(format!("{}.{}", joint.name, coordinate.name))
+        };
+        Some([name(from)?, name(to)?])
+    }
+
+    /// The places at which a joint sits: its parent and its child, and of a coupling those of the other joints that it couples.
+    pub fn ends<'a>(&'a self, joint: &'a Joint) -> impl Iterator<Item = Place> + Clone + 'a {
+        let others = joint.law.couples().iter().skip(1);
+        let others = others.filter_map(|&(of, _)| self.joints.get(of));
+        let joints = std::iter::once(joint).chain(others);
+        joints.flat_map(|joint| [joint.parent, joint.child])
+    }
+
     /// The axes along which things move and about which bodies turn.
     #[must_use]
     pub fn directions(&self) -> Directions {

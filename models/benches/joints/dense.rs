@@ -37,8 +37,8 @@ impl Dense {
         });
         let mut on = vec![Vec::new(); layout.bodies.len()];
         for slots in &layout.joints {
-            for end in slots.ends.into_iter().flatten() {
-                if let mbd_runtime::scene::Part::Body(body) = end {
+            for end in slots.ends.iter().flatten() {
+                if let mbd_runtime::scene::Part::Body(body) = *end {
                     on[body].push((slots.row, slots.len));
                 }
             }

@@ -5,12 +5,12 @@ use mbd_scene::joints::{Distance, JointForces, JointLaw};
 use mbd_scene::{AngularVelocity, Formula, Function, Layout, Plane, Quantity, Redundancy, Scene};
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector3};
 use tests::mechanism::{
-    Instance, add_external_loads, add_joint, all_joints, empty, evaluate, hang, layout,
+    Instance, add_external_loads, add_gear, add_joint, all_joints, empty, evaluate, hang, layout,
     random_seat, state,
 };
 use tests::random::Random;
 
-/// A tree of random joints, some of their coordinates driven, and a rod across it where freedoms are left.
+/// A tree of random joints, some of their coordinates driven or coupled by a gear, and a rod across it where freedoms are left.
 fn net(seed: u64, components: AngularVelocity, plane: Option<Plane>) -> Scene {
     let mut random = Random::new(seed);
     let laws = all_joints().into_iter().map(|(law, _)| law);
@@ -41,6 +41,17 @@ fn net(seed: u64, components: AngularVelocity, plane: Option<Plane>) -> Scene {
         // Nothing in the plane changes it.
         let forces = &mut scene.joints[joint].forces;
         forces.retain(|forces| forces.coordinate != coordinate);
+    }
+    let still = Layout::still(&scene);
+    let measured = scene.joints.iter().zip(0..).flat_map(|(joint, index)| {
+        let coordinates = 0..joint.law.measured().count();
+        coordinates.map(move |coordinate| (index, coordinate))
+    });
+    let mut couples = measured.filter(|coordinate| !still.contains(coordinate));
+    if random.below(3) == 0
+        && let (Some(from), Some(to)) = (couples.next(), couples.last())
+    {
+        add_gear(&mut scene, [to, from], (-1.25).into(), 0.3);
     }
     let layout = Layout::keeping(&scene, Redundancy::default());
     if layout.nv > layout.nc {

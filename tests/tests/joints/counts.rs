@@ -2,13 +2,13 @@
 
 use mbd_compiler::{Equations, Kernels};
 use mbd_scene::joints::{
-    Axis, Cylindrical, Distance, Hinge, JointForces, JointLaw, Planar, Prismatic, Screw, Spherical,
-    Universal,
+    Axis, ConstantVelocity, Cylindrical, Distance, Hinge, JointForces, JointLaw, Planar, Prismatic,
+    Screw, Spherical, Universal,
 };
 use mbd_scene::{AngularVelocity, Differentiated, Layout, Place, Plane, Quantity, Scene, Variable};
 use nalgebra::{Matrix3, Vector3};
 use tests::linkage::cranks;
-use tests::mechanism::{add_body, add_frame, add_joint, empty, frame};
+use tests::mechanism::{add_body, add_frame, add_gear, add_joint, empty, frame};
 
 /// A slender rod of 1 m along z.
 fn rod(scene: &mut Scene) -> (usize, Place, Place) {
@@ -185,11 +185,15 @@ fn telescope(axis: Axis) -> JointLaw {
     }
 }
 
+fn drive_shaft(_: Axis) -> JointLaw {
+    JointLaw::ConstantVelocity(ConstantVelocity::default())
+}
+
 /// A joint by its axis.
 type Kind = fn(Axis) -> JointLaw;
 
 /// Joints, their driven coordinates, and the operations of a state derivative that a body of a chain of 16 may cost.
-const CHAINS: [(&str, Kind, &[usize], usize); 15] = [
+const CHAINS: [(&str, Kind, &[usize], usize); 16] = [
     ("hinge", hinge, &[], 485),
     ("hinge about a skew axis", skew, &[], 560),
     ("hinge, driven", hinge, &[0], 285),
@@ -205,6 +209,7 @@ const CHAINS: [(&str, Kind, &[usize], usize); 15] = [
     ("planar", table, &[], 465),
     ("planar, angle driven", table, &[2], 520),
     ("screw", screw, &[], 710),
+    ("constant velocity", drive_shaft, &[], 620),
 ];
 
 #[test]
@@ -215,6 +220,33 @@ fn chains_of_joints_that_hold_more_cost_no_more_than_hinges() {
         println!("{name}: {body} operations a body");
         assert!(body <= most, "{name}: {body} operations a body");
     }
+}
+
+#[test]
+fn a_train_of_gears_costs_the_same_for_every_further_wheel() {
+    let train = |n: usize| {
+        let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+        for wheel in 0..n {
+            let (_, top, _) = rod(&mut scene);
+            add_joint(&mut scene, hinge(Axis::Y), Place::World(0), top);
+            if let Some(before) = wheel.checked_sub(1) {
+                let joints = scene.joints.len();
+                let leader = if before == 0 { 0 } else { joints - 3 };
+                add_gear(
+                    &mut scene,
+                    [(joints - 1, 0), (leader, 0)],
+                    (-1.5).into(),
+                    0.1,
+                );
+            }
+        }
+        scene
+    };
+    let whole = |n| cost(&train(n), Quantity::Derivative);
+    let [four, eight, sixteen] = [4, 8, 16].map(whole);
+    println!("gears: {four}, {eight}, {sixteen} operations");
+    assert_eq!(sixteen - eight, 2 * (eight - four), "linear in n");
+    assert!(sixteen <= 205 * 16, "{sixteen}");
 }
 
 #[test]

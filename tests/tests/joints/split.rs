@@ -42,8 +42,8 @@ fn rows(law: &JointLaw, ends: &Ends<'_, f64>) -> Vec<Row<f64>> {
 fn on_child(row: &Row<f64>, carried: &Carried<f64>) -> Twist<f64> {
     let axes = carried.axes.unwrap_or_else(Matrix3::identity);
     Twist {
-        linear: row.child.linear,
-        angular: axes.transpose() * row.child.angular,
+        linear: row.child().linear,
+        angular: axes.transpose() * row.child().angular,
     }
 }
 
@@ -119,8 +119,9 @@ fn the_rows_take_the_parent_along_as_a_rigid_body() {
             false => ends.reach(),
         };
         for row in rows(law, &ends) {
-            let moved = row.child.linear + row.parent.linear;
-            let rotated = row.child.angular + point.cross(&row.child.linear) + row.parent.angular;
+            let moved = row.child().linear + row.parent().linear;
+            let rotated =
+                row.child().angular + point.cross(&row.child().linear) + row.parent().angular;
             assert!(moved.amax() < 1e-13 && rotated.amax() < 1e-12, "{name}");
         }
     });

@@ -1,4 +1,4 @@
-//! What a planar scene must obey: joints that close in the plane, motors that move something there.
+//! What a planar scene must obey: joints that close in the plane, motors and couplings that move something there.
 
 use mbd_scene::{Layout, Plane};
 
@@ -6,7 +6,7 @@ use super::place_name;
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
 
-/// Tells joints whose frames disagree out of the plane, and motors along coordinates that the plane holds.
+/// Tells joints whose frames disagree out of the plane, and motors and couplings of coordinates that the plane holds.
 pub fn check_planar(resolver: &mut Resolver<'_>) {
     let Some(plane) = resolver.scene.planar else {
         return;
@@ -28,12 +28,13 @@ pub fn check_planar(resolver: &mut Resolver<'_>) {
             });
         }
     }
-    for (joint, coordinate) in Layout::still(scene) {
-        let found = scene.coordinate(joint, coordinate);
+    for (joint, index) in Layout::still(scene) {
+        let found = scene.coordinate(joint, index);
         let at = resolver.declared.get(&Named::Joint(joint));
         if let (Some((joint, coordinate)), Some(&at)) = (found, at) {
             let name = format!("{}.{}", joint.name, coordinate.name);
-            reports.push(say::still(at, &name, plane.word()));
+            let driven = joint.motors().any(|(own, _)| own == index);
+            reports.push(say::still(at, &name, plane.word(), driven));
         }
     }
     let messages = &mut resolver.messages;

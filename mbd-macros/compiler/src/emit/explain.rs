@@ -237,13 +237,15 @@ fn joints(scene: &Scene, layout: &Layout, out: &mut String) {
         if slots.len == 0 {
             continue;
         }
+        let ends = scene.coupled(joint);
+        let ends = ends.unwrap_or_else(|| [joint.parent, joint.child].map(|end| place(scene, end)));
         let _ = writeln!(
             out,
             "Joint {} ({}) from {} to {}: {} rows.",
             joint.name,
             joint.law.keyword(),
-            place(scene, joint.parent),
-            place(scene, joint.child),
+            ends[0],
+            ends[1],
             slots.len
         );
         for entry in &joint.forces {

@@ -168,11 +168,15 @@ pub fn leaning(
     )
 }
 
-pub fn still(at: Region, coordinate: &str, plane: &str) -> Report {
+pub fn still(at: Region, coordinate: &str, plane: &str, driven: bool) -> Report {
+    let (acts, cause) = match driven {
+        true => ("a motor drives", "the motor"),
+        false => ("a joint couples", "that joint"),
+    };
     Report::new(
         at,
         format!(
-            "a motor drives `{coordinate}`, which nothing in the plane `{plane}` changes: remove the motor, or choose another axis"
+            "{acts} `{coordinate}`, which nothing in the plane `{plane}` changes: remove {cause}, or choose another axis"
         ),
     )
 }

@@ -6,9 +6,60 @@ use mbd_scene::joints::Measured;
 use super::{Named, Resolver, Scope, Stage, Typed};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
-use crate::syntax::expression::Step;
+use crate::syntax::Value;
+use crate::syntax::expression::{self, Step};
 
 impl Resolver<'_> {
+    /// The coordinate that a joint of this kind couples: joint and number of the coordinate.
+    pub fn coupled_coordinate(
+        &mut self,
+        value: Value<'_>,
+        keyword: &str,
+        scope: Scope<'_>,
+    ) -> Option<(usize, usize)> {
+        let steps = match expression::path(value) {
+            Ok(steps) => steps,
+            Err(report) => return self.fail(report),
+        };
+        let (first, rest) = steps.split_first()?;
+        let word = first.word.text.as_str();
+        if word == "world" {
+            return self.fail(say::coordinate_wanted(value.at, keyword, word, "place"));
+        }
+        let Some(entry) = self.names.get(word).cloned() else {
+            let known = self.names.words_of(|n| matches!(n, Named::Joint(_)));
+            let report = say::no_joint_to_couple(value.at, keyword, word, &known);
+            return self.fail_unless_broken(word, report);
+        };
+        if self.broken.contains(word) {
+            return None;
+        }
+        let named = self.member(&entry, first, scope)?;
+        self.mention(named, first.word.at);
+        let Named::Joint(joint) = named else {
+            return self.fail(say::coordinate_wanted(
+                value.at,
+                keyword,
+                word,
+                named.kind(),
+            ));
+        };
+        let law = &self.scene.joints.get(joint)?.law;
+        if law.measured().next().is_none() && !self.bad.contains(&named) {
+            let report = say::nothing_to_couple(value.at, word, law.keyword());
+            return self.fail(report);
+        }
+        let scope = Scope {
+            stage: Stage::Live,
+            ..scope
+        };
+        let typed = self.joint_quantity(joint, word, rest, value.at, scope)?;
+        match typed.formula {
+            Formula::Coordinate(joint, index) => Some((joint, index)),
+            _ => self.fail(say::coordinate_not_rate(value.at, keyword)),
+        }
+    }
+
     /// A coordinate of a joint, or its rate.
     pub fn joint_quantity(
         &mut self,

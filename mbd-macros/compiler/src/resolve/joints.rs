@@ -1,7 +1,8 @@
 //! Joints: kind, ends and fields. Which joints and fields there are, the laws themselves say.
 
-use mbd_scene::joints::{Axis, Field, Fields as Asks};
-use mbd_scene::{Formula, JointLaw, Place, PointKind};
+use mbd_scene::joints::{Axis, Coupled, Field, Fields as Asks};
+use mbd_scene::laws::is_discontinuous;
+use mbd_scene::{Dimension, Formula, JointLaw, Place, PointKind};
 
 use super::fields::Fields;
 use super::{Instance, Named, Resolver, Scope, Stage, fold, joint_forces};
@@ -30,6 +31,21 @@ impl Asks for Names {
         self.0.push(field.name);
         Formula::Number(1.0)
     }
+    fn coordinates(&mut self) -> [(usize, usize); 2] {
+        Default::default()
+    }
+    fn coupled(&mut self, field: &'static Field, _: Coupled) -> Formula {
+        self.number(field)
+    }
+}
+
+/// What a joint of a declaration joins.
+#[derive(Clone, Copy, Default)]
+struct Ends {
+    /// Parent and child.
+    places: Option<[Place; 2]>,
+    /// Of a coupling the coordinates at `to` and at `from`.
+    coordinates: Option<[(usize, usize); 2]>,
 }
 
 /// Answers a law from the fields between the braces of a joint.
@@ -40,6 +56,7 @@ struct Answers<'w, 'd, 'i, 'a> {
     keyword: &'w str,
     name: &'w str,
     at: Region,
+    ends: Ends,
     /// Whether an answer was wrong and has been reported.
     wrong: bool,
 }
@@ -77,15 +94,31 @@ impl Asks for Answers<'_, '_, '_, '_> {
     }
 
     fn number(&mut self, field: &'static Field) -> Formula {
-        let answer = match self.fields.value(field.name) {
-            Some(value) => self.one_number(field, value),
-            None if self.fields.doubtful => None,
-            None => {
-                let report = say::no_number(self.at, self.keyword, self.name, field);
-                self.resolver.fail(report)
-            }
+        let unit = match units::si_text(field.dimension) {
+            // A number without dimension in a joint is an angle.
+            unit if unit.is_empty() => "rad".to_owned(),
+            unit => unit,
         };
-        self.or(answer, Formula::Number(1.0))
+        self.given(field, (field.dimension, &unit))
+    }
+
+    fn coordinates(&mut self) -> [(usize, usize); 2] {
+        self.or(self.ends.coordinates, Default::default())
+    }
+
+    fn coupled(&mut self, field: &'static Field, measures: Coupled) -> Formula {
+        if measures == Coupled::To && self.fields.value(field.name).is_none() {
+            return Formula::Number(0.0);
+        }
+        let coordinates = self.ends.coordinates.and_then(|both| {
+            let scene = &self.resolver.scene;
+            let [to, from] = both.map(|(joint, index)| scene.coordinate(joint, index));
+            Some([to?.1, from?.1])
+        });
+        match coordinates {
+            Some(coordinates) => self.given(field, measures.of(&coordinates)),
+            None => self.or(None, Formula::Number(1.0)),
+        }
     }
 }
 
@@ -120,14 +153,32 @@ impl Answers<'_, '_, '_, '_> {
         Some([a, b])
     }
 
-    fn one_number(&mut self, field: &'static Field, value: Value<'_>) -> Option<Formula> {
+    /// A number that must be given, in this unit.
+    fn given(&mut self, field: &'static Field, unit: (Dimension, &str)) -> Formula {
+        let answer = match self.fields.value(field.name) {
+            Some(value) => self.one_number(field, unit, value),
+            None if self.fields.doubtful => None,
+            None => {
+                let report = say::no_number(self.at, self.keyword, self.name, (field.name, unit.1));
+                self.resolver.fail(report)
+            }
+        };
+        self.or(answer, Formula::Number(1.0))
+    }
+
+    fn one_number(
+        &mut self,
+        field: &'static Field,
+        (dimension, unit): (Dimension, &str),
+        value: Value<'_>,
+    ) -> Option<Formula> {
         let resolver = &mut *self.resolver;
         let typed = resolver.value(value, self.scope)?;
         let at = typed.at;
-        let formula = resolver.fits(typed, field.name, false, field.dimension)?;
+        let formula = resolver.fits(typed, field.name, false, dimension)?;
         match fold::at_defaults(&formula, &resolver.scene) {
             Some(found) if !field.rule.holds(found) => {
-                resolver.fail(say::number_rule(at, self.name, field, found))
+                resolver.fail(say::along_rule(at, self.name, field, unit, found))
             }
             _ => Some(formula),
         }
@@ -137,7 +188,10 @@ impl Answers<'_, '_, '_, '_> {
 impl Resolver<'_> {
     /// Fills the joints.
     pub fn joints(&mut self) {
-        for instance in self.of("joint") {
+        // Couplings last: they refer to coordinates of the others.
+        let mut instances = self.of("joint");
+        instances.sort_by_key(|instance| is_coupling(instance));
+        for instance in instances {
             self.poison(Named::Joint(instance.slot), |this| this.joint(&instance));
         }
     }
@@ -147,12 +201,23 @@ impl Resolver<'_> {
         let name = self.scene.joints.get(instance.slot)?.name.clone();
         let scope = instance.scope(Stage::Fixed);
         let keyword = item.clause(":").and_then(|value| self.joint_keyword(value));
-        let [parent, child] = ["from", "to"].map(|end| {
-            item.clause(end)
-                .and_then(|value| self.joint_end(value, scope))
-        });
-        let law = keyword.and_then(|keyword| self.joint_law(instance, &name, &keyword, scope));
-        let (law, parent, child) = (law?, parent?, child?);
+        let ends = match &keyword {
+            Some(keyword) if is_coupling(instance) => self.coupling_ends(instance, keyword),
+            _ => {
+                let ends = ["from", "to"].map(|end| {
+                    item.clause(end)
+                        .and_then(|value| self.joint_end(value, scope))
+                });
+                let [parent, child] = ends;
+                Ends {
+                    places: parent.zip(child).map(|(parent, child)| [parent, child]),
+                    ..Ends::default()
+                }
+            }
+        };
+        let law =
+            keyword.and_then(|keyword| self.joint_law(instance, &name, (&keyword, ends), scope));
+        let (law, [parent, child]) = (law?, ends.places?);
         let [from, to] = ["from", "to"].map(|end| item.clause(end).map_or(item.at, |v| v.at));
         if law.rows() == 0 && !matches!(parent, Place::World(_)) {
             return self.fail(say::free_from_body(from));
@@ -183,7 +248,41 @@ impl Resolver<'_> {
         entry.parent = parent;
         entry.child = child;
         entry.cut = item.marked.is_some();
+        let entry = self.scene.joints.get(instance.slot)?;
+        if is_discontinuous(&self.scene, entry) {
+            let at = item.name_at();
+            return self.fail(say::no_common_measure(at, entry.law.keyword(), &name));
+        }
         Some(())
+    }
+
+    /// The coordinates of a coupling. It sits where the joint of the one at `to` does.
+    fn coupling_ends(&mut self, instance: &Instance<'_>, keyword: &str) -> Ends {
+        let scope = instance.scope(Stage::Fixed);
+        let both = ["to", "from"].map(|end| {
+            let value = instance.item.clause(end)?;
+            self.coupled_coordinate(value, keyword, scope)
+        });
+        let [Some(to), Some(from)] = both else {
+            return Ends::default();
+        };
+        if to == from {
+            let at = instance
+                .item
+                .clause("to")
+                .map_or(instance.item.at, |v| v.at);
+            let name = self.scene.coordinate(to.0, to.1);
+            let name = name.map_or_else(String::new, |(joint, coordinate)| {
+                format!("{}.{}", joint.name, coordinate.name)
+            });
+            self.messages.push(say::couples_itself(at, keyword, &name));
+            return Ends::default();
+        }
+        let joint = self.scene.joints.get(to.0);
+        Ends {
+            places: joint.map(|joint| [joint.parent, joint.child]),
+            coordinates: Some([to, from]),
+        }
     }
 
     fn joint_keyword(&mut self, value: Value<'_>) -> Option<String> {
@@ -205,7 +304,7 @@ impl Resolver<'_> {
         &mut self,
         instance: &Instance<'_>,
         name: &str,
-        keyword: &str,
+        (keyword, ends): (&str, Ends),
         scope: Scope<'_>,
     ) -> Option<JointLaw> {
         let mut names = Names(Vec::new());
@@ -216,7 +315,9 @@ impl Resolver<'_> {
         names.0.extend(joint_forces::words(&kind));
         if let Some(lost) = joint_forces::without_coordinate(&kind, &instance.item.block) {
             let at = lost.word.at.into();
-            return self.fail(say::no_single_coordinate(at, keyword, &lost.word.text));
+            let couples = !kind.couples().is_empty();
+            let report = say::no_single_coordinate(at, keyword, &lost.word.text, couples);
+            return self.fail(report);
         }
         let fields = self.fields(&instance.item.block, &names.0);
         if let Some(value) = fields.value("coordinates") {
@@ -230,6 +331,7 @@ impl Resolver<'_> {
             keyword,
             name,
             at: instance.item.name_at(),
+            ends,
         };
         let law = JointLaw::read(keyword, &mut answers)?;
         (!answers.wrong).then_some(law)
@@ -312,6 +414,16 @@ impl Resolver<'_> {
             None => self.fail(say::zero_axis(at)),
         }
     }
+}
+
+/// Whether the kind of a joint couples coordinates of other joints.
+fn is_coupling(instance: &Instance<'_>) -> bool {
+    let keyword = instance
+        .item
+        .clause(":")
+        .and_then(|value| Cursor::new(value).word());
+    let law = keyword.and_then(|word| JointLaw::read(&word.text, &mut Names::default()));
+    law.is_some_and(|law| !law.couples().is_empty())
 }
 
 /// An axis written as a letter, with or without a sign.

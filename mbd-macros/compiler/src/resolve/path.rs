@@ -173,7 +173,7 @@ impl Resolver<'_> {
     }
 
     /// A report, unless the name belongs to an item whose own mistake has been reported.
-    fn fail_unless_broken<T>(&mut self, word: &str, report: Report) -> Option<T> {
+    pub fn fail_unless_broken<T>(&mut self, word: &str, report: Report) -> Option<T> {
         if self.broken.contains(word) {
             return None;
         }
@@ -184,7 +184,7 @@ impl Resolver<'_> {
     }
 
     /// The member of a repeated name that an index picks.
-    fn member(&mut self, entry: &Entry, step: &Step, scope: Scope<'_>) -> Option<Named> {
+    pub fn member(&mut self, entry: &Entry, step: &Step, scope: Scope<'_>) -> Option<Named> {
         let at = Region::from(step.word.at);
         match (&entry.members, &step.index) {
             (Members::One(named), None) => Some(*named),

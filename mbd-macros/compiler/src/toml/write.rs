@@ -265,8 +265,11 @@ fn connections(out: &mut String, scene: &Scene) {
         table(out, "joint", &joint.name);
         doc(out, &joint.doc);
         entry(out, "kind", joint.law.keyword());
-        entry(out, "from", &place(joint.parent, scene));
-        entry(out, "to", &place(joint.child, scene));
+        let ends = scene.coupled(joint);
+        let ends = ends.unwrap_or_else(|| [joint.parent, joint.child].map(|end| place(end, scene)));
+        for (word, end) in ["from", "to"].iter().zip(&ends) {
+            entry(out, word, end);
+        }
         if joint.cut {
             out.push_str("loop = true\n");
         }
@@ -319,7 +322,7 @@ fn joint_fields(out: &mut String, law: &JointLaw, scene: &Scene) {
         match (number, axis(value), value) {
             (Some((_, formula)), ..) => entry(out, name, &text(formula, scene)),
             (None, Some(axis), _) => entry(out, name, &axis),
-            (None, None, Value::Array(list)) => {
+            (None, None, Value::Array(list)) if law.couples().is_empty() => {
                 let list: Vec<String> = list.iter().filter_map(axis).collect();
                 entry(out, name, &format!("[{}]", list.join(", ")));
             }

@@ -44,8 +44,8 @@ impl<S: Real> Carriage<S> {
         };
         let axes = Rotation::from(carried.axes);
         let columns = |row: &Row<S>| Twist {
-            linear: row.child.linear,
-            angular: axes.back(&row.child.angular),
+            linear: row.child().linear,
+            angular: axes.back(&row.child().angular),
         };
         let mut along: Few<Twist<S>, 8> = Few::new(Twist::zero());
         along.extend(rows.iter().map(columns));
@@ -67,7 +67,8 @@ impl<S: Real> Carriage<S> {
         let relative = |number: usize| rows.get(number).map_or_else(S::zero, |row| row.relative);
         let first = carried.bias.unwrap_or_else(|| carried.first(relative));
         let own = carried.solve(first, &columns, relative);
-        let brought = brought(evaluation, &ends, carrying.meets);
+        let grounded = layout.joints.get(joint)?.ends.first() == Some(&None);
+        let brought = brought(evaluation, &ends, (carrying.meets, grounded));
         let bias = Twist {
             linear: own.linear + brought.linear,
             angular: own.angular + axes.back(&brought.angular),
@@ -75,7 +76,7 @@ impl<S: Real> Carriage<S> {
         let across = carried.axes.map(|_| {
             let held = carried.held.iter().zip(rows);
             held.fold(Matrix3::zeros(), |sum, (held, row)| {
-                let told = row.parent.angular.map(|x| -(x * held.inverse));
+                let told = row.parent().angular.map(|x| -(x * held.inverse));
                 Matrix3::from_fn(|i, j| {
                     let along = held.column.angular[i];
                     let none = along.is_zero() || told[j].is_zero();
@@ -136,9 +137,13 @@ impl<S: Real> Carriage<S> {
     }
 }
 
-/// What the motion of the parent brings along, an acceleration of the child at Q: (7) of [`crate::rows::basic`]; of a parent that time or free fall
-/// moves, that as well.
-fn brought<S: Real>(evaluation: &Evaluation<'_, S>, ends: &Ends<'_, S>, meets: bool) -> Twist<S> {
+/// What the motion of the parent brings along, an acceleration of the child at Q: (7) of [`crate::rows`]; of a parent that time or free fall
+/// moves, that as well. `grounded`: the parent is the world.
+fn brought<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    ends: &Ends<'_, S>,
+    (meets, grounded): (bool, bool),
+) -> Twist<S> {
     let (mut linear, mut angular) = match meets {
         true => (ends.meeting(), ends.spin_in_child().cross),
         false => (ends.sliding(), ends.spin_in_child().cross),
@@ -150,7 +155,7 @@ fn brought<S: Real>(evaluation: &Evaluation<'_, S>, ends: &Ends<'_, S>, meets: b
         }
         angular += ends.relative().back(&alpha);
     }
-    if ends.parent.speeds.is_none() {
+    if grounded {
         linear -= crate::elimination::constraint::common_fall(evaluation);
     }
     Twist { linear, angular }
@@ -162,9 +167,11 @@ impl<S: Real> Constraints<S> {
         let (layout, numbers) = (evaluation.layout, evaluation.numbers);
         let plan = &layout.elimination;
         let carrying = |joint: usize| plan.child_of(joint).map(|(_, carrying)| carrying);
-        self.run(evaluation, |joint| {
-            evaluation.carrying_ends(joint, carrying(joint)?.own)
-        });
+        self.run(
+            evaluation,
+            |joint| carrying(joint).is_some(),
+            |joint| evaluation.carrying_ends(joint, carrying(joint)?.own),
+        );
         for (joint, declared) in evaluation.scene.joints.iter().enumerate() {
             S::section(&declared.name);
             self.carriages[joint] = carrying(joint).and_then(|carrying| {
@@ -173,10 +180,11 @@ impl<S: Real> Constraints<S> {
         }
         self.refer(evaluation);
         let references = std::mem::take(&mut self.references);
-        self.run(evaluation, |joint| match carrying(joint) {
-            Some(_) => None,
-            None => evaluation.system_ends(joint, &references),
-        });
+        self.run(
+            evaluation,
+            |joint| carrying(joint).is_none(),
+            |joint| evaluation.system_ends(joint, &references),
+        );
         self.references = references;
         self.system.clear();
         for (index, step) in plan.steps.iter().enumerate() {
@@ -221,7 +229,7 @@ impl<S: Real> Constraints<S> {
     fn write_rows(&mut self, evaluation: &Evaluation<'_, S>, index: usize, joint: usize) {
         let layout = evaluation.layout;
         let plan = &layout.elimination;
-        let ends = layout.joints[joint].ends.map(|end| plan.step_of(end?));
+        let ends = &layout.joints[joint].ends;
         let rows = in_system(layout, joint, &self.rows, &self.kept);
         let hidden = plan.parent_joints.iter().any(Option::is_some);
         for (number, row) in rows.iter().enumerate() {
@@ -229,14 +237,12 @@ impl<S: Real> Constraints<S> {
                 let size = self.size(evaluation, joint, row);
                 self.system.set_size(plan, index, number, size);
             }
-            for (end, columns) in ends.into_iter().zip([&row.parent, &row.child]) {
-                let Some(end) = end else { continue };
-                let both = layout
-                    .directions
-                    .components(&columns.linear, &columns.angular);
-                let speeds = plan.steps[end].size;
-                for (speed, value) in both.take(speeds).enumerate() {
-                    let (row, column) = ((index, number), (end, speed));
+            for (part, columns) in row.parts(ends) {
+                let Some(step) = plan.step_of(part) else {
+                    continue;
+                };
+                for (speed, value) in columns.of(part, layout.directions).enumerate() {
+                    let (row, column) = ((index, number), (step, speed));
                     self.system.set_coupling(plan, row, column, value);
                 }
             }
@@ -270,7 +276,7 @@ impl<S: Real> Constraints<S> {
             let values = directions.components(&column.linear, &column.angular);
             self.system.set_free(plan, index - 1, number, values, least);
         }
-        let [Some(parent), _] = layout.joints[joint].ends else {
+        let Some(Some(parent)) = layout.joints[joint].ends.first().copied() else {
             return;
         };
         let Some(step) = plan.step_of(parent) else {
@@ -325,8 +331,8 @@ impl<S: Real> Constraints<S> {
                 continue;
             };
             enter::<S>(evaluation.scene, step.part);
-            let (Some(carriage), [parent, Some(Part::Body(child))]) =
-                (&self.carriages[joint], layout.joints[joint].ends)
+            let (Some(carriage), &[parent, Some(Part::Body(child))]) =
+                (&self.carriages[joint], &*layout.joints[joint].ends)
             else {
                 continue;
             };
@@ -388,13 +394,12 @@ impl<S: Real> Constraints<S> {
     /// The element of Φ_v M⁻¹ Φ_vᵀ of a row, products of inertia aside.
     fn size(&self, evaluation: &Evaluation<'_, S>, joint: usize, row: &Row<S>) -> S {
         let (numbers, directions) = (evaluation.numbers, evaluation.layout.directions);
-        let ends = evaluation.layout.joints[joint].ends.into_iter();
-        ends.zip([&row.parent, &row.child])
-            .fold(S::zero(), |sum, (end, columns)| {
+        row.parts(&evaluation.layout.joints[joint].ends)
+            .fold(S::zero(), |sum, (part, columns)| {
                 let moves = directions.translations().iter().map(|&k| columns.linear[k]);
                 let linear = moves.fold(S::zero(), |sum, x| sum + x * x);
-                match end {
-                    Some(Part::Body(body)) => {
+                match part {
+                    Part::Body(body) => {
                         let angular = match self.references[body] {
                             // Unknowns elsewhere and along other axes.
                             Some(reference) if !matches!(reference.turn, Rotation::Identity) => {
@@ -412,8 +417,8 @@ impl<S: Real> Constraints<S> {
                         });
                         sum + rotated
                     }
-                    Some(Part::Point(point)) => sum + linear * numbers.points[point].1,
-                    _ => sum,
+                    Part::Point(point) => sum + linear * numbers.points[point].1,
+                    Part::Joint(_) => sum,
                 }
             })
     }

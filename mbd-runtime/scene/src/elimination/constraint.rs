@@ -23,9 +23,9 @@ use crate::laws::GravityNumbers;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::{body_gravity, point_gravity};
-use crate::rows::{Columns, End, Ends, Rotation, Row, Rows};
+use crate::rows::{Ends, Rotation, Row, Rows};
 use crate::scalar::algebra::write;
-use crate::{AngularVelocity, Directions, Layout, Part, PointSlots, Quantity, Real, Scene};
+use crate::{AngularVelocity, Layout, Part, PointSlots, Quantity, Real, Scene};
 
 /// Rows and system of one scene. Carries nothing from call to call.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ pub(crate) fn reaction<'a, S: Real>(
 ) -> [Vector3<S>; 2] {
     let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
     for (row, unknown) in rows {
-        force -= row.child.linear.map(|x| unknown * x);
+        force -= row.child().linear.map(|x| unknown * x);
         torque -= row.couple.map(|x| unknown * x);
     }
     torque = outward.apply(&torque);
@@ -101,10 +101,11 @@ impl<S: Real> Constraints<S> {
         }
     }
 
-    /// Runs the rows of every joint that has ends.
+    /// Runs the rows of every joint that is asked for, between these ends of it and of the joints that it couples.
     pub(super) fn run<'a>(
         &mut self,
         evaluation: &'a Evaluation<'a, S>,
+        asked: impl Fn(usize) -> bool,
         ends: impl Fn(usize) -> Option<Ends<'a, S>>,
     ) {
         let joints = evaluation
@@ -113,19 +114,17 @@ impl<S: Real> Constraints<S> {
             .iter()
             .zip(&evaluation.layout.joints);
         for (index, ((joint, slots), rows)) in joints.zip(&mut self.rows).enumerate() {
-            if slots.len == 0 {
+            if slots.len == 0 || !asked(index) {
                 continue;
             }
             S::section(&joint.name);
-            if let Some(ends) = ends(index) {
-                rows.begin(slots.law);
-                joint.law.constrain(&ends, rows);
+            if let Some(own) = ends(index) {
+                evaluation.law_rows((index, &own), &ends, slots.law, rows);
                 for (coordinate, course) in evaluation.motors(joint) {
-                    rows.motor(&ends, &coordinate, &course);
+                    rows.motor(&own, &coordinate, &course);
                 }
-                rows.prescribe(&ends);
                 if !slots.all_kept() {
-                    rows.keep(slots.kept, &ends, &mut self.kept[index]);
+                    rows.keep(slots.kept, &own, &mut self.kept[index]);
                 }
             }
         }
@@ -134,24 +133,34 @@ impl<S: Real> Constraints<S> {
     /// Writes Φ, Φ_v, Φ_v v + Φ_t or γ.
     pub fn write(&mut self, what: Quantity, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let components = evaluation.scene.angular_velocity;
-        self.run(evaluation, |joint| evaluation.ends(joint, components));
+        let ends = |joint: usize| evaluation.ends(joint, components);
+        self.run(evaluation, |_| true, ends);
         let layout = evaluation.layout;
-        for (index, (slots, rows)) in layout.joints.iter().zip(&self.rows).enumerate() {
-            let Some(ends) = evaluation.ends(index, components).filter(|_| slots.len > 0) else {
-                continue;
-            };
+        let joints = layout.joints.iter().zip(&self.rows).enumerate();
+        for (index, (slots, rows)) in joints.filter(|(_, (slots, _))| slots.len > 0) {
             S::section(&evaluation.scene.joints[index].name);
             for (row, number) in rows.rows().iter().zip(slots.row..) {
                 match what {
                     Quantity::Constraint => out[number] = row.value,
-                    Quantity::ConstraintRate => out[number] = row.rate(&ends),
                     Quantity::ConstraintBias => out[number] = row.bias,
+                    Quantity::ConstraintRate => {
+                        let parts = row.parts(&slots.ends);
+                        let rates = parts.filter_map(|(part, columns)| {
+                            let (_, velocities) = evaluation.speeds_of(part, components)?;
+                            Some(columns.rate(&velocities))
+                        });
+                        let rate = rates.reduce(|sum, rate| sum + rate);
+                        out[number] = rate.map_or(row.time, |rate| rate + row.time);
+                    }
                     _ => {
                         let line = &mut out[number * layout.nv..(number + 1) * layout.nv];
-                        for (end, columns) in
-                            [(&ends.parent, &row.parent), (&ends.child, &row.child)]
-                        {
-                            write_columns(layout.directions, end, columns, line);
+                        for (part, columns) in row.parts(&slots.ends) {
+                            if let Some((first, _)) = evaluation.speeds_of(part, components) {
+                                let own = line.iter_mut().skip(first);
+                                for (slot, value) in own.zip(columns.of(part, layout.directions)) {
+                                    *slot = value;
+                                }
+                            }
                         }
                     }
                 }
@@ -207,17 +216,17 @@ impl<S: Real> Constraints<S> {
                     directions.write_linear(right, 0, &force);
                 }
                 Part::Joint(joint) => {
-                    let ends = layout.joints[joint].ends;
+                    let ends = &layout.joints[joint].ends;
+                    // Where nothing sits on the world the common fall cancels: the linear columns add up to nothing.
+                    let grounded = ends.contains(&None);
                     let rows = in_system(layout, joint, &self.rows, &self.kept);
                     for (slot, row) in right.iter_mut().zip(rows) {
-                        // Between two bodies the common fall cancels: their linear columns are opposite.
-                        *slot = match ends {
-                            [Some(_), Some(_)] => row.bias,
-                            [Some(_), None] => row.bias - row.parent.linear.dot(&fall),
-                            _ => row.bias - row.child.linear.dot(&fall),
-                        };
-                        for (end, columns) in ends.into_iter().zip([&row.parent, &row.child]) {
-                            if let Some(Part::Body(body)) = end {
+                        *slot = row.bias;
+                        for (part, columns) in row.parts(ends) {
+                            if grounded {
+                                *slot -= columns.linear.dot(&fall);
+                            }
+                            if let Part::Body(body) = part {
                                 *slot -= columns.linear.dot(&self.brought[body]);
                             }
                         }
@@ -312,9 +321,6 @@ impl<S: Real> Constraints<S> {
             let (Some(step), true) = (step, driven) else {
                 continue;
             };
-            let Some(ends) = evaluation.ends(index, AngularVelocity::Body) else {
-                continue;
-            };
             let carried = self.multipliers(evaluation, index);
             let unknowns = match &carried {
                 Some(multipliers) => multipliers,
@@ -322,7 +328,7 @@ impl<S: Real> Constraints<S> {
             };
             let rows = in_system(layout, index, &self.rows, &self.kept);
             for (row, &unknown) in rows.iter().zip(unknowns) {
-                power += unknown * row.prescribed_rate(&ends);
+                power += unknown * row.time;
             }
         }
         power
@@ -433,20 +439,4 @@ pub(super) fn enter<S: Real>(scene: &Scene, part: Part) {
         Part::Joint(joint) => scene.joints.get(joint).map(|joint| &joint.name),
     };
     S::section(name.map_or("", String::as_str));
-}
-
-/// Writes the non-zero columns of one end into a row of Φ_v.
-fn write_columns<S: Real>(
-    directions: Directions,
-    end: &End<S>,
-    columns: &Columns<S>,
-    line: &mut [S],
-) {
-    let Some((first, speeds)) = end.speeds else {
-        return;
-    };
-    let both = directions.components(&columns.linear, &columns.angular);
-    for (slot, value) in line.iter_mut().skip(first).zip(both.take(speeds)) {
-        *slot = value;
-    }
 }

@@ -47,9 +47,9 @@ pub fn evaluate_with_multipliers<S: Real>(
         }
         Quantity::Energy => {
             let mut power = forces::drive_power(&evaluation);
-            each(&evaluation, |_, rows, own, ends| {
+            each(&evaluation, |_, rows, own, _| {
                 for (row, &multiplier) in rows.rows().iter().zip(own) {
-                    power -= multiplier * row.prescribed_rate(ends);
+                    power -= multiplier * row.time;
                 }
             });
             energy::energy(&evaluation, power, out);
@@ -68,12 +68,11 @@ fn each<S: Real>(
     let joints = evaluation.scene.joints.iter();
     for (index, (joint, slots)) in joints.zip(&evaluation.layout.joints).enumerate() {
         let own = evaluation.multipliers.get(slots.row..slots.row + slots.len);
-        let ends = evaluation.ends(index, AngularVelocity::Body);
-        let (Some(own), Some(ends), true) = (own, ends, slots.len > 0) else {
+        let ends_of = |joint: usize| evaluation.ends(joint, AngularVelocity::Body);
+        let (Some(own), Some(ends), true) = (own, ends_of(index), slots.len > 0) else {
             continue;
         };
-        rows.begin(slots.law);
-        joint.law.constrain(&ends, &mut rows);
+        evaluation.law_rows((index, &ends), ends_of, slots.law, &mut rows);
         for (coordinate, course) in evaluation.motors(joint) {
             rows.motor(&ends, &coordinate, &course);
         }

@@ -18,6 +18,7 @@ pub use joint_forces::{
 use serde::{Deserialize, Serialize};
 
 use crate::rows::{Ends, Rows};
+pub use crate::vocabulary::{Coupled, MOST_COUPLED, Relation};
 use crate::vocabulary::{field, motion};
 pub use crate::{Axis, Coordinate, Field, Fields, Measure, Pose, Relative, Rule, Twist};
 use crate::{Formula, Real};
@@ -46,8 +47,19 @@ pub trait Joint: Sized {
         Vec::new()
     }
 
-    /// What it forbids: adds 6 − freedoms rows.
-    fn constrain<S: Real>(&self, ends: &Ends<'_, S>, rows: &mut Rows<S>);
+    /// What it forbids between its two ends: adds 6 − freedoms rows. A coupling has none of its own: see [`Joint::couples`].
+    fn constrain<S: Real>(&self, _ends: &Ends<'_, S>, _rows: &mut Rows<S>) {}
+
+    /// Of a coupling the coordinates of other joints that it relates by its one row: joint and number of the coordinate, first the one that
+    /// follows; the joint sits where that one's joint does. Empty for a joint between two places.
+    fn couples(&self) -> &[(usize, usize)] {
+        &[]
+    }
+
+    /// The relation of these coordinates, from its numbers.
+    fn relation<S: Real>(&self, _numbers: &[S]) -> Option<Relation<S>> {
+        None
+    }
 
     /// H and N of its child's velocity: see [`Carried`]. `None` where its rows do not split the velocity in closed form: they then stay rows of
     /// the system. `own`: the ends are written in the child's own components, and the solver is free in the axes of the angular parts.
@@ -55,11 +67,13 @@ pub trait Joint: Sized {
         None
     }
 
-    /// What it allows: frame 2 in frame 1.
-    fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S>;
+    /// What it allows: frame 2 in frame 1. A coupling places nothing.
+    fn motion<S: Real>(&self, _at: &Relative<'_, S>) -> Pose<S> {
+        Pose::identity()
+    }
 
     /// The columns of H: velocity of frame 2 in frame 1 = H u, in frame-1 axes. Writes one column a freedom.
-    fn subspace<S: Real>(&self, at: &Relative<'_, S>, columns: &mut [Twist<S>]);
+    fn subspace<S: Real>(&self, _at: &Relative<'_, S>, _columns: &mut [Twist<S>]) {}
 
     /// b: acceleration of frame 2 in frame 1 = H u̇ + b, in frame-1 axes.
     fn bias<S: Real>(&self, _at: &Relative<'_, S>) -> Twist<S> {
@@ -168,6 +182,22 @@ macro_rules! joints {
                 }
             }
 
+            /// The coordinates that it relates: see [`Joint::couples`].
+            #[must_use]
+            pub fn couples(&self) -> &[(usize, usize)] {
+                match self {
+                    $(JointLaw::$name(joint) => joint.couples(),)*
+                }
+            }
+
+            /// Their relation: see [`Joint::relation`].
+            #[must_use]
+            pub fn relation<S: Real>(&self, numbers: &[S]) -> Option<Relation<S>> {
+                match self {
+                    $(JointLaw::$name(joint) => joint.relation(numbers),)*
+                }
+            }
+
             /// H and N of its child's velocity: see [`Joint::carried`].
             pub fn carried<S: Real>(&self, ends: &Ends<'_, S>, own: bool) -> Option<Carried<S>> {
                 match self {
@@ -235,6 +265,8 @@ joints! {
     point_on_line PointOnLine,
     point_on_plane PointOnPlane,
     constant_angle ConstantAngle,
+    constant_velocity ConstantVelocity,
+    gear Gear,
 }
 
 impl JointLaw {

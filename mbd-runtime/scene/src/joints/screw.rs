@@ -78,10 +78,10 @@ impl Joint for Screw {
         let mut carried = across.turns(ends, &self.axis);
         let row = helix(ends, &self.axis, lead(ends.number(0)));
         let along = ends.parent.outward.apply(&ends.parent.axis(&self.axis));
-        let inverse = S::one() / row.child.linear.dot(&along);
+        let inverse = S::one() / row.child().linear.dot(&along);
         carried.hold_after(Twist::slide(along), inverse);
         let turn = &mut carried.free[0];
-        let advance = -(row.child.angular.dot(&turn.angular) * inverse);
+        let advance = -(row.child().angular.dot(&turn.angular) * inverse);
         turn.linear = along.map(|x| advance * x);
         Some(carried)
     }

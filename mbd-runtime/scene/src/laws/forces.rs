@@ -89,7 +89,7 @@ impl<S: Real> AppliedForces<S> {
             return;
         };
         let (effort, row) = (acting.effort(), acting.row());
-        for (place, columns) in [(parent, &row.parent), (child, &row.child)] {
+        for (place, columns) in [(parent, row.parent()), (child, row.child())] {
             let force = columns.linear.map(|x| x * effort);
             match place {
                 Place::World(_) => {}

@@ -6,7 +6,8 @@ use crate::laws::evaluation::Evaluation;
 use crate::laws::kinematics::Kinematics;
 use crate::rows::{End, Ends, Rotation, Rows};
 use crate::{
-    AngularVelocity, At, Coordinate, Jet, Joint, Layout, Place, PointSlots, Real, RowSet, Scene,
+    AngularVelocity, At, Coordinate, Jet, Joint, Layout, Part, Place, PointSlots, Real, RowSet,
+    Scene,
 };
 
 impl<S: Real> Evaluation<'_, S> {
@@ -20,6 +21,63 @@ impl<S: Real> Evaluation<'_, S> {
             numbers,
             components,
         ))
+    }
+
+    /// Writes those rows of a joint's law that are asked for, what is prescribed on their right-hand sides: the rows of its own ends, or of a
+    /// coupling the sum over the joints that it couples, with their `ends`.
+    pub(crate) fn law_rows<'e>(
+        &'e self,
+        (joint, own): (usize, &Ends<'e, S>),
+        ends: impl Fn(usize) -> Option<Ends<'e, S>>,
+        asked: RowSet,
+        rows: &mut Rows<S>,
+    ) {
+        rows.begin(asked);
+        let Some(declared) = self.scene.joints.get(joint) else {
+            return;
+        };
+        if let Some(coupling) = self.numbers.couplings.get(joint).and_then(Option::as_ref) {
+            let couples = declared.law.couples().iter();
+            let coordinates = couples.filter_map(|&(of, index)| {
+                let (_, coordinate) = self.scene.coordinate(of, index)?;
+                let ends = ends(of)?;
+                let mut row = ends.row(&coordinate);
+                row.prescribe(&ends);
+                Some(row)
+            });
+            if let Some(row) = coupling.row(coordinates) {
+                rows.push(|| row);
+            }
+            return;
+        }
+        declared.law.constrain(own, rows);
+        rows.prescribe(own);
+    }
+
+    /// First speed of a part that moves, its velocity, world axes, and its angular velocity as asked.
+    pub(crate) fn speeds_of(
+        &self,
+        part: Part,
+        components: AngularVelocity,
+    ) -> Option<(usize, [Vector3<S>; 2])> {
+        match part {
+            Part::Body(body) => {
+                let (motion, slots) = (self.motions.get(body)?, self.layout.bodies.get(body)?);
+                let omega = match components {
+                    AngularVelocity::Body => motion.omega_body,
+                    AngularVelocity::World => motion.omega_world,
+                };
+                Some((slots.v, [motion.velocity, omega]))
+            }
+            Part::Point(point) => match *self.layout.points.get(point)? {
+                PointSlots::Mass(slots) => {
+                    let velocity = self.velocity_of(Place::Point(point))?;
+                    Some((slots.v, [velocity, Vector3::zeros()]))
+                }
+                PointSlots::Node(_) => None,
+            },
+            Part::Joint(_) => None,
+        }
     }
 
     /// The coordinates of a joint that motors drive, and their courses.
@@ -46,8 +104,7 @@ impl<S: Real> Evaluation<'_, S> {
                 }
             }),
             Place::Point(point) => match *self.layout.points.get(point)? {
-                PointSlots::Mass(slots) => Some(End {
-                    speeds: Some((slots.v, self.layout.directions.translations().len())),
+                PointSlots::Mass(_) => Some(End {
                     position: self.position_of(place)?,
                     velocity: self.velocity_of(place)?,
                     ..End::fixed(Vector3::zeros(), Rotation::Identity)
@@ -55,10 +112,9 @@ impl<S: Real> Evaluation<'_, S> {
                 PointSlots::Node(_) => None,
             },
             Place::Body(body, frame) => {
-                let (motion, slots) = (self.motions.get(body)?, self.layout.bodies.get(body)?);
+                let motion = self.motions.get(body)?;
                 let frame = self.numbers.bodies.get(body)?.frames.get(frame)?;
                 let end = End {
-                    speeds: Some((slots.v, self.layout.directions.speeds())),
                     position: motion.position,
                     velocity: motion.velocity,
                     ..End::fixed(frame.position, frame.rotation.into())
@@ -100,9 +156,9 @@ pub fn out_of_plane<S: Real>(
     let mut kinematics = Kinematics::new(layout);
     let evaluation = kinematics.read(scene, layout, numbers, at);
     let mut rows = Rows::default();
-    rows.begin(left);
-    if let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) {
-        declared.law.constrain(&ends, &mut rows);
+    let ends = |joint: usize| evaluation.ends(joint, AngularVelocity::Body);
+    if let Some(own) = ends(joint) {
+        evaluation.law_rows((joint, &own), ends, left, &mut rows);
     }
     let sizes = rows.rows().iter().map(|row| row.value.abs());
     sizes.fold(S::zero(), Real::max)

@@ -226,14 +226,9 @@ impl<S: Real> JointForcesAt<'_, S> {
         if parent.prescribed.is_none() && child.prescribed.is_none() {
             return None;
         }
-        let row = self.row();
-        let mut share = S::zero();
-        for (end, columns) in [(parent, &row.parent), (child, &row.child)] {
-            if end.prescribed.is_some() {
-                share += columns.rate(end);
-            }
-        }
-        Some(self.effort() * share)
+        let mut row = self.row();
+        row.prescribe(&self.ends);
+        Some(self.effort() * row.time)
     }
 
     /// The two ends: what each sits on.

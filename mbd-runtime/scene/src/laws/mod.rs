@@ -1,6 +1,7 @@
 //! The laws of mechanics, each written once over [`Real`](crate::Real): numbers run them, dual numbers differentiate them, symbols record them.
 
 pub(crate) mod body;
+mod coupling;
 pub(crate) mod energy;
 pub(crate) mod evaluation;
 pub(crate) mod forces;
@@ -16,6 +17,7 @@ pub(crate) mod measured;
 pub(crate) mod node;
 pub(crate) mod numbers;
 
+pub use coupling::{Coupling, is_discontinuous};
 pub use formula::norm;
 pub use ground::ground;
 pub use joint_ends::{branch, out_of_plane};

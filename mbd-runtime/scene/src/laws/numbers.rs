@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::laws::coupling::Coupling;
 use crate::laws::formula::{Context, scalar, triple};
 use crate::scalar::algebra::{inverse, symmetric};
 use crate::{Formula, Frame, Gravity, JointForces, Plane, PointKind, Real, Scene};
@@ -133,6 +134,8 @@ pub struct Numbers<S> {
     pub gravity: GravityNumbers<S>,
     /// The numbers of each joint, in the order of [`Joint::numbers`](crate::joints::Joint::numbers).
     pub joints: Vec<Vec<S>>,
+    /// Per joint, the relation of the coordinates that it couples, if it couples any.
+    pub couplings: Vec<Option<Coupling<S>>>,
     /// Per joint, what acts along its coordinates, in the order of [`Joint::along`](crate::Joint::along).
     pub forces: Vec<Vec<JointForceNumbers<S>>>,
 }
@@ -270,6 +273,9 @@ impl<S: Real> Numbers<S> {
             let numbers = joint.law.numbers();
             numbers.iter().map(|(_, formula)| of(formula)).collect()
         });
+        let joints: Vec<Vec<S>> = joints.collect();
+        let couplings = scene.joints.iter().zip(&joints);
+        let couplings = couplings.map(|(joint, numbers)| Coupling::new(scene, joint, numbers));
         Numbers {
             params: params.to_vec(),
             bodies: bodies.collect(),
@@ -277,7 +283,8 @@ impl<S: Real> Numbers<S> {
             lines: lines.collect(),
             world_frames: frames(&scene.world_frames),
             gravity,
-            joints: joints.collect(),
+            couplings: couplings.collect(),
+            joints,
             forces: forces.collect(),
         }
     }

@@ -4,6 +4,7 @@ use crate::layout::{
     Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
     PointSlots, Slots, StopSlots,
 };
+use crate::scalar::Few;
 use crate::scene::{Frame, LoadKind, NodeModel, PointKind, Scene};
 use crate::{Formula, Gravity, Part, Place, RowSet};
 
@@ -80,13 +81,16 @@ impl Layout {
             _ => false,
         };
         for (joint, law) in scene.joints.iter().zip(laws) {
-            let ends = [joint.parent, joint.child].map(|place| match place {
+            let places = scene.ends(joint);
+            let mut ends = Few::new(None);
+            ends.extend(places.clone().map(|place| match place {
                 Place::World(_) => None,
                 Place::Body(body, _) => Some(Part::Body(body)),
                 Place::Point(point) => Some(Part::Point(point)),
-            });
+            }));
             let massless = |part: &Part| matches!(*part, Part::Point(p) if !matches!(self.points.get(p), Some(PointSlots::Mass(_))));
-            let holds = ends[0] != ends[1] && !ends.iter().flatten().any(massless);
+            let apart = ends.iter().any(|end| Some(end) != ends.first());
+            let holds = apart && !ends.iter().flatten().any(massless);
             let motors = joint.motors().count();
             let len = if holds { law.len() + motors } else { 0 };
             self.joints.push(JointSlots {
@@ -96,8 +100,7 @@ impl Layout {
                 holds,
                 kept: RowSet::all(len),
                 ends,
-                driven: len > 0
-                    && (motors > 0 || [joint.parent, joint.child].into_iter().any(moving)),
+                driven: len > 0 && (motors > 0 || places.clone().any(moving)),
             });
             self.nc += len;
         }

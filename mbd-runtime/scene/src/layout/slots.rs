@@ -1,6 +1,8 @@
 //! What each thing of a scene owns among the lists of numbers.
 
 use crate::joints::Side;
+use crate::rows::MOST_ENDS;
+use crate::scalar::Few;
 use crate::scene::NodeModel;
 use crate::{Part, Place, RowSet};
 
@@ -18,8 +20,8 @@ pub struct JointSlots {
     pub holds: bool,
     /// Those of them that are in the system: all, unless some repeat rows of other joints.
     pub kept: RowSet,
-    /// What its parent end and its child end sit on; `None` for the world.
-    pub ends: [Option<Part>; 2],
+    /// What its parent end and its child end sit on, and of a coupling those of the other joints that it couples; `None` for the world.
+    pub ends: Few<Option<Part>, MOST_ENDS>,
     /// Whether its rows depend on time: motors, or an end on a frame of the world that moves.
     pub driven: bool,
 }

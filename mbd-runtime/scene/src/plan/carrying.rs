@@ -77,8 +77,8 @@ impl Carrying {
         let normal = directions.plane?.normal();
         let mut points = RowSet::default();
         for (number, row) in rows.iter().enumerate() {
-            let moves = within(directions, &row.child) > 0.0;
-            let turns = row.child.angular[normal] != 0.0;
+            let moves = within(directions, &row.child()) > 0.0;
+            let turns = row.child().angular[normal] != 0.0;
             points.0 |= u8::from(moves) << number;
             if moves == turns {
                 return None;
@@ -86,13 +86,13 @@ impl Carrying {
         }
         let carries = |point: Vector3<f64>| {
             rows.iter().all(|row| {
-                let (own, other) = (&row.child, &row.parent);
+                let (own, other) = (row.child(), row.parent());
                 let rotated = own.angular + point.cross(&own.linear);
                 let apart = within(
                     directions,
                     &Columns {
                         linear: own.linear + other.linear,
-                        ..*own
+                        ..own
                     },
                 );
                 apart < SAME && (rotated + other.angular)[normal].abs() < SAME
@@ -148,7 +148,7 @@ impl<S: crate::Real> Carried<S> {
         let plane = directions.plane?;
         let normal: Vector3<S> = plane.axis().vector();
         let flat = |row: &Row<S>| {
-            let mut linear = row.child.linear;
+            let mut linear = row.child().linear;
             linear[plane.normal()] = S::zero();
             linear
         };
@@ -159,7 +159,7 @@ impl<S: crate::Real> Carried<S> {
         let mut next = 0;
         for (number, row) in rows.iter().enumerate() {
             if !carrying.points.contains(number) {
-                let inverse = S::one() / row.child.angular[plane.normal()];
+                let inverse = S::one() / row.child().angular[plane.normal()];
                 carried.hold(Twist::spin(normal), inverse);
                 continue;
             }

@@ -54,7 +54,7 @@ impl EliminationGraph {
         let kept = joints.iter().enumerate();
         for (index, joint) in kept.filter(|(_, joint)| !joint.kept.is_empty()) {
             let node = graph.push(Part::Joint(index), joint.kept.len());
-            for end in joint.ends {
+            for end in joint.ends.iter() {
                 let other = end.and_then(|end| graph.node(end));
                 graph.ends[node].push(other);
                 if let Some(other) = other {

@@ -42,7 +42,7 @@ fn parent_joints(
 ) -> Vec<Option<usize>> {
     let mut parents: Vec<Option<usize>> = vec![None; bodies];
     for (index, (joint, carrying)) in joints.iter().zip(carrying).enumerate() {
-        let [parent, Some(Part::Body(child))] = joint.ends else {
+        let &[parent, Some(Part::Body(child))] = &*joint.ends else {
             continue;
         };
         let carries = joint.all_kept() && joint.len > 0 && carrying.is_some();

@@ -7,8 +7,12 @@ use crate::redundancy::configuration::Configuration;
 use crate::redundancy::length;
 use crate::redundancy::local::{Hold, PartMotion, columns, speeds};
 use crate::redundancy::tree::{Group, Link};
+<<<<<<< 64fe5dac2e50d09f4a41ac17a56048cdb468f0a7
+use crate::rows::{Row, Rows};
+=======
 use crate::rows::{Columns, Row, Rows};
 use crate::scalar::orthogonal::dot;
+>>>>>>> main
 use crate::{Layout, Part, Relative, Scene, Twist};
 
 /// States looked for in a group.
@@ -24,14 +28,20 @@ const TURN: f64 = 0.5;
 /// A loop is closed when its rows are below this part of the length.
 const CLOSED: f64 = 1e-11;
 
-/// A row of a joint at a state: its size, and its columns on the two parts.
+/// A row of a joint at a state: its size, and its columns on the parts that move.
 pub struct JointRow {
     /// √ of the sum of squares of its columns.
     pub size: f64,
-    /// Parent and child.
-    pub ends: [Option<Part>; 2],
-    /// On each of them.
-    pub columns: [PartMotion; 2],
+    /// Each part with its columns.
+    pub parts: Vec<(Part, PartMotion)>,
+}
+
+impl JointRow {
+    /// Its columns on a part: zero where it is on none.
+    pub fn on(&self, part: Option<Part>) -> PartMotion {
+        let found = self.parts.iter().find(|(own, _)| Some(*own) == part);
+        found.map_or([0.0; 6], |(_, columns)| *columns)
+    }
 }
 
 /// The row of a motor at a state.
@@ -42,7 +52,7 @@ pub struct MotorRow {
     pub coordinate: usize,
     /// The row over the speeds of the tree, divided by its size.
     pub line: DVector<f64>,
-    /// The row on its two parts.
+    /// The row on its parts.
     pub row: JointRow,
 }
 
@@ -50,7 +60,7 @@ pub struct MotorRow {
 pub struct State {
     /// Per closing joint, the rows in the form of the system over the speeds of the tree, each divided by its size.
     pub closing: Vec<Vec<DVector<f64>>>,
-    /// Per closing joint, the rows on its two parts.
+    /// Per closing joint, the rows on their parts.
     pub closing_rows: Vec<Vec<JointRow>>,
     /// The rows of all motors of the group, by joint.
     pub motors: Vec<MotorRow>,
@@ -115,7 +125,7 @@ pub fn states(scene: &Scene, layout: &Layout, group: &Group) -> Vec<State> {
 impl Assembly<'_> {
     /// Hangs every part of the tree at random joint coordinates.
     fn place_tree(&mut self, reach: f64) -> Option<()> {
-        if let Some(root) = self.group.root {
+        for &root in &self.group.roots {
             self.configuration
                 .place(root, Vector3::zeros(), &Matrix3::identity());
         }
@@ -252,7 +262,7 @@ impl Assembly<'_> {
 
     fn placed(&self) -> Vec<(Part, Vector3<f64>, Matrix3<f64>)> {
         let links = self.group.links.iter().map(|link| link.to);
-        let parts = self.group.root.into_iter().chain(links);
+        let parts = self.group.roots.iter().copied().chain(links);
         parts
             .map(|part| {
                 let (position, axes) = self.configuration.pose(part);
@@ -278,17 +288,16 @@ impl Assembly<'_> {
         self.correct()
     }
 
-    /// The motions of the root, where there is one.
-    fn root_speeds(&self) -> impl Iterator<Item = usize> + use<> {
-        let root = self.group.root.into_iter();
-        let directions = self.layout.directions;
-        root.flat_map(move |root| speeds(root, directions))
+    /// The motions of the roots.
+    fn root_speeds(&self) -> usize {
+        let speeds = |&root: &Part| speeds(root, self.layout.directions).count();
+        self.group.roots.iter().map(speeds).sum()
     }
 
-    /// The root, where there is one, and the part of every link.
+    /// The roots and the part of every link.
     fn parts(&self) -> Vec<Part> {
         let links = self.group.links.iter().map(|link| link.to);
-        self.group.root.into_iter().chain(links).collect()
+        self.group.roots.iter().copied().chain(links).collect()
     }
 
     /// B: the motion of every part by the speeds of the tree.
@@ -296,28 +305,27 @@ impl Assembly<'_> {
         let group = self.group;
         let holds = self.holds()?;
         let own = |hold: &Hold| hold.free.len();
-        let root: Vec<usize> = self.root_speeds().collect();
-        let rooted = root.len();
-        let count = rooted + holds.iter().map(|(_, hold)| own(hold)).sum::<usize>();
+        let linked = holds.iter().map(|(_, hold)| own(hold)).sum::<usize>();
+        let count = self.root_speeds() + linked;
         let mut motions: Vec<DMatrix<f64>> = Vec::new();
-        if group.root.is_some() {
+        let mut first = 0;
+        for &root in &group.roots {
             let mut motion = DMatrix::zeros(6, count);
-            for (column, &k) in root.iter().enumerate() {
-                motion[(k, column)] = 1.0;
+            for k in speeds(root, self.layout.directions) {
+                motion[(k, first)] = 1.0;
+                first += 1;
             }
             motions.push(motion);
         }
-        let mut first = rooted;
         for (link, (rows, hold)) in group.links.iter().zip(&holds) {
             let mut motion = DMatrix::zeros(6, count);
             if let Some(from) = self.place_of(link.from) {
-                let near = usize::from(link.to_parent);
                 let inboard = motions.get(from)?;
                 for column in 0..first {
                     let of: PartMotion = std::array::from_fn(|k| inboard[(k, column)]);
                     let mut rates = [0.0; 6];
                     for (rate, row) in rates.iter_mut().zip(rows) {
-                        *rate = -dot(&row.columns[near], &of);
+                        *rate = -dot(&row.on(link.from), &of);
                     }
                     let carried = hold.motion(&rates);
                     (0..6).for_each(|k| motion[(k, column)] = carried[k]);
@@ -335,12 +343,12 @@ impl Assembly<'_> {
     /// The place of a part in [`Assembly::parts`].
     fn place_of(&self, part: Option<Part>) -> Option<usize> {
         let part = part?;
-        if self.group.root == Some(part) {
-            return Some(0);
-        }
-        let rooted = usize::from(self.group.root.is_some());
-        let found = self.group.links.iter().position(|link| link.to == part)?;
-        Some(found + rooted)
+        let root = self.group.roots.iter().position(|&root| root == part);
+        let linked = || {
+            let found = self.group.links.iter().position(|link| link.to == part)?;
+            Some(found + self.group.roots.len())
+        };
+        root.or_else(linked)
     }
 
     /// Rows and hold of every link.
@@ -386,8 +394,8 @@ impl Assembly<'_> {
         let count = motions.first().map_or(0, DMatrix::ncols);
         let line = |row: &JointRow| {
             let mut line = DVector::zeros(count);
-            for (end, columns) in row.ends.iter().zip(&row.columns) {
-                if let Some(motion) = self.place_of(*end).and_then(|at| motions.get(at)) {
+            for (part, columns) in &row.parts {
+                if let Some(motion) = self.place_of(Some(*part)).and_then(|at| motions.get(at)) {
                     for k in 0..count {
                         let own: f64 = (0..6).map(|i| columns[i] * motion[(i, k)]).sum();
                         line[k] += own / row.size;
@@ -436,7 +444,7 @@ impl Assembly<'_> {
             }
         }
         let count = motions.first().map_or(0, DMatrix::ncols);
-        let as_a_whole = self.root_speeds().count();
+        let as_a_whole = self.root_speeds();
         let rank = crate::redundancy::choice::rank(closing.iter().flatten());
         Some(State {
             closing,
@@ -450,22 +458,17 @@ impl Assembly<'_> {
 }
 
 fn joint_rows(rows: &Rows<f64>, layout: &Layout, joint: usize, length: f64) -> Vec<JointRow> {
-    let ends = layout
-        .joints
-        .get(joint)
-        .map_or([None; 2], |slots| slots.ends);
-    let on = |of: &Columns<f64>, end: Option<Part>| {
-        end.map_or([0.0; 6], |part| {
-            columns(of, part, layout.directions, length)
-        })
+    let Some(slots) = layout.joints.get(joint) else {
+        return Vec::new();
     };
     let row = |row: &Row<f64>| {
-        let columns = [on(&row.parent, ends[0]), on(&row.child, ends[1])];
-        let size = columns.iter().map(|c| dot(c, c)).sum::<f64>().sqrt();
+        let parts = row.parts(&slots.ends);
+        let on = |(part, of)| (part, columns(&of, part, layout.directions, length));
+        let parts: Vec<(Part, PartMotion)> = parts.map(on).collect();
+        let size = parts.iter().map(|(_, c)| dot(c, c)).sum::<f64>().sqrt();
         JointRow {
             size: if size > 0.0 { size } else { 1.0 },
-            ends,
-            columns,
+            parts,
         }
     };
     rows.rows().iter().map(row).collect()

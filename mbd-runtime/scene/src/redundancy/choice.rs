@@ -192,15 +192,15 @@ struct Forces {
 impl Forces {
     fn new(group: &Group) -> Self {
         let links = group.links.iter().map(|link| link.to);
-        let parts = group.root.into_iter().chain(links);
+        let parts = group.roots.iter().copied().chain(links);
         Forces {
             parts: parts.map(|part| (part, [0.0; 6])).collect(),
             closing: vec![0.0; group.closing.len()],
         }
     }
 
-    fn push(&mut self, part: Option<Part>, times: f64, columns: &PartMotion) {
-        let own = self.parts.iter_mut().find(|(own, _)| Some(*own) == part);
+    fn push(&mut self, part: Part, times: f64, columns: &PartMotion) {
+        let own = self.parts.iter_mut().find(|(own, _)| *own == part);
         if let Some((_, force)) = own {
             force
                 .iter_mut()
@@ -212,8 +212,8 @@ impl Forces {
     /// Lets a row, divided by its size, push with a multiplier; of the closing joint at `place`, if of any.
     fn put(&mut self, row: &JointRow, times: f64, place: Option<usize>) {
         let each = times / row.size;
-        for (end, columns) in row.ends.iter().zip(&row.columns) {
-            self.push(*end, each, columns);
+        for (part, columns) in &row.parts {
+            self.push(*part, each, columns);
         }
         if let Some(force) = place.and_then(|place| self.closing.get_mut(place)) {
             *force = force.max(times.abs());
@@ -263,9 +263,9 @@ impl Forces {
             let force = on.map_or([0.0; 6], |(_, force)| *force);
             carried.push((link.joint, dot(&force, &force).sqrt()));
             let multipliers = hold.multipliers(&force);
-            let near = usize::from(link.to_parent);
+            let Some(from) = link.from else { continue };
             for (row, times) in rows.iter().zip(multipliers) {
-                self.push(link.from, -times, &row.columns[near]);
+                self.push(from, -times, &row.on(link.from));
             }
         }
         let closing = group.closing.iter().copied().zip(self.closing);

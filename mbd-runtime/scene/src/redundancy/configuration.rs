@@ -160,11 +160,10 @@ impl<'a> Configuration<'a> {
 
     /// Writes rows of the law of a joint, world components.
     pub fn rows_of_law(&self, joint: usize, asked: RowSet, rows: &mut Rows<f64>) {
-        rows.begin(asked);
         self.look(|evaluation| {
-            let ends = evaluation.ends(joint, AngularVelocity::World);
-            if let (Some(ends), Some(joint)) = (ends, self.scene.joints.get(joint)) {
-                joint.law.constrain(&ends, rows);
+            let ends = |joint: usize| evaluation.ends(joint, AngularVelocity::World);
+            if let Some(own) = ends(joint) {
+                evaluation.law_rows((joint, &own), ends, asked, rows);
             }
         });
     }

@@ -26,6 +26,10 @@ pub fn in_plane(scene: &Scene, layout: &Layout) -> Vec<RowSet> {
     let joints = scene.joints.iter().enumerate();
     joints
         .map(|(index, joint)| {
+            if !joint.law.couples().is_empty() {
+                // What the plane holds cannot be coupled: see [`Layout::still`].
+                return RowSet::all(joint.law.rows());
+            }
             let mut set = RowSet::default();
             for rotated in [0.0, 0.7] {
                 align(&mut configuration, index, joint, rotated);
@@ -98,6 +102,7 @@ impl Layout {
         let mut configuration = Configuration::new(scene, &layout);
         let mut apart = Vec::new();
         let held = scene.joints.iter().zip(&layout.joints).enumerate();
+        let held = held.filter(|(_, (joint, _))| joint.law.couples().is_empty());
         for (index, (joint, _)) in held.filter(|(_, (_, slots))| slots.holds && !slots.driven) {
             align(&mut configuration, index, joint, 0.0);
             let mut rows = Rows::default();
@@ -109,21 +114,25 @@ impl Layout {
             let largest = fixed.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
             apart.extend(largest.map(|row| Apart {
                 joint: index,
-                gap: (row.child.linear != Vector3::zeros()).then(|| row.value.abs()),
+                gap: (row.child().linear != Vector3::zeros()).then(|| row.value.abs()),
             }));
         }
         apart
     }
 
-    /// The coordinates of a planar scene that motors drive although nothing in the plane changes them: joint and coordinate, by index.
+    /// The coordinates of a planar scene that motors drive, or joints couple, although nothing in the plane changes them: joint and coordinate,
+    /// by index.
     #[must_use]
     pub fn still(scene: &Scene) -> Vec<(usize, usize)> {
+        let couples = scene.joints.iter().flat_map(|joint| joint.law.couples());
         let layout = Layout::keeping(scene, Redundancy::default());
         let mut configuration = Configuration::new(scene, &layout);
         let mut still = Vec::new();
         for (index, joint) in scene.joints.iter().enumerate() {
             align(&mut configuration, index, joint, 0.0);
-            for (coordinate, _) in joint.motors() {
+            let coupled = couples.clone().filter(|(of, _)| *of == index);
+            let motors = joint.motors().map(|(coordinate, _)| coordinate);
+            for coordinate in motors.chain(coupled.map(|&(_, coordinate)| coordinate)) {
                 let row = configuration.coordinate_row(index, coordinate);
                 let moves = row.is_none_or(|row| {
                     let whole = pair(&row, joint, Directions::default()).norm();
@@ -189,9 +198,12 @@ fn beyond(span: &[Pair], row: &Pair) -> Pair {
 /// The columns of a row on its two ends, as far as these move.
 fn pair(row: &Row<f64>, joint: &Joint, directions: Directions) -> Pair {
     let mut pair = Pair::zeros();
-    let ends = [(joint.parent, &row.parent, 0), (joint.child, &row.child, 6)];
+    let ends = [
+        (joint.parent, row.parent(), 0),
+        (joint.child, row.child(), 6),
+    ];
     for (place, columns, first) in ends {
-        let Columns { linear, angular } = columns;
+        let Columns { linear, angular } = &columns;
         let speeds = match place {
             Place::World(_) => 0,
             Place::Body(..) => directions.speeds(),

@@ -18,8 +18,8 @@ pub struct Link {
 /// Parts on loops that are tied together by joints, the world apart.
 #[derive(Clone, Debug, Default)]
 pub struct Group {
-    /// A part that moves freely, where no joint of the tree ties the group to the world.
-    pub root: Option<Part>,
+    /// Parts that move freely: one of each piece that no joint of the tree ties to the world. Couplings alone tie pieces to each other.
+    pub roots: Vec<Part>,
     /// The joints of the tree, in the order of the walk.
     pub links: Vec<Link>,
     /// The joints that close loops, in order of declaration.
@@ -37,8 +37,8 @@ pub fn groups(layout: &Layout) -> Vec<Group> {
         }
     }
     for edge in graph.edges.iter().filter(|edge| !edge.tree) {
-        let end = edge.ends.into_iter().flatten().next();
-        let own = |group: &&mut Group| end.is_some_and(|end| group.holds(end));
+        let part = edge.nodes.iter().find_map(|&node| graph.parts[node]);
+        let own = |group: &&mut Group| part.is_some_and(|part| group.holds(part));
         if let Some(group) = groups.iter_mut().find(own) {
             group.closing.push(edge.joint);
         }
@@ -49,24 +49,16 @@ pub fn groups(layout: &Layout) -> Vec<Group> {
 
 impl Group {
     fn holds(&self, part: Part) -> bool {
-        self.root == Some(part) || self.links.iter().any(|link| link.to == part)
+        self.roots.contains(&part) || self.links.iter().any(|link| link.to == part)
     }
 }
 
-#[derive(Clone, Copy)]
 struct Edge {
     joint: usize,
-    ends: [Option<Part>; 2],
-    /// Indices of the ends; 0 is the world.
-    nodes: [usize; 2],
+    /// What it sits on: parent and child first, each once; 0 is the world.
+    nodes: Vec<usize>,
     tree: bool,
     core: bool,
-}
-
-impl Edge {
-    fn joins(&self, a: usize, b: usize) -> bool {
-        self.nodes == [a, b] || self.nodes == [b, a]
-    }
 }
 
 struct JointGraph {
@@ -83,27 +75,32 @@ impl JointGraph {
         let mut edges = Vec::new();
         let mut leader: Vec<usize> = vec![0];
         for (joint, slots) in layout.joints.iter().enumerate().filter(|(_, s)| s.len > 0) {
-            let nodes = slots.ends.map(|end| {
-                parts
-                    .iter()
-                    .position(|&part| part == end)
-                    .unwrap_or_else(|| {
-                        parts.push(end);
-                        leader.push(leader.len());
-                        leader.len() - 1
-                    })
-            });
-            let [a, b] = nodes.map(|node| leader[node]);
-            for other in &mut leader {
-                if *other == a.max(b) {
-                    *other = a.min(b);
+            let mut nodes: Vec<usize> = Vec::new();
+            for &end in slots.ends.iter() {
+                let known = parts.iter().position(|&part| part == end);
+                let node = known.unwrap_or_else(|| {
+                    parts.push(end);
+                    leader.push(leader.len());
+                    leader.len() - 1
+                });
+                if !nodes.contains(&node) {
+                    nodes.push(node);
+                }
+            }
+            // A coupling places nothing.
+            let placing = slots.ends.len() == 2;
+            let (a, b) = (leader[nodes[0]], leader[nodes[1]]);
+            if placing {
+                for other in &mut leader {
+                    if *other == a.max(b) {
+                        *other = a.min(b);
+                    }
                 }
             }
             edges.push(Edge {
                 joint,
-                ends: slots.ends,
                 nodes,
-                tree: a != b,
+                tree: placing && a != b,
                 core: true,
             });
         }
@@ -145,9 +142,8 @@ impl JointGraph {
         while let Some(&node) = members.get(next) {
             next += 1;
             for edge in self.edges.iter().filter(|edge| edge.core) {
-                let [a, b] = edge.nodes;
-                for (from, to) in [(a, b), (b, a)] {
-                    if from == node && to != 0 && !std::mem::replace(&mut seen[to], true) {
+                for &to in edge.nodes.iter().filter(|_| edge.nodes.contains(&node)) {
+                    if to != 0 && !std::mem::replace(&mut seen[to], true) {
                         members.push(to);
                     }
                 }
@@ -155,35 +151,32 @@ impl JointGraph {
         }
         let mut group = Group::default();
         let mut placed = vec![false; self.parts.len()];
-        let grounded = |edge: &&Edge| {
-            edge.tree && edge.core && members.iter().any(|&member| edge.joins(0, member))
-        };
-        let mut open = if self.edges.iter().any(|edge| grounded(&edge)) {
-            placed[0] = true;
-            vec![0]
-        } else {
-            group.root = self.parts[start];
-            placed[start] = true;
-            vec![start]
-        };
-        let mut next = 0;
-        while let Some(&node) = open.get(next) {
-            next += 1;
-            for edge in self.edges.iter().filter(|edge| edge.tree && edge.core) {
-                let [a, b] = edge.nodes;
-                for (from, to, to_parent) in [(a, b, false), (b, a, true)] {
-                    let own = from == node && to != 0 && members.contains(&to);
-                    if !own || std::mem::replace(&mut placed[to], true) {
-                        continue;
-                    }
-                    if let Some(part) = self.parts[to] {
-                        group.links.push(Link {
-                            joint: edge.joint,
-                            from: self.parts[from],
-                            to: part,
-                            to_parent,
-                        });
-                        open.push(to);
+        // From the world, then from a part of every piece that it does not reach.
+        for root in std::iter::once(0).chain(members.iter().copied()) {
+            if std::mem::replace(&mut placed[root], true) {
+                continue;
+            }
+            group.roots.extend(self.parts[root]);
+            let mut open = vec![root];
+            let mut next = 0;
+            while let Some(&node) = open.get(next) {
+                next += 1;
+                for edge in self.edges.iter().filter(|edge| edge.tree && edge.core) {
+                    let (a, b) = (edge.nodes[0], edge.nodes[1]);
+                    for (from, to, to_parent) in [(a, b, false), (b, a, true)] {
+                        let own = from == node && to != 0 && members.contains(&to);
+                        if !own || std::mem::replace(&mut placed[to], true) {
+                            continue;
+                        }
+                        if let Some(part) = self.parts[to] {
+                            group.links.push(Link {
+                                joint: edge.joint,
+                                from: self.parts[from],
+                                to: part,
+                                to_parent,
+                            });
+                            open.push(to);
+                        }
                     }
                 }
             }

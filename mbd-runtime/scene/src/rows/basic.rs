@@ -19,6 +19,8 @@
 //! Φ_t = Φ_v v of the prescribed end,   γ = −(dΦ_v/dt) v − Φ_v v̇ of the prescribed end                            (6)
 //! ```
 //!
+//! A coupling is a sum of rows of several joints: its columns stand at all their ends, see [`super::coupling`].
+//!
 //! What the motion of the parent brings along, as an acceleration of the child's joint point: the rows (1) and (3) times it are their γ,
 //!
 //! ```text
@@ -40,8 +42,13 @@
 use nalgebra::Vector3;
 
 use super::ends::{End, Ends, Rotation};
+use crate::scalar::Few;
 use crate::scalar::algebra::labelled;
-use crate::{Axis, Coordinate, Jet, Real, RowSet};
+use crate::vocabulary::MOST_COUPLED;
+use crate::{Axis, Coordinate, Directions, Jet, Part, Real, RowSet};
+
+/// Most ends of a joint: a parent and a child of each coordinate that it couples.
+pub const MOST_ENDS: usize = 2 * MOST_COUPLED;
 
 /// What one end contributes to a row: the coefficients of its velocity.
 #[derive(Clone, Copy, Debug)]
@@ -57,11 +64,9 @@ pub struct Columns<S: Real> {
 pub struct Row<S: Real> {
     /// Φ.
     pub value: S,
-    /// Columns of the parent.
-    pub parent: Columns<S>,
-    /// Columns of the child.
-    pub child: Columns<S>,
-    /// ∂Φ/∂t where the row itself depends on time: zero but for a motor.
+    /// Columns of the ends of the joint: of its parent and its child, then of those that a coupling has besides.
+    pub columns: Few<Columns<S>, MOST_ENDS>,
+    /// Φ_t: ∂Φ/∂t of the row itself, which is zero but for a motor, and once it is [prescribed](Row::prescribe) that of its ends by (6).
     pub time: S,
     /// The couple on the child about the origin of frame 2 for a unit multiplier, own components: zero for a row that only pushes.
     pub couple: Vector3<S>,
@@ -93,25 +98,79 @@ impl<S: Real> Columns<S> {
         }
     }
 
-    /// The rate an end's velocity gives to the row.
-    pub fn rate(&self, end: &End<S>) -> S {
-        self.linear.dot(&end.reference_velocity()) + self.angular.dot(&end.omega)
+    /// Those of the speeds of a part, in their order.
+    pub fn of(&self, part: Part, directions: Directions) -> impl Iterator<Item = S> + '_ {
+        let speeds = match part {
+            Part::Body(_) => directions.speeds(),
+            _ => directions.translations().len(),
+        };
+        let all = directions.components(&self.linear, &self.angular);
+        all.take(speeds)
     }
 
-    /// The acceleration a prescribed end gives to the row; `None` where nothing is prescribed.
-    fn prescribed(&self, end: &End<S>) -> Option<S> {
-        let [acceleration, alpha] = end.prescribed?;
-        Some(self.linear.dot(&acceleration) + self.angular.dot(&alpha))
+    /// What a velocity and an angular velocity of an end, or their rates, give to the row.
+    pub fn rate(&self, [linear, angular]: &[Vector3<S>; 2]) -> S {
+        self.linear.dot(linear) + self.angular.dot(angular)
     }
 }
 
 impl<S: Real> Row<S> {
+    /// A row between two ends, of this value.
+    fn between(value: S, parent: Columns<S>, child: Columns<S>) -> Self {
+        let mut columns = Few::new(Columns::zero());
+        columns.extend([parent, child]);
+        Row {
+            value,
+            columns,
+            time: S::zero(),
+            couple: Vector3::zeros(),
+            bias: S::zero(),
+            relative: S::zero(),
+        }
+    }
+
+    /// The columns of end number `end`: zero where the joint has none.
+    fn at(&self, end: usize) -> Columns<S> {
+        self.columns.get(end).copied().unwrap_or_else(Columns::zero)
+    }
+
+    /// Columns of the parent.
+    pub fn parent(&self) -> Columns<S> {
+        self.at(0)
+    }
+
+    /// Columns of the child.
+    pub fn child(&self) -> Columns<S> {
+        self.at(1)
+    }
+
+    /// Every part that moves with its columns, those of ends on the same part added up; `ends`: what the ends sit on.
+    pub fn parts<'r>(
+        &'r self,
+        ends: &'r [Option<Part>],
+    ) -> impl Iterator<Item = (Part, Columns<S>)> + 'r {
+        let all = || ends.iter().zip(self.columns.iter()).enumerate();
+        all().filter_map(move |(first, (part, columns))| {
+            let part = (*part)?;
+            let on = move |end: &Option<Part>| *end == Some(part);
+            if ends.iter().take(first).any(on) {
+                return None;
+            }
+            let others = all().filter(move |(end, (other, _))| *end > first && on(other));
+            let sum = others.fold(*columns, |sum, (_, (_, columns))| sum.plus(columns));
+            Some((part, sum))
+        })
+    }
+
     /// Columns, couple and γ of `factor` × row; Φ likewise.
     pub fn scaled(&self, factor: S) -> Self {
+        let mut scaled = *self;
+        for columns in scaled.columns.iter_mut() {
+            *columns = columns.scaled(factor);
+        }
         Row {
             value: factor * self.value,
-            parent: self.parent.scaled(factor),
-            child: self.child.scaled(factor),
+            columns: scaled.columns,
             time: factor * self.time,
             couple: self.couple.map(|x| factor * x),
             bias: factor * self.bias,
@@ -119,12 +178,15 @@ impl<S: Real> Row<S> {
         }
     }
 
-    /// The sum of two rows.
+    /// The sum of two rows between the same ends.
     pub fn plus(&self, other: &Self) -> Self {
+        let mut sum = *self;
+        for (columns, other) in sum.columns.iter_mut().zip(other.columns.iter()) {
+            *columns = columns.plus(other);
+        }
         Row {
             value: self.value + other.value,
-            parent: self.parent.plus(&other.parent),
-            child: self.child.plus(&other.child),
+            columns: sum.columns,
             time: self.time + other.time,
             couple: self.couple + other.couple,
             bias: self.bias + other.bias,
@@ -132,16 +194,25 @@ impl<S: Real> Row<S> {
         }
     }
 
-    /// Φ_v v + Φ_t.
-    pub fn rate(&self, ends: &Ends<'_, S>) -> S {
-        self.parent.rate(&ends.parent) + self.child.rate(&ends.child) + self.time
+    /// The sum with a row between other ends, which come behind its own. The couple stays that on its own child.
+    pub fn beside(mut self, other: &Self) -> Self {
+        self.columns.extend(other.columns.iter().copied());
+        self.value += other.value;
+        self.time += other.time;
+        self.bias += other.bias;
+        self.relative += other.relative;
+        self
     }
 
-    /// Φ_t: its own and that of prescribed ends by (6).
-    pub fn prescribed_rate(&self, ends: &Ends<'_, S>) -> S {
-        let both = [(&self.parent, &ends.parent), (&self.child, &ends.child)];
-        let prescribed = both.into_iter().filter(|(_, end)| end.prescribed.is_some());
-        prescribed.fold(self.time, |sum, (columns, end)| sum + columns.rate(end))
+    /// Takes what is prescribed to the right-hand sides by (6). Once.
+    pub fn prescribe(&mut self, ends: &Ends<'_, S>) {
+        let both = [&ends.parent, &ends.child];
+        for (columns, end) in self.columns.iter().zip(both) {
+            if let Some(accelerations) = &end.prescribed {
+                self.time += columns.rate(&end.velocities());
+                self.bias -= columns.rate(accelerations);
+            }
+        }
     }
 }
 
@@ -224,17 +295,20 @@ impl<S: Real> Rows<S> {
 
     /// Holds a coordinate to a course of time: one row, derived in `rows/motor.rs`.
     pub fn motor(&mut self, ends: &Ends<'_, S>, coordinate: &Coordinate, course: &Jet<S>) {
-        self.rows.push(ends.prescribed(coordinate, course));
+        let mut row = ends.prescribed(coordinate, course);
+        row.prescribe(ends);
+        self.rows.push(row);
     }
 
-    /// Takes what is prescribed to the right-hand sides by (6). Once, after all rows.
+    /// [`Row::prescribe`] of all rows.
     pub fn prescribe(&mut self, ends: &Ends<'_, S>) {
-        for row in &mut self.rows {
-            for (columns, end) in [(&row.parent, &ends.parent), (&row.child, &ends.child)] {
-                if let Some(known) = columns.prescribed(end) {
-                    row.bias -= known;
-                }
-            }
+        self.rows.iter_mut().for_each(|row| row.prescribe(ends));
+    }
+
+    /// One row of the law: a basic one, or one that [`Row::scaled`] and [`Row::plus`] make of such.
+    pub fn push(&mut self, row: impl FnOnce() -> Row<S>) {
+        if self.next() {
+            self.rows.push(row());
         }
     }
 
@@ -249,29 +323,24 @@ impl<S: Real> Rows<S> {
         let bias = labelled(ends.meeting(), ["gamma_x", "gamma_y", "gamma_z"]);
         for k in axes.rows() {
             let unit = Rotation::Identity.row(k);
+            let columns = Columns {
+                linear: -unit,
+                angular: parent.outward.row(k).cross(&parent.lever()),
+            };
+            let on_child = Columns {
+                linear: unit,
+                angular: child.lever().cross(&child.outward.row(k)),
+            };
             self.rows.push(Row {
-                value: gap[k],
-                parent: Columns {
-                    linear: -unit,
-                    angular: parent.outward.row(k).cross(&parent.lever()),
-                },
-                child: Columns {
-                    linear: unit,
-                    angular: child.lever().cross(&child.outward.row(k)),
-                },
-                time: S::zero(),
-                couple: Vector3::zeros(),
                 bias: bias[k],
-                relative: S::zero(),
+                ..Row::between(gap[k], columns, on_child)
             });
         }
     }
 
     /// Axis `a` of frame 1 and axis `b` of frame 2 stay perpendicular: one row [1], (2).
     pub fn perpendicular(&mut self, ends: &Ends<'_, S>, a: &Axis, b: &Axis) {
-        if self.next() {
-            self.rows.push(perpendicular(ends, a, b));
-        }
+        self.push(|| perpendicular(ends, a, b));
     }
 
     /// Three rows [1] that lock the attitude: (x1, y2), (y1, z2), (z1, x2) for the axes x, y, z.
@@ -283,48 +352,23 @@ impl<S: Real> Rows<S> {
 
     /// The cosine between `a` of frame 1 and `b` of frame 2 stays `cosine`: one row [1], (2) with another right-hand side.
     pub fn angle(&mut self, ends: &Ends<'_, S>, a: &Axis, b: &Axis, cosine: S) {
-        if !self.next() {
-            return;
-        }
-        let row = perpendicular(ends, a, b);
-        self.rows.push(Row {
-            value: row.value - cosine,
-            ..row
+        self.push(|| {
+            let row = perpendicular(ends, a, b);
+            Row {
+                value: row.value - cosine,
+                ..row
+            }
         });
     }
 
     /// The child's joint point stays in the plane through the parent's joint point normal to `a` of frame 1: one row [m], (3).
     pub fn in_plane(&mut self, ends: &Ends<'_, S>, a: &Axis) {
-        if self.next() {
-            self.rows.push(in_plane(ends, a));
-        }
+        self.push(|| in_plane(ends, a));
     }
 
     /// The joint points keep the distance `length` [m]: one row [m], (4).
     pub fn distance(&mut self, ends: &Ends<'_, S>, length: S) {
-        if !self.next() {
-            return;
-        }
-        let (parent, child) = (&ends.parent, &ends.child);
-        let (gap, rate) = (ends.gap(), ends.gap_rate());
-        let shrink = (S::one() / length).label("inverse_length");
-        let direction = gap.map(|x| x * shrink);
-        let half = S::from_f64(0.5);
-        self.rows.push(Row {
-            value: half * (gap.dot(&direction) - length),
-            parent: Columns {
-                linear: -direction,
-                angular: parent.outward.back(&direction).cross(&parent.lever()),
-            },
-            child: Columns {
-                linear: direction,
-                angular: child.lever().cross(&child.outward.back(&direction)),
-            },
-            time: S::zero(),
-            couple: Vector3::zeros(),
-            bias: direction.dot(&ends.meeting()) - rate.dot(&rate) * shrink,
-            relative: -(rate.dot(&rate) * shrink),
-        });
+        self.push(|| distance(ends, length));
     }
 
     /// The child advances by `lead` [m/rad] as it turns about `axis`: one row [m], (5). With U = u1·u2, V = v1·u2, z = a1·d, φ = z/h:
@@ -335,10 +379,7 @@ impl<S: Real> Rows<S> {
     /// γ   = h sin φ γ(U) − h cos φ γ(V) + (U cos φ + V sin φ) γ(z) − 2 (U̇ cos φ + V̇ sin φ) ż + (U sin φ − V cos φ) ż²/h
     /// ```
     pub fn helix(&mut self, ends: &Ends<'_, S>, axis: &Axis, lead: S) {
-        if !self.next() {
-            return;
-        }
-        self.rows.push(helix(ends, axis, lead));
+        self.push(|| helix(ends, axis, lead));
     }
 }
 
@@ -383,7 +424,7 @@ fn pull<S: Real>(end: &End<S>) -> Vector3<S> {
 }
 
 /// (2).
-pub(crate) fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
+pub fn perpendicular<S: Real>(ends: &Ends<'_, S>, a: &Axis, b: &Axis) -> Row<S> {
     across(ends, &ends.parent.axis(a), &ends.child.axis(b))
 }
 
@@ -395,20 +436,15 @@ fn across<S: Real>(ends: &Ends<'_, S>, a: &Vector3<S>, b: &Vector3<S>) -> Row<S>
     let cosine = a.dot(&b_parent);
     let along = a.dot(&spin.difference) * b_parent.dot(&spin.difference);
     let relative = spin.square * cosine - along;
+    let columns = |angular: Vector3<S>| Columns {
+        angular,
+        ..Columns::zero()
+    };
     Row {
-        value: cosine,
-        parent: Columns {
-            angular: normal,
-            ..Columns::zero()
-        },
-        child: Columns {
-            angular: couple,
-            ..Columns::zero()
-        },
-        time: S::zero(),
         couple,
         bias: relative - normal.dot(&spin.cross),
         relative,
+        ..Row::between(cosine, columns(normal), columns(couple))
     }
 }
 
@@ -446,20 +482,39 @@ pub(super) fn in_plane<S: Real>(ends: &Ends<'_, S>, a: &Axis) -> Row<S> {
     let carried = parent.omega.cross(&parent.omega.cross(&reach));
     let own = child.omega.cross(&child.swing());
     let linear = parent.outward.apply(&a);
+    let columns = Columns {
+        linear: -linear,
+        angular: a.cross(&(reach - parent.reference)),
+    };
+    let on_child = Columns {
+        linear,
+        angular: child.lever().cross(&a_child),
+    };
     Row {
-        value: a.dot(&(reach - parent.arm)),
-        parent: Columns {
-            linear: -linear,
-            angular: a.cross(&(reach - parent.reference)),
-        },
-        child: Columns {
-            linear,
-            angular: child.lever().cross(&a_child),
-        },
-        time: S::zero(),
-        couple: Vector3::zeros(),
         bias: a.dot(&(coriolis - carried)) - a_child.dot(&own),
-        relative: S::zero(),
+        ..Row::between(a.dot(&(reach - parent.arm)), columns, on_child)
+    }
+}
+
+/// (4).
+fn distance<S: Real>(ends: &Ends<'_, S>, length: S) -> Row<S> {
+    let (parent, child) = (&ends.parent, &ends.child);
+    let (gap, rate) = (ends.gap(), ends.gap_rate());
+    let shrink = (S::one() / length).label("inverse_length");
+    let direction = gap.map(|x| x * shrink);
+    let half = S::from_f64(0.5);
+    let columns = Columns {
+        linear: -direction,
+        angular: parent.outward.back(&direction).cross(&parent.lever()),
+    };
+    let on_child = Columns {
+        linear: direction,
+        angular: child.lever().cross(&child.outward.back(&direction)),
+    };
+    Row {
+        bias: direction.dot(&ends.meeting()) - rate.dot(&rate) * shrink,
+        relative: -(rate.dot(&rate) * shrink),
+        ..Row::between(half * (gap.dot(&direction) - length), columns, on_child)
     }
 }
 
@@ -474,7 +529,7 @@ pub(crate) fn helix<S: Real>(ends: &Ends<'_, S>, axis: &Axis, lead: S) -> Row<S>
     let u = ends.child.axis(&u);
     let (miss, advance) = (across(ends, &-behind, &u), across(ends, &ahead, &u));
     let speed = ends.parent.axis(axis).dot(&ends.slide_rate());
-    let turning = advance.parent.angular.dot(&ends.spin().difference);
+    let turning = advance.parent().angular.dot(&ends.spin().difference);
     let row = miss.scaled(lead).plus(&displacement.scaled(advance.value));
     let two = S::from_f64(2.0);
     let own = (miss.value * speed / lead - two * turning) * speed;

@@ -45,15 +45,15 @@ impl<S: Real> Turning<S> {
 
     /// Φ_v by (3).
     fn parent(&self) -> Vector3<S> {
-        self.behind.parent.angular.map(|n| n * self.inverse)
+        self.behind.parent().angular.map(|n| n * self.inverse)
     }
 
     /// θ, Φ_v and γ by (2) to (4); w = ω_p − ω_c.
     fn row(&self, w: &Vector3<S>) -> Row<S> {
         let [x, y] = self.products;
         let row = self.behind.scaled(self.inverse);
-        let stretching = S::from_f64(2.0) * self.ahead.parent.angular.dot(w);
-        let own = row.parent.angular.dot(w) * (stretching * self.inverse);
+        let stretching = S::from_f64(2.0) * self.ahead.parent().angular.dot(w);
+        let own = row.parent().angular.dot(w) * (stretching * self.inverse);
         Row {
             value: y.atan2(x),
             bias: row.bias + own,

@@ -93,8 +93,6 @@ impl<S: Real> Rotation<S> {
 /// centre of mass is its origin, and its own components are along world axes.
 #[derive(Clone, Copy, Debug)]
 pub struct End<S: Real> {
-    /// First speed and number of speeds of what it sits on (6 for a body, 3 for a point; in a plane 3 and 2); `None` for the world.
-    pub speeds: Option<(usize, usize)>,
     /// Centre of mass, world axes [m].
     pub position: Vector3<S>,
     /// Its velocity, world axes [m/s].
@@ -117,7 +115,6 @@ impl<S: Real> End<S> {
     /// An end fixed in the world, at `arm` from its origin.
     pub fn fixed(arm: Vector3<S>, frame: Rotation<S>) -> Self {
         End {
-            speeds: None,
             position: Vector3::zeros(),
             velocity: Vector3::zeros(),
             omega: Vector3::zeros(),
@@ -150,9 +147,10 @@ impl<S: Real> End<S> {
         self.arm - self.reference
     }
 
-    /// Velocity of the reference point, world axes [m/s].
-    pub fn reference_velocity(&self) -> Vector3<S> {
-        self.velocity + self.outward.apply(&self.omega.cross(&self.reference))
+    /// Velocity of the reference point, world axes [m/s], and angular velocity, own components [rad/s].
+    pub fn velocities(&self) -> [Vector3<S>; 2] {
+        let turning = self.outward.apply(&self.omega.cross(&self.reference));
+        [self.velocity + turning, self.omega]
     }
 
     /// ω × arm: velocity of the joint's point against the centre of mass, own components [m/s].

@@ -5,6 +5,6 @@ mod coordinate;
 mod ends;
 mod motor;
 
-pub use basic::{Columns, Row, Rows};
-pub(crate) use basic::{couple, helix};
+pub use basic::{Columns, MOST_ENDS, Row, Rows};
+pub(crate) use basic::{couple, helix, perpendicular};
 pub use ends::{End, Ends, Rotation, Spin};

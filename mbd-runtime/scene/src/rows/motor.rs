@@ -31,7 +31,7 @@ impl<S: Real> Ends<'_, S> {
             };
         };
         let [row, ahead] = rotated_rows(self, cosine, sine, course.value.sin_cos());
-        let turning = ahead.parent.angular.dot(&self.spin().difference);
+        let turning = ahead.parent().angular.dot(&self.spin().difference);
         let ahead = ahead.value;
         let own = (turning + turning) * course.rate
             + ahead * course.curve

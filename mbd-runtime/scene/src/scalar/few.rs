@@ -43,6 +43,14 @@ impl<T: Copy, const N: usize> Extend<T> for Few<T, N> {
     }
 }
 
+impl<T: PartialEq, const N: usize> PartialEq for Few<T, N> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl<T: Eq, const N: usize> Eq for Few<T, N> {}
+
 impl<T, const N: usize> Deref for Few<T, N> {
     type Target = [T];
 

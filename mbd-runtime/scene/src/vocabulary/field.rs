@@ -1,5 +1,6 @@
 //! Fields of a joint: how a joint asks its reader for them, and what their numbers must obey.
 
+use crate::vocabulary::coupling::Coupled;
 use crate::{Axis, Dimension, Formula};
 
 /// A number among the fields of a joint.
@@ -83,4 +84,8 @@ pub trait Fields {
     fn axes(&mut self, name: &'static str, default: [Axis; 2], perpendicular: bool) -> [Axis; 2];
     /// A number that must be given.
     fn number(&mut self, field: &'static Field) -> Formula;
+    /// The coordinates of other joints that a coupling relates: the one given at `to`, then the one at `from`.
+    fn coordinates(&mut self) -> [(usize, usize); 2];
+    /// A number of a coupling, which measures what these coordinates say; a field without a dimension of its own.
+    fn coupled(&mut self, field: &'static Field, measures: Coupled) -> Formula;
 }

@@ -8,7 +8,7 @@ use crate::messages::Report;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
 use crate::syntax::words;
-use crate::units::{described, si_text};
+use crate::units::described;
 
 pub fn joint_law(at: Region, word: &str) -> Report {
     let known = JointLaw::KEYWORDS;
@@ -133,22 +133,77 @@ pub fn not_perpendicular(at: Region, keyword: &str, degrees: f64) -> Report {
     )
 }
 
-pub fn no_number(at: Region, keyword: &str, name: &str, field: &Field) -> Report {
-    let field_name = field.name;
-    let example = match si_text(field.dimension).as_str() {
-        "" => "90 deg".to_string(),
+pub fn no_number(at: Region, keyword: &str, name: &str, (field, unit): (&str, &str)) -> Report {
+    let example = match unit {
+        "rad" => "90 deg".to_string(),
+        "" => "3.0".to_string(),
         unit => format!("1.0 {unit}"),
     };
     Report::new(
         at,
+        format!("{keyword} joint `{name}` has no {field}. add `{{ {field}: {example} }}`"),
+    )
+}
+
+pub fn no_joint_to_couple(at: Region, keyword: &str, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
         format!(
-            "{keyword} joint `{name}` has no {field_name}. add `{{ {field_name}: {example} }}`"
+            "no joint named `{word}`{} a `{keyword}` couples coordinates of joints, such as `from motor.angle`",
+            ended(did_you_mean(word, known.iter().copied()))
         ),
     )
 }
 
-pub fn no_single_coordinate(at: Region, keyword: &str, field: &str) -> Report {
-    let instead = if field == MOTOR.name {
+pub fn coordinate_wanted(at: Region, keyword: &str, word: &str, kind: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a `{keyword}` couples coordinates of joints, such as `from motor.angle`; `{word}` is a {kind}"
+        ),
+    )
+}
+
+pub fn nothing_to_couple(at: Region, name: &str, keyword: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{name}` is a `{keyword}` joint, which has no coordinate to couple; take a joint that has one, such as `hinge` or `prismatic`"
+        ),
+    )
+}
+
+pub fn coordinate_not_rate(at: Region, keyword: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a `{keyword}` couples coordinates themselves, such as `from motor.angle`: their rates and forces follow"
+        ),
+    )
+}
+
+pub fn couples_itself(at: Region, keyword: &str, coordinate: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a `{keyword}` couples two coordinates, and both ends of this one are `{coordinate}`"
+        ),
+    )
+}
+
+pub fn no_common_measure(at: Region, keyword: &str, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "{keyword} `{name}` couples two angles, each known up to a full turn: its ratio must be a fraction of whole numbers up to 1000 that is no `param`, such as `43.0 / 20.0`; or measure one of them by a `screw`, whose angle counts turns"
+        ),
+    )
+}
+
+pub fn no_single_coordinate(at: Region, keyword: &str, field: &str, couples: bool) -> Report {
+    let instead = if couples {
+        "give it to one of the joints that it couples"
+    } else if field == MOTOR.name {
         "take a joint that has one, such as `hinge` or `prismatic`, or let a frame of the `world` move"
     } else {
         "put a `load` or a `spring` between the two bodies"
@@ -235,6 +290,7 @@ pub fn along_rule(at: Region, name: &str, field: &Field, unit: &str, found: f64)
 fn measured(found: f64, unit: &str) -> String {
     match unit {
         "rad" => format!("{} deg", (found.to_degrees() * 1e9).round() / 1e9),
+        "" => format!("{found}"),
         unit => format!("{found} {unit}"),
     }
 }
@@ -254,11 +310,4 @@ pub fn stops_in_order(at: Region, name: &str, places: [Option<f64>; 2], unit: &s
         at,
         format!("the low stop of `{name}` lies below the high one, these are {low} and {high}"),
     )
-}
-
-pub fn number_rule(at: Region, name: &str, field: &Field, found: f64) -> Report {
-    let unit = si_text(field.dimension);
-    // A number without dimension in a joint is an angle.
-    let unit = if unit.is_empty() { "rad" } else { &unit };
-    along_rule(at, name, field, unit, found)
 }
