@@ -6,7 +6,7 @@
 //! Φ(q given, y) = 0,   Φ_v v + Φ_t = 0                    y and its rates: the coordinates of the tree that are not given      (3)
 //! ```
 //!
-//! The tree takes the joints with given coordinates first, then the others in the order of declaration, those marked `loop` last. y starts at zero;
+//! Couplings close loops. The tree takes the joints with given coordinates first, then the others in the order of declaration, those marked `loop` last. y starts at zero;
 //! (3) is solved by damped least squares (Levenberg and Marquardt), its rates, which are linear, by least squares.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -157,7 +157,9 @@ fn tree(
 ) -> Result<Vec<Link>, PlacementError> {
     let asked = |joint: usize| given.iter().any(|start| start.joint == joint);
     let mut order: Vec<usize> = (0..layout.joints.len())
-        .filter(|&joint| layout.joints[joint].len > 0)
+        .filter(|&joint| {
+            layout.joints[joint].len > 0 && scene.joints[joint].law.couples().is_empty()
+        })
         .collect();
     order.sort_by_key(|&joint| (!asked(joint), scene.joints[joint].cut));
     // What hangs together; the world and everything fixed are one.
@@ -165,7 +167,10 @@ fn tree(
     together[0].extend(fixed.iter().copied().map(Some));
     let mut edges = Vec::new();
     for joint in order {
-        let ends = layout.joints[joint].ends;
+        let [Some(&parent), Some(&child)] = [0, 1].map(|k| layout.joints[joint].ends.get(k)) else {
+            continue;
+        };
+        let ends = [parent, child];
         let [a, b] = ends.map(|end| {
             let found = together.iter().position(|set| set.contains(&end));
             found.unwrap_or_else(|| {

@@ -7,12 +7,8 @@ use crate::redundancy::configuration::Configuration;
 use crate::redundancy::length;
 use crate::redundancy::local::{Hold, PartMotion, columns, speeds};
 use crate::redundancy::tree::{Group, Link};
-<<<<<<< 64fe5dac2e50d09f4a41ac17a56048cdb468f0a7
 use crate::rows::{Row, Rows};
-=======
-use crate::rows::{Columns, Row, Rows};
 use crate::scalar::orthogonal::dot;
->>>>>>> main
 use crate::{Layout, Part, Relative, Scene, Twist};
 
 /// States looked for in a group.
