@@ -208,3 +208,30 @@ fn a_slider_on_a_base_that_moves_starts_with_the_velocity_of_both() {
     assert!(moved < 1e-14, "{moved}");
     assert_close(&outputs, &[0.4, -0.3, 0.1], 1e-14, 1e-14, "coordinates");
 }
+
+#[test]
+fn a_start_at_one_end_of_a_train_of_gears_places_the_others() {
+    let scene = read(
+        "model Train { gravity: none;
+        body rotor { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
+        body wheel { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
+        body rack { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
+        joint teeth: gear from motor.angle to axle.angle { ratio: -2, offset: 10 deg }
+        joint motor: hinge from world to rotor.com { axis: y }
+        joint axle: hinge from world to wheel.com { axis: y }
+        joint rail: prismatic from world to rack.com { axis: x }
+        joint pinion: gear from axle.angle to rail.slide { ratio: 50 mm }
+        output wheel_angle = axle.angle;
+        output wheel_rate = axle.angle_rate;
+        output way = rail.slide;
+        output speed = rail.slide_rate;
+        }",
+    );
+    let given = [start(&scene, "motor", 0.4, 3.0)];
+    let state = placed(&scene, &given, &[]).expect("a train");
+    let (moved, outputs) = run(&scene, &state);
+    let angle = -0.8 + 10f64.to_radians();
+    let want = [angle, -6.0, 0.05 * angle, -0.3];
+    assert_close(&outputs, &want, 1e-9, 1e-10, "wheel and rack");
+    assert!(moved < 1e-9, "{moved:e}");
+}
