@@ -11,7 +11,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::field::ANGLE;
+use super::dimension::ANGLE;
 use super::motion::write;
 use super::{Axis, Field, Fields, Joint, Pose, Relative, Rule, Twist};
 use crate::rows::{Ends, Rows};

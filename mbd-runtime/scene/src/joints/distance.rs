@@ -12,7 +12,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::field::LENGTH;
+use super::dimension::LENGTH;
 use super::motion::{attitude_columns, write};
 use super::{Axis, Field, Fields, Joint, Pose, Relative, Rule, Twist};
 use crate::rows::{Ends, Rows};

@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::field::ANGLE;
+use super::dimension::ANGLE;
 use super::{Coupled, Field, Fields, Joint, Relation, Rule};
 use crate::{Formula, Real};
 

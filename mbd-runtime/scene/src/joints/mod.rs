@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::rows::{Ends, Rows};
 pub use crate::vocabulary::{Coupled, MOST_COUPLED, Relation};
-use crate::vocabulary::{field, motion};
+use crate::vocabulary::{dimension, motion};
 pub use crate::{Axis, Coordinate, Field, Fields, Measure, Pose, Relative, Rule, Twist};
 use crate::{Formula, Real};
 

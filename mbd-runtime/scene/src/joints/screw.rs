@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::field::LENGTH;
+use super::dimension::LENGTH;
 use super::motion::write;
 use super::{
     Axis, Carried, Coordinate, Field, Fields, Joint, Measure, Pose, Relative, Rule, Twist,

@@ -3,7 +3,7 @@
 //! A joint tells them as data; value, rate, direction of the generalised force and γ follow once for all joints in
 //! [`crate::rows::coordinate`].
 
-use super::field::{ANGLE, LENGTH};
+use super::dimension::{ANGLE, LENGTH};
 use crate::{Axis, Dimension};
 
 /// A scalar of a joint. Coordinate number i of a joint is its q(i), and the rate is its u(i).

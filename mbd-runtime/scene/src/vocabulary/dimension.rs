@@ -23,3 +23,17 @@ pub struct Dimension {
     /// Twice the exponent of time.
     pub time: i8,
 }
+
+/// A pure number or an angle [rad].
+pub const ANGLE: Dimension = Dimension {
+    mass: 0,
+    length: 0,
+    time: 0,
+};
+
+/// A dimension of length [m].
+pub const LENGTH: Dimension = Dimension {
+    mass: 0,
+    length: 2,
+    time: 0,
+};

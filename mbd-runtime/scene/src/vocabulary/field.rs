@@ -60,20 +60,6 @@ impl Rule {
     }
 }
 
-/// A dimension of length [m].
-pub const LENGTH: Dimension = Dimension {
-    mass: 0,
-    length: 2,
-    time: 0,
-};
-
-/// A pure number or an angle [rad].
-pub const ANGLE: Dimension = Dimension {
-    mass: 0,
-    length: 0,
-    time: 0,
-};
-
 /// Whoever reads a declaration hands a joint its fields through this. It reports what is missing or wrong itself and answers with
 /// something usable, so that one reading reports every mistake.
 pub trait Fields {
