@@ -52,6 +52,7 @@ doors! {
     fn look(run: &mut Simulation<Self>, what: Quantity, out: &mut [Self]) -> Result<(), RunError> = Simulation::look;
     fn give_state(run: &mut Simulation<Self>, time: f64, state: &[Self]) -> Result<(), RunError> = Simulation::give_state;
     fn give_nodes(run: &mut Simulation<Self>, guess: &[Self]) -> Result<(), RunError> = Simulation::give_nodes;
+    fn give_joints(run: &mut Simulation<Self>, given: &[(&str, f64)]) -> Result<(), RunError> = Simulation::give_joints;
     fn give_params(run: &mut Simulation<Self>, params: &[Self]) -> Result<(), ParamError> = Simulation::give_params;
     fn continue_from(run: &mut Simulation<Self>, snapshot: &Snapshot<Self>) -> Result<(), RunError> = Simulation::continue_from;
     fn save(run: &Simulation<Self>) -> Snapshot<Self> = Simulation::save;
@@ -115,6 +116,16 @@ impl<T: Scalar> Simulation<T> {
     /// A number that is not finite, a quaternion off unit length by more than 1e-3, or a wrong length.
     pub fn set_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
         T::give_state(self, time, state)
+    }
+
+    /// Places bodies by joint coordinates, by their names: `run.set_joints(&[("pin.angle", 0.5), ("pin.angle_rate", 1.0)])` [m or rad, and per second].
+    /// Bodies that no joint ties to the world, or to another body, stay where [`Simulation::set_state`] put them; coordinates that are not given are
+    /// zero, those of motors what their courses say now, and where joints close loops what closes them: see [`place`](mbd_scene::place).
+    ///
+    /// # Errors
+    /// A name that is no joint coordinate; one that others decide; loops that cannot close.
+    pub fn set_joints(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
+        T::give_joints(self, given)
     }
 
     /// Gives positions of the nodes (3 each) to start their search from; those of `rate` nodes are taken as they are, whatever z is.

@@ -128,6 +128,15 @@ step_errors! {
     }
     "range", format!("`{slot}` cannot be {value:e}"), "give a finite number in the accepted range";
 
+    /// A start in joint coordinates that places no bodies.
+    Unplaced {
+        /// The joint, or the name that was given.
+        name: String,
+        /// What is wrong with it.
+        why: String,
+    }
+    "start", format!("`{name}` {why}"), "give coordinates that do not decide each other, and at which the loops can close";
+
     /// A number that became infinite or NaN.
     NonFinite {
         /// When [s].

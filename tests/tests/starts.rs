@@ -235,3 +235,40 @@ fn a_start_at_one_end_of_a_train_of_gears_places_the_others() {
     assert_close(&outputs, &want, 1e-9, 1e-10, "wheel and rack");
     assert!(moved < 1e-9, "{moved:e}");
 }
+
+#[test]
+fn a_simulation_is_placed_by_the_names_of_joint_coordinates() {
+    let scene = read(&PENDULUM.replace("COMPONENTS", ""));
+    let model = Generic::<f64>::with_defaults(scene.clone()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
+    run.set_joints(&[
+        ("shoulder.angle", 0.4),
+        ("elbow.angle", -0.9),
+        ("elbow.angle_rate", 2.0),
+    ])
+    .expect("a tree");
+    run.start().expect("a start");
+    let mut outputs = vec![0.0; 4];
+    run.evaluate(mbd_runtime::Quantity::Outputs, &mut outputs)
+        .expect("outputs");
+    assert_close(
+        &outputs,
+        &[0.4, 0.0, -0.9, 2.0],
+        1e-14,
+        1e-14,
+        "coordinates",
+    );
+    let before = run.state().to_vec();
+    for (given, said) in [
+        ([("elbow.angel", 0.1)], "elbow.angle"),
+        ([("elbow.angle", f64::NAN)], "elbow.angle"),
+    ] {
+        let error = run.set_joints(&given).expect_err("refused").to_string();
+        assert!(error.contains(said), "{error}");
+    }
+    assert_eq!(run.state(), before, "what is refused changes nothing");
+    let single = Generic::<f32>::with_defaults(scene).expect("defaults");
+    let mut run = Simulation::new(&single, Options::rk4(1e-2)).expect("options");
+    run.set_joints(&[("shoulder.angle", 0.4)]).expect("a tree");
+    run.run(0.1).expect("a run in f32");
+}

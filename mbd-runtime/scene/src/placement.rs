@@ -42,6 +42,66 @@ pub struct JointStart {
     pub rate: Option<f64>,
 }
 
+impl Scene {
+    /// The joint coordinate of a name, `pin.angle`, or of that of its rate, `pin.angle_rate`: joint, number, whether it is the rate.
+    #[must_use]
+    pub fn joint_coordinate(&self, name: &str) -> Option<(usize, usize, bool)> {
+        let (owner, word) = name.rsplit_once('.')?;
+        let joint = self.joints.iter().position(|joint| joint.name == owner)?;
+        let mut measured = self.joints.get(joint)?.law.measured().enumerate();
+        let (number, found) =
+            measured.find(|(_, found)| found.name == word || found.rate == word)?;
+        Some((joint, number, found.rate == word))
+    }
+
+    /// The names of all joint coordinates, each followed by that of its rate.
+    #[must_use]
+    pub fn joint_coordinates(&self) -> Vec<String> {
+        let joints = self.joints.iter();
+        let names = joints.flat_map(|joint| {
+            let words = joint
+                .law
+                .measured()
+                .flat_map(|found| [found.name, found.rate]);
+            words.map(move |word| format!("{}.{word}", joint.name))
+        });
+        names.collect()
+    }
+}
+
+impl JointStart {
+    /// Values and rates by their names, brought together. The first name that is none is an error.
+    ///
+    /// # Errors
+    /// That name.
+    pub fn by_name<'a>(
+        scene: &Scene,
+        given: impl IntoIterator<Item = (&'a str, f64)>,
+    ) -> Result<Vec<Self>, &'a str> {
+        let mut starts: Vec<JointStart> = Vec::new();
+        for (name, number) in given {
+            let (joint, coordinate, is_rate) = scene.joint_coordinate(name).ok_or(name)?;
+            let same = |known: &JointStart| (known.joint, known.coordinate) == (joint, coordinate);
+            let index = starts.iter().position(same).unwrap_or_else(|| {
+                starts.push(JointStart {
+                    joint,
+                    coordinate,
+                    value: None,
+                    rate: None,
+                });
+                starts.len() - 1
+            });
+            let start = &mut starts[index];
+            *if is_rate {
+                &mut start.rate
+            } else {
+                &mut start.value
+            } = Some(number);
+        }
+        Ok(starts)
+    }
+}
+
 /// Why bodies cannot be placed by joint coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlacementError {

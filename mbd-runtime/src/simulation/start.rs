@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mbd_scene::{Float, Model, NodeModel, Quantity};
+use mbd_scene::{Float, JointStart, Model, NodeModel, PlacementError, Quantity, place};
 
 use super::moved::moved;
 use super::{Pace, Simulation};
@@ -139,6 +139,56 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         };
         Err(StepError::InvalidInput { slot, value })
+    }
+
+    /// What [`Simulation::set_joints`] does.
+    pub(crate) fn give_joints(&mut self, given: &[(&str, f64)]) -> Result<(), RunError> {
+        let model = self.system.model.clone();
+        let (scene, layout) = (model.scene(), model.layout());
+        let unplaced = |name: String, why: String| StepError::Unplaced { name, why };
+        let starts = match JointStart::by_name(scene, given.iter().copied()) {
+            Ok(starts) => starts,
+            Err(name) => {
+                let known = scene.joint_coordinates().join(", ");
+                let why = format!("is no joint coordinate; there are: {known}");
+                return Err(self.failed(unplaced(name.to_owned(), why)));
+            }
+        };
+        if let Some((name, value)) = given.iter().find(|(_, value)| !value.is_finite()) {
+            let slot = (*name).to_owned();
+            return Err(self.failed(StepError::InvalidInput {
+                slot,
+                value: *value,
+            }));
+        }
+        let of = |state: &[T]| -> Vec<f64> { state.iter().map(|x| x.to_f64()).collect() };
+        let (params, mut state) = (of(model.params()), of(&self.state[..self.system.nx]));
+        let placed = place(
+            scene,
+            layout,
+            (&params, self.time),
+            &starts,
+            &[],
+            &mut state,
+        );
+        if let Err(error) = placed {
+            let (joint, why) = match error {
+                PlacementError::Decided { joint } => (
+                    joint,
+                    "is decided by the other coordinates that are given".to_owned(),
+                ),
+                PlacementError::Open { joint, gap } => (
+                    joint,
+                    format!(
+                        "stays open by {gap:.1e}: no coordinates of the other joints close its loop"
+                    ),
+                ),
+            };
+            let name = scene.joints.get(joint).map(|joint| joint.name.clone());
+            return Err(self.failed(unplaced(name.unwrap_or_default(), why)));
+        }
+        let state: Vec<T> = state.into_iter().map(T::from_f64).collect();
+        self.give_state(self.time, &state)
     }
 
     /// What [`Simulation::set_nodes`] does.

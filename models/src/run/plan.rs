@@ -4,8 +4,8 @@ use std::fmt;
 
 use mbd_compiler::{nearest, read_number};
 use mbd_runtime::scene::{
-    Frame, InputSource, Joint, JointForces, JointStart, Line, NodeModel, Part, PlacementError,
-    Scene, place,
+    Frame, InputSource, JointForces, JointStart, Line, NodeModel, Part, PlacementError, Scene,
+    place,
 };
 use mbd_runtime::{Content, Generic, Layout, Name, Options, Sampling, Trajectory, state_names};
 use toml::{Table, Value};
@@ -293,30 +293,17 @@ fn start(
         slots.extend(["x", "y", "z"].map(|c| (format!("{owner}.{c}"), "m", 0.0)));
     }
     let mut places_given = false;
-    let mut joints: Vec<JointStart> = Vec::new();
+    let mut joints: Vec<(String, f64)> = Vec::new();
     for (name, value) in flat(given) {
         let setting = format!("start.{name}");
-        if let Some((start, is_rate, unit)) = coordinate(scene, &name) {
-            let number = Some(number(&setting, value, unit)?);
-            let same = |other: &JointStart| {
-                (other.joint, other.coordinate) == (start.joint, start.coordinate)
-            };
-            let index = joints.iter().position(same).unwrap_or_else(|| {
-                joints.push(start);
-                joints.len() - 1
-            });
-            let entry = &mut joints[index];
-            *if is_rate {
-                &mut entry.rate
-            } else {
-                &mut entry.value
-            } = number;
+        if let Some(unit) = coordinate_unit(scene, &name) {
+            joints.push((name.clone(), number(&setting, value, unit)?));
             continue;
         }
         let Some(index) = slots.iter().position(|(slot, ..)| *slot == name) else {
             let known = slots.iter().map(|(slot, ..)| slot.as_str());
             let known = known.filter(|slot| !slot.starts_with('.'));
-            let coordinates = coordinates(scene);
+            let coordinates = scene.joint_coordinates();
             let known = known.chain(coordinates.iter().map(String::as_str));
             return Err(unknown(&setting, &name, known));
         };
@@ -332,42 +319,24 @@ fn start(
         .iter()
         .filter_map(|name| part(scene, name))
         .collect();
+    let named = joints.iter().map(|(name, number)| (name.as_str(), *number));
+    let joints = JointStart::by_name(scene, named)
+        .map_err(|name| wrong(format!("start.{name}"), "is no joint coordinate"))?;
     place(scene, layout, (params, 0.0), &joints, &fixed, &mut numbers)
         .map_err(|error| misplaced(scene, error))?;
     Ok((numbers, places_given.then_some(nodes)))
 }
 
-/// The joint coordinate of a name, `pin.angle` or its rate `pin.angle_rate`, which of both it is, and its unit.
-fn coordinate(scene: &Scene, name: &str) -> Option<(JointStart, bool, &'static str)> {
-    let (owner, word) = name.rsplit_once('.')?;
-    let joint = scene.joints.iter().position(|joint| joint.name == owner)?;
-    let mut measured = scene.joints[joint].law.measured().enumerate();
-    let (number, found) = measured.find(|(_, found)| found.name == word || found.rate == word)?;
-    let is_rate = found.rate == word;
-    let unit = match (is_rate, found.is_angle()) {
+/// The unit of a joint coordinate, `pin.angle`, or of its rate, `pin.angle_rate`; `None` of another name.
+fn coordinate_unit(scene: &Scene, name: &str) -> Option<&'static str> {
+    let (joint, number, is_rate) = scene.joint_coordinate(name)?;
+    let (_, coordinate) = scene.coordinate(joint, number)?;
+    Some(match (is_rate, coordinate.is_angle()) {
         (false, true) => "rad",
         (false, false) => "m",
         (true, true) => "rad/s",
         (true, false) => "m/s",
-    };
-    let start = JointStart {
-        joint,
-        coordinate: number,
-        value: None,
-        rate: None,
-    };
-    Some((start, is_rate, unit))
-}
-
-/// The names of all joint coordinates and their rates.
-fn coordinates(scene: &Scene) -> Vec<String> {
-    let of = |joint: &Joint| {
-        let measured = joint.law.measured();
-        let names = measured.flat_map(|coordinate| [coordinate.name, coordinate.rate]);
-        let names: Vec<String> = names.map(|word| format!("{}.{word}", joint.name)).collect();
-        names
-    };
-    scene.joints.iter().flat_map(of).collect()
+    })
 }
 
 fn part(scene: &Scene, name: &str) -> Option<Part> {
@@ -395,7 +364,7 @@ fn misplaced(scene: &Scene, error: PlacementError) -> PlanError {
 /// The bodies and points whose coordinates are given.
 fn placed(scene: &Scene, given: &Table) -> Vec<String> {
     let names = flat(given).into_iter();
-    let names = names.filter(|(name, _)| coordinate(scene, name).is_none());
+    let names = names.filter(|(name, _)| scene.joint_coordinate(name).is_none());
     let owners = names.filter_map(|(name, _)| Some(name.rsplit_once('.')?.0.to_owned()));
     let mut owners: Vec<String> = owners.collect();
     owners.dedup();
