@@ -95,7 +95,7 @@ impl Margins {
                 .filter(|_| locate)
                 .map(|(event, declared)| Watched::Declared {
                     event,
-                    at: 2 * layout.unilateral() + event,
+                    at: 2 * layout.one_way() + event,
                     direction: declared.direction,
                 }),
         );

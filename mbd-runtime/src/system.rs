@@ -211,7 +211,7 @@ impl<T: Float> System<T> {
         let stage = stage(&*self.model, time, state, &self.inputs);
         let started = self
             .nodes
-            .start(stage, guess, &mut self.memory, &mut self.work);
+            .start_stage(stage, guess, &mut self.memory, &mut self.work);
         started.map_err(|error| self.node_error(time, error))?;
         self.nodes.place_in(state);
         Ok(())
@@ -223,7 +223,9 @@ impl<T: Float> System<T> {
         self.supply(time, state)?;
         let stage = stage(&*self.model, time, state, &self.inputs);
         let span = T::from_f64(span);
-        let solved = self.probe.solve(stage, span, &self.memory, &mut self.work);
+        let solved = self
+            .probe
+            .solve_stage(stage, span, &self.memory, &mut self.work);
         solved.map_err(|error| self.node_error(time, error))
     }
 
@@ -455,7 +457,9 @@ impl<T: Float> Rates<T> for System<T> {
         self.supply(time, state)?;
         let stage = stage(&*self.model, time, state, &self.inputs);
         let (t, span) = (stage.time, T::from_f64(span));
-        let solved = self.nodes.solve(stage, span, &self.memory, &mut self.work);
+        let solved = self
+            .nodes
+            .solve_stage(stage, span, &self.memory, &mut self.work);
         solved.map_err(|error| self.node_error(time, error))?;
         self.counters.rhs = self.counters.rhs.saturating_add(1);
         let at = self.nodes.at(t, state, &self.inputs);

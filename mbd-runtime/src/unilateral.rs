@@ -79,7 +79,7 @@ pub(crate) fn switches<T: Float>(model: &dyn Model<T>, element: usize) -> bool {
     let (scene, layout) = (model.scene(), model.layout());
     match (scene.lines.get(element), layout.lines.get(element)) {
         (Some(declared), Some(slots)) => declared.kind.is_unilateral() && slots.effective.is_none(),
-        _ => element < layout.unilateral(),
+        _ => element < layout.one_way(),
     }
 }
 

@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use mbd_compiler::{Equations, Interpreted};
-use mbd_runtime::node::{NodeMemory, Nodes, Stage};
+use mbd_runtime::node::{NodeMemory, Nodes};
 use mbd_runtime::{At, Generic, Model, Options, Quantity, Simulation};
 use models::parachute::scene::{
     Instant, ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise, TestCase,
@@ -54,7 +54,7 @@ fn execution(
     setting: &Setting,
 ) {
     let layout = model.layout();
-    let (effective, hold) = (numbers(model), vec![0.0; layout.unilateral()]);
+    let (effective, hold) = (numbers(model), vec![0.0; layout.one_way()]);
     let at = At {
         time: 6.0,
         state: &setting.state,
@@ -106,15 +106,12 @@ fn solves(
     let (mut nodes, mut memory) = (Nodes::new(model.layout()), NodeMemory::new(model.layout()));
     let mut earlier = setting.state.clone();
     earlier[9] -= 1e-3;
-    let stage = |state| Stage {
-        model,
-        time: 6.0,
-        state,
-        inputs: &[],
-    };
     nodes
         .start(
-            stage(&earlier[..]),
+            model,
+            6.0,
+            &mut earlier,
+            &[],
             Some(&setting.nodes),
             &mut memory,
             &mut work,
@@ -125,21 +122,28 @@ fn solves(
             b.iter(|| {
                 nodes
                     .solve(
-                        stage(black_box(&setting.state[..])),
+                        model,
+                        6.0,
                         0.005,
+                        black_box(&setting.state),
+                        &[],
                         &memory,
                         &mut work,
                     )
                     .expect("an equilibrium")
             });
         });
+    let mut state = setting.state.clone();
     let far: Vec<f64> = setting.nodes.iter().map(|x| x + 1.0).collect();
     c.benchmark_group(format!("{scene}: start from a metre away"))
         .bench_function(BenchmarkId::from_parameter(execution), |b| {
             b.iter(|| {
                 nodes
                     .start(
-                        stage(black_box(&setting.state[..])),
+                        model,
+                        6.0,
+                        black_box(&mut state),
+                        &[],
                         Some(&far),
                         &mut memory,
                         &mut work,

@@ -46,7 +46,7 @@ impl<'m> Course<'m> {
         };
         course
             .nodes
-            .start(stage, guess, &mut course.memory, &mut course.work)?;
+            .start_stage(stage, guess, &mut course.memory, &mut course.work)?;
         course.nodes.place_in(&mut course.state);
         Ok(course)
     }
@@ -62,7 +62,8 @@ impl<'m> Course<'m> {
             state,
             inputs: &[],
         };
-        self.nodes.solve(stage, span, &self.memory, &mut self.work)
+        self.nodes
+            .solve_stage(stage, span, &self.memory, &mut self.work)
     }
 
     /// All arguments of an evaluation at a state with the nodes of the last solve.

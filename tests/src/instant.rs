@@ -43,7 +43,7 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
     let effective = (0..layout.effective_lines)
         .flat_map(|_| [random.decades(2.0, 4.0), random.uniform(0.2, 3.0)])
         .collect();
-    let hold = (0..layout.unilateral())
+    let hold = (0..layout.one_way())
         .map(|_| random.below(3) as f64 - 1.0)
         .collect();
     Instant {

@@ -103,7 +103,7 @@ impl Group {
             Group::Z => layout.nz,
             Group::Nodes => 3 * layout.nodes.len(),
             Group::Effective => 2 * layout.effective_lines,
-            Group::Hold => layout.unilateral(),
+            Group::Hold => layout.one_way(),
             Group::Ends => layout.len(mbd_scene::Quantity::AnchorStates),
             Group::Inputs => layout.ni,
             Group::Rows => layout.nc,

@@ -45,7 +45,7 @@ impl<T: Float> NodeMemory<T> {
             step: T::zero(),
             smooth: vec![false; layout.networks.len()],
             ranks: vec![3; layout.networks.len()],
-            modes: vec![Mode::Free; layout.unilateral()],
+            modes: vec![Mode::Free; layout.one_way()],
         }
     }
 
@@ -69,24 +69,24 @@ impl<T: Float> NodeMemory<T> {
 
     /// Whether this memory belongs to that layout (it may have been read from a file).
     pub(crate) fn check(&self, layout: &Layout) -> Result<(), NodeError> {
-        let (anchors, lines) = (3 * layout.anchors.len(), layout.lines.len());
-        let networks = layout.networks.len();
-        for (what, found, expected) in [
-            ("memory of nodes", self.nodes.len(), 3 * layout.nodes.len()),
-            ("memory of anchors", self.anchors.len(), anchors),
-            ("memory of stretch", self.stretch.len(), lines),
-            ("memory of stretch", self.previous.len(), lines),
-            (
-                "memory of forces",
-                self.effective.len(),
-                2 * layout.effective_lines,
-            ),
-            ("memory of networks", self.smooth.len(), networks),
-            ("memory of networks", self.ranks.len(), networks),
-            ("memory of modes", self.modes.len(), layout.unilateral()),
-        ] {
-            NodeError::same_length(what, found, expected)?;
-        }
-        Ok(())
+        // One after the other: a table of them would be written at every stage.
+        let same = NodeError::same_length;
+        let (lines, networks) = (layout.lines.len(), layout.networks.len());
+        same("memory of nodes", self.nodes.len(), 3 * layout.nodes.len())?;
+        same(
+            "memory of anchors",
+            self.anchors.len(),
+            3 * layout.anchors.len(),
+        )?;
+        same("memory of stretch", self.stretch.len(), lines)?;
+        same("memory of stretch", self.previous.len(), lines)?;
+        same(
+            "memory of forces",
+            self.effective.len(),
+            2 * layout.effective_lines,
+        )?;
+        same("memory of networks", self.smooth.len(), networks)?;
+        same("memory of networks", self.ranks.len(), networks)?;
+        same("memory of modes", self.modes.len(), layout.one_way())
     }
 }

@@ -71,7 +71,7 @@ impl<T: Float> Nodes<T> {
         stage
             .model
             .evaluate(Quantity::Guards, &at, work, &mut guards);
-        let elements = guards.chunks_exact(2).take(self.layout.unilateral());
+        let elements = guards.chunks_exact(2).take(self.layout.one_way());
         for (element, pair) in elements.enumerate() {
             if has_mode(stage.model, element) {
                 let mode = Mode::of(pair[0] > T::zero(), pair[1] >= T::zero());

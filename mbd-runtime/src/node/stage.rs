@@ -72,9 +72,9 @@ impl<T: Float> Nodes<T> {
             ends: list(layout.len(Quantity::AnchorStates)),
             nodes: list(3 * layout.nodes.len()),
             effective: list(2 * layout.effective_lines),
-            hold: list(layout.unilateral()),
+            hold: list(layout.one_way()),
             stretch: list(layout.lines.len()),
-            modes: vec![Mode::Free; layout.unilateral()],
+            modes: vec![Mode::Free; layout.one_way()],
             guards: list(layout.len(Quantity::Guards)),
             frozen: false,
             span: T::zero(),
@@ -133,11 +133,38 @@ impl<T: Float> Nodes<T> {
         self.frozen = frozen;
     }
 
-    /// Places the nodes at a stage: `span` is the time since the last accepted step, 0 at its start [s].
+    /// Places the nodes at a time and a state: `span` is the time since the last accepted step, 0 at its start [s].
     ///
     /// # Errors
     /// [`NodeError`] for numbers that are not finite, lists of wrong length, or a network without a balance. The memory is only read.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the arguments of a pure evaluation: when, where, what is carried, scratch"
+    )]
     pub fn solve(
+        &mut self,
+        model: &dyn Model<T>,
+        time: T,
+        span: T,
+        state: &[T],
+        inputs: &[T],
+        memory: &NodeMemory<T>,
+        work: &mut Work<T>,
+    ) -> Result<(), NodeError> {
+        let stage = Stage {
+            model,
+            time,
+            state,
+            inputs,
+        };
+        self.solve_stage(stage, span, memory, work)
+    }
+
+    /// [`Nodes::solve`] at a stage.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn solve_stage(
         &mut self,
         stage: Stage<'_, T>,
         span: T,
@@ -229,7 +256,7 @@ impl<T: Float> Nodes<T> {
         let lines = stage.model.lines().len();
         NodeError::same_length("state", stage.state.len(), self.layout.nx())?;
         NodeError::same_length("inputs", stage.inputs.len(), self.layout.ni)?;
-        NodeError::same_length("lines", lines, self.layout.unilateral())
+        NodeError::same_length("lines", lines, self.layout.one_way())
     }
 
     /// Reads the anchors and loads of this stage.

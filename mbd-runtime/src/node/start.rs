@@ -16,13 +16,42 @@ use crate::unilateral::{Mode, is_node_line};
 const TINY_STEP: f64 = 1e-4;
 
 impl<T: Float> Nodes<T> {
+    /// Places the nodes at the start of a run and writes the positions of `rate` nodes into the state: see [`Nodes::start_stage`].
+    ///
+    /// # Errors
+    /// As there.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the arguments of a pure evaluation: when, where, what is carried, scratch"
+    )]
+    pub fn start(
+        &mut self,
+        model: &dyn Model<T>,
+        time: T,
+        state: &mut [T],
+        inputs: &[T],
+        guess: Option<&[T]>,
+        memory: &mut NodeMemory<T>,
+        work: &mut Work<T>,
+    ) -> Result<(), NodeError> {
+        let stage = Stage {
+            model,
+            time,
+            state,
+            inputs,
+        };
+        self.start_stage(stage, guess, memory, work)?;
+        self.place_in(state);
+        Ok(())
+    }
+
     /// Starts a run at a state: places the nodes at `guess` (3 a node [m]) or, without one, where the undamped lines balance, searched from
     /// the stiffness-weighted mean of the anchors; decides all modes; finds the forces of damped taut lines from the rate problem, because
     /// starting from zero costs an order. [`Nodes::place_in`] then writes the positions of `rate` nodes into the state.
     ///
     /// # Errors
     /// [`NodeError`] for lines that are none, node models that cannot hold the scene, numbers that are not finite, or no balance.
-    pub fn start(
+    pub fn start_stage(
         &mut self,
         stage: Stage<'_, T>,
         guess: Option<&[T]>,

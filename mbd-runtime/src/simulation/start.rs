@@ -76,7 +76,7 @@ impl<T: Float> Simulation<T> {
             guards: layout.len(Quantity::Guards),
             inside: vec![T::zero(); length],
             chosen: vec![false; margins.now.len()],
-            switches: Vec::with_capacity(layout.unilateral()),
+            switches: Vec::with_capacity(layout.one_way()),
             crossed: Vec::with_capacity(layout.events),
             margins,
             noisy: fixed && options.guard_tolerance.is_none(),

@@ -146,7 +146,7 @@ impl Run<Generic<f64>> {
             inputs: &[],
         };
         run.nodes
-            .start(stage, guess, &mut run.memory, &mut run.work)?;
+            .start_stage(stage, guess, &mut run.memory, &mut run.work)?;
         run.nodes.place_in(&mut run.state);
         Ok(run)
     }
@@ -160,7 +160,8 @@ impl<M: Model<f64>> Run<M> {
             state,
             inputs: &[],
         };
-        self.nodes.solve(stage, span, &self.memory, &mut self.work)
+        self.nodes
+            .solve_stage(stage, span, &self.memory, &mut self.work)
     }
 
     pub fn ask(&mut self, what: Quantity, state: &[f64]) -> Vec<f64> {

@@ -509,7 +509,9 @@ fn single_precision_runs_the_same_scene() {
         state: &state,
         inputs: &[],
     };
-    nodes.start(stage, None, &mut memory, &mut work).unwrap();
+    nodes
+        .start_stage(stage, None, &mut memory, &mut work)
+        .unwrap();
     nodes.place_in(&mut state);
     let mut shifted: Vec<f64> = state.iter().map(|&x| f64::from(x)).collect();
     wide.state.copy_from_slice(&shifted);

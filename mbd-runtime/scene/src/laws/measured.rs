@@ -43,7 +43,7 @@ pub fn guards<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
             out[2 * (lines + stop.stop) + 1] = stop.pull;
         }
     });
-    let events = 2 * evaluation.layout.unilateral();
+    let events = 2 * evaluation.layout.one_way();
     for (index, event) in evaluation.scene.events.iter().enumerate() {
         out[events + index] = formula::scalar(&event.guard, evaluation);
     }

@@ -119,7 +119,7 @@ impl Layout {
 
     /// Number of laws that act one way: lines, then stops.
     #[must_use]
-    pub fn unilateral(&self) -> usize {
+    pub fn one_way(&self) -> usize {
         self.lines.len() + self.stops.len()
     }
 

@@ -18,7 +18,7 @@ impl Layout {
                 .map_or(0, |n| 3 * n.nodes.len() + 6 * n.blocks.len() + 3),
             Quantity::Derivative => self.nx(),
             Quantity::Balance => 3 * self.nodes.len(),
-            Quantity::Guards => 2 * self.unilateral() + self.events,
+            Quantity::Guards => 2 * self.one_way() + self.events,
             Quantity::Outputs => self.columns,
             Quantity::Energy => 6,
             Quantity::Momentum => 6,
