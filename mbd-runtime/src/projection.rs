@@ -299,12 +299,12 @@ impl<T: Float> System<T> {
         let limit = T::from_f64(LARGEST_TURN);
         let share = if most > limit { limit / most } else { T::one() };
         for part in moving(layout) {
-            let (moved, turned) = moves(&part);
+            let (moved, rotated) = moves(&part);
             let position = state.get_mut(part.position.clone()).unwrap_or_default();
             for (x, dx) in position.iter_mut().zip(moved) {
                 *x += share * *dx;
             }
-            match (state.get_mut(part.attitude.clone()), turned) {
+            match (state.get_mut(part.attitude.clone()), rotated) {
                 (Some([angle]), [more]) => *angle += share * *more,
                 (Some(quaternion), turn) => rotate(quaternion, turn, share, body_axes),
                 (None, _) => {}

@@ -132,7 +132,7 @@ pub fn weighed(
     linkage
 }
 
-/// Cranks of equal length on the world in the plane of x and y, turned by `angle` and turning at `rate`, and bars across their tips.
+/// Cranks of equal length on the world in the plane of x and y, rotated by `angle` and turning at `rate`, and bars across their tips.
 #[must_use]
 pub fn cranks(count: usize, bars: &[&[usize]], angle: f64, rate: f64, gravity: f64) -> Linkage {
     let (s, c) = angle.sin_cos();

@@ -254,7 +254,7 @@ pub fn accelerations(scene: &Scene, bodies: &[Instance], points: &[Instance]) ->
 }
 
 /// The state with its first two derivatives: positions to the second, speeds to the first (their second is NaN). Of a planar scene the bodies
-/// are turned about its normal.
+/// are rotated about its normal.
 #[must_use]
 pub fn jets(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<Jet> {
     let layout = layout(scene);

@@ -69,6 +69,25 @@ impl Scene {
     }
 }
 
+impl PlacementError {
+    /// The joint and what is wrong with its start, as it follows its name.
+    #[must_use]
+    pub fn describe(&self, scene: &Scene) -> (String, String) {
+        let (joint, why) = match *self {
+            PlacementError::Decided { joint } => (
+                joint,
+                "is placed already, by other joint coordinates or by the bodies it joins: leave out one of them".to_owned(),
+            ),
+            PlacementError::Open { joint, gap } => (
+                joint,
+                format!("stays open by {gap:.1e}: no coordinates of the other joints close its loop; give fewer of them, or others"),
+            ),
+        };
+        let name = scene.joints.get(joint).map(|joint| joint.name.clone());
+        (name.unwrap_or_default(), why)
+    }
+}
+
 impl JointStart {
     /// Values and rates by their names, brought together. The first name that is none is an error.
     ///
@@ -169,11 +188,9 @@ pub fn place(
     let mut frames = Vec::new();
     ground(scene, &numbers, time, &mut frames);
     let zero = |joint: &crate::Joint| {
-        let (count, freedoms) = (joint.law.coordinates(), joint.law.freedoms());
-        let mut q = vec![0.0; count];
-        if count > freedoms {
-            // The attitude comes last, a quaternion w x y z.
-            q[count - 4] = 1.0;
+        let mut q = vec![0.0; joint.law.coordinates()];
+        if let Some(attitude) = joint.law.attitude() {
+            q[attitude.start] = 1.0;
         }
         q
     };
@@ -441,10 +458,10 @@ impl Placement<'_> {
     /// Attitudes are unit quaternions.
     fn normalise(&mut self) {
         for (joint, q) in self.scene.joints.iter().zip(&mut self.q) {
-            if q.len() > joint.law.freedoms() {
-                let first = q.len() - 4;
-                let length = q[first..].iter().map(|x| x * x).sum::<f64>().sqrt();
-                q[first..].iter_mut().for_each(|x| *x /= length);
+            if let Some(attitude) = joint.law.attitude() {
+                let attitude = &mut q[attitude];
+                let length = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
+                attitude.iter_mut().for_each(|x| *x /= length);
             }
         }
     }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use mbd_scene::{Float, Layout, Part, Scene};
+use nalgebra::{Quaternion, UnitQuaternion};
 
 use crate::columns::{body_name, node_name};
 use crate::moving::moving;
@@ -70,16 +71,11 @@ fn quaternion<T: Float>(state: &[T], at: usize) -> [f64; 4] {
     std::array::from_fn(|k| state.get(at + k).map_or(f64::NAN, |x| x.to_f64()))
 }
 
-/// The angle between two attitudes [rad], 2 atan2(|v|, |w|) of the quaternion from one to the other: exact for small angles, too.
-fn turn([w, x, y, z]: [f64; 4], [a, b, c, d]: [f64; 4]) -> f64 {
-    let vector = [
-        w * b - x * a - y * d + z * c,
-        w * c - y * a - z * b + x * d,
-        w * d - z * a - x * c + y * b,
-    ];
-    let sine = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let cosine = (w * a + x * b + y * c + z * d).abs();
-    2.0 * sine.atan2(cosine)
+/// The angle between two attitudes [rad].
+fn turn(before: [f64; 4], after: [f64; 4]) -> f64 {
+    let [before, after] = [before, after]
+        .map(|[w, x, y, z]| UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)));
+    before.angle_to(&after)
 }
 
 #[cfg(test)]

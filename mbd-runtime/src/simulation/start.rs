@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mbd_scene::{Float, JointStart, Model, NodeModel, PlacementError, Quantity, place};
+use mbd_scene::{Float, JointStart, Model, NodeModel, Quantity, place};
 
 use super::moved::moved;
 use super::{Pace, Simulation};
@@ -163,29 +163,10 @@ impl<T: Float> Simulation<T> {
         }
         let of = |state: &[T]| -> Vec<f64> { state.iter().map(|x| x.to_f64()).collect() };
         let (params, mut state) = (of(model.params()), of(&self.state[..self.system.nx]));
-        let placed = place(
-            scene,
-            layout,
-            (&params, self.time),
-            &starts,
-            &[],
-            &mut state,
-        );
-        if let Err(error) = placed {
-            let (joint, why) = match error {
-                PlacementError::Decided { joint } => (
-                    joint,
-                    "is decided by the other coordinates that are given".to_owned(),
-                ),
-                PlacementError::Open { joint, gap } => (
-                    joint,
-                    format!(
-                        "stays open by {gap:.1e}: no coordinates of the other joints close its loop"
-                    ),
-                ),
-            };
-            let name = scene.joints.get(joint).map(|joint| joint.name.clone());
-            return Err(self.failed(unplaced(name.unwrap_or_default(), why)));
+        let from = (&params[..], self.time);
+        if let Err(error) = place(scene, layout, from, &starts, &[], &mut state) {
+            let (name, why) = error.describe(scene);
+            return Err(self.failed(unplaced(name, why)));
         }
         let state: Vec<T> = state.into_iter().map(T::from_f64).collect();
         self.give_state(self.time, &state)

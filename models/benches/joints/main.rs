@@ -177,7 +177,7 @@ fn along([w, x, y, z]: [f64; 4]) -> [f64; 3] {
     ]
 }
 
-/// Rod `n` of a chain of rods of length `rod`, each turned against the one before by `angle` of its number about y, x, y, x, …
+/// Rod `n` of a chain of rods of length `rod`, each rotated against the one before by `angle` of its number about y, x, y, x, …
 fn hanging(n: usize, rod: f64, angle: impl Fn(usize) -> f64) -> Pose {
     let (mut attitude, mut end, mut centre) = ([1.0, 0.0, 0.0, 0.0], [0.0; 3], [0.0; 3]);
     for k in 0..=n {

@@ -92,7 +92,7 @@ impl Plan {
         }
         let params = params(scene, &settings.params)?;
         let placed = placed(scene, &settings.start);
-        let (state, nodes) = start(scene, &layout, &params, &settings.start)?;
+        let (state, nodes) = start((scene, &layout), &params, &settings.start, &placed)?;
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants
             .iter()
@@ -275,10 +275,10 @@ fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError> {
 
 /// The state and the places of the equilibrium points, from names of coordinates.
 fn start(
-    scene: &Scene,
-    layout: &Layout,
+    (scene, layout): (&Scene, &Layout),
     params: &[f64],
     given: &Table,
+    placed: &[String],
 ) -> Result<(Vec<f64>, Option<Vec<f64>>), PlanError> {
     let mut slots: Vec<(String, &str, f64)> = Vec::new();
     let names = state_names(scene, layout);
@@ -315,10 +315,7 @@ fn start(
     for quaternion in layout.quaternions() {
         normalise(scene, &mut numbers, quaternion)?;
     }
-    let fixed: Vec<Part> = placed(scene, given)
-        .iter()
-        .filter_map(|name| part(scene, name))
-        .collect();
+    let fixed: Vec<Part> = placed.iter().filter_map(|name| part(scene, name)).collect();
     let named = joints.iter().map(|(name, number)| (name.as_str(), *number));
     let joints = JointStart::by_name(scene, named)
         .map_err(|name| wrong(format!("start.{name}"), "is no joint coordinate"))?;
@@ -346,19 +343,8 @@ fn part(scene: &Scene, name: &str) -> Option<Part> {
 }
 
 fn misplaced(scene: &Scene, error: PlacementError) -> PlanError {
-    let name = |joint: usize| scene.joints.get(joint).map_or("", |joint| &joint.name);
-    match error {
-        PlacementError::Decided { joint } => wrong(
-            format!("start.{}", name(joint)),
-            "what it joins is placed already, by other joint coordinates or by its bodies: leave out one of them",
-        ),
-        PlacementError::Open { joint, gap } => wrong(
-            format!("start.{}", name(joint)),
-            format!(
-                "the loops do not close with the coordinates that are given: it stays open by {gap:.1e}; give fewer of them, or others"
-            ),
-        ),
-    }
+    let (name, why) = error.describe(scene);
+    wrong(format!("start.{name}"), why)
 }
 
 /// The bodies and points whose coordinates are given.

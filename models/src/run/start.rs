@@ -9,7 +9,7 @@ use super::plan::Plan;
 
 /// A start that is moved by more than this part of the size of the scene is not the one that was asked for.
 const FAR: f64 = 1e-3;
-/// Nor is one that is turned by more [rad].
+/// Nor is one that is rotated by more [rad].
 const TURNED: f64 = 1e-3;
 
 /// What the start moved most of what was placed by the settings, if that is more than rounding.
@@ -34,7 +34,7 @@ pub fn warning(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> 
         n => format!(" (and {} others)", n - 1),
     };
     Some(format!(
-        "warning: `{}` does not start where [run.start] puts it: its joints do not hold there, and the nearest place where they do is {} away, turned by {}{others}; \
+        "warning: `{}` does not start where [run.start] puts it: its joints do not hold there, and the nearest place where they do is {} away, rotated by {}{others}; \
          give positions and attitudes that fit each other",
         worst.name,
         format_args!("{:.3e} m", worst.distance),

@@ -7,6 +7,18 @@ use mbd_scene::{
     Place, Point, PointKind, Scene,
 };
 
+/// What the histories of the reference parachute hold of a state, in their order.
+pub const COLUMNS: [&str; 8] = [
+    "chute_x",
+    "chute_v",
+    "chute_q",
+    "chute_w",
+    "capsule_x",
+    "capsule_v",
+    "capsule_q",
+    "capsule_w",
+];
+
 pub fn frame(name: &str, position: [f64; 3]) -> Frame {
     Frame {
         name: name.into(),

@@ -1,6 +1,6 @@
 //! Derivatives through the nodes: against differences of the solved system, and finite where nothing pulls.
 
-use crate::common::{Run, parachute, state_of};
+use crate::common::{COLUMNS, Run, parachute, state_of};
 use mbd_runtime::node::Tolerance;
 use mbd_runtime::{Generic, Linearisation, Model, Quantity};
 use mbd_scene::{Clamp, Difference, Formula, NodeModel, Parameter, PointKind, Scene, Unit};
@@ -15,19 +15,10 @@ const EULER: NodeModel = NodeModel::Stepwise {
 /// Record `index` of a history as a state.
 fn record(name: &str, index: usize) -> (Vec<f64>, Vec<f64>) {
     let data = load(name);
-    let state: Vec<f64> = [
-        "chute_x",
-        "chute_v",
-        "chute_q",
-        "chute_w",
-        "capsule_x",
-        "capsule_v",
-        "capsule_q",
-        "capsule_w",
-    ]
-    .iter()
-    .flat_map(|name| numbers(&data[*name][index]))
-    .collect();
+    let state: Vec<f64> = COLUMNS
+        .iter()
+        .flat_map(|name| numbers(&data[*name][index]))
+        .collect();
     (state_of(&state), numbers(&data["node_x"][index]))
 }
 

@@ -1,6 +1,6 @@
 //! The three node models in an integration: orders, memory, starts, modes, and what they refuse.
 
-use crate::common::{Run, body, frame, line, node, parachute, state_of};
+use crate::common::{COLUMNS, Run, body, frame, line, node, parachute, state_of};
 use mbd_runtime::Mode;
 use mbd_runtime::node::{NodeError, NodeMemory, RateNode, Spread, Stage};
 use mbd_runtime::{Generic, Model, Options, Quantity, Simulation};
@@ -29,19 +29,10 @@ const LITERAL: NodeModel = NodeModel::Stepwise {
 fn swing(model: NodeModel) -> Run<Generic<f64>> {
     let data = load("parachute/case2_damped.json");
     let index = 105;
-    let mut state: Vec<f64> = [
-        "chute_x",
-        "chute_v",
-        "chute_q",
-        "chute_w",
-        "capsule_x",
-        "capsule_v",
-        "capsule_q",
-        "capsule_w",
-    ]
-    .iter()
-    .flat_map(|name| numbers(&data[*name][index]))
-    .collect();
+    let mut state: Vec<f64> = COLUMNS
+        .iter()
+        .flat_map(|name| numbers(&data[*name][index]))
+        .collect();
     state[16] += 0.3;
     let node = numbers(&data["node_x"][index]);
     let scene = parachute(PointKind::Node(model), 1.0);

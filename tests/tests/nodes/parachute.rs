@@ -1,6 +1,6 @@
 //! The three node models in the parachute scene, against independent references.
 
-use crate::common::{Run, parachute, state_of};
+use crate::common::{COLUMNS, Run, parachute, state_of};
 use mbd_scene::{Clamp, Difference, NodeModel, PointKind};
 use tests::reference::{field, load, numbers};
 
@@ -10,26 +10,17 @@ type Record = (f64, Vec<f64>, Vec<f64>, Vec<f64>);
 /// The reference states of a history, in the order of the layout, with the tensions of all lines.
 fn history(name: &str) -> Vec<Record> {
     let data = load(name);
-    let parts: Vec<Vec<Vec<f64>>> = [
-        "chute_x",
-        "chute_v",
-        "chute_q",
-        "chute_w",
-        "capsule_x",
-        "capsule_v",
-        "capsule_q",
-        "capsule_w",
-    ]
-    .iter()
-    .map(|name| {
-        data[*name]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(numbers)
-            .collect()
-    })
-    .collect();
+    let parts: Vec<Vec<Vec<f64>>> = COLUMNS
+        .iter()
+        .map(|name| {
+            data[*name]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(numbers)
+                .collect()
+        })
+        .collect();
     let (times, riser) = (field(&data, "t"), field(&data, "riser_force"));
     (0..times.len())
         .map(|i| {

@@ -232,7 +232,7 @@ impl<S: Real> Evaluation<'_, S> {
     }
 }
 
-/// R I Rᵀ of a symmetric matrix. A diagonal one is turned as the sphere of two equal elements and what is more along the other axes.
+/// R I Rᵀ of a symmetric matrix. A diagonal one is rotated as the sphere of two equal elements and what is more along the other axes.
 pub(super) fn rotated<S: Real>(turn: &Rotation<S>, inertia: &Matrix3<S>) -> Matrix3<S> {
     let Rotation::Matrix(r) = turn else {
         return *inertia;

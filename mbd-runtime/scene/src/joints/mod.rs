@@ -15,6 +15,8 @@ pub use joint_forces::{
     in_order,
 };
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::rows::{Ends, Rows};
@@ -274,6 +276,13 @@ impl JointLaw {
     #[must_use]
     pub fn rows(&self) -> usize {
         6 - self.freedoms()
+    }
+
+    /// The coordinates that are an attitude, a quaternion w x y z: the last four where there are more coordinates than speeds.
+    #[must_use]
+    pub fn attitude(&self) -> Option<Range<usize>> {
+        let count = self.coordinates();
+        (count > self.freedoms()).then(|| count - 4..count)
     }
 
     /// How the language calls the force or torque of a motor along a coordinate: `motor_torque`; `angle_motor_torque` among several.

@@ -8,7 +8,7 @@
 //!
 //! Springs and dampers restrict a joint by loads and take no freedom away (Kamman, Connecting Joints I); the same holds for stops and for a
 //! prescribed force. A stop is a line of [`crate::laws::line`] whose stretch is the depth e: same law (2), same care (it never pulls back, and its
-//! damping begins with the touch), same located switches. Friction is Coulomb's level F, turned through zero over the rate w: it creeps under
+//! damping begins with the touch), same located switches. Friction is Coulomb's level F, led through zero over the rate w: it creeps under
 //! load at about w Q/F instead of sticking, and its slope F/w bounds the step. Singular case: none, w > 0.
 //! An angle that turns through ±π jumps there, and with it a spring's torque: a run counts such steps ([`jumping_angles`]). Rejected: F sign(u), which is no function at u = 0.
 

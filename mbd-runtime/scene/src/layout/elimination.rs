@@ -75,7 +75,7 @@ pub struct Carrying {
     pub turns: usize,
     /// Whether the child's unknowns are along its own components.
     pub own: bool,
-    /// Whether they are turned to axes of the joint where the child leaves: see [`Carried::axes`].
+    /// Whether they are rotated to axes of the joint where the child leaves: see [`Carried::axes`].
     pub axes: bool,
     /// Whether the child's unknowns are those of the parent: same axes, same point.
     pub shared: bool,

@@ -9,7 +9,7 @@ use crate::redundancy::local::{Hold, PartMotion, columns, speeds};
 use crate::redundancy::tree::{Group, Link};
 use crate::rows::{Row, Rows};
 use crate::scalar::orthogonal::dot;
-use crate::{Layout, Part, Relative, Scene, Twist};
+use crate::{Layout, Part, Pose, Relative, Scene, Twist};
 
 /// States looked for in a group.
 const STATES: usize = 5;
@@ -141,30 +141,30 @@ impl Assembly<'_> {
                 true => (joint.child, joint.parent),
                 false => (joint.parent, joint.child),
             };
-            let (position, axes) = match link.from {
-                Some(part) => self.configuration.pose(part),
-                None => (Vector3::zeros(), Matrix3::identity()),
-            };
-            let (point, frame) = self.configuration.frame(near);
-            let (origin, frame) = (position + axes * point, axes * frame);
-            let (origin, frame) = if link.to_parent {
-                let back = frame * pose.rotation.transpose();
-                (origin - back * pose.position, back)
-            } else {
-                (origin + frame * pose.position, frame * pose.rotation)
-            };
-            let (point, own) = self.configuration.frame(far);
+            let origin = Pose::identity();
+            let from = link.from.map_or(origin, |part| self.pose(part));
+            let [near, far] = [near, far].map(|place| {
+                let (position, rotation) = self.configuration.frame(place);
+                Pose { position, rotation }
+            });
+            let pose = if link.to_parent { pose.inverse() } else { pose };
+            let placed = from.then(&near).then(&pose).then(&far.inverse());
+            let position = placed.position;
             let axes = match link.to {
-                Part::Body(_) => frame * own.transpose(),
+                Part::Body(_) => placed.rotation,
                 _ => Matrix3::identity(),
             };
-            let position = origin - axes * point;
             if !(position.iter().chain(axes.iter()).all(|x| x.is_finite())) {
                 return None;
             }
             self.configuration.place(link.to, position, &axes);
         }
         self.correct()
+    }
+
+    fn pose(&self, part: Part) -> Pose<f64> {
+        let (position, rotation) = self.configuration.pose(part);
+        Pose { position, rotation }
     }
 
     /// Puts the joints of the tree right, from the root outwards.
@@ -483,7 +483,7 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// Joint coordinates: angles within `reach` [rad], translations within a length, attitudes turned by about `reach`.
+    /// Joint coordinates: angles within `reach` [rad], translations within a length, attitudes rotated by about `reach`.
     pub fn coordinates(
         &mut self,
         law: &JointLaw,
@@ -491,19 +491,18 @@ impl Random {
         reach: f64,
         length: f64,
     ) -> Vec<f64> {
-        let (count, freedoms) = (law.coordinates(), law.freedoms());
-        let mut q: Vec<f64> = (0..count).map(|_| reach * self.number()).collect();
-        let mut scalars = count;
-        if count > freedoms {
-            scalars = count.saturating_sub(4);
-            let attitude = q.get_mut(scalars..).unwrap_or_default();
-            if let Some(w) = attitude.first_mut() {
-                *w = 1.0;
-            }
+        let mut q: Vec<f64> = (0..law.coordinates())
+            .map(|_| reach * self.number())
+            .collect();
+        let mut scalars = q.len();
+        if let Some(attitude) = law.attitude() {
+            scalars = attitude.start;
+            q[scalars] = 1.0;
+            let attitude = &mut q[attitude];
             let size = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
             attitude.iter_mut().for_each(|x| *x /= size);
         }
-        let mut columns = vec![Twist::zero(); freedoms];
+        let mut columns = vec![Twist::zero(); law.freedoms()];
         law.subspace(
             &Relative {
                 q: &q,

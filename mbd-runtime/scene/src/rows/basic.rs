@@ -518,7 +518,7 @@ fn distance<S: Real>(ends: &Ends<'_, S>, length: S) -> Row<S> {
     }
 }
 
-/// (5), with the axes of frame 1 turned by φ: m = u1 sin φ − v1 cos φ and n = u1 cos φ + v1 sin φ.
+/// (5), with the axes of frame 1 rotated by φ: m = u1 sin φ − v1 cos φ and n = u1 cos φ + v1 sin φ.
 pub(crate) fn helix<S: Real>(ends: &Ends<'_, S>, axis: &Axis, lead: S) -> Row<S> {
     let [u, v] = axis.complement();
     let displacement = in_plane(ends, axis);

@@ -7,7 +7,7 @@
 //! thread    as (1), for θ = a1·d/h                                                                                 [rad]    (4)
 //! ```
 //!
-//! One of the two axes of C is that of S, so that (2) is the product of that axis and of the other two turned by f: one row, whatever f.
+//! One of the two axes of C is that of S, so that (2) is the product of that axis and of the other two rotated by f: one row, whatever f.
 //! C and S are the cosine and the sine of the angle as in [`crate::rows::coordinate`], so that (2) is sin(θ − f): f may count turns, and nothing
 //! jumps. It also holds half a turn off: the start must satisfy cos(θ − f) > 0. The multiplier of the row is the force [N] or the torque
 //! [N m] of the motor along the coordinate. Singular, half a turn off apart, only where nothing is left to move.

@@ -31,6 +31,25 @@ impl<S: Real> Pose<S> {
             rotation: Matrix3::identity(),
         }
     }
+
+    /// The pose of a frame that has the pose `inner` in this one.
+    #[must_use]
+    pub fn then(&self, inner: &Self) -> Self {
+        Pose {
+            position: self.position + self.rotation * inner.position,
+            rotation: self.rotation * inner.rotation,
+        }
+    }
+
+    /// The pose of frame 1 in frame 2.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let rotation = self.rotation.transpose();
+        Pose {
+            position: -(rotation * self.position),
+            rotation,
+        }
+    }
 }
 
 impl<S: Real> Twist<S> {
