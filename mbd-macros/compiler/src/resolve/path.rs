@@ -16,12 +16,14 @@ impl Resolver<'_> {
         let typed = self.path_value(steps, at, scope)?;
         let quantity = |step: &Step| words::BODY_QUANTITIES.contains(&step.word.text.as_str());
         let has_frames = steps.first().is_some_and(|first| {
-            let body = |named| matches!(named, Named::Body(_));
-            first.word.text == "world"
-                || self
-                    .names
-                    .words_of(body)
-                    .contains(&first.word.text.as_str())
+            let word = first.word.text.as_str();
+            let members = self.names.get(word).map(|entry| &entry.members);
+            word == "world"
+                || match members {
+                    Some(Members::One(named)) => matches!(named, Named::Body(_)),
+                    Some(Members::Many(all)) => all.values().any(|n| matches!(n, Named::Body(_))),
+                    None => false,
+                }
         });
         // Behind the thing itself only frames are repeated.
         let extra = steps.iter().enumerate().skip(1).find(|(place, step)| {

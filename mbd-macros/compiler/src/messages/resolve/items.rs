@@ -233,6 +233,15 @@ pub fn force_and_stiffness(at: Region, name: &str) -> Report {
     )
 }
 
+pub fn table_as_stiffness(at: Region, table: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{table}` is a table; a line takes one of its force over its stretch: `force: {table}` in place of `stiffness`"
+        ),
+    )
+}
+
 pub fn force_table_dimensions(
     at: Region,
     line: &str,
