@@ -97,8 +97,6 @@ pub struct Resolver<'a> {
     pub broken: BTreeSet<String>,
     /// Names that are declared but not collected yet, while the numbers are made.
     pub later: BTreeSet<String>,
-    /// The functions of Rust that inputs and external loads become.
-    pub functions: BTreeSet<String>,
     /// Items whose repetition is empty: they declare nothing.
     pub idle: Vec<&'a Item<'a>>,
     /// Whether reading lost no item.
@@ -116,6 +114,8 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     let mut resolver = Resolver::new(model);
     resolver.settings(model);
     resolver.collect_numbers(model);
+    resolver.consts();
+    resolver.collect_inputs(model);
     resolver.numbers();
     resolver.collect_things(model);
     resolver.world_frames();
@@ -154,7 +154,6 @@ impl<'a> Resolver<'a> {
             bad: BTreeSet::new(),
             broken: BTreeSet::new(),
             later: BTreeSet::new(),
-            functions: BTreeSet::new(),
             idle: Vec::new(),
             whole: true,
             chosen: BTreeSet::new(),
