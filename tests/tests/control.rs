@@ -106,7 +106,7 @@ fn declared_defaults_hold_until_others_are_given() {
         assert!(run.state()[3].abs() < 1e-12, "stopped: {}", run.state()[3]);
         assert!((run.state()[4] - 0.5).abs() < 1e-12, "coasts");
         assert!((run.state()[5] + 2.0).abs() < 1e-12, "(1 − 3) N on 2 kg");
-        assert_eq!(run.inputs(), [-0.5, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0]);
+        assert_eq!(run.held_inputs(), [-0.5, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0]);
     }
 }
 
@@ -147,7 +147,7 @@ fn a_crowd_takes_a_push_each() {
 fn what_cannot_be_held_is_refused_and_changes_nothing() {
     let mut run = Simulation::new(&cart(), Options::rk4(0.1)).expect("options");
     run.run(0.5).expect("it moves");
-    let before = run.inputs().to_vec();
+    let before = run.held_inputs().to_vec();
     let nan = CartInputs {
         wind: [0.0, f64::NAN, 0.0],
         ..CartInputs::default()
@@ -162,10 +162,10 @@ fn what_cannot_be_held_is_refused_and_changes_nothing() {
     );
     let refused = cause(run.set_inputs(&SwingInputs::default()));
     assert!(refused.to_string().contains("`Swing`"), "{refused}");
-    assert_eq!(run.inputs(), before);
+    assert_eq!(run.held_inputs(), before);
     // The numbers alone, as for a scene that is not compiled.
     run.set_inputs(&[0.0; 7]).expect("seven numbers");
-    assert_eq!(run.inputs(), [0.0; 7]);
+    assert_eq!(run.held_inputs(), [0.0; 7]);
 }
 
 #[test]
@@ -279,7 +279,7 @@ fn samples_do_not_drift_and_one_call_is_many() {
         let mut k = 0_u64;
         run.control_every(0.001, move |sample, inputs: &mut CartInputs| {
             assert_eq!(sample.time.to_bits(), (0.25 + k as f64 * 0.001).to_bits());
-            inputs.push = if k % 2 == 0 { 1.0 } else { -1.0 };
+            inputs.push = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
             k += 1;
             seen.store(k, Ordering::Relaxed);
         })
@@ -338,7 +338,7 @@ fn a_function_of_time_acts_on_what_a_controller_holds() {
     run.run(1.7).expect("it moves");
     let want = (2.0 * 1.7 + 1.7_f64.sin()) / 2.0;
     assert!((run.state()[3] - want).abs() < 1e-9);
-    assert_eq!(run.inputs()[0], 2.0);
+    assert_eq!(run.held_inputs()[0], 2.0);
 }
 
 /// Without a sample between, an adaptive step is as long as it was before the sample.
@@ -386,7 +386,7 @@ fn a_number_that_is_none_stops_the_run_by_its_name() {
     let stopped = cause(run.run(1.0));
     assert!(stopped.to_string().contains("`push`"), "{stopped}");
     assert!((run.time() - 0.5).abs() < 1e-12, "the last accepted step");
-    assert_eq!(run.inputs()[0], 1.0, "what was held");
+    assert_eq!(run.held_inputs()[0], 1.0, "what was held");
     // Ten numbers where seven are wanted.
     let mut run = Simulation::new(&cart(), Options::rk4(0.01)).expect("options");
     run.control(|_, inputs: &mut Vec<f64>| inputs.push(1.0))

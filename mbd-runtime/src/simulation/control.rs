@@ -67,7 +67,7 @@ impl<T: Float> Simulation<T> {
 
     /// The numbers of the inputs that are held, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
     #[must_use]
-    pub fn inputs(&self) -> &[T] {
+    pub fn held_inputs(&self) -> &[T] {
         &self.system.held
     }
 

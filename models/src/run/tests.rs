@@ -1,8 +1,8 @@
 //! A scene, its settings, the run and its files.
 
 use mbd_runtime::scene::{
-    Dimension, Formula, Frame, Gravity, Input, Line, LineKind, NodeModel, Output, Parameter, Place,
-    Point, PointKind, Scene, Unit,
+    Dimension, Formula, Frame, Gravity, Input, Line, LineKind, Load, LoadKind, NodeModel, Output,
+    Parameter, Place, Point, PointKind, Scene, Unit,
 };
 use mbd_runtime::{Method, Options};
 
