@@ -15,7 +15,8 @@ use crate::generic::Generic;
 use crate::linearise::{Linearisation, LinearisationError};
 use crate::options::Options;
 use crate::simulation::{Simulation, Snapshot, Stop};
-use crate::system::{External, NoLoads};
+use crate::supply::{self, Inputs, Law, Sample};
+use crate::system::External;
 use crate::trajectory::Trajectory;
 
 /// Declares every door once: the name that the public method calls, and the function behind it.
@@ -45,7 +46,7 @@ macro_rules! doors {
 }
 
 doors! {
-    fn make_simulation(model: Arc<dyn Model<Self>>, options: Options, loads: Box<dyn External<Self> + Send>) -> Result<Simulation<Self>, RunError> = Simulation::make;
+    fn make_simulation(model: Arc<dyn Model<Self>>, options: Options, controls: Vec<Law<Self>>) -> Result<Simulation<Self>, RunError> = Simulation::make;
     fn drive(run: &mut Simulation<Self>, until: f64, trajectory: Option<&mut Trajectory>, go_on: &mut dyn FnMut(f64) -> bool) -> Result<Stop, RunError> = Simulation::drive;
     fn take_step(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::take_step;
     fn begin(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::begin;
@@ -54,6 +55,8 @@ doors! {
     fn give_nodes(run: &mut Simulation<Self>, guess: &[Self]) -> Result<(), RunError> = Simulation::give_nodes;
     fn give_joints(run: &mut Simulation<Self>, given: &[(&str, f64)]) -> Result<(), RunError> = Simulation::give_joints;
     fn give_params(run: &mut Simulation<Self>, params: &[Self]) -> Result<(), ParamError> = Simulation::give_params;
+    fn give_inputs(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, numbers: &[Self]) -> Result<(), RunError> = Simulation::give_inputs;
+    fn add_control(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, every: Option<f64>, law: Law<Self>) -> Result<(), RunError> = Simulation::add_control;
     fn continue_from(run: &mut Simulation<Self>, snapshot: &Snapshot<Self>) -> Result<(), RunError> = Simulation::continue_from;
     fn save(run: &Simulation<Self>) -> Snapshot<Self> = Simulation::save;
     fn name_event(run: &Simulation<Self>, what: Happening) -> String = Simulation::name_event;
@@ -66,16 +69,18 @@ doors! {
 }
 
 impl<T: Scalar> Simulation<T> {
-    /// A simulation of a model without inputs, at rest at the origin until [`Simulation::set_state`]. It owns what it runs: a [shared](Model::share)
-    /// model.
+    /// A simulation of a model, at rest at the origin until [`Simulation::set_state`]; its inputs have their declared defaults until
+    /// [`Simulation::set_inputs`], [`Simulation::control`] or [`Simulation::control_every`]. It owns what it runs: a [shared](Model::share) model.
+    ///
+    /// External loads and external gravity have no default: a run that nobody gives them does not start.
     ///
     /// # Errors
     /// An option that cannot be used, or a combination of method and model that is not offered.
     pub fn new(model: &(impl Model<T> + ?Sized), options: Options) -> Result<Self, RunError> {
-        T::make_simulation(model.share(), options, Box::new(NoLoads))
+        T::make_simulation(model.share(), options, Vec::new())
     }
 
-    /// A simulation of a model whose inputs and external loads come from `loads`.
+    /// A simulation of a scene that is not compiled, with its inputs as functions of time and state.
     ///
     /// # Errors
     /// An option that cannot be used, or a combination of method and model that is not offered.
@@ -84,7 +89,142 @@ impl<T: Scalar> Simulation<T> {
         options: Options,
         loads: impl External<T> + Send + 'static,
     ) -> Result<Self, RunError> {
-        T::make_simulation(model.share(), options, Box::new(loads))
+        let mut controls: Vec<Law<T>> = Vec::new();
+        if loads.supplies() {
+            controls.push(supply::external(loads));
+        }
+        T::make_simulation(model.share(), options, controls)
+    }
+
+    /// Holds inputs from now on, until others are given; the next step sees them from its first stage on. Controllers that are called later start from
+    /// them.
+    ///
+    /// ```
+    /// use mbd_runtime::{Options, Simulation, model};
+    ///
+    /// model! {
+    ///     /// A mass that is pushed.
+    ///     model Cart {
+    ///         gravity: none;
+    ///         emit: [derivative];
+    ///         input push: force = 4 N;
+    ///         point cart { mass: 2.0 kg }
+    ///         load by_hand on cart = [push, 0.0, 0.0];
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let cart = Cart::new(CartParams::default())?;
+    /// let mut simulation = Simulation::new(&cart, Options::rk4(0.1))?;
+    /// simulation.run(1.0)?; // the declared 4 N
+    /// simulation.set_inputs(&CartInputs { push: -4.0 })?;
+    /// simulation.run(2.0)?; // −4 N
+    ///
+    /// // 2 m/s² for 1 s, then −2 m/s²: at rest, 2 m further.
+    /// let cart = CartState::from_slice(simulation.state()).expect("the state of a cart").cart();
+    /// assert!(cart.velocity[0].abs() < 1e-12 && (cart.position[0] - 2.0).abs() < 1e-12);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// The inputs of another model; a list of another length; the first input that is not finite. The run keeps what it had.
+    pub fn set_inputs<I: Inputs<T>>(&mut self, inputs: &I) -> Result<(), RunError> {
+        T::give_inputs(self, I::MODEL, inputs.numbers().as_ref())
+    }
+
+    /// Inputs as a function of time and state, for feedback without delay: it is handed what is held, and changes of it what it likes. Several are
+    /// called in the order in which they were given.
+    ///
+    /// It is evaluated at every stage of a step, also at trial states that are rejected: it depends on nothing but its arguments.
+    ///
+    /// ```
+    /// use mbd_runtime::{Options, PointState, Simulation, model};
+    ///
+    /// model! {
+    ///     /// A mass that is pushed.
+    ///     model Cart {
+    ///         gravity: none;
+    ///         emit: [derivative];
+    ///         input push: force;
+    ///         point cart { mass: 2.0 kg }
+    ///         load by_hand on cart = [push, 0.0, 0.0];
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let cart = Cart::new(CartParams::default())?;
+    /// let mut simulation = Simulation::new(&cart, Options::tsit5(1e-10))?;
+    /// let mut start = CartState::at_origin();
+    /// start.set_cart(PointState { position: [1.0, 0.0, 0.0], velocity: [0.0; 3] });
+    /// simulation.set_state(0.0, &start.to_vec())?;
+    /// // A spring of 8 N/m made of feedback: ω = 2 rad/s.
+    /// simulation.control(|sample, inputs: &mut CartInputs| {
+    ///     inputs.push = -8.0 * sample.state().cart().position[0];
+    /// })?;
+    /// simulation.run(3.0)?;
+    /// assert!((simulation.state()[0] - 6.0_f64.cos()).abs() < 1e-8);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// The inputs of another model; a model without inputs. A number that is not finite stops the run, by the name of its input.
+    pub fn control<I: Inputs<T> + 'static>(
+        &mut self,
+        law: impl Fn(&Sample<'_, I, T>, &mut I) + Send + 'static,
+    ) -> Result<(), RunError> {
+        T::add_control(self, I::MODEL, None, supply::law(law))
+    }
+
+    /// A controller with a sampling period [s]: it is called with the state at each sample, and what it gives is held until the next.
+    ///
+    /// The samples are at t0 + k·period for k = 0, 1, … to the bit, t0 the time of the start: that of [`Simulation::set_state`], or now in a run that
+    /// is under way. The integrator lands on them; a fixed step that does not divide the period is cut short there, an adaptive one goes on with the
+    /// size it had. At the end of a run that falls on a sample the controller is called when the run goes on. It is handed the inputs that are held,
+    /// with what controllers given before it changed at the same instant. What it remembers is its own: a closure may own a filter or an observer.
+    ///
+    /// ```
+    /// use mbd_runtime::{Options, PointState, Simulation, model};
+    ///
+    /// model! {
+    ///     /// A mass that is pushed.
+    ///     model Cart {
+    ///         gravity: none;
+    ///         emit: [derivative];
+    ///         input push: force;
+    ///         point cart { mass: 2.0 kg }
+    ///         load by_hand on cart = [push, 0.0, 0.0];
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let cart = Cart::new(CartParams::default())?;
+    /// let mut simulation = Simulation::new(&cart, Options::rk4(1e-3))?;
+    /// let mut start = CartState::at_origin();
+    /// start.set_cart(PointState { position: [1.0, 0.0, 0.0], velocity: [0.0; 3] });
+    /// simulation.set_state(0.0, &start.to_vec())?;
+    /// // Deadbeat: two samples of 0.1 s take a mass of 2 kg to the origin and stop it.
+    /// let period = 0.1;
+    /// simulation.control_every(period, move |sample, inputs: &mut CartInputs| {
+    ///     let cart = sample.state().cart();
+    ///     inputs.push = -2.0 * (cart.position[0] / period + 1.5 * cart.velocity[0]) / period;
+    /// })?;
+    /// simulation.run(0.2)?;
+    /// assert!(simulation.state()[0].abs() < 1e-12 && simulation.state()[3].abs() < 1e-11);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// The inputs of another model; a model without inputs; a period that is not positive. A number that is not finite stops the run, by the name of
+    /// its input.
+    pub fn control_every<I: Inputs<T> + 'static>(
+        &mut self,
+        period: f64,
+        law: impl FnMut(&Sample<'_, I, T>, &mut I) + Send + 'static,
+    ) -> Result<(), RunError> {
+        T::add_control(self, I::MODEL, Some(period), supply::law(law))
     }
 
     /// Changes the parameters of a run (declaration order, SI). Nothing is built anew: time and state stay, and [`Simulation::start`] makes them

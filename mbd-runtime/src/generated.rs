@@ -1,6 +1,7 @@
 //! The plain values that generated models hand out.
 
 use mbd_scene::Cost;
+use serde::{Deserialize, Serialize};
 
 /// The operations of every quantity of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,8 +41,9 @@ const fn same(a: &[u8], b: &[u8]) -> bool {
 }
 
 /// A force at a place and a couple, world axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wrench<T> {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wrench<T = f64> {
     /// Force [N].
     pub force: [T; 3],
     /// Couple [N m].

@@ -4,7 +4,8 @@
 //! |---|---|
 //! | declare a scene and compile its equations | [`model!`] |
 //! | run the same scene without compilation, by its laws | [`Generic`] on a [`scene::Scene`] |
-//! | integrate a model | [`Simulation`] with [`Options`]; [`External`] supplies inputs and external loads |
+//! | integrate a model | [`Simulation`] with [`Options`] |
+//! | drive it: inputs held, as functions of time and state, by controllers at samples | [`Simulation::set_inputs`], [`Simulation::control`], [`Simulation::control_every`] |
 //! | record named columns with units | [`Trajectory`] with [`Sampling`] and [`Content`] |
 //! | stop a run and continue it to the bit | [`Snapshot`] |
 //! | linearise at a state | [`Linearisation`] |
@@ -40,6 +41,7 @@ mod projection;
 mod simulation;
 mod slopes;
 mod stiffness;
+mod supply;
 mod system;
 mod trajectory;
 mod unilateral;
@@ -103,6 +105,7 @@ pub use compiled::Scalar;
 pub use integrate::Scales;
 pub use options::{Method, Options, Stabilise};
 pub use simulation::{Moved, Simulation, Snapshot, Stop};
+pub use supply::{Inputs, Sample};
 pub use system::{External, NoLoads};
 
 // What it leaves.

@@ -47,6 +47,36 @@ pub fn unchecked<T: Real>(scene: &Scene, params: &[T]) -> Lines<T> {
     Numbers::new(scene, params).lines
 }
 
+/// Arrays of any length as serde lists: serde knows those of up to 32.
+pub mod list {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    /// Writes a list.
+    ///
+    /// # Errors
+    /// Those of the serializer.
+    pub fn serialize<V: Serialize, S: Serializer, const N: usize>(
+        values: &[V; N],
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        to.collect_seq(values)
+    }
+
+    /// Reads a list.
+    ///
+    /// # Errors
+    /// Those of the deserializer; a list of another length.
+    pub fn deserialize<'de, V: Deserialize<'de>, D: Deserializer<'de>, const N: usize>(
+        from: D,
+    ) -> Result<[V; N], D::Error> {
+        let values = Vec::<V>::deserialize(from)?;
+        let found = values.len();
+        let wrong = |_| D::Error::custom(format_args!("expected {N} values, found {found}"));
+        values.try_into().map_err(wrong)
+    }
+}
+
 /// Names and units of coordinates.
 #[must_use]
 pub const fn named<const N: usize>(pairs: [(&'static str, &'static str); N]) -> [CoordInfo; N] {

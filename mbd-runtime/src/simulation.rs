@@ -13,10 +13,12 @@ use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Explicit};
 use crate::node::NodeMemory;
 use crate::options::Options;
+use crate::supply::Sampler;
 use crate::system::System;
 use crate::unilateral::{Mode, report};
 use crate::watch::Watch;
 
+mod control;
 mod drive;
 mod moved;
 mod snapshot;
@@ -113,6 +115,11 @@ pub struct Simulation<T: Float> {
     options: Options,
     guess: Option<Vec<T>>,
     moved: Vec<Moved>,
+    /// Whether what is held has changed since the first stage of the next step was evaluated.
+    stale: bool,
+    samplers: Vec<Sampler<T>>,
+    /// Room for what controllers give.
+    given: Vec<T>,
     started: bool,
     events: Vec<Occurrence>,
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mbd_scene::{Float, Model, Quantity, Scene, Work};
 
-use crate::columns::{input_name, line_name, node_name, state_names};
+use crate::columns::{line_name, node_name, state_names};
 use crate::error::{Source, Statistics, StepError};
 use crate::fallback::Fallback;
 use crate::integrate::Rates;
@@ -12,58 +12,19 @@ use crate::laws::Laws;
 use crate::list::largest;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::projection::Projection;
+use crate::supply::{Law, Moment, check_supplied};
 use crate::unilateral::Mode;
 use crate::watch;
 
-/// What the caller supplies at each evaluation: inputs, external loads, external gravity, in the order of `Layout::inputs`.
+/// Inputs, external loads and external gravity of a scene that is not compiled, in the order of `Layout::inputs`, as functions of time and state.
 ///
-/// A pure function of time and state: it is called at trial states which may be rejected.
-///
-/// A model `Cart` with inputs comes with a trait `CartLoads`, which has a function for each of them, and with `CartExternal`, which puts their numbers
-/// in order. Implement `External` itself for scenes that are not compiled.
-///
-/// ```
-/// use mbd_runtime::{Options, Simulation, model};
-///
-/// model! {
-///     /// A mass that is pushed.
-///     model Cart {
-///         gravity: none;
-///         emit: [derivative];
-///         input push: force;
-///         point cart { mass: 2.0 kg }
-///         load by_hand on cart = [push, 0.0, 0.0];
-///     }
-/// }
-///
-/// /// A push that swings between +3 N and −3 N once in 2π s.
-/// struct Hand;
-///
-/// impl CartLoads for Hand {
-///     fn push(&self, time: f64) -> f64 {
-///         3.0 * time.cos()
-///     }
-/// }
-///
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let cart = Cart::new(CartParams::default())?;
-/// let mut simulation = Simulation::with_loads(&cart, Options::tsit5(1e-10), CartExternal(Hand))?;
-/// simulation.run(2.0)?;
-///
-/// // m v̇ = 3 N cos t from rest: v = 3 N / m · sin t.
-/// let speed = simulation.state()[3];
-/// assert!((speed - 1.5 * 2.0_f64.sin()).abs() < 1e-8);
-///
-/// // Without its inputs the scene is refused.
-/// assert!(Simulation::new(&cart, Options::tsit5(1e-10)).is_err());
-/// # Ok(())
-/// # }
-/// ```
+/// A pure function: it is called at trial states which may be rejected. For a model of [`model!`](crate::model) use
+/// [`Simulation::control`](crate::Simulation::control), whose numbers have names.
 pub trait External<T> {
     /// Writes every number of `out` (SI, world axes).
     fn evaluate(&self, time: T, state: &[T], out: &mut [T]);
 
-    /// False when there is nothing to supply; a scene with inputs then refuses to run.
+    /// False when there is nothing to supply: inputs keep their declared defaults, and a scene with external loads refuses to run.
     fn supplies(&self) -> bool {
         true
     }
@@ -97,7 +58,12 @@ pub(crate) const WORKS: usize = 3;
 /// A model with everything it needs to be a right-hand side.
 pub(crate) struct System<T: Float> {
     pub model: Arc<dyn Model<T>>,
-    pub external: Box<dyn External<T> + Send>,
+    /// Functions of time and state that change what is held, in order.
+    pub controls: Vec<Law<T>>,
+    /// Numbers of the caller that hold until others are given.
+    pub held: Vec<T>,
+    /// Whether nobody has given what has no default: external loads and external gravity.
+    pub unsupplied: bool,
     /// Node unknowns of the stage that was evaluated last.
     pub nodes: Nodes<T>,
     /// The same for looking inside a step, so that the end of the step stays untouched.
@@ -110,7 +76,7 @@ pub(crate) struct System<T: Float> {
     pub drift: f64,
     /// Length of the state without the integrals behind it.
     pub nx: usize,
-    /// The numbers the caller supplied last.
+    /// The numbers of the stage that was evaluated last.
     pub inputs: Vec<T>,
     quaternions: Vec<usize>,
     /// Room for energy and power.
@@ -159,21 +125,21 @@ fn stage<'a, T: Float>(
 }
 
 impl<T: Float> System<T> {
-    pub(crate) fn new(
-        model: Arc<dyn Model<T>>,
-        external: Box<dyn External<T> + Send>,
-        works: bool,
-    ) -> Self {
+    pub(crate) fn new(model: Arc<dyn Model<T>>, controls: Vec<Law<T>>, works: bool) -> Self {
         let layout = model.layout();
+        let defaults = layout.default_inputs(model.scene());
+        let held: Vec<T> = defaults.into_iter().map(T::from_f64).collect();
         System {
-            external,
+            unsupplied: controls.is_empty() && layout.needs_caller(),
+            controls,
             nodes: Nodes::new(layout),
             probe: Nodes::new(layout),
             memory: NodeMemory::new(layout),
             counters: Statistics::default(),
             drift: 0.0,
             nx: layout.nx(),
-            inputs: vec![T::zero(); layout.ni],
+            inputs: held.clone(),
+            held,
             quaternions: layout.quaternions().collect(),
             energy: [T::zero(); 6],
             work: model.work(),
@@ -361,19 +327,24 @@ impl<T: Float> System<T> {
         drift
     }
 
+    /// Holds these numbers from now on.
+    pub(crate) fn hold(&mut self, numbers: &[T]) {
+        self.held.copy_from_slice(numbers);
+        self.inputs.copy_from_slice(numbers);
+        self.unsupplied = false;
+    }
+
+    /// The inputs of a stage. Without functions of time and state they are those that are held.
     pub(crate) fn supply(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
-        if self.inputs.is_empty() {
+        if self.controls.is_empty() || self.inputs.is_empty() {
             return Ok(());
         }
-        self.external
-            .evaluate(T::from_f64(time), state, &mut self.inputs);
-        match self.inputs.iter().position(|x| !x.is_finite()) {
-            None => Ok(()),
-            Some(index) => Err(StepError::NonFinite {
-                time,
-                source: Source::Load(input_name(self.model.scene(), self.model.layout(), index)),
-            }),
+        self.inputs.copy_from_slice(&self.held);
+        let moment = Moment { time, state };
+        for control in &mut self.controls {
+            control(&moment, &mut self.inputs);
         }
+        check_supplied(&*self.model, time, &self.inputs)
     }
 
     #[cold]

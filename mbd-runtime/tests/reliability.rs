@@ -414,9 +414,8 @@ fn budget_cancellation_and_unsupported_combinations_are_typed() {
         "{error}"
     );
     let model = generic(pulled());
-    let error = Simulation::new(&model, Options::rk4(1e-3))
-        .map(|_| ())
-        .unwrap_err();
+    let mut unsupplied = Simulation::new(&model, Options::rk4(1e-3)).unwrap();
+    let error = unsupplied.run(1.0).unwrap_err();
     assert!(error.to_string().contains("thruster"), "{error}");
 }
 

@@ -69,31 +69,22 @@ mbd_runtime::model! {
     }
 }
 
-struct Breeze;
-
-impl<T: mbd_runtime::Real> KiteLoads<T> for Breeze {
-    fn wind(&self, time: T) -> [T; 3] {
-        [T::from_f64(8.0) + time, T::zero(), T::zero()]
-    }
-    fn trim(&self, _time: T) -> T {
-        T::one()
-    }
-    fn rudder(&self, _time: T, state: &KiteState<T>) -> Wrench<T> {
-        Wrench {
+/// A wind that grows, a rudder that follows the motion, gravity that depends on the height.
+fn breeze<T: mbd_runtime::Real>(time: T, state: &KiteState<T>) -> KiteInputs<T> {
+    let mut inputs = KiteInputs {
+        wind: [T::from_f64(8.0) + time, T::zero(), T::zero()],
+        rudder: Wrench {
             force: [T::zero(), state.v.data.0[0][1], T::zero()],
             couple: [T::zero(); 3],
-        }
-    }
-    fn flutter(&self, _time: T, _state: &KiteState<T>) -> [T; 3] {
-        [T::zero(), T::one(), T::zero()]
-    }
-    fn gravity(&self, _time: T, position: [T; 3]) -> [T; 3] {
-        [
-            T::zero(),
-            T::zero(),
-            T::from_f64(-9.81) + T::from_f64(3e-6) * position[2],
-        ]
-    }
+        },
+        flutter: [T::zero(), T::one(), T::zero()],
+        ..KiteInputs::default()
+    };
+    inputs.set_gravity(state, |position| {
+        let fall = T::from_f64(-9.81) + T::from_f64(3e-6) * position[2];
+        [T::zero(), T::zero(), fall]
+    });
+    inputs
 }
 
 fn kite() -> (Kite, KiteState) {
@@ -113,7 +104,9 @@ fn typed_methods_give_the_numbers_of_the_trait() {
     let x = state.to_vec();
     assert_eq!(KiteState::from_slice(&x).expect("its own length"), state);
     assert!(KiteState::<f64>::from_slice(&x[1..]).is_none());
-    let inputs = Kite::inputs(0.5, &state, &Breeze);
+    let given = breeze(0.5, &state);
+    let inputs = given.to_array();
+    assert_eq!(KiteInputs::from_array(inputs), given);
     let at = mbd_runtime::At {
         time: 0.5,
         state: &x,
@@ -129,18 +122,18 @@ fn typed_methods_give_the_numbers_of_the_trait() {
         kite.evaluate(what, &at, &mut kite.work(), &mut out);
         out
     };
-    let rates = kite.derivative(0.5, &state, &HOLD, &Breeze);
+    let rates = kite.derivative(&state, &HOLD, &given);
     assert_eq!(rates.to_vec(), value(Quantity::Derivative));
     assert_eq!(
         kite.kinematics(&state).as_slice(),
         &value(Quantity::Derivative)[..Kite::<f64>::NQ]
     );
     assert_eq!(
-        kite.forces(0.5, &state, &HOLD, &Breeze).as_slice(),
+        kite.forces(&state, &HOLD, &given).as_slice(),
         value(Quantity::Forces)
     );
     assert_eq!(
-        kite.bias_force(0.5, &state, &Breeze).as_slice(),
+        kite.bias_force(&state, &given).as_slice(),
         value(Quantity::BiasForce)
     );
     let outputs = kite.outputs(&state, &HOLD);
@@ -148,7 +141,7 @@ fn typed_methods_give_the_numbers_of_the_trait() {
     assert_eq!(outputs.place, [8.0, 0.0, 7.0]);
     assert_eq!(kite.lines(&state, &HOLD)[0].tension, outputs.tether_force);
     assert!(outputs.tether_force > 0.0, "the tether is taut");
-    let energy = kite.energy(0.5, &state, &HOLD, &Breeze);
+    let energy = kite.energy(&state, &HOLD, &given);
     assert_eq!(
         [energy.kinetic, energy.elastic],
         [value(Quantity::Energy)[0], value(Quantity::Energy)[2]]
@@ -167,9 +160,10 @@ fn forces_and_bias_give_the_accelerations() {
     let (kite, state) = kite();
     let mut m: SMatrix<f64, 9, 9> = SMatrix::zeros();
     kite.mass_matrix(&mut m);
-    let f = kite.forces(0.5, &state, &HOLD, &Breeze);
-    let h = kite.bias_force(0.5, &state, &Breeze);
-    let v = kite.derivative(0.5, &state, &HOLD, &Breeze).v;
+    let inputs = breeze(0.5, &state);
+    let f = kite.forces(&state, &HOLD, &inputs);
+    let h = kite.bias_force(&state, &inputs);
+    let v = kite.derivative(&state, &HOLD, &inputs).v;
     let residual = m * v + h - f;
     assert!(
         residual.amax() < 1e-12 * f.amax(),
@@ -178,10 +172,13 @@ fn forces_and_bias_give_the_accelerations() {
 }
 
 #[test]
-fn a_simulation_asks_the_callers_trait() {
+fn a_simulation_asks_the_callers_function() {
     let (kite, state) = kite();
-    let mut simulation = Simulation::with_loads(&kite, Options::rk4(1e-3), KiteExternal(Breeze))
-        .expect("fixed steps suit every model");
+    let mut simulation =
+        Simulation::new(&kite, Options::rk4(1e-3)).expect("fixed steps suit every model");
+    simulation
+        .control(|sample, inputs: &mut KiteInputs| *inputs = breeze(sample.time, &sample.state()))
+        .expect("its own inputs");
     simulation
         .set_state(0.0, &state.to_vec())
         .expect("a state of the scene");
@@ -338,7 +335,7 @@ fn a_quantity_that_is_not_emitted_says_so_loudly() {
 fn slices_of_a_wrong_length_leave_the_result_untouched() {
     let (kite, state) = kite();
     let x = state.to_vec();
-    let inputs = Kite::inputs(0.0, &state, &Breeze);
+    let inputs = breeze(0.0, &state).to_array();
     let at = mbd_runtime::At {
         time: 0.0,
         state: &x[1..],

@@ -168,6 +168,7 @@ const QUANTITIES: &[(&str, &str, Dimension)] = &[
     ("number", "", NONE),
     ("angle", "rad", NONE),
     ("speed", "m/s", SPEED),
+    ("velocity", "m/s", SPEED),
     ("acceleration", "m/s^2", ACCELERATION),
     ("force", "N", FORCE),
     ("torque", "N*m", TORQUE),

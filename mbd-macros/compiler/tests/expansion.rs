@@ -195,9 +195,9 @@ fn after_an_error_every_name_is_still_there() {
         "pub area: T",
         "pub struct KiteOutputs",
         "pub pull: T",
-        "pub trait KiteLoads",
-        "fn wind",
-        "fn rudder",
+        "pub struct KiteInputs",
+        "pub wind: [T; 3]",
+        "pub rudder: ::mbd_runtime::Wrench<T>",
         "pub fn derivative",
         "for Kite<T>",
     ] {

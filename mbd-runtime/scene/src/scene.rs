@@ -258,6 +258,9 @@ pub struct Input {
     pub components: usize,
     /// SI unit.
     pub unit: Unit,
+    /// What holds until the caller gives another value [SI]; of one component the first.
+    #[serde(default)]
+    pub default: [f64; 3],
 }
 
 /// A place and axes on a body or in the world. The formulas of a frame of the world may contain time, those of a body may not.

@@ -24,24 +24,15 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// Starts a run that was not started. In one that was, what the caller supplies may be another than in the last call: the first stage is
-    /// evaluated anew.
+    /// Starts a run that was not started. In one that was, functions of time and state may give something else than in the last call, and what is
+    /// held may have changed: the first stage is evaluated anew.
     fn enter(&mut self) -> Result<(), RunError> {
         if !self.started {
             return self.begin();
         }
-        if self.system.inputs.is_empty() {
-            return Ok(());
-        }
+        self.stale |= !self.system.controls.is_empty() && !self.system.inputs.is_empty();
         let begun = self.refresh();
         begun.map_err(|cause| self.failed(cause))
-    }
-
-    /// The first stage and the margins of the next step, for what the caller supplies now.
-    fn refresh(&mut self) -> Result<(), StepError> {
-        self.method
-            .begin(&mut self.system, self.time, 0.0, &self.state)?;
-        self.begin_noting()
     }
 
     /// What [`Simulation::run_while`] does.
@@ -78,6 +69,9 @@ impl<T: Float> Simulation<T> {
         trajectory: &mut Option<&mut Trajectory>,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Stop, StepError> {
+        if until - self.time > resolution(self.time) {
+            self.sample()?;
+        }
         if let Some(trajectory) = trajectory
             && trajectory.open(self.time)?
         {
@@ -115,6 +109,8 @@ impl<T: Float> Simulation<T> {
         until: f64,
         trajectory: &mut Option<&mut Trajectory>,
     ) -> Result<(), StepError> {
+        self.sample()?;
+        let until = until.min(self.next_sample());
         let (step, lands) = self.propose(until);
         if !self.attempt(step)? {
             return Ok(());
@@ -153,7 +149,7 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// The size of the next step, and whether it ends the run.
+    /// The size of the next step, and whether it ends at `until`.
     fn propose(&self, until: f64) -> (f64, bool) {
         let left = until - self.time;
         let step = match &self.pace {

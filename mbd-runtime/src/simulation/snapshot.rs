@@ -12,6 +12,9 @@ use crate::node::NodeMemory;
 use crate::watch::Watch;
 
 /// Everything a run needs to go on exactly as it would have: same model, same options, same bits.
+///
+/// The inputs that are held belong to it, and when each controller is called next. What functions of time and state and controllers remember does
+/// not: give the run they are restored into the same ones, in the same order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot<T> {
     scene: u64,
@@ -26,6 +29,10 @@ pub struct Snapshot<T> {
     sides: Vec<bool>,
     drift: f64,
     rows: SavedStrategy,
+    /// The inputs that are held, and whether that is nobody's gift.
+    held: (Vec<T>, bool),
+    /// Per controller the first sample [s] and the number of the next.
+    samples: Vec<(f64, u64)>,
 }
 
 impl<T> Snapshot<T> {
@@ -55,6 +62,12 @@ impl<T: Float> Simulation<T> {
             sides: self.margins.sides.clone(),
             drift: self.system.drift,
             rows: self.system.fallback.saved(),
+            held: (self.system.held.clone(), self.system.unsupplied),
+            samples: self
+                .samplers
+                .iter()
+                .map(|sampler| (sampler.from, sampler.next))
+                .collect(),
         }
     }
 
@@ -76,11 +89,15 @@ impl<T: Float> Simulation<T> {
             && snapshot.watch_weights.len() == self.system.nx
             && snapshot.memory.check(self.system.model.layout()).is_ok()
             && snapshot.sides.len() == self.margins.sides.len()
+            && snapshot.held.0.len() == self.system.held.len()
+            && snapshot.samples.len() == self.samplers.len()
             && snapshot.control.is_some() == matches!(self.pace, Pace::Adaptive(..));
         if !fits {
             return Err(self.failed(StepError::Unsupported {
-                what: "a snapshot of another model or method".into(),
-                instead: "restore it into a simulation made with the same model and options".into(),
+                what: "a snapshot of another model or method, or of other controllers".into(),
+                instead:
+                    "restore it into a simulation made with the same model, options and controllers"
+                        .into(),
             }));
         }
         self.time = snapshot.time;
@@ -89,6 +106,13 @@ impl<T: Float> Simulation<T> {
         self.state.copy_from_slice(&snapshot.state);
         self.system.memory = snapshot.memory.clone();
         self.system.drift = snapshot.drift;
+        let (held, unsupplied) = &snapshot.held;
+        self.system.hold(held);
+        self.system.unsupplied = *unsupplied;
+        self.stale = false;
+        for (sampler, saved) in self.samplers.iter_mut().zip(&snapshot.samples) {
+            (sampler.from, sampler.next) = *saved;
+        }
         self.watch = snapshot.watch;
         self.margins.sides.copy_from_slice(&snapshot.sides);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {

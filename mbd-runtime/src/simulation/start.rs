@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mbd_scene::{Float, JointStart, Model, NodeModel, Quantity, place};
+use mbd_scene::{Float, InputSlots, InputSource, JointStart, Model, NodeModel, Quantity, place};
 
 use super::moved::moved;
 use super::{Pace, Simulation};
@@ -12,24 +12,25 @@ use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Resolution, Scales, TSIT5};
 use crate::options::{Method, Options};
-use crate::system::{External, System, WORKS};
+use crate::supply::Law;
+use crate::system::{System, WORKS};
 use crate::watch::Watch;
 
 impl<T: Float> Simulation<T> {
-    /// What [`Simulation::with_loads`] does.
+    /// What [`Simulation::new`] and [`Simulation::with_loads`] do.
     pub(crate) fn make(
         model: Arc<dyn Model<T>>,
         options: Options,
-        loads: Box<dyn External<T> + Send>,
+        controls: Vec<Law<T>>,
     ) -> Result<Self, RunError> {
         let refuse = |cause| RunError {
             cause,
             progress: Box::default(),
         };
         options.check().map_err(refuse)?;
-        offered(&*model, &options, loads.supplies()).map_err(refuse)?;
+        offered(&*model, &options).map_err(refuse)?;
         let scales = options.scales.unwrap_or_else(|| Scales::of(&*model));
-        let mut system = System::new(model.clone(), loads, options.work);
+        let mut system = System::new(model.clone(), controls, options.work);
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
         system.projection.length = scales.length;
@@ -95,6 +96,9 @@ impl<T: Float> Simulation<T> {
             options,
             guess: None,
             started: false,
+            stale: false,
+            samplers: Vec::new(),
+            given: vec![T::zero(); layout.ni],
             moved: Vec::new(),
             events: Vec::with_capacity(256),
         })
@@ -122,6 +126,9 @@ impl<T: Float> Simulation<T> {
         }
         self.time = time;
         self.started = false;
+        for sampler in &mut self.samplers {
+            (sampler.from, sampler.next) = (time, 0);
+        }
         Ok(())
     }
 
@@ -207,6 +214,10 @@ impl<T: Float> Simulation<T> {
     }
 
     fn consistent_start(&mut self) -> Result<(), StepError> {
+        self.stale = false;
+        if self.system.unsupplied {
+            return Err(unsupplied(&*self.system.model));
+        }
         let set = self.state.clone();
         let assembled = self.system.assemble(self.time, &mut self.state);
         let (model, nx) = (&self.system.model, self.system.nx);
@@ -236,35 +247,34 @@ impl<T: Float> Simulation<T> {
     }
 }
 
-/// Whether this combination of model, method and loads is offered.
-fn offered<T: Float>(
-    model: &dyn Model<T>,
-    options: &Options,
-    supplies: bool,
-) -> Result<(), StepError> {
-    let (scene, layout) = (model.scene(), model.layout());
+/// Whether this combination of model and method is offered.
+fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), StepError> {
     if let (Some(point), Method::Tsit5 { .. }) = (stepwise(model), options.method) {
         return Err(StepError::Unsupported {
             what: format!(
                 "an adaptive method with the `stepwise` node `{}`",
-                node_name(scene, point)
+                node_name(model.scene(), point)
             ),
             instead: "take Method::Rk4 with a fixed step, or declare the node `rate` or `static`"
                 .into(),
         });
     }
-    if layout.ni > 0 && !supplies {
-        let names: Vec<String> = layout
-            .inputs
-            .iter()
-            .map(|slots| input_name(scene, layout, slots.at))
-            .collect();
-        return Err(StepError::Unsupported {
-            what: format!("a run without the inputs {}", names.join(", ")),
-            instead: "give them: Simulation::with_loads(&model, options, loads)".into(),
-        });
-    }
     Ok(())
+}
+
+/// A run of a scene whose external loads or gravity nobody supplies.
+#[cold]
+fn unsupplied<T: Float>(model: &dyn Model<T>) -> StepError {
+    let (scene, layout) = (model.scene(), model.layout());
+    let without_default = |slots: &&InputSlots| !matches!(slots.source, InputSource::Input(_));
+    let missing = layout.inputs.iter().filter(without_default);
+    let names: Vec<String> = missing
+        .map(|slots| format!("`{}`", input_name(scene, layout, slots.at)))
+        .collect();
+    StepError::Unsupported {
+        what: format!("a run without {}", names.join(", ")),
+        instead: "set_inputs holds them, control computes them from time and state".into(),
+    }
 }
 
 /// The first point with a `stepwise` node.

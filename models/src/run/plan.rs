@@ -396,7 +396,7 @@ fn flat(table: &Table) -> Vec<(String, &Value)> {
 }
 
 fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, PlanError> {
-    let mut numbers = vec![0.0; layout.ni];
+    let mut numbers = layout.default_inputs(scene);
     let mut known: Vec<&str> = Vec::new();
     for slots in &layout.inputs {
         let (name, units): (Option<&str>, Vec<&str>) = match slots.source {
@@ -428,6 +428,9 @@ fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, Pla
         known.push(name);
         let setting = format!("inputs.{name}");
         let Some(value) = given.get(name) else {
+            if matches!(slots.source, InputSource::Input(_)) {
+                continue;
+            }
             let text = format!(
                 "this scene takes `{name}` from its caller: give {} number(s) under [run.inputs]",
                 slots.len

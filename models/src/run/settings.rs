@@ -15,7 +15,7 @@
 //! capsule.z = "2.6 m"
 //! capsule.vx = "1 m/s"
 //!
-//! [run.inputs]           # held constant
+//! [run.inputs]           # held constant; an input that is left out keeps its declared default
 //! wind = ["3 m/s", 0.0, 0.0]
 //! ```
 

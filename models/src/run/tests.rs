@@ -1,8 +1,8 @@
 //! A scene, its settings, the run and its files.
 
 use mbd_runtime::scene::{
-    Dimension, Formula, Frame, Gravity, Input, Line, LineKind, NodeModel, Output, Parameter, Place,
-    Point, PointKind, Scene, Unit,
+    Dimension, Formula, Frame, Gravity, Input, Line, LineKind, Load, LoadKind, NodeModel, Output,
+    Parameter, Place, Point, PointKind, Scene, Unit,
 };
 use mbd_runtime::{Method, Options};
 
@@ -120,8 +120,15 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
         doc: String::new(),
         components: 3,
         unit: unit("m/s", 1.0, 0, 1, -1),
+        default: [0.0, 5.0, 0.0],
     });
-    let winded = "[run.inputs]\nwind = [1, 2.0, \"3 m/s\"]\n";
+    scene.loads.push(Load {
+        name: "thruster".into(),
+        doc: String::new(),
+        at: Place::Point(0),
+        kind: LoadKind::External,
+    });
+    let winded = "[run.inputs]\nwind = [1, 2.0, \"3 m/s\"]\nthruster = [0, 0, 0]\n";
     let fails = |text: &str, what: &str| {
         let error = Plan::new(&scene, &settings(text)).unwrap_err().to_string();
         assert!(error.contains(what), "{text}: {error}");
@@ -147,7 +154,7 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
     fails("[run]\nuntil = 1\n[run.params]\nkk = 1", "it has k");
     fails(
         "[run]\nuntil = 1",
-        "`inputs.wind`: this scene takes `wind` from its caller: give 3 number(s)",
+        "`inputs.thruster`: this scene takes `thruster` from its caller: give 3 number(s)",
     );
     fails(
         "[run]\nuntil = 1\n[run.inputs]\nwind = 3",
@@ -172,7 +179,11 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
         "`instants`: `1 m` has the wrong unit: expected s",
     );
     let plan = Plan::new(&scene, &settings(&format!("[run]\nuntil = 1\n{winded}"))).unwrap();
-    assert_eq!(plan.inputs, [1.0, 2.0, 3.0]);
+    assert_eq!(plan.inputs, [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]);
+    // An input that is left out keeps its default.
+    let calm = "[run]\nuntil = 1\n[run.inputs]\nthruster = [0, 1, 0]\n";
+    let plan = Plan::new(&scene, &settings(calm)).unwrap();
+    assert_eq!(plan.inputs, [0.0, 5.0, 0.0, 0.0, 1.0, 0.0]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What every part of an emission needs to know.
 
-use mbd_scene::{InputSlots, InputSource, Scene};
+use mbd_scene::Scene;
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
@@ -69,16 +69,6 @@ pub struct Context<'a> {
     pub settings: &'a Settings,
     /// Its kernels and who calls them.
     pub kernels: &'a Kernels,
-}
-
-/// Something the caller supplies: where its numbers go and which item it is.
-pub struct Supplied {
-    /// Its place in the list of inputs.
-    pub slots: InputSlots,
-    /// Its method.
-    pub method: Ident,
-    /// Its documentation.
-    pub doc: String,
 }
 
 impl Context<'_> {
@@ -180,59 +170,6 @@ impl Context<'_> {
             .iter()
             .map(|output| output.name.as_str());
         fields(names, &self.spans.outputs)
-    }
-
-    /// What the caller supplies, one method each; gravity is one method for all bodies and points.
-    pub fn supplied(&self) -> Vec<Supplied> {
-        let scene = self.scene();
-        let at = |spans: &[Span], index: usize| spans.get(index).copied();
-        self.equations
-            .layout
-            .inputs
-            .iter()
-            .map(|&slots| {
-                let (name, doc, span) = match slots.source {
-                    InputSource::Input(i) => {
-                        let input = scene.inputs.get(i);
-                        let doc = input.map(|x| {
-                            let unit = unit_text(&x.unit.text);
-                            format!("{} \\[{unit}\\]", x.doc.trim()).trim().to_owned()
-                        });
-                        (
-                            input.map(|x| x.name.clone()),
-                            doc,
-                            at(&self.spans.inputs, i),
-                        )
-                    }
-                    InputSource::Load(i) => {
-                        let load = scene.loads.get(i);
-                        let doc = load.map(|x| {
-                            let what = if slots.len == 6 {
-                                "Force \\[N\\] and couple \\[N m\\]"
-                            } else {
-                                "Force \\[N\\]"
-                            };
-                            format!("{} {what}, world axes.", x.doc.trim())
-                                .trim()
-                                .to_owned()
-                        });
-                        (load.map(|x| x.name.clone()), doc, at(&self.spans.loads, i))
-                    }
-                    InputSource::BodyGravity(_) | InputSource::PointGravity(_) => {
-                        let doc = "Acceleration of gravity at a position \\[m/s²\\], world axes.";
-                        (Some("gravity".to_owned()), Some(doc.to_owned()), None)
-                    }
-                };
-                Supplied {
-                    slots,
-                    method: ident(
-                        &name.unwrap_or_default(),
-                        span.unwrap_or_else(Span::call_site),
-                    ),
-                    doc: doc.unwrap_or_default(),
-                }
-            })
-            .collect()
     }
 }
 

@@ -1,18 +1,18 @@
-//! The types that surround a model: parameters, state, outputs, loads.
+//! The types that surround a model: parameters, state, outputs, inputs.
 
-use mbd_scene::InputSource;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::context::{Context, docs, unit_text};
+use super::inputs::inputs;
 use super::literal::{number, whole};
 use super::parts::parts;
 
 /// Every companion type of a model.
 pub fn companions(context: &Context) -> TokenStream {
     let (params, state) = (params(context), state(context));
-    let (outputs, loads) = (outputs(context), loads(context));
-    quote!(#params #state #outputs #loads)
+    let (outputs, inputs) = (outputs(context), inputs(context));
+    quote!(#params #state #outputs #inputs)
 }
 
 fn params(context: &Context) -> TokenStream {
@@ -268,134 +268,5 @@ fn outputs(context: &Context) -> TokenStream {
                 #name { #(#values),* }
             }
         }
-    }
-}
-
-/// The trait of everything the caller supplies.
-fn loads(context: &Context) -> TokenStream {
-    let supplied = context.supplied();
-    if supplied.is_empty() {
-        return TokenStream::new();
-    }
-    let (name, vis) = (context.named("Loads"), &context.settings.visibility);
-    let (t, real, used, state) = (
-        context.scalar(),
-        context.real(),
-        context.used(),
-        context.named("State"),
-    );
-    let mut gravity_done = false;
-    let methods = supplied.iter().filter_map(|item| {
-        let (method, doc) = (&item.method, docs(&item.doc));
-        match item.slots.source {
-            InputSource::Input(_) if item.slots.len == 1 => {
-                Some(quote!(#doc fn #method(&self, time: #t) -> #t;))
-            }
-            InputSource::Input(_) => Some(quote!(#doc fn #method(&self, time: #t) -> [#t; 3];)),
-            InputSource::Load(_) => {
-                let value = if item.slots.len == 6 {
-                    quote!(::mbd_runtime::Wrench<#t>)
-                } else {
-                    quote!([#t; 3])
-                };
-                Some(quote!(#doc fn #method(&self, time: #t, state: &#state #used) -> #value;))
-            }
-            InputSource::BodyGravity(_) | InputSource::PointGravity(_) => {
-                let first = !std::mem::replace(&mut gravity_done, true);
-                first.then(
-                    || quote!(#doc fn #method(&self, time: #t, position: [#t; 3]) -> [#t; 3];),
-                )
-            }
-        }
-    });
-    let methods: Vec<TokenStream> = methods.collect();
-    let model = &context.scene().name;
-    let doc = docs(&format!(
-        "What the caller of `{model}` supplies at each evaluation."
-    ));
-    let (model, external) = (context.named(""), context.named("External"));
-    let scalar = context
-        .settings
-        .generic
-        .then(|| quote!(T: ::mbd_runtime::Real,));
-    let external_doc = docs(&format!("Hands what [`{name}`] supplies to a simulation."));
-    quote! {
-        #doc
-        #vis trait #name #real { #(#methods)* }
-
-        #external_doc
-        #[derive(Clone, Debug)]
-        #vis struct #external<L>(
-            /// What supplies.
-            pub L,
-        );
-
-        impl<#scalar L: #name #used> ::mbd_runtime::External<#t> for #external<L> {
-            fn evaluate(&self, time: #t, state: &[#t], out: &mut [#t]) {
-                if let (::core::option::Option::Some(state), ::core::option::Option::Some(out)) =
-                    (#state::from_slice(state), ::mbd_runtime::__private::fixed_mut(out))
-                {
-                    *out = <#model #used>::inputs(time, &state, &self.0);
-                }
-            }
-        }
-    }
-}
-
-/// The statements that fill `inputs` from `loads`.
-pub fn gather(context: &Context) -> TokenStream {
-    let layout = &context.equations.layout;
-    let zero = || match context.settings.generic {
-        true => quote!(T::zero()),
-        false => quote!(0.0),
-    };
-    let position = |q: usize| {
-        let mut place = [zero(), zero(), zero()];
-        for (offset, &axis) in layout.directions.translations().iter().enumerate() {
-            let at = whole(q + offset);
-            place[axis] = quote!(q[#at]);
-        }
-        let [x, y, z] = place;
-        quote!([#x, #y, #z])
-    };
-    let mut names = Vec::new();
-    let mut calls = Vec::new();
-    for item in context.supplied() {
-        let method = &item.method;
-        let parts: Vec<_> = (0..item.slots.len)
-            .map(|i| format_ident!("input_{}", item.slots.at + i))
-            .collect();
-        calls.push(match item.slots.source {
-            InputSource::Input(_) if parts.len() == 1 => {
-                quote!(let #(#parts)* = loads.#method(time);)
-            }
-            InputSource::Input(_) => quote!(let [#(#parts),*] = loads.#method(time);),
-            InputSource::Load(_) if parts.len() == 6 => {
-                let (force, couple) = parts.split_at(3);
-                quote! {
-                    let ::mbd_runtime::Wrench { force: [#(#force),*], couple: [#(#couple),*] } =
-                        loads.#method(time, state);
-                }
-            }
-            InputSource::Load(_) => quote!(let [#(#parts),*] = loads.#method(time, state);),
-            InputSource::BodyGravity(body) => {
-                let at = position(layout.bodies.get(body).map_or(0, |slots| slots.q));
-                quote!(let [#(#parts),*] = loads.#method(time, #at);)
-            }
-            InputSource::PointGravity(point) => {
-                let at = match layout.points.get(point) {
-                    Some(mbd_scene::PointSlots::Mass(slots)) => position(slots.q),
-                    _ => position(0),
-                };
-                quote!(let [#(#parts),*] = loads.#method(time, #at);)
-            }
-        });
-        names.extend(parts);
-    }
-    quote! {
-        let [q] = &state.q.data.0;
-        let _ = q;
-        #(#calls)*
-        [#(#names),*]
     }
 }

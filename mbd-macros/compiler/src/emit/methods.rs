@@ -86,17 +86,15 @@ fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Si
                 .collect(),
         ),
     };
-    let loads = reads.reads(Group::Inputs);
-    let whole_state = loads
-        || [Group::Q, Group::V, Group::Z]
-            .iter()
-            .any(|&g| reads.reads(g));
+    let state_read = [Group::Q, Group::V, Group::Z]
+        .iter()
+        .any(|&g| reads.reads(g));
     let mut taken = Vec::new();
     let mut prepared = TokenStream::new();
-    if loads || reads.reads(Group::Time) {
+    if reads.reads(Group::Time) {
         taken.push(quote!(time: #t));
     }
-    if whole_state {
+    if state_read {
         taken.push(quote!(state: &#state #used));
     }
     for group in [
@@ -120,10 +118,10 @@ fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Si
             prepared.extend(quote!(let [#list] = &state.#list.data.0;));
         }
     }
-    if loads {
-        let trait_name = context.named("Loads");
-        taken.push(quote!(loads: &impl #trait_name #used));
-        prepared.extend(quote!(let inputs = &Self::inputs(time, state, loads);));
+    if reads.reads(Group::Inputs) {
+        let inputs = context.named("Inputs");
+        taken.push(quote!(inputs: &#inputs #used));
+        prepared.extend(quote!(let inputs = &inputs.to_array();));
     }
     let passed = reads
         .0

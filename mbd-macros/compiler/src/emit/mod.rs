@@ -2,7 +2,7 @@
 //!
 //! - `function` writes one program as one function, `kernel` a long one as calls of kernels that many share, `terms` what they compute,
 //!   `naming` and `wording` name that.
-//! - `interface` writes parameters, state, outputs and loads, `methods` the typed methods, `model` the struct, `execution` the
+//! - `interface` writes parameters, state and outputs, `inputs` what the caller supplies, `methods` the typed methods, `model` the struct, `execution` the
 //!   trait.
 //! - `explain` says in words what was made.
 
@@ -10,6 +10,7 @@ mod context;
 mod execution;
 mod explain;
 mod function;
+mod inputs;
 mod interface;
 mod kernel;
 mod literal;

@@ -8,7 +8,6 @@ use super::context::{Context, docs};
 use super::execution;
 use super::explain;
 use super::function::{function, solution};
-use super::interface::gather;
 use super::kernel;
 use super::literal::{number, whole};
 use super::methods::methods;
@@ -216,13 +215,9 @@ fn cost(cost: Cost) -> TokenStream {
     }
 }
 
-/// `new`, `unchecked`, `parameters`, `scene`, `explain`, `inputs`.
+/// `new`, `unchecked`, `parameters`, `scene`, `explain`.
 fn construction(context: &Context) -> TokenStream {
-    let (name, params, state) = (
-        context.named(""),
-        context.named("Params"),
-        context.named("State"),
-    );
+    let (name, params) = (context.named(""), context.named("Params"));
     let (t, used, real, float) = (
         context.scalar(),
         context.used(),
@@ -246,15 +241,6 @@ fn construction(context: &Context) -> TokenStream {
     let scene = context.scene().packed();
     let plan = context.equations.layout.plan().packed();
     let explanation = explain::explanation(context);
-    let inputs = (context.equations.layout.ni > 0).then(|| {
-        let (loads, count, gather) = (context.named("Loads"), whole(context.equations.layout.ni), gather(context));
-        quote! {
-            /// Everything the caller supplies, in the order of `Layout::inputs`.
-            pub fn inputs(time: #t, state: &#state #used, loads: &impl #loads #used) -> [#t; #count] {
-                #gather
-            }
-        }
-    });
     quote! {
         impl #float #name #used {
             /// A model with these parameters.
@@ -301,7 +287,6 @@ fn construction(context: &Context) -> TokenStream {
             pub fn explain() -> &'static str {
                 #explanation
             }
-            #inputs
         }
 
         /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.

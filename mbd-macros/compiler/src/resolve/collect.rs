@@ -9,7 +9,6 @@ use mbd_scene::{
 use super::{Instance, Named, Resolver};
 use crate::lexeme::Region;
 use crate::messages::{resolve as say, syntax as say_syntax};
-use crate::names::identifier;
 use crate::syntax::words::{self, Reserved};
 use crate::syntax::{Item, Model, Name};
 
@@ -17,7 +16,7 @@ use crate::syntax::{Item, Model, Name};
 pub(super) const MOST: usize = 10_000;
 
 impl<'a> Resolver<'a> {
-    /// Names consts, params, inputs and tables.
+    /// Names consts, params and tables.
     pub fn collect_numbers(&mut self, model: &'a Model<'a>) {
         for item in &model.items {
             let Some(name) = &item.name else {
@@ -28,7 +27,12 @@ impl<'a> Resolver<'a> {
             }
             self.later.insert(name.word.text.clone());
         }
-        self.collect(model, &["const", "param", "input", "table"]);
+        self.collect(model, &["const", "param", "table"]);
+    }
+
+    /// Names inputs, whose repetitions may be consts.
+    pub fn collect_inputs(&mut self, model: &'a Model<'a>) {
+        self.collect(model, &["input"]);
     }
 
     /// Names everything else.
@@ -96,9 +100,6 @@ impl<'a> Resolver<'a> {
                 continue;
             }
             self.declared.insert(named, at);
-            if spec.word == "input" || (spec.word == "load" && item.given(":").is_some()) {
-                self.function(&label, at);
-            }
             self.placeholder(spec.word, item, label);
             let outer: Vec<(String, i64)> = value.clone().into_iter().collect();
             self.add_instance(spec.word, item, slot, value);
@@ -108,17 +109,6 @@ impl<'a> Resolver<'a> {
             if spec.word == "body" && !self.collect_frames(slot, item, &outer) {
                 return;
             }
-        }
-    }
-
-    /// Inputs and external loads become functions of Rust: `push[0]` and `push_0` would be the same one.
-    fn function(&mut self, label: &str, at: Region) {
-        let function = match label.contains('[') {
-            true => identifier(label),
-            false => label.to_string(),
-        };
-        if !self.functions.insert(function.clone()) {
-            self.messages.push(say::same_function(at, label, &function));
         }
     }
 

@@ -98,8 +98,6 @@ pub struct Resolver<'a> {
     pub broken: BTreeSet<String>,
     /// Names that are declared but not collected yet, while the numbers are made.
     pub later: BTreeSet<String>,
-    /// The functions of Rust that inputs and external loads become.
-    pub functions: BTreeSet<String>,
     /// Items whose repetition is empty: they declare nothing.
     pub idle: Vec<&'a Item<'a>>,
     /// What is known of each `let`.
@@ -140,6 +138,8 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     let mut resolver = Resolver::new(model);
     resolver.settings(model);
     resolver.collect_numbers(model);
+    resolver.consts();
+    resolver.collect_inputs(model);
     resolver.numbers();
     resolver.collect_things(model);
     resolver.known = Known::Names;
@@ -182,7 +182,6 @@ impl<'a> Resolver<'a> {
             bad: BTreeSet::new(),
             broken: BTreeSet::new(),
             later: BTreeSet::new(),
-            functions: BTreeSet::new(),
             idle: Vec::new(),
             lets: Vec::new(),
             nested: 0,

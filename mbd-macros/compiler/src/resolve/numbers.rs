@@ -15,9 +15,8 @@ use crate::syntax::{Cursor, Value, unit};
 use crate::units;
 
 impl Resolver<'_> {
-    /// Fills consts, then what is made of them.
+    /// Fills what is made of consts.
     pub fn numbers(&mut self) {
-        self.consts();
         for param in self.of("param") {
             self.poison(Named::Param(param.slot), |this| this.param(&param));
         }
@@ -62,6 +61,7 @@ impl Resolver<'_> {
                 doc,
                 components: 1,
                 unit,
+                default: [0.0; 3],
             }),
             "table" => scene.tables.push(Table {
                 name,
@@ -98,7 +98,7 @@ impl Resolver<'_> {
     }
 
     /// Fills consts in the order of what they depend on.
-    fn consts(&mut self) {
+    pub fn consts(&mut self) {
         let mut waiting: Vec<(Instance<'_>, Expression)> = Vec::new();
         for instance in self.of("const") {
             let named = Named::Const(instance.slot);
@@ -279,7 +279,7 @@ impl Resolver<'_> {
         Some((ends, dimension))
     }
 
-    /// `wind: [speed; 3]` or `thrust: force`.
+    /// `wind: [speed; 3]`, `wind: speed = [1.0, 0.0, 0.0] m/s` or `thrust: force = 2 kN`.
     fn input(&mut self, instance: &Instance<'_>) -> Option<()> {
         let value = instance.item.clause(":")?;
         let mut cursor = Cursor::new(value);
@@ -299,9 +299,45 @@ impl Resolver<'_> {
             None => (value.lexemes, 1),
         };
         let unit = self.input_unit(inner, value.at)?;
+        let dimension = unit.dimension;
         let entry = self.scene.inputs.get_mut(instance.slot)?;
         entry.components = components;
         entry.unit = unit;
+        self.input_default(instance, components, dimension)
+    }
+
+    /// What holds until the caller gives another value. A vector makes a vector of an input.
+    fn input_default(
+        &mut self,
+        instance: &Instance<'_>,
+        components: usize,
+        wanted: Dimension,
+    ) -> Option<()> {
+        let Some(given) = instance.item.clause("=") else {
+            return Some(());
+        };
+        let typed = self.value(given, instance.scope(Stage::Constant))?;
+        let name = self.scene.inputs.get(instance.slot)?.name.clone();
+        match (&typed.bare, typed.dimension) {
+            (Some(text), Some(units::NONE)) if wanted != units::NONE => {
+                return self.fail(say::needs_unit(typed.at, &name, wanted, text));
+            }
+            (_, Some(found)) if found != wanted => {
+                return self.fail(say::wrong_dimension(typed.at, &name, wanted, found));
+            }
+            _ => {}
+        }
+        let (components, default) = match fold::known(&typed.formula, &self.scene, false) {
+            Some(fold::Fixed::Vector(value)) => (3, value),
+            Some(fold::Fixed::Scalar(_)) if components == 3 => {
+                return self.fail(say::vector_wanted(typed.at, &format!("`{name}`")));
+            }
+            Some(fold::Fixed::Scalar(value)) => (1, [value, 0.0, 0.0]),
+            None => return self.fail(say::not_constant(typed.at, "this")),
+        };
+        let entry = self.scene.inputs.get_mut(instance.slot)?;
+        entry.components = components;
+        entry.default = default;
         Some(())
     }
 

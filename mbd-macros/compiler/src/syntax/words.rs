@@ -115,12 +115,12 @@ pub const ITEMS: &[ItemWord] = &[
         None,
         "param NAME = 761 kg in 600 kg ..= 900 kg;",
     ),
-    item(
+    repeated(item(
         "input",
-        &[needs(":", "kind")],
+        &[needs(":", "kind"), may("=", "value")],
         None,
-        "input NAME: [speed; 3];",
-    ),
+        "input NAME: force = 0 N;",
+    )),
     item(
         "table",
         &[needs("=", "value")],

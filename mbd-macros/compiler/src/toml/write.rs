@@ -191,6 +191,14 @@ fn numbers(out: &mut String, scene: &Scene) {
             _ => unit.to_string(),
         };
         entry(out, "kind", &kind);
+        if input.default != [0.0; 3] {
+            let [x, y, z] = input.default.map(number);
+            let value = match input.components {
+                3 => format!("[{x}, {y}, {z}]"),
+                _ => x,
+            };
+            entry(out, "value", format!("{value} {}", input.unit.text).trim());
+        }
     }
     for declared in &scene.tables {
         table(out, "table", &declared.name);

@@ -140,31 +140,80 @@ impl<T> ParachuteOutputs<T> {
         }
     }
 }
-/// What the caller of `Parachute` supplies at each evaluation.
-pub trait ParachuteLoads<T: ::mbd_runtime::Real> {
+/// What the caller of `Parachute` supplies, SI units. `default()` has the declared values; external loads and external gravity are zero.
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    PartialEq,
+    ::mbd_runtime::serde::Serialize,
+    ::mbd_runtime::serde::Deserialize
+)]
+#[serde(crate = "::mbd_runtime::serde", deny_unknown_fields)]
+pub struct ParachuteInputs<T = f64> {
     /// Wind, world axes. \[m/s\]
-    fn wind(&self, time: T) -> [T; 3];
+    pub wind: [T; 3],
     /// Force \[N\] and couple \[N m\], world axes.
-    fn thruster(&self, time: T, state: &ParachuteState<T>) -> ::mbd_runtime::Wrench<T>;
+    pub thruster: ::mbd_runtime::Wrench<T>,
 }
-/// Hands what [`ParachuteLoads`] supplies to a simulation.
-#[derive(Clone, Debug)]
-pub struct ParachuteExternal<L>(
-    /// What supplies.
-    pub L,
-);
-impl<T: ::mbd_runtime::Real, L: ParachuteLoads<T>> ::mbd_runtime::External<T>
-for ParachuteExternal<L> {
-    fn evaluate(&self, time: T, state: &[T], out: &mut [T]) {
-        if let (
-            ::core::option::Option::Some(state),
-            ::core::option::Option::Some(out),
-        ) = (
-            ParachuteState::from_slice(state),
-            ::mbd_runtime::__private::fixed_mut(out),
-        ) {
-            *out = <Parachute<T>>::inputs(time, &state, &self.0);
+/// What a controller of `Parachute` sees.
+#[allow(dead_code, reason = "for controllers that are functions")]
+pub type ParachuteSample<'a, T = f64> = ::mbd_runtime::Sample<'a, ParachuteInputs<T>, T>;
+impl<T: ::mbd_runtime::Real> ::core::default::Default for ParachuteInputs<T> {
+    fn default() -> Self {
+        Self::from_array([
+            T::from_f64(0.0),
+            T::from_f64(0.0),
+            T::from_f64(0.0),
+            T::from_f64(0.0),
+            T::from_f64(0.0),
+            T::from_f64(0.0),
+            T::from_f64(0.0),
+            T::from_f64(0.0),
+            T::from_f64(0.0),
+        ])
+    }
+}
+impl<T: ::mbd_runtime::Real> ParachuteInputs<T> {
+    /// The numbers in the order of `Layout::inputs`.
+    #[must_use]
+    pub fn to_array(&self) -> [T; 9] {
+        let ParachuteInputs {
+            wind: [n0,
+            n1,
+            n2,
+            ],
+            thruster: ::mbd_runtime::Wrench { force: [n3, n4, n5], couple: [n6, n7, n8] },
+        } = *self;
+        [n0, n1, n2, n3, n4, n5, n6, n7, n8]
+    }
+    /// Inputs from their numbers.
+    #[must_use]
+    pub fn from_array(numbers: [T; 9]) -> Self {
+        let [n0, n1, n2, n3, n4, n5, n6, n7, n8] = numbers;
+        ParachuteInputs {
+            wind: [n0, n1, n2],
+            thruster: ::mbd_runtime::Wrench {
+                force: [n3, n4, n5],
+                couple: [n6, n7, n8],
+            },
         }
+    }
+}
+impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
+    const MODEL: ::core::option::Option<(&'static str, [usize; 2])> = ::core::option::Option::Some((
+        "Parachute",
+        [29, 9],
+    ));
+    type State = ParachuteState<T>;
+    fn from_numbers(numbers: &[T]) -> ::core::option::Option<Self> {
+        ::mbd_runtime::__private::fixed(numbers).copied().map(Self::from_array)
+    }
+    fn numbers(&self) -> impl ::core::convert::AsRef<[T]> {
+        self.to_array()
+    }
+    fn state(numbers: &[T]) -> ParachuteState<T> {
+        ParachuteState::from_slice(numbers).unwrap_or_else(ParachuteState::at_origin)
     }
 }
 /// Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point.
@@ -256,44 +305,13 @@ const _: () = {
         pub fn explain() -> &'static str {
             "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections)\n  outputs: 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections)\n  energy: 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
         }
-        /// Everything the caller supplies, in the order of `Layout::inputs`.
-        pub fn inputs(
-            time: T,
-            state: &ParachuteState<T>,
-            loads: &impl ParachuteLoads<T>,
-        ) -> [T; 9] {
-            let [q] = &state.q.data.0;
-            let _ = q;
-            let [input_0, input_1, input_2] = loads.wind(time);
-            let ::mbd_runtime::Wrench {
-                force: [input_3,
-                input_4,
-                input_5,
-                ],
-                couple: [input_6,
-                input_7,
-                input_8,
-                ],
-            } = loads.thruster(time, state);
-            [
-                input_0,
-                input_1,
-                input_2,
-                input_3,
-                input_4,
-                input_5,
-                input_6,
-                input_7,
-                input_8,
-            ]
-        }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
     fn declared() -> &'static ::mbd_runtime::__private::Declared {
         static DECLARED: ::std::sync::OnceLock<::mbd_runtime::__private::Declared> = ::std::sync::OnceLock::new();
         DECLARED
             .get_or_init(|| ::mbd_runtime::__private::Declared::unpacked(
-                "9 Parachute 94 Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point. 0 0 0 2 0 42828000000000.0 0 0.0 0 0.0 0 -3404590.0 2 5 L_LEG 0  0 2.1 1 m 1.0 0 2 0 0 3 RHO 0  0 0.014 6 kg/m^3 1.0 2 -6 0 0 3 7 riser_k 23 Stiffness of the riser. 60000.0 1 10000.0 200000.0 4 kN/m 1000.0 2 0 -4 0 5 m_cap 13 Capsule mass. 761.0 1 600.0 900.0 2 kg 1.0 2 0 0 0 4 cd_s 38 Drag coefficient times reference area. 82.0 1 60.0 100.0 3 m^2 1.0 0 4 0 0 1 4 wind 17 Wind, world axes. 3 3 m/s 1.0 0 2 -2 0 0 0 1 5 world 0 0.0 0 0.0 0 0.0 0 2 6 canopy 0  0 16.0 0 60.0 0 60.0 0 90.0 0 0.0 0 0.0 0 0.0 3 3 com 0 0.0 0 0.0 0 0.0 0 9 riser_end 0 0.0 0 0.0 0 -9.5 0 2 cp 0 0.0 0 0.0 0 1.57 0 7 capsule 0  2 1 0 300.0 0 310.0 0 420.0 0 -1.5 0 0.0 0 2.0 4 3 com 0 0.0 0 0.0 0 0.0 0 9 bridle[0] 0 0.55 0 0.0 0 1.23 0 9 bridle[1] 0 -0.2749999999999999 0 0.47631397208144133 0 1.23 0 9 bridle[2] 0 -0.27500000000000024 0 -0.47631397208144116 0 1.23 0 1 10 confluence 0  1 2 2 11 canopy_free 0  0 0 0 1 0 0 0 0 12 capsule_free 0  0 0 0 1 1 0 0 0 4 5 riser 0  0 1 0 1 2 0 0 10.0 2 0 0 600.0 6 leg[0] 0  0 1 1 1 2 0 1 0 0 47000.0 0 470.0 6 leg[1] 0  0 1 1 2 2 0 1 0 0 47000.0 0 470.0 6 leg[2] 0  0 1 1 3 2 0 1 0 0 47000.0 0 470.0 2 4 drag 0  1 0 2 0 19 2 2 19 2 2 19 2 2 0 -0.007 2 2 19 6 1 19 1 2 6 1 0 2 3 0 19 1 2 6 1 0 2 3 0 8 thruster 0  1 1 0 2 2 11 riser_force 21 Tension of the riser. 10 0 1 1 N 1.0 2 2 -4 0 4 tilt 0  19 16 2 7 1 1 0 2 7 0 0 2 1 3 rad 1.0 0 0 0 0 1 5 slack 0  10 0 0 ",
+                "9 Parachute 94 Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point. 0 0 0 2 0 42828000000000.0 0 0.0 0 0.0 0 -3404590.0 2 5 L_LEG 0  2.1 1 m 1.0 0 2 0 3 RHO 0  0.014 6 kg/m^3 1.0 2 -6 0 3 7 riser_k 23 Stiffness of the riser. 60000.0 1 10000.0 200000.0 4 kN/m 1000.0 2 0 -4 5 m_cap 13 Capsule mass. 761.0 1 600.0 900.0 2 kg 1.0 2 0 0 4 cd_s 38 Drag coefficient times reference area. 82.0 1 60.0 100.0 3 m^2 1.0 0 4 0 1 4 wind 17 Wind, world axes. 3 3 m/s 1.0 0 2 -2 0.0 0.0 0.0 0 1 5 world 0 0.0 0 0.0 0 0.0 0 2 6 canopy 0  0 16.0 0 60.0 0 60.0 0 90.0 0 0.0 0 0.0 0 0.0 3 3 com 0 0.0 0 0.0 0 0.0 0 9 riser_end 0 0.0 0 0.0 0 -9.5 0 2 cp 0 0.0 0 0.0 0 1.57 0 7 capsule 0  2 1 0 300.0 0 310.0 0 420.0 0 -1.5 0 0.0 0 2.0 4 3 com 0 0.0 0 0.0 0 0.0 0 9 bridle[0] 0 0.55 0 0.0 0 1.23 0 9 bridle[1] 0 -0.2749999999999999 0 0.47631397208144133 0 1.23 0 9 bridle[2] 0 -0.27500000000000024 0 -0.47631397208144116 0 1.23 0 1 10 confluence 0  1 2 2 11 canopy_free 0  0 0 0 1 0 0 0 0 12 capsule_free 0  0 0 0 1 1 0 0 0 4 5 riser 0  0 1 0 1 2 0 0 10.0 2 0 0 600.0 6 leg[0] 0  0 1 1 1 2 0 1 0 0 47000.0 0 470.0 6 leg[1] 0  0 1 1 2 2 0 1 0 0 47000.0 0 470.0 6 leg[2] 0  0 1 1 3 2 0 1 0 0 47000.0 0 470.0 2 4 drag 0  1 0 2 0 19 2 2 19 2 2 19 2 2 0 -0.007 2 2 19 6 1 19 1 2 6 1 0 2 3 0 19 1 2 6 1 0 2 3 0 8 thruster 0  1 1 0 2 2 11 riser_force 21 Tension of the riser. 10 0 1 1 N 1.0 2 2 -4 4 tilt 0  19 16 2 7 1 1 0 2 7 0 0 2 1 3 rad 1.0 0 0 0 1 5 slack 0  10 0 0 ",
                 "0 0 0 1 0 0 0 0 18446744073709551615 ",
             ))
     }
@@ -306,16 +324,15 @@ const _: () = {
         #[inline]
         pub fn derivative(
             &self,
-            time: T,
             state: &ParachuteState<T>,
             nodes: &[T; 3],
             hold: &[T; 4],
-            loads: &impl ParachuteLoads<T>,
+            inputs: &ParachuteInputs<T>,
         ) -> ParachuteState<T> {
             let [q] = &state.q.data.0;
             let [v] = &state.v.data.0;
             let [z] = &state.z.data.0;
-            let inputs = &Self::inputs(time, state, loads);
+            let inputs = &inputs.to_array();
             let mut values = [T::zero(); 29];
             let out = &mut values;
             derivative(q, v, z, nodes, hold, inputs, &self.values, &self.derived, out);
@@ -356,16 +373,15 @@ const _: () = {
         #[inline]
         pub fn energy(
             &self,
-            time: T,
             state: &ParachuteState<T>,
             nodes: &[T; 3],
             hold: &[T; 4],
-            loads: &impl ParachuteLoads<T>,
+            inputs: &ParachuteInputs<T>,
         ) -> ::mbd_runtime::Energy<T> {
             let [q] = &state.q.data.0;
             let [v] = &state.v.data.0;
             let [z] = &state.z.data.0;
-            let inputs = &Self::inputs(time, state, loads);
+            let inputs = &inputs.to_array();
             let mut values = [T::zero(); 6];
             let out = &mut values;
             energy(q, v, z, nodes, hold, inputs, &self.values, &self.derived, out);
@@ -423,16 +439,15 @@ const _: () = {
         #[inline]
         pub fn forces(
             &self,
-            time: T,
             state: &ParachuteState<T>,
             nodes: &[T; 3],
             hold: &[T; 4],
-            loads: &impl ParachuteLoads<T>,
+            inputs: &ParachuteInputs<T>,
         ) -> ::mbd_runtime::nalgebra::SVector<T, 12> {
             let [q] = &state.q.data.0;
             let [v] = &state.v.data.0;
             let [z] = &state.z.data.0;
-            let inputs = &Self::inputs(time, state, loads);
+            let inputs = &inputs.to_array();
             let mut values = [T::zero(); 12];
             let out = &mut values;
             forces(q, v, z, nodes, hold, inputs, &self.values, &self.derived, out);
@@ -524,7 +539,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 3;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 14868953873356896728;
+        pub const DECL_HASH: u64 = 2919998705567678321;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
             ("canopy.x", "m"),

@@ -215,6 +215,7 @@ pub fn parachute(model: NodeModel, angular_velocity: AngularVelocity) -> Scene {
                 factor: 1.0,
                 ..Unit::default()
             },
+            default: [0.0; 3],
         }],
         world_frames: world(),
         bodies: vec![

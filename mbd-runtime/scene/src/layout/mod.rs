@@ -15,7 +15,7 @@ pub use slots::{
 
 use serde::{Deserialize, Serialize};
 
-use crate::Directions;
+use crate::{Directions, Scene};
 
 /// Index ranges of a scene's state, lines, nodes and inputs.
 ///
@@ -123,6 +123,30 @@ impl Layout {
     #[must_use]
     pub fn one_way(&self) -> usize {
         self.lines.len() + self.stops.len()
+    }
+
+    /// The numbers of the inputs that hold until the caller gives others: declared defaults; zero for external loads and external gravity.
+    #[must_use]
+    pub fn default_inputs(&self, scene: &Scene) -> Vec<f64> {
+        let mut numbers = vec![0.0; self.ni];
+        for slots in &self.inputs {
+            if let InputSource::Input(index) = slots.source
+                && let Some(input) = scene.inputs.get(index)
+                && let Some(to) = numbers.get_mut(slots.at..slots.at + slots.len)
+            {
+                for (to, from) in to.iter_mut().zip(input.default) {
+                    *to = from;
+                }
+            }
+        }
+        numbers
+    }
+
+    /// Whether something has no default and must come from the caller: an external load, external gravity.
+    #[must_use]
+    pub fn needs_caller(&self) -> bool {
+        let mut sources = self.inputs.iter().map(|slots| slots.source);
+        sources.any(|source| !matches!(source, InputSource::Input(_)))
     }
 
     /// Where the numbers of a source start.

@@ -24,15 +24,6 @@ pub fn rust_as_name(at: Region, word: &str) -> Report {
     )
 }
 
-pub fn same_function(at: Region, label: &str, function: &str) -> Report {
-    Report::new(
-        at,
-        format!(
-            "`{label}` becomes the function `{function}` of Rust, and another input or load does, too; choose another name"
-        ),
-    )
-}
-
 pub fn reversed_repetition(at: Region) -> Report {
     Report::new(
         at,
@@ -115,7 +106,7 @@ pub fn default_outside(at: Region, name: &str, range: Region) -> Report {
 pub fn input_type(at: Region) -> Report {
     Report::new(
         at,
-        "expected the kind of the input, such as `speed` or `[speed; 3]`",
+        "expected the kind of the input: a quantity or a unit of SI, such as `speed`, `N*m` or `[speed; 3]`",
     )
 }
 

@@ -1,0 +1,131 @@
+//! Driving a run: inputs that are held, functions of time and state, controllers at samples.
+
+use mbd_scene::Float;
+
+use super::{Pace, Simulation};
+use crate::error::{RunError, StepError};
+use crate::supply::{Law, Moment, Sampler, check_model, check_numbers, check_supplied};
+use crate::trajectory::resolution;
+
+impl<T: Float> Simulation<T> {
+    /// What [`Simulation::set_inputs`] does.
+    pub(crate) fn give_inputs(
+        &mut self,
+        of: Option<(&'static str, [usize; 2])>,
+        numbers: &[T],
+    ) -> Result<(), RunError> {
+        let model = &*self.system.model;
+        let checked = check_model(model, of).and_then(|()| check_numbers(model, numbers));
+        checked.map_err(|cause| self.failed(cause))?;
+        self.system.hold(numbers);
+        self.stale = true;
+        Ok(())
+    }
+
+    /// What [`Simulation::control`] and [`Simulation::control_every`] do.
+    pub(crate) fn add_control(
+        &mut self,
+        of: Option<(&'static str, [usize; 2])>,
+        every: Option<f64>,
+        law: Law<T>,
+    ) -> Result<(), RunError> {
+        let model = &*self.system.model;
+        let checked = check_model(model, of).and_then(|()| {
+            if model.layout().ni == 0 {
+                return Err(StepError::Unsupported {
+                    what: format!(
+                        "a controller of `{}`, which has no inputs,",
+                        model.scene().name
+                    ),
+                    instead: "declare one: `input push: force;`".into(),
+                });
+            }
+            match every {
+                Some(period) if !(period > 0.0 && period.is_finite()) => {
+                    Err(StepError::InvalidInput {
+                        slot: "sampling period".into(),
+                        value: period,
+                    })
+                }
+                _ => Ok(()),
+            }
+        });
+        checked.map_err(|cause| self.failed(cause))?;
+        self.system.unsupplied = false;
+        self.stale = true;
+        match every {
+            None => self.system.controls.push(law),
+            Some(period) => self.samplers.push(Sampler {
+                period,
+                from: self.time,
+                next: 0,
+                law,
+            }),
+        }
+        Ok(())
+    }
+
+    /// The numbers of the inputs that are held, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
+    #[must_use]
+    pub fn held_inputs(&self) -> &[T] {
+        &self.system.held
+    }
+
+    /// Calls the controllers whose sample is now. After an error what is held is what it was, and the same sample is due again.
+    pub(super) fn sample(&mut self) -> Result<(), StepError> {
+        let now = self.time + resolution(self.time);
+        let due = |sampler: &Sampler<T>| sampler.instant() <= now;
+        if self.samplers.iter().any(due) {
+            self.given.copy_from_slice(&self.system.held);
+            let state = self.state.get(..self.system.nx).unwrap_or_default();
+            for sampler in self.samplers.iter_mut().filter(|sampler| due(sampler)) {
+                let time = sampler.instant();
+                (sampler.law)(&Moment { time, state }, &mut self.given);
+                check_supplied(&*self.system.model, time, &self.given)?;
+            }
+            for sampler in self.samplers.iter_mut().filter(|sampler| due(sampler)) {
+                sampler.next += 1;
+            }
+            if self.given != self.system.held {
+                self.system.hold(&self.given);
+                self.stale = true;
+            }
+        }
+        self.refresh()
+    }
+
+    /// When the next sample of a controller is [s]; infinity where there is none.
+    pub(super) fn next_sample(&self) -> f64 {
+        let instants = self.samplers.iter().map(Sampler::instant);
+        instants.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The first stage and the margins of the next step, for what is supplied now, where that has changed.
+    pub(super) fn refresh(&mut self) -> Result<(), StepError> {
+        if !self.stale {
+            return Ok(());
+        }
+        self.inside.copy_from_slice(self.method.first());
+        self.method
+            .begin(&mut self.system, self.time, 0.0, &self.state)?;
+        self.limit_pace();
+        self.begin_noting()?;
+        self.stale = false;
+        Ok(())
+    }
+
+    /// After a jump of the rates from those in `inside` an adaptive step is at most one in which the jump moves no block by more than a hundredth of
+    /// its scale: what the method has learned about smooth motion says nothing about it.
+    fn limit_pace(&mut self) {
+        let Pace::Adaptive(control, norm) = &mut self.pace else {
+            return;
+        };
+        for (jump, now) in self.inside.iter_mut().zip(self.method.first()) {
+            *jump = *now - *jump;
+        }
+        let speed = norm.measure(&self.inside, &self.state, &self.state) * norm.tolerance;
+        if speed > 0.0 {
+            control.step = control.step.min(0.01 / speed);
+        }
+    }
+}

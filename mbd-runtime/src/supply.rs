@@ -1,0 +1,217 @@
+//! What the caller of a run supplies: inputs, external loads and external gravity, held, as functions of time and state, or by controllers at
+//! samples.
+//!
+//! The numbers of a stage are those that are held ([`Simulation::set_inputs`](crate::Simulation::set_inputs), controllers at samples), changed by
+//! every function of time and state in the order in which they were given.
+
+use std::marker::PhantomData;
+
+use mbd_scene::{Float, Layout, Model, Scene};
+
+use crate::columns::input_name;
+use crate::error::{Source, StepError};
+use crate::system::External;
+
+/// Every number that the caller of a model supplies: inputs, external loads and external gravity.
+///
+/// A model `Cart` with inputs comes with `CartInputs`, which has a field for each of them. Scenes that are not compiled take their numbers in the
+/// order of [`Layout::inputs`]: `Vec<T>` or `[T; N]`.
+pub trait Inputs<T>: Sized {
+    /// The model that they belong to, and how long its state and its list of inputs are; `None` where that is not known.
+    const MODEL: Option<(&'static str, [usize; 2])>;
+    /// The state of the model, typed.
+    type State;
+
+    /// They from their numbers; `None` for a list of another length.
+    fn from_numbers(numbers: &[T]) -> Option<Self>;
+
+    /// Their numbers.
+    fn numbers(&self) -> impl AsRef<[T]>;
+
+    /// A state from its numbers [q | v | z].
+    fn state(numbers: &[T]) -> Self::State;
+}
+
+impl<T: Copy> Inputs<T> for Vec<T> {
+    const MODEL: Option<(&'static str, [usize; 2])> = None;
+    type State = Vec<T>;
+
+    fn from_numbers(numbers: &[T]) -> Option<Self> {
+        Some(numbers.to_vec())
+    }
+
+    fn numbers(&self) -> impl AsRef<[T]> {
+        self.as_slice()
+    }
+
+    fn state(numbers: &[T]) -> Vec<T> {
+        numbers.to_vec()
+    }
+}
+
+impl<T: Copy, const N: usize> Inputs<T> for [T; N] {
+    const MODEL: Option<(&'static str, [usize; 2])> = None;
+    type State = Vec<T>;
+
+    fn from_numbers(numbers: &[T]) -> Option<Self> {
+        numbers.try_into().ok()
+    }
+
+    fn numbers(&self) -> impl AsRef<[T]> {
+        self.as_slice()
+    }
+
+    fn state(numbers: &[T]) -> Vec<T> {
+        numbers.to_vec()
+    }
+}
+
+/// When and where inputs are asked for, in numbers.
+pub struct Moment<'a, T> {
+    /// Time [s].
+    pub(crate) time: f64,
+    /// State x = [q | v | z].
+    pub(crate) state: &'a [T],
+}
+
+/// A function of time and state that changes numbers of inputs.
+pub(crate) type Law<T> = Box<dyn FnMut(&Moment<'_, T>, &mut [T]) + Send>;
+
+/// What a controller sees: a time, and the state there.
+///
+/// `I` are the inputs of the model, `CartInputs`; the sample of a model `Cart` has the name `CartSample`.
+pub struct Sample<'a, I, T = f64> {
+    /// Time [s].
+    pub time: f64,
+    moment: &'a Moment<'a, T>,
+    of: PhantomData<fn() -> I>,
+}
+
+impl<'a, I: Inputs<T>, T> Sample<'a, I, T> {
+    fn new(moment: &'a Moment<'a, T>) -> Self {
+        Sample {
+            time: moment.time,
+            moment,
+            of: PhantomData,
+        }
+    }
+
+    /// The state, typed.
+    #[must_use]
+    pub fn state(&self) -> I::State {
+        I::state(self.moment.state)
+    }
+
+    /// The state as the list x = [q | v | z].
+    #[must_use]
+    pub fn x(&self) -> &'a [T] {
+        self.moment.state
+    }
+}
+
+/// A typed function as one of numbers.
+pub(crate) fn law<T: Float, I: Inputs<T> + 'static>(
+    mut typed: impl FnMut(&Sample<'_, I, T>, &mut I) + Send + 'static,
+) -> Law<T> {
+    Box::new(move |moment, numbers| {
+        let Some(mut inputs) = I::from_numbers(numbers) else {
+            return;
+        };
+        typed(&Sample::new(moment), &mut inputs);
+        write(&inputs, numbers);
+    })
+}
+
+/// What [`External`] supplies as a function.
+pub(crate) fn external<T: Float>(loads: impl External<T> + Send + 'static) -> Law<T> {
+    Box::new(move |moment, numbers| {
+        loads.evaluate(T::from_f64(moment.time), moment.state, numbers);
+    })
+}
+
+/// Writes the numbers of inputs; NaN where there are not as many as are asked for.
+fn write<T: Float, I: Inputs<T>>(inputs: &I, out: &mut [T]) {
+    let given = inputs.numbers();
+    let given = given.as_ref();
+    if given.len() == out.len() {
+        out.copy_from_slice(given);
+    } else {
+        out.fill(T::from_f64(f64::NAN));
+    }
+}
+
+/// Refuses the inputs of another model: another name, or other sizes.
+pub(crate) fn check_model<T: Float>(
+    model: &dyn Model<T>,
+    inputs: Option<(&'static str, [usize; 2])>,
+) -> Result<(), StepError> {
+    let (name, layout) = (&model.scene().name, model.layout());
+    match inputs {
+        Some((other, sizes)) if other != name || sizes != [layout.nx(), layout.ni] => {
+            Err(StepError::Unsupported {
+                what: format!("a run of `{name}` with the inputs of `{other}`"),
+                instead: match layout.ni {
+                    0 => format!("`{name}` has no inputs"),
+                    _ => format!("give `{name}Inputs`"),
+                },
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a list of inputs that is too long or too short, or has a number that is not finite.
+pub(crate) fn check_numbers<T: Float>(
+    model: &dyn Model<T>,
+    numbers: &[T],
+) -> Result<(), StepError> {
+    let (scene, layout) = (model.scene(), model.layout());
+    let (slot, value) = if numbers.len() != layout.ni {
+        let slot = format!("length of the inputs (this model has {})", layout.ni);
+        (slot, numbers.len() as f64)
+    } else if let Some(at) = numbers.iter().position(|x| !x.is_finite()) {
+        let value = numbers.get(at).map_or(f64::NAN, |x| x.to_f64());
+        (input_name(scene, layout, at), value)
+    } else {
+        return Ok(());
+    };
+    Err(StepError::InvalidInput { slot, value })
+}
+
+/// Refuses numbers of a function or a controller that are not finite.
+pub(crate) fn check_supplied<T: Float>(
+    model: &dyn Model<T>,
+    time: f64,
+    numbers: &[T],
+) -> Result<(), StepError> {
+    match numbers.iter().position(|x| !x.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(not_finite(model.scene(), model.layout(), time, index)),
+    }
+}
+
+#[cold]
+fn not_finite(scene: &Scene, layout: &Layout, time: f64, index: usize) -> StepError {
+    StepError::NonFinite {
+        time,
+        source: Source::Load(input_name(scene, layout, index)),
+    }
+}
+
+/// A controller that is called at even intervals.
+pub(crate) struct Sampler<T> {
+    /// The interval [s].
+    pub period: f64,
+    /// When the first sample is [s].
+    pub from: f64,
+    /// The number of the next sample.
+    pub next: u64,
+    pub law: Law<T>,
+}
+
+impl<T> Sampler<T> {
+    /// When the next sample is [s]: a product, so that rounding does not accumulate.
+    pub fn instant(&self) -> f64 {
+        self.from + self.next as f64 * self.period
+    }
+}
