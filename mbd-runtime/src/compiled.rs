@@ -12,12 +12,14 @@ use crate::__private::Lines;
 use crate::error::RunError;
 use crate::event::Happening;
 use crate::generic::Generic;
-use crate::linearise::{Linearisation, LinearisationError};
+use crate::inverse::Efforts;
+use crate::linearise::{Linearisation, LinearisationError, StateSpace};
 use crate::options::Options;
 use crate::simulation::{Simulation, Snapshot, Stop};
 use crate::supply::{self, Inputs, Law, Sample};
 use crate::system::External;
 use crate::trajectory::Trajectory;
+use crate::trim::{Asked, TrimError, Trimmed};
 
 /// Declares every door once: the name that the public method calls, and the function behind it.
 macro_rules! doors {
@@ -65,6 +67,9 @@ doors! {
     fn make_work(model: &Generic<Self>) -> Work<Self> = Generic::scratch;
     fn run_laws(model: &Generic<Self>, what: Quantity, at: &At<'_, Self>, work: &mut Work<Self>, out: &mut [Self]) -> () = Generic::run;
     fn linearise(total: &mut Linearisation<Self>, model: &dyn Model<Self>, at: &At<'_, Self>, work: &mut Work<Self>) -> Result<(), LinearisationError> = Linearisation::run;
+    fn make_space(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), along: (Option<&[f64]>, &[&str])) -> Result<StateSpace, LinearisationError> = StateSpace::make;
+    fn find_trim(model: &dyn Model<Self>, asked: &Asked) -> Result<Trimmed, TrimError> = crate::trim::find;
+    fn find_efforts(model: &dyn Model<Self>, at: (f64, &[f64], &[f64]), given: &[(&str, f64)]) -> Result<Efforts, LinearisationError> = crate::inverse::find;
     fn prepare(scene: &Scene, params: &[Self]) -> Result<Lines<Self>, ParamError> = crate::__private::prepare;
 }
 
@@ -409,4 +414,87 @@ impl<T: Scalar> Linearisation<T> {
     ) -> Result<(), LinearisationError> {
         T::linearise(self, model, at, work)
     }
+}
+
+/// A, B, C, D of a scene at a time [s], a state x = [q | v | z] and inputs (SI, in the order of [`Layout::inputs`]), in minimal coordinates: an
+/// independent set of joint coordinates, positions and turns that is chosen and named in [`StateSpace::states`]. Nodes are put in balance; the state
+/// should obey the joints and need not be at rest.
+///
+/// ```
+/// use mbd_runtime::{linearise, model};
+///
+/// model! {
+///     /// A pendulum of 0.5 m with a motor at its pin.
+///     model Arm {
+///         gravity: [0.0, 0.0, -9.81] m/s^2;
+///         emit: [derivative];
+///         input motor: torque;
+///         body arm { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+///         joint pin: hinge from world to arm.top { axis: y, damping: 0.3 N*m*s, force: motor }
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let arm = Arm::new(ArmParams::default())?;
+/// // Hanging: x y z, a quaternion, six speeds.
+/// let state = [0.0, 0.0, -0.5, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+/// let linear = linearise(&arm, 0.0, &state, &[0.0])?;
+///
+/// // (I + m l²) θ̈ = −m g l θ − c θ̇ + u.
+/// let inertia = 0.1 + 2.0 * 0.5 * 0.5;
+/// assert_eq!(linear.states[0].name, "pin.angle");
+/// assert!((linear.a[(1, 0)] + 2.0 * 9.81 * 0.5 / inertia).abs() < 1e-12);
+/// assert!((linear.a[(1, 1)] + 0.3 / inertia).abs() < 1e-12);
+/// assert!((linear.b[(1, 0)] - 1.0 / inertia).abs() < 1e-12);
+/// let swing = &linear.vibrations()[0];
+/// assert!((swing.frequency() - (9.81 / inertia).sqrt()).abs() < 1e-12);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// [`LinearisationError`]: lists of another length, joints that lose rank there, nodes without a balance.
+pub fn linearise<T: Scalar>(
+    model: &dyn Model<T>,
+    time: f64,
+    state: &[T],
+    inputs: &[T],
+) -> Result<StateSpace, LinearisationError> {
+    linearise_along(model, time, state, inputs, &[])
+}
+
+/// [`linearise`] with these coordinates before all others: `&["crank.angle"]`.
+///
+/// # Errors
+/// As [`linearise`]; a name that is no coordinate, or that those before it decide.
+pub fn linearise_along<T: Scalar>(
+    model: &dyn Model<T>,
+    time: f64,
+    state: &[T],
+    inputs: &[T],
+    coordinates: &[&str],
+) -> Result<StateSpace, LinearisationError> {
+    let (state, inputs) = (wide(state), wide(inputs));
+    T::make_space(model, (time, &state, &inputs), (None, coordinates))
+}
+
+/// Efforts [N or N m] along chosen coordinates that give them these accelerations [m/s² or rad/s²], at a time [s], a state and inputs; what is not
+/// chosen moves freely. `inverse_dynamics(&model, 0.0, &state, &[], &[("pin.angle", 2.0)])`.
+///
+/// # Errors
+/// [`LinearisationError`]; a name that is no coordinate, or that those before it decide.
+pub fn inverse_dynamics<T: Scalar>(
+    model: &dyn Model<T>,
+    time: f64,
+    state: &[T],
+    inputs: &[T],
+    accelerations: &[(&str, f64)],
+) -> Result<Efforts, LinearisationError> {
+    let (state, inputs) = (wide(state), wide(inputs));
+    T::find_efforts(model, (time, &state, &inputs), accelerations)
+}
+
+/// The numbers in `f64`.
+fn wide<T: Scalar>(list: &[T]) -> Vec<f64> {
+    list.iter().map(|x| x.to_f64()).collect()
 }

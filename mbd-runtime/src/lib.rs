@@ -8,7 +8,9 @@
 //! | drive it: inputs held, as functions of time and state, by controllers at samples | [`Simulation::set_inputs`], [`Simulation::control`], [`Simulation::control_every`] |
 //! | record named columns with units | [`Trajectory`] with [`Sampling`] and [`Content`] |
 //! | stop a run and continue it to the bit | [`Snapshot`] |
-//! | linearise at a state | [`Linearisation`] |
+//! | linearise at a state: A, B, C, D in minimal coordinates, eigenvalues | [`linearise`], [`StateSpace`]; in all of x and by parameters: [`Linearisation`] |
+//! | find a state and inputs at which nothing accelerates | [`trim`](crate::trim()) |
+//! | find the efforts that give accelerations | [`inverse_dynamics`] |
 //! | ask any model for one quantity | [`Model::evaluate`] with [`Quantity`] and [`At`] |
 //! | read what went wrong, in the names of the declaration | [`RunError`], [`StepError`] |
 //! | read what a run cost | [`Statistics`]; `explain()` and `COST` of a model say what its equations cost |
@@ -28,6 +30,7 @@ mod fallback;
 mod generated;
 mod generic;
 mod integrate;
+mod inverse;
 mod laws;
 mod linearise;
 mod list;
@@ -44,6 +47,7 @@ mod stiffness;
 mod supply;
 mod system;
 mod trajectory;
+mod trim;
 mod unilateral;
 mod verify;
 mod watch;
@@ -116,8 +120,11 @@ pub use node::NodeMemory;
 pub use trajectory::{Content, Sampling, Trajectory};
 pub use unilateral::Mode;
 
-// Derivatives.
-pub use linearise::{Linearisation, LinearisationError, Matrix};
+// Derivatives, and what is found by them.
+pub use compiled::{inverse_dynamics, linearise, linearise_along};
+pub use inverse::Efforts;
+pub use linearise::{Linearisation, LinearisationError, Matrix, StateSpace, Vibration};
+pub use trim::{Trim, TrimError, Trimmed, trim};
 
 // What generated code calls.
 #[doc(hidden)]

@@ -58,6 +58,7 @@ impl Slopes {
             match by {
                 Variable::State => seed(&mut self.arguments.state, first..last),
                 Variable::Node => seed(&mut self.arguments.nodes, first..last),
+                Variable::Input => seed(&mut self.arguments.inputs, first..last),
                 Variable::Parameter => {
                     let mut params = self.numbers.params.clone();
                     seed(&mut params, first..last);

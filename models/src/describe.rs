@@ -365,6 +365,10 @@ fn quantity(what: Quantity) -> String {
         Quantity::Multipliers => "multipliers of the joints",
         Quantity::Reactions => "reactions of the joints",
         Quantity::ProjectionStep => "correction of the joints (projection)",
+        Quantity::Residual => "equations of motion before their solution",
+        Quantity::Factor => "factor of their system",
+        Quantity::Solve => "solution by the factor",
+        Quantity::JointCoordinates => "joint coordinates",
         Quantity::NodeByAnchor(network) => return format!("∂node/∂anchor of network {network}"),
         Quantity::CondensedStiffness(network) => {
             return format!("condensed stiffness of network {network}");
@@ -374,11 +378,13 @@ fn quantity(what: Quantity) -> String {
                 Differentiated::Derivative => "derivative",
                 Differentiated::Balance => "balance",
                 Differentiated::Outputs => "outputs",
+                Differentiated::Residual => "residual",
             };
             let by = match by {
                 Variable::State => "state",
                 Variable::Node => "node",
                 Variable::Parameter => "params",
+                Variable::Input => "inputs",
             };
             return format!("∂{of}/∂{by}");
         }

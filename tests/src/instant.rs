@@ -84,6 +84,7 @@ pub fn partial_by_oracle(
             Variable::State => &mut instant.state[column],
             Variable::Node => &mut instant.nodes[column],
             Variable::Parameter => &mut params[column],
+            Variable::Input => &mut instant.inputs[column],
         };
         *slot = Oracle::variable(slot.0.re);
         let numbers = Numbers::new(scene, &params);

@@ -9,6 +9,7 @@ pub mod implicit;
 pub mod instant;
 pub mod jet;
 pub mod linkage;
+pub mod looped;
 pub mod mechanism;
 pub mod obeying;
 pub mod oracle;

@@ -68,7 +68,7 @@ fn every_derivative_equals_the_one_of_an_independent_oracle() {
                 Differentiated::Balance,
                 Differentiated::Outputs,
             ] {
-                for by in [Variable::State, Variable::Node, Variable::Parameter] {
+                for by in Variable::ALL {
                     let oracle = partial_by_oracle(&scene, generic.params(), of, by, &instant);
                     let what = Quantity::Partial(of, by);
                     let name = format!("scene {seed}, {what:?}");

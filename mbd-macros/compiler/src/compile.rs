@@ -15,6 +15,9 @@ const MANY: usize = 20_000;
 /// More emitted operations than this are an error.
 const TOO_MANY: usize = 100_000;
 
+/// What `emit: […]` calls the partial derivatives.
+const PARTIAL: &str = "partial";
+
 /// The Rust of a declaration; after errors the errors, and the interface without equations, so that an editor still knows every name.
 #[must_use]
 pub fn compile(declaration: TokenStream) -> TokenStream {
@@ -171,8 +174,14 @@ fn wanted(reading: &Reading, scene: &Scene, layout: &Layout) -> Vec<Quantity> {
         let known = [quantity::kind(what), &quantity::name(scene, layout, what)];
         names.iter().any(|name| known.contains(&name.as_str()))
     };
+    // Derivatives through the rows of joints: only on request, and all of them.
+    let through_rows = match names.iter().any(|name| name == PARTIAL) {
+        true => layout.derivatives(),
+        false => Vec::new(),
+    };
     all.into_iter()
         .filter(|&what| needed(what) || asked(what))
+        .chain(through_rows)
         .collect()
 }
 

@@ -42,6 +42,15 @@ impl Equations {
         Self::trace_in(scene, layout, &wanted)
     }
 
+    /// The same, and what derivatives through the rows of joints are made of.
+    #[must_use]
+    pub fn trace_with_derivatives(scene: &Scene) -> Self {
+        let layout = Layout::new(scene);
+        let mut wanted = layout.quantities();
+        wanted.extend(layout.derivatives());
+        Self::trace_in(scene, layout, &wanted)
+    }
+
     /// Traces some quantities.
     #[must_use]
     pub fn trace_only(scene: &Scene, wanted: &[Quantity]) -> Self {
@@ -169,6 +178,7 @@ pub fn is_matrix(what: Quantity) -> bool {
             | Quantity::ConstraintJacobian
             | Quantity::NodeByAnchor(_)
             | Quantity::CondensedStiffness(_)
+            | Quantity::Factor
             | Quantity::Partial(..)
     )
 }
@@ -188,6 +198,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
     let ends = slots(layout.len(Quantity::AnchorStates), Slot::Ends);
     let inputs = slots(layout.ni, Slot::Input);
     let rows = slots(layout.nc, Slot::Row);
+    let motion = slots(layout.nv + layout.nc, Slot::Motion);
     let at = At {
         time: Expr::slot(Slot::Time),
         state: &state,
@@ -199,11 +210,28 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
         rows: &rows,
     };
     let mut scratch = Scratch::new(layout);
+    let mut factored: Vec<Expr> = Vec::new();
     let mut law = |what: Quantity| {
         let mut out = vec![Expr::zero(); layout.len(what)];
+        let rows = match what {
+            Quantity::Residual => &motion,
+            Quantity::Solve => &factored,
+            _ => &rows,
+        };
+        let at = At { rows, ..at };
         let ((), order) = recorded(|| {
             mbd_scene::evaluate(what, scene, layout, &numbers, &at, &mut scratch, &mut out);
         });
+        if what == Quantity::Factor {
+            // What is known beforehand stays as it is: the solution skips its zeros.
+            let known = |(index, expr): (usize, Expr)| match expr.is_live() {
+                true => Expr::slot(Slot::Factored(index)),
+                false => expr,
+            };
+            let right = out.len()..out.len() + layout.len(Quantity::Solve);
+            factored = out.iter().copied().enumerate().map(known).collect();
+            factored.extend(right.map(|index| Expr::slot(Slot::Factored(index))));
+        }
         let keep = |&(_, expr): &(usize, Expr)| !is_matrix(what) || !expr.is_structural_zero();
         let outputs = out.into_iter().enumerate().filter(keep).collect();
         Traced {
@@ -213,6 +241,9 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
         }
     };
     let mut traced: Vec<Traced> = Vec::new();
+    if wanted.contains(&Quantity::Solve) && !wanted.contains(&Quantity::Factor) {
+        law(Quantity::Factor);
+    }
     for &what in wanted {
         let Quantity::Partial(of, by) = what else {
             traced.push(law(what));
@@ -241,6 +272,7 @@ fn partial(scene: &Scene, layout: &Layout, what: Quantity, by: Variable, base: T
                 Variable::State => Slot::State(index),
                 Variable::Node => Slot::Node(index),
                 Variable::Parameter => Slot::Param(index),
+                Variable::Input => Slot::Input(index),
             };
             By {
                 slot,

@@ -31,6 +31,10 @@ pub enum Slot {
     Input(usize),
     /// A right-hand side of a row.
     Row(usize),
+    /// An acceleration or a multiplier at which a residual is asked for.
+    Motion(usize),
+    /// A number of the factor of the system, then of a right-hand side to be solved by it.
+    Factored(usize),
     /// A live parameter.
     Param(usize),
     /// A term of the parameters alone, computed once per set of parameters.
@@ -278,6 +282,8 @@ fn code(node: Node) -> [u64; 2] {
                 Slot::Row(index) => (7, index),
                 Slot::Param(index) => (8, index),
                 Slot::Derived(index) => (9, index),
+                Slot::Motion(index) => (10, index),
+                Slot::Factored(index) => (11, index),
             };
             [kinds(2, kind), index as u64]
         }
@@ -292,6 +298,12 @@ fn code(node: Node) -> [u64; 2] {
 }
 
 impl Expr {
+    /// Whether it depends on anything but constants and parameters.
+    #[must_use]
+    pub fn is_live(self) -> bool {
+        with(|graph| graph.is_live(self))
+    }
+
     /// The symbol of a number from outside.
     #[must_use]
     pub fn slot(slot: Slot) -> Self {

@@ -57,7 +57,7 @@ impl Program {
                 Slot::Hold(i) => at.hold.get(i),
                 Slot::Ends(i) => at.ends.get(i),
                 Slot::Input(i) => at.inputs.get(i),
-                Slot::Row(i) => at.rows.get(i),
+                Slot::Row(i) | Slot::Motion(i) | Slot::Factored(i) => at.rows.get(i),
                 Slot::Param(i) => params.get(i),
                 Slot::Derived(i) => derived.get(i),
             };

@@ -287,6 +287,11 @@ impl Sharing<'_> {
             Slot::Hold(i) | Slot::Param(i) => i,
             Slot::Input(i) => layout.inputs.iter().filter(|slots| slots.at <= i).count(),
             Slot::Row(i) => layout.joints.iter().filter(|slots| slots.row <= i).count(),
+            Slot::Motion(i) => match i < layout.nv {
+                true => self.owners.get(layout.nq + i).copied().unwrap_or_default(),
+                false => self.item(Slot::Row(i - layout.nv)),
+            },
+            Slot::Factored(i) => i / 64,
             Slot::Derived(i) => self.equations.derived_section(i),
         }
     }

@@ -31,6 +31,10 @@ pub enum Group {
     Inputs,
     /// Right-hand sides of rows.
     Rows,
+    /// Accelerations and multipliers.
+    Motion,
+    /// A factor and right-hand sides.
+    Factored,
     /// Live parameters.
     Params,
     /// Terms of the parameters.
@@ -39,7 +43,7 @@ pub enum Group {
 
 impl Group {
     /// Every list, in the order of arguments.
-    pub const ALL: [Group; 12] = [
+    pub const ALL: [Group; 14] = [
         Group::Time,
         Group::Q,
         Group::V,
@@ -50,6 +54,8 @@ impl Group {
         Group::Ends,
         Group::Inputs,
         Group::Rows,
+        Group::Motion,
+        Group::Factored,
         Group::Params,
         Group::Derived,
     ];
@@ -68,8 +74,19 @@ impl Group {
             Group::Ends => "ends",
             Group::Inputs => "inputs",
             Group::Rows => "rows",
+            Group::Motion => "motion",
+            Group::Factored => "factored",
             Group::Params => "params",
             Group::Derived => "derived",
+        }
+    }
+
+    /// The list of an evaluation's arguments that it is.
+    #[must_use]
+    pub fn argument(self) -> &'static str {
+        match self {
+            Group::Motion | Group::Factored => Group::Rows.name(),
+            _ => self.name(),
         }
     }
 
@@ -87,6 +104,8 @@ impl Group {
             Slot::Ends(i) => (Group::Ends, i),
             Slot::Input(i) => (Group::Inputs, i),
             Slot::Row(i) => (Group::Rows, i),
+            Slot::Motion(i) => (Group::Motion, i),
+            Slot::Factored(i) => (Group::Factored, i),
             Slot::Param(i) => (Group::Params, i),
             Slot::Derived(i) => (Group::Derived, i),
         }
@@ -107,6 +126,10 @@ impl Group {
             Group::Ends => layout.len(mbd_scene::Quantity::AnchorStates),
             Group::Inputs => layout.ni,
             Group::Rows => layout.nc,
+            Group::Motion => layout.nv + layout.nc,
+            Group::Factored => {
+                layout.len(mbd_scene::Quantity::Factor) + layout.len(mbd_scene::Quantity::Solve)
+            }
             Group::Params => layout.np,
             Group::Derived => equations.derived.len,
         }

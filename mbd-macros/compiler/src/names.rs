@@ -81,6 +81,11 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
         Slot::Ends(index) => end(scene, layout, index),
         Slot::Input(index) => input(scene, layout, index),
         Slot::Row(index) => row(scene, layout, index),
+        Slot::Motion(index) => match index.checked_sub(layout.nv) {
+            Some(index) => format!("{}_lambda", row(scene, layout, index)),
+            None => format!("{}_rate", state(scene, layout, layout.nq + index)),
+        },
+        Slot::Factored(index) => format!("factored_{index}"),
         Slot::Param(index) => scene
             .params
             .get(index)

@@ -55,6 +55,7 @@ fn by_duals(scene: &Scene, of: Quantity, by: Variable, place: &Arguments<f64>) -
             Variable::State => seeded.state[column].slopes = [1.0],
             Variable::Node => seeded.nodes[column].slopes = [1.0],
             Variable::Parameter => values[column].slopes = [1.0],
+            Variable::Input => seeded.inputs[column].slopes = [1.0],
         }
         let mut out = vec![One::constant(0.0); rows];
         let numbers = Numbers::new(scene, &values);

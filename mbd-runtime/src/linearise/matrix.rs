@@ -19,6 +19,13 @@ impl<T: Float> Matrix<T> {
         }
     }
 
+    /// Takes another size; all elements are zero then.
+    pub(super) fn reshape(&mut self, rows: usize, columns: usize) {
+        (self.rows, self.columns) = (rows, columns);
+        self.values.clear();
+        self.values.resize(rows * columns, T::zero());
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {

@@ -1,17 +1,23 @@
 //! Linearisation of a model through its nodes: total derivatives of ẋ, of the node unknowns and of the outputs.
 //!
 //! ```text
-//! ẋ = F(x, y, θ),   0 = G(x, y, θ),   o = O(x, y, θ)                      y: node positions (`static`, `stepwise`) or velocities (`rate`)
-//! ∂y/∂x = −G_y⁻¹ G_x          A = F_x + F_y ∂y/∂x          C = O_x + O_y ∂y/∂x          the same with θ for x
+//! ẋ = F(x, u, y, θ),   0 = G(x, u, y, θ),   o = O(x, u, y, θ)             y: node positions (`static`, `stepwise`) or velocities (`rate`)
+//! ∂y/∂x = −G_y⁻¹ G_x          A = F_x + F_y ∂y/∂x          C = O_x + O_y ∂y/∂x          the same with u or θ for x
 //! ```
 //!
-//! F, G, O and their partial derivatives are the model's own; only the small solve with G_y, one network at a time, is done here.
+//! F, G, O and their partial derivatives are the model's own; only the small solve with G_y, one network at a time, is done here. Where joints
+//! have rows, F is the solution of the constrained system and its derivatives are found in [`rows`], off the joints too. Derivatives by the
+//! components of a quaternion mean something along unit quaternions.
 //! Everything is finite at every state: where G_y is singular nothing pulls in the missing directions, and y follows its anchors there
 //! (slack rule of `static` and `stepwise`: ∂p/∂p_i = 1/n; rules 3 and 4 of `rate`). Modes, the memory of stepwise nodes and the weights of rule 4 stay
 //! fixed; at a switch these are the derivatives on one side.
 
+pub(crate) mod chart;
 mod matrix;
+pub(crate) mod moment;
 mod networks;
+mod rows;
+mod space;
 
 use std::fmt;
 
@@ -19,13 +25,16 @@ use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Wo
 
 pub use matrix::Matrix;
 use networks::Elimination;
+use rows::{Evaluator, ThroughRows};
+pub use space::{StateSpace, Vibration};
 
+use crate::error::StepError;
 use crate::slopes::{Effective, Slopes};
 
 /// Total derivatives at one state, with the room to compute them again.
 ///
-/// A = dẋ/dx and dẋ/dθ of the state x = [q | v | z] and the parameters θ, and the same of outputs and node unknowns; through the nodes where there are
-/// any. Scenes with rows of joints are refused.
+/// A = dẋ/dx, dẋ/du and dẋ/dθ of the state x = [q | v | z], the inputs u and the parameters θ, and the same of outputs and node unknowns; through the
+/// nodes and the rows of joints where there are any.
 ///
 /// ```
 /// use mbd_runtime::scene::Arguments;
@@ -60,6 +69,8 @@ pub struct Linearisation<T: Float> {
     layout: Layout,
     states: Total<T>,
     parameters: Total<T>,
+    inputs: Total<T>,
+    rows: ThroughRows<T>,
     /// F_y, G_y, O_y.
     by_node: Partials<T>,
 }
@@ -99,10 +110,21 @@ impl<T: Float> Partials<T> {
         ]
     }
 
+    /// The model's own, and by its laws those that only its laws have: through rows of joints.
     fn evaluate(&mut self, model: &dyn Model<T>, by: Variable, at: &At<'_, T>, work: &mut Work<T>) {
+        let layout = model.layout();
         for (of, matrix) in self.each() {
             matrix.values.fill(T::zero());
-            if !matrix.values.is_empty() {
+            let through_rows = layout.nc > 0 && of == Differentiated::Derivative;
+            if matrix.values.is_empty() || through_rows {
+                continue;
+            }
+            if layout.asks_efforts(of.quantity()) {
+                let mut slopes = Slopes::new(model.scene(), layout, model.params());
+                let what = (of.quantity(), by);
+                let scene = (model.scene(), layout);
+                slopes.differentiate(scene, what, Effective::Fixed, at, &mut matrix.values);
+            } else {
                 model.evaluate(Quantity::Partial(of, by), at, work, &mut matrix.values);
             }
         }
@@ -126,13 +148,44 @@ impl<T: Float> Total<T> {
 }
 
 /// Why there are no derivatives.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LinearisationError {
-    /// The scene has rows of joints: derivatives through the multipliers are not there yet.
-    Joints {
-        /// Number of rows.
-        rows: usize,
+    /// At this position rows of joints depend on each other that do not elsewhere: accelerations are not determined, nor their derivatives.
+    DependentRows {
+        /// The smallest part that other rows leave to a row [1].
+        margin: f64,
+    },
+    /// A list has another length than the scene asks for.
+    Length {
+        /// Which list.
+        what: &'static str,
+        /// Its length.
+        got: usize,
+        /// What it should be.
+        expected: usize,
+    },
+    /// A number that was given is not finite.
+    Given {
+        /// Which list it is in.
+        what: &'static str,
+    },
+    /// Nodes have no balance there.
+    Nodes(
+        /// Why.
+        Box<StepError>,
+    ),
+    /// No coordinate has this name.
+    UnknownCoordinate {
+        /// The name.
+        name: String,
+        /// Those that there are.
+        known: String,
+    },
+    /// A coordinate that was asked for is held by joints, or decided by those asked for before it.
+    DependentCoordinate {
+        /// Its name.
+        name: String,
     },
     /// The model has another layout than this room was made for.
     OtherModel,
@@ -146,9 +199,31 @@ pub enum LinearisationError {
 impl fmt::Display for LinearisationError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            LinearisationError::Joints { rows } => write!(
+            LinearisationError::DependentRows { margin } => write!(
                 f,
-                "the joints of this scene put {rows} rows into its equations, and derivatives of accelerations through rows are not offered: difference the state derivative, or describe the mechanism without joints"
+                "the joints lose rank at this position (other rows leave {margin:.1e} of one): accelerations have no derivatives here; move the mechanism out of it"
+            ),
+            LinearisationError::Length {
+                what,
+                got,
+                expected,
+            } => write!(
+                f,
+                "{got} numbers were given as {what}, and this scene has {expected}"
+            ),
+            LinearisationError::Given { what } => {
+                write!(f, "a number that was given among the {what} is not finite")
+            }
+            LinearisationError::Nodes(cause) => write!(f, "{cause}"),
+            LinearisationError::UnknownCoordinate { name, known } => {
+                write!(
+                    f,
+                    "`{name}` is no coordinate of this scene; there are: {known}"
+                )
+            }
+            LinearisationError::DependentCoordinate { name } => write!(
+                f,
+                "`{name}` is held by joints, or follows from the coordinates named before it: leave it out, or name it first"
             ),
             LinearisationError::OtherModel => write!(
                 f,
@@ -171,6 +246,8 @@ impl<T: Float> Linearisation<T> {
         Linearisation {
             states: Total::new(layout, Variable::State),
             parameters: Total::new(layout, Variable::Parameter),
+            inputs: Total::new(layout, Variable::Input),
+            rows: ThroughRows::new(layout),
             by_node: Partials::new(layout, Variable::Node),
             layout: layout.clone(),
         }
@@ -186,26 +263,30 @@ impl<T: Float> Linearisation<T> {
         if *model.layout() != self.layout {
             return Err(LinearisationError::OtherModel);
         }
-        if self.layout.nc > 0 {
-            return Err(LinearisationError::Joints {
-                rows: self.layout.nc,
-            });
-        }
         self.states
             .partials
             .evaluate(model, Variable::State, at, work);
+        self.inputs
+            .partials
+            .evaluate(model, Variable::Input, at, work);
         self.by_node.evaluate(model, Variable::Node, at, work);
         if self.layout.effective_lines > 0 {
             // A model's own derivatives hold K_e and L_e.
             let scene = (model.scene(), model.layout());
             let mut slopes = Slopes::new(scene.0, scene.1, model.params());
             for (of, matrix) in self.parameters.partials.each() {
+                if self.layout.nc > 0 && of == Differentiated::Derivative {
+                    continue;
+                }
                 let of = (of.quantity(), Variable::Parameter);
                 slopes.differentiate(scene, of, Effective::Follows, at, &mut matrix.values);
             }
         } else {
             let partials = &mut self.parameters.partials;
             partials.evaluate(model, Variable::Parameter, at, work);
+        }
+        if self.layout.nc > 0 {
+            self.through_rows(model, at, work)?;
         }
         for network in 0..self.layout.networks.len() {
             let Some(elimination) = Elimination::new(model, network, &self.by_node.balance) else {
@@ -214,13 +295,39 @@ impl<T: Float> Linearisation<T> {
             for (by, total) in [
                 (Variable::State, &mut self.states),
                 (Variable::Parameter, &mut self.parameters),
+                (Variable::Input, &mut self.inputs),
             ] {
                 elimination.solve(model, at, by, &total.partials.balance, &mut total.node);
             }
         }
         self.states.complete(&self.by_node);
         self.parameters.complete(&self.by_node);
+        self.inputs.complete(&self.by_node);
         self.check_finite()
+    }
+
+    /// ∂ẋ at fixed nodes, where joints have rows.
+    fn through_rows(
+        &mut self,
+        model: &dyn Model<T>,
+        at: &At<'_, T>,
+        work: &mut Work<T>,
+    ) -> Result<(), LinearisationError> {
+        let layout = &self.layout;
+        let evaluator = &mut Evaluator::new(model, at, work);
+        self.rows.prepare(layout, evaluator, at)?;
+        for (by, partials) in [
+            (Variable::State, &mut self.states.partials),
+            (Variable::Parameter, &mut self.parameters.partials),
+            (Variable::Input, &mut self.inputs.partials),
+            (Variable::Node, &mut self.by_node),
+        ] {
+            let out = &mut partials.derivative;
+            if !out.values.is_empty() {
+                self.rows.differentiate(layout, evaluator, (by, at), out);
+            }
+        }
+        Ok(())
     }
 
     fn check_finite(&mut self) -> Result<(), LinearisationError> {
@@ -228,6 +335,7 @@ impl<T: Float> Linearisation<T> {
             (Variable::Node, &mut self.by_node),
             (Variable::State, &mut self.states.partials),
             (Variable::Parameter, &mut self.parameters.partials),
+            (Variable::Input, &mut self.inputs.partials),
         ] {
             for (of, matrix) in partials.each() {
                 if matrix.values.iter().any(|x| !x.is_finite()) {
@@ -249,6 +357,24 @@ impl<T: Float> Linearisation<T> {
     #[must_use]
     pub fn parameter(&self) -> &Matrix<T> {
         &self.parameters.partials.derivative
+    }
+
+    /// dẋ/du, n_x × n_u, columns in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
+    #[must_use]
+    pub fn input(&self) -> &Matrix<T> {
+        &self.inputs.partials.derivative
+    }
+
+    /// do/du of the output columns.
+    #[must_use]
+    pub fn outputs_by_input(&self) -> &Matrix<T> {
+        &self.inputs.partials.outputs
+    }
+
+    /// dy/du of the node unknowns, 3n × n_u.
+    #[must_use]
+    pub fn node_by_input(&self) -> &Matrix<T> {
+        &self.inputs.node
     }
 
     /// dy/dx of the node unknowns, 3n × n_x.

@@ -4,6 +4,7 @@ mod check;
 mod convert;
 mod expand;
 mod failure;
+mod linearise;
 mod list;
 mod parachute;
 mod run;
@@ -17,6 +18,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use failure::Failure;
+use linearise::LineariseArgs;
 use parachute::ParachuteArgs;
 use run::RunArgs;
 
@@ -40,6 +42,8 @@ enum Command {
     List,
     /// Run a scene: history, figures, report and summary.
     Run(RunArgs),
+    /// Linearise a scene about its start or its rest: minimal coordinates, eigenvalues with frequency and damping.
+    Linearise(LineariseArgs),
     /// Check a scene and say what it contains: bodies, freedoms, nodes, operations.
     Check(SceneArgs),
     /// Print the Rust that `model!` makes of a scene.
@@ -93,6 +97,7 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
         Command::Parachute(args) => parachute::parachute(&args),
         Command::List => Ok(list::list()),
         Command::Run(args) => run::run(&args),
+        Command::Linearise(args) => linearise::linearise(&args),
         Command::Check(args) => check::check(&args.scene),
         Command::Expand(args) => expand::expand(&args.scene),
         Command::Convert(args) => convert::convert(&args.scene),

@@ -563,3 +563,20 @@ fn a_coordinate_that_a_plane_does_not_have_is_told_with_those_it_has() {
         assert!(told.contains(name) && told.contains(right), "{told}");
     }
 }
+
+#[test]
+fn linearise_tells_coordinates_and_frequencies_of_a_ready_scene() {
+    let text = run(&["linearise", "double_pendulum"]).unwrap();
+    assert!(
+        text.contains("Eigenvalues") && text.contains("damping"),
+        "{text}"
+    );
+    let error = run(&["linearise", "linkage", "--along", "crank.angel"]).unwrap_err();
+    assert_eq!(error.code(), 2);
+    assert!(
+        error.to_string().contains("`crank.angel` is no coordinate"),
+        "{error}"
+    );
+    let text = run(&["linearise", "linkage", "--trim"]).unwrap();
+    assert!(text.contains("about the rest"), "{text}");
+}

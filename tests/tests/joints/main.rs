@@ -7,6 +7,7 @@ mod contract;
 mod coordinates;
 mod counts;
 mod couplings;
+mod derivatives;
 mod equivalents;
 mod fallback;
 mod flat;

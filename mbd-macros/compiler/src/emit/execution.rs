@@ -33,11 +33,20 @@ pub fn implementation(context: &Context) -> TokenStream {
             names.push(quote!((q, v, z)));
             values.push(quote!(::mbd_runtime::__private::split(at.state)));
         }
-        for group in [Group::Nodes, Group::Effective, Group::Hold, Group::Ends, Group::Inputs, Group::Rows] {
+        for group in [
+            Group::Nodes,
+            Group::Effective,
+            Group::Hold,
+            Group::Ends,
+            Group::Inputs,
+            Group::Rows,
+            Group::Motion,
+            Group::Factored,
+        ] {
             if reads.reads(group) {
-                let list = format_ident!("{}", group.name());
+                let (list, given) = (format_ident!("{}", group.name()), format_ident!("{}", group.argument()));
                 names.push(quote!(#list));
-                values.push(quote!(::mbd_runtime::__private::fixed(at.#list)));
+                values.push(quote!(::mbd_runtime::__private::fixed(at.#given)));
             }
         }
         // The lengths of lists that are not read follow from the sizes of this model.

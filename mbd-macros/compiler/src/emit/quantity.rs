@@ -47,6 +47,10 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::Multipliers => "multipliers",
         Quantity::Reactions => "reactions",
         Quantity::ProjectionStep => "projection_step",
+        Quantity::Residual => "residual",
+        Quantity::Factor => "factor",
+        Quantity::Solve => "solve",
+        Quantity::JointCoordinates => "joint_coordinates",
         Quantity::NodeByAnchor(_) => "node_by_anchor",
         Quantity::CondensedStiffness(_) => "condensed_stiffness",
         Quantity::Partial(..) => "partial",
@@ -58,6 +62,7 @@ fn differentiated(of: Differentiated) -> &'static str {
         Differentiated::Derivative => "derivative",
         Differentiated::Balance => "balance",
         Differentiated::Outputs => "outputs",
+        Differentiated::Residual => "residual",
     }
 }
 
@@ -66,6 +71,7 @@ fn variable(by: Variable) -> &'static str {
         Variable::State => "state",
         Variable::Node => "nodes",
         Variable::Parameter => "params",
+        Variable::Input => "inputs",
     }
 }
 
@@ -175,6 +181,27 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
             format!(
                 "{nv}, in the components of the speeds; then the smallest part that other rows leave to a row's pivot."
             ),
+        ),
+        Quantity::Residual => (
+            "Equations of motion before they are solved, at given `v̇` and `λ`: `q̇`, `M v̇ + h − f − Φ_vᵀ λ`, `ż`, `Φ_v v̇ − γ`.",
+            format!(
+                "{n} = [{} q̇ | {nv} [N, N m] | {} ż | {} [m/s² or 1/s²]].",
+                layout.nq, layout.nz, layout.nc
+            ),
+        ),
+        Quantity::JointCoordinates => (
+            "Joint coordinates: value, rate and acceleration of each.",
+            format!("{} × 3 [m or rad, and per second].", layout.measured),
+        ),
+        Quantity::Factor => (
+            "Factor of `K = [M −Φ_vᵀ; Φ_v 0]`, for `solve`.",
+            format!(
+                "{n}, structural non-zeros only; the last is the smallest part that other rows leave to a row's pivot."
+            ),
+        ),
+        Quantity::Solve => (
+            "Solution by the factor: `M x = b + Φ_vᵀ y`, `Φ_v x = c`.",
+            format!("{nv} x, then {} y.", layout.nc),
         ),
         Quantity::NodeByAnchor(k) => (
             "How the nodes follow their anchors: `∂p/∂p_i = H⁻¹ J_i`, the sum over the anchors is 1.",

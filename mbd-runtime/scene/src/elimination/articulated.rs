@@ -92,6 +92,11 @@ impl<'a> Node<'a> {
         self.step.diagonal + self.size * column
     }
 
+    /// Whether nothing else is multiplied by the inverse of a column's pivot: it is not needed then.
+    fn is_alone(&self, k: usize) -> bool {
+        self.joint.is_none() && self.others().is_empty() && k + 1 == self.free
+    }
+
     /// Where T is in the store.
     fn axes_at(&self) -> Option<usize> {
         let joint = self.joint.filter(|_| self.axes)?;
@@ -99,7 +104,70 @@ impl<'a> Node<'a> {
     }
 }
 
+/// The list of a system that a number is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bank {
+    Store,
+    Scaled,
+    Pivot,
+    Inverse,
+}
+
+/// Tells every number that [`System::solve`] reads of a factor.
+pub(super) fn factored(plan: &Elimination, mut each: impl FnMut(Bank, usize)) {
+    for index in 0..plan.steps.len() {
+        let Some(node) = Node::new(plan, index) else {
+            continue;
+        };
+        if let Some(at) = node.axes_at() {
+            (at..at + 9).for_each(|at| each(Bank::Store, at));
+        }
+        let (n, others) = (node.size, node.others());
+        for k in 0..node.free {
+            let bank = match node.is_alone(k) {
+                true => Bank::Pivot,
+                false => Bank::Inverse,
+            };
+            each(bank, node.step.first + k);
+            (0..n).for_each(|i| each(Bank::Scaled, node.row(k) + i));
+            let rows = others.iter().flat_map(|below| node.rows(plan, below));
+            rows.for_each(|at| each(Bank::Scaled, at + k));
+        }
+        let Some(joint) = node.joint else {
+            continue;
+        };
+        (0..n * node.free).for_each(|i| each(Bank::Store, joint.diagonal + i));
+        (0..n * n).for_each(|i| each(Bank::Store, node.row(0) + i));
+        for at in joint.below.iter().flat_map(|below| node.rows(plan, below)) {
+            (at..at + n).for_each(|at| each(Bank::Scaled, at));
+        }
+        for at in others.iter().flat_map(|below| node.rows(plan, below)) {
+            (at..at + n).for_each(|at| each(Bank::Store, at));
+        }
+    }
+}
+
 impl<S: Real> System<S> {
+    /// A number of the factor.
+    pub(super) fn factored(&self, bank: Bank, at: usize) -> S {
+        match bank {
+            Bank::Store => self.store[at],
+            Bank::Scaled => self.scaled[at],
+            Bank::Pivot => self.pivot[at],
+            Bank::Inverse => self.inverse[at],
+        }
+    }
+
+    /// Sets a number of the factor.
+    pub(super) fn set_factored(&mut self, bank: Bank, at: usize, value: S) {
+        match bank {
+            Bank::Store => self.store[at] = value,
+            Bank::Scaled => self.scaled[at] = value,
+            Bank::Pivot => self.pivot[at] = value,
+            Bank::Inverse => self.inverse[at] = value,
+        }
+    }
+
     /// Sets element (i, j) of X of the body whose joint has this step, for the speeds j of its parent.
     pub fn set_transport(
         &mut self,
@@ -426,9 +494,7 @@ impl<S: Real> System<S> {
         }
         for k in (0..node.free).rev() {
             let (h, _, unit) = self.column(node, k);
-            // Where nothing else is multiplied by the inverse, it is not needed.
-            let alone = node.joint.is_none() && node.others().is_empty() && k + 1 == node.free;
-            let mut u = if alone {
+            let mut u = if node.is_alone(k) {
                 self.work[first + k] / self.pivot[first + k]
             } else {
                 scale(self.work[first + k], self.inverse[first + k])
@@ -549,7 +615,7 @@ fn turn_inertia<S: Real>(inertia: &mut [[S; MOST]; MOST], axes: &Matrix3<S>) {
 }
 
 /// Σ a b over the products in which neither is zero.
-fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
+pub(super) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
     products
         .filter(|(a, b)| !a.is_zero() && !b.is_zero())
         .fold(S::zero(), |sum, (a, b)| sum + a * b)

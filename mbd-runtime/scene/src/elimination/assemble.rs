@@ -115,7 +115,7 @@ impl<S: Real> Carriage<S> {
     }
 
     /// A velocity of the child at Q in its unknowns.
-    fn to_unknowns(&self, motion: &Twist<S>) -> Twist<S> {
+    pub(super) fn to_unknowns(&self, motion: &Twist<S>) -> Twist<S> {
         let angular = self.turn.apply(&motion.angular);
         let mut linear = motion.linear;
         for (k, lever) in self.lever.iter().flatten().enumerate() {

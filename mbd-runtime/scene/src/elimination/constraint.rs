@@ -358,7 +358,7 @@ impl<S: Real> Constraints<S> {
 
     /// The velocity, or its rate, of the centre of mass, world axes, and ω or its rate in the components of the state, from the unknowns of
     /// a body.
-    fn motion_of(
+    pub(super) fn motion_of(
         &self,
         evaluation: &Evaluation<'_, S>,
         body: usize,

@@ -3,7 +3,9 @@
 mod articulated;
 mod assemble;
 mod constraint;
+mod factored;
 mod reference;
 mod system;
 
 pub(crate) use constraint::{Constraints, reaction};
+pub(crate) use factored::factored_len;

@@ -1,5 +1,7 @@
 //! What a model can be asked for, by running the laws on a scalar.
 
+mod coordinates;
+mod residual;
 mod with_multipliers;
 
 pub use with_multipliers::evaluate_with_multipliers;
@@ -141,6 +143,18 @@ pub fn evaluate<S: Real>(
             scratch.constraints.write_forces(what, &evaluation, out);
         }
         Quantity::ProjectionStep => scratch.constraints.correct(&evaluation, out),
+        Quantity::Residual => {
+            scratch.assembly.collect(&evaluation);
+            residual::residual(
+                &evaluation,
+                &scratch.assembly,
+                &mut scratch.constraints,
+                out,
+            );
+        }
+        Quantity::JointCoordinates => coordinates::coordinates(&evaluation, out),
+        Quantity::Factor => scratch.constraints.write_factor(&evaluation, out),
+        Quantity::Solve => scratch.constraints.solve_by_factor(&evaluation, out),
         Quantity::Equilibrium(_)
         | Quantity::NodeByAnchor(_)
         | Quantity::CondensedStiffness(_)

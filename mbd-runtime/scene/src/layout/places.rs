@@ -16,6 +16,11 @@ impl Layout {
             directions: scene.directions(),
             events: scene.events.len(),
             lets: scene.lets.len(),
+            measured: scene
+                .joints
+                .iter()
+                .map(|joint| joint.law.measured().count())
+                .sum(),
             ..Layout::default()
         };
         layout.place_state(scene);

@@ -38,7 +38,13 @@ impl Layout {
             Quantity::ConstraintJacobian => self.nc * self.nv,
             Quantity::Reactions if self.nc > 0 => 6 * self.joints.len(),
             Quantity::ProjectionStep if self.nc > 0 => self.nv + 1,
-            Quantity::Reactions | Quantity::ProjectionStep => 0,
+            Quantity::JointCoordinates => 3 * self.measured,
+            Quantity::Residual => self.nx() + self.nc,
+            Quantity::Factor if self.nc > 0 => crate::elimination::factored_len(self),
+            Quantity::Solve if self.nc > 0 => self.nv + self.nc,
+            Quantity::Reactions | Quantity::ProjectionStep | Quantity::Factor | Quantity::Solve => {
+                0
+            }
             Quantity::Partial(of, by) => self.len(of.quantity()) * self.variables(by),
         }
     }
@@ -79,6 +85,7 @@ impl Layout {
             Variable::State => self.nx(),
             Variable::Node => 3 * self.nodes.len(),
             Variable::Parameter => self.np,
+            Variable::Input => self.ni,
         }
     }
 
@@ -96,8 +103,19 @@ impl Layout {
         }
     }
 
+    /// The quantities that derivatives through rows of joints are made of, in a fixed order; none where joints have no rows. Emitted when asked for
+    /// only: a run has no use for them.
+    #[must_use]
+    pub fn derivatives(&self) -> Vec<Quantity> {
+        let mut all = vec![Quantity::Residual, Quantity::Factor, Quantity::Solve];
+        let partials = Variable::ALL.map(|by| Quantity::Partial(Differentiated::Residual, by));
+        all.extend(partials);
+        all.retain(|&what| self.nc > 0 && self.len(what) > 0);
+        all
+    }
+
     /// Every quantity this scene has a use for, in a fixed order. Not the derivatives of ẋ where joints have rows: through the factor of the
-    /// rows they take 187,000 operations for eight hinges; those of the rows' residual with the factor at hand are still to come.
+    /// rows they would take 187,000 operations for eight hinges. They are found from [`Layout::derivatives`] with the factor at hand.
     #[must_use]
     pub fn quantities(&self) -> Vec<Quantity> {
         let mut all = vec![Quantity::AnchorStates];
@@ -129,7 +147,7 @@ impl Layout {
             Differentiated::Balance,
             Differentiated::Outputs,
         ] {
-            for by in [Variable::State, Variable::Node, Variable::Parameter] {
+            for by in Variable::ALL {
                 all.push(Quantity::Partial(of, by));
             }
         }

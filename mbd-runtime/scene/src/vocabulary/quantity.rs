@@ -62,6 +62,19 @@ pub enum Quantity {
     /// the rows are to depending on each other, as the smallest part that other rows leave to a row's pivot [1]; 1 for rows at right angles,
     /// sin² of the angle between two rows, rounding for dependent ones.
     ProjectionStep,
+    /// The equations of motion before they are solved, at the accelerations v̇ and multipliers λ of [`At::rows`]: ẋ = [q̇ | v̇ | ż] with
+    /// M v̇ + h − f − Φ_vᵀ λ [N, N m] in the place of v̇, then Φ_v v̇ − γ (n_c) [m/s² or 1/s²]. What is left out of the system because it
+    /// repeats others has no row here: of each joint the rows that are in the system come first, and zeros fill up. What
+    /// derivatives through rows are made of.
+    Residual,
+    /// What the elimination of the system of bodies and joints leaves for [`Quantity::Solve`]; structural zeros are not written. The last number is
+    /// the smallest part that other rows leave to the pivot of a row, as in [`Quantity::ProjectionStep`] [1].
+    Factor,
+    /// The x and y of M x = b + Φ_vᵀ y, Φ_v x = c (n_v, then n_c in the order of [`Quantity::Residual`]), by the factor, b and c in [`At::rows`].
+    Solve,
+    /// Per measured coordinate of every joint, in the order of [`Scene::joint_coordinates`](crate::Scene::joint_coordinates): value [m or rad], rate
+    /// and acceleration, the latter for the v̇ that [`At::rows`] begins with, or for none.
+    JointCoordinates,
     /// The partial derivative of one quantity, dense, row by row; only structural non-zeros are written.
     Partial(Differentiated, Variable),
 }
@@ -75,6 +88,8 @@ pub enum Differentiated {
     Balance,
     /// [`Quantity::Outputs`].
     Outputs,
+    /// [`Quantity::Residual`], at fixed accelerations and multipliers.
+    Residual,
 }
 
 /// What they are differentiated by.
@@ -86,6 +101,18 @@ pub enum Variable {
     Node,
     /// The live parameters.
     Parameter,
+    /// The inputs: everything of [`At::inputs`].
+    Input,
+}
+
+impl Variable {
+    /// All of them.
+    pub const ALL: [Variable; 4] = [
+        Variable::State,
+        Variable::Node,
+        Variable::Parameter,
+        Variable::Input,
+    ];
 }
 
 impl Differentiated {
@@ -96,6 +123,7 @@ impl Differentiated {
             Differentiated::Derivative => Quantity::Derivative,
             Differentiated::Balance => Quantity::Balance,
             Differentiated::Outputs => Quantity::Outputs,
+            Differentiated::Residual => Quantity::Residual,
         }
     }
 }
@@ -118,7 +146,9 @@ pub struct At<'a, S> {
     pub ends: &'a [S],
     /// Inputs, external loads and external gravity, in the order of `Layout::inputs`.
     pub inputs: &'a [S],
-    /// Right-hand sides of the rows, n_c numbers, for [`Quantity::ProjectionStep`]; empty elsewhere.
+    /// What some quantities are asked with, empty elsewhere: right-hand sides of the rows (n_c) for [`Quantity::ProjectionStep`]; v̇ and λ (n_v, then
+    /// n_c, of each joint the rows in the system first) for [`Quantity::Residual`], v̇ alone for [`Quantity::JointCoordinates`]; the value of [`Quantity::Factor`], then b (n_v) and c (n_c),
+    /// for [`Quantity::Solve`].
     pub rows: &'a [S],
 }
 

@@ -1,0 +1,444 @@
+//! Minimal coordinates: as many joint coordinates, or components of positions and rotations, as there are freedoms, and what a small change of them
+//! is in the state.
+//!
+//! ```text
+//! K δπ = [0; δξ],   K = [Φ_v; c]                     δπ: small moves in the components of the speeds, δq = N δπ                (1)
+//! K δv = [−∂Φ̇/∂q δq; δη − ∂η/∂q δq]                  η: rates of ξ, η = c v + c_t                                              (2)
+//! ```
+//!
+//! Rows c are chosen one after the other, in the metric of the mass matrix: those that users name, then joint coordinates in the order of their
+//! declaration, then bodies and points; one that the rows and those before it hold by more than a part is passed over, until nothing else is left.
+
+use mbd_scene::{AngularVelocity, Plane, PointSlots, Quantity, Scene};
+use nalgebra::{DMatrix, DVector};
+
+use super::LinearisationError;
+use super::moment::Moment;
+use crate::columns::{Name, state_names};
+
+/// Parts of a candidate that must be new, one round after the other.
+const NEW: [f64; 3] = [0.3, 0.03, 1e-4];
+/// Part of a row of a joint below which it repeats others.
+const REPEATS: f64 = 1e-9;
+
+/// What a minimal coordinate is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// A measured joint coordinate, by number.
+    Joint(usize),
+    /// A position, or the angle of a body in a plane, whose rate is this speed.
+    Place {
+        /// Its place in q.
+        coordinate: usize,
+        /// The speed.
+        speed: usize,
+    },
+    /// A small turn about an axis along a component of the angular velocity.
+    Turn {
+        /// The body.
+        body: usize,
+        /// The component.
+        axis: usize,
+        /// The speed.
+        speed: usize,
+    },
+}
+
+/// A minimal coordinate with its names.
+#[derive(Clone, Debug)]
+pub(crate) struct Minimal {
+    pub source: Source,
+    /// Name and unit of the coordinate.
+    pub coordinate: Name,
+    /// Name and unit of its rate.
+    pub rate: Name,
+}
+
+/// Minimal coordinates at a state.
+#[derive(Clone, Debug)]
+pub(crate) struct Chart {
+    /// The coordinates.
+    pub minimal: Vec<Minimal>,
+    /// K.
+    pub rows: DMatrix<f64>,
+    /// K⁻¹.
+    pub inverse: DMatrix<f64>,
+    /// The rows of the joints that are in K, by number.
+    pub kept: Vec<usize>,
+}
+
+/// Every coordinate that a scene has a name for.
+pub(crate) fn candidates(moment: &Moment) -> Vec<Minimal> {
+    let (scene, layout) = (moment.scene(), moment.layout());
+    let mut all = Vec::new();
+    let mut number = 0;
+    for joint in &scene.joints {
+        for measured in joint.law.measured() {
+            let unit = if measured.is_angle() { "rad" } else { "m" };
+            all.push(Minimal {
+                source: Source::Joint(number),
+                coordinate: Name::new(&joint.name, measured.name, unit),
+                rate: Name::new(&joint.name, measured.rate, &format!("{unit}/s")),
+            });
+            number += 1;
+        }
+    }
+    let names = state_names(scene, layout);
+    let name = |index: usize| names.get(index).cloned();
+    let mut place = |coordinate: usize, speed: usize| {
+        if let (Some(own), Some(rate)) = (name(coordinate), name(layout.nq + speed)) {
+            let source = Source::Place { coordinate, speed };
+            all.push(Minimal {
+                source,
+                coordinate: own,
+                rate,
+            });
+        }
+    };
+    let moves = layout.directions.translations().len();
+    for slots in &layout.bodies {
+        let places = match layout.directions.plane {
+            Some(_) => moves + 1,
+            None => moves,
+        };
+        (0..places).for_each(|k| place(slots.q + k, slots.v + k));
+    }
+    for slots in &layout.points {
+        if let PointSlots::Mass(slots) = slots {
+            (0..moves).for_each(|k| place(slots.q + k, slots.v + k));
+        }
+    }
+    if layout.directions.plane.map(Plane::normal).is_none() {
+        for (body, slots) in layout.bodies.iter().enumerate() {
+            for (axis, word) in ["turn_x", "turn_y", "turn_z"].into_iter().enumerate() {
+                let speed = slots.v + moves + axis;
+                if let Some(rate) = name(layout.nq + speed) {
+                    all.push(Minimal {
+                        source: Source::Turn { body, axis, speed },
+                        coordinate: Name::new(&scene.bodies[body].name, word, "rad"),
+                        rate,
+                    });
+                }
+            }
+        }
+    }
+    all
+}
+
+/// The names of all coordinates, as a message lists them.
+pub(crate) fn known(moment: &Moment) -> String {
+    let all = candidates(moment);
+    let names: Vec<&str> = all.iter().map(|one| one.coordinate.name.as_str()).collect();
+    names.join(", ")
+}
+
+impl Chart {
+    /// Chooses the coordinates at a state, those of `wanted` before all others.
+    ///
+    /// # Errors
+    /// A name that there is not; one that depends on others; rows that lose rank here.
+    pub(crate) fn choose(moment: &mut Moment, wanted: &[&str]) -> Result<Self, LinearisationError> {
+        let mut all = candidates(moment);
+        let mut first = Vec::new();
+        for name in wanted {
+            let Some(at) = all.iter().position(|one| one.coordinate.name == *name) else {
+                let (name, known) = ((*name).to_owned(), known(moment));
+                return Err(LinearisationError::UnknownCoordinate { name, known });
+            };
+            first.push(all.remove(at));
+        }
+        let (nv, nc) = (moment.layout().nv, moment.layout().nc);
+        let slopes = moment.by_state(Quantity::JointCoordinates, &[]);
+        let nq = moment.layout().nq;
+        let row = |one: &Minimal| match one.source {
+            Source::Joint(number) => slopes.view((3 * number + 1, nq), (1, nv)).into_owned(),
+            Source::Place { speed, .. } | Source::Turn { speed, .. } => {
+                DMatrix::from_fn(1, nv, |_, k| f64::from(u8::from(k == speed)))
+            }
+        };
+        let mut basis = Basis::new(moment);
+        let joints = moment.evaluate(Quantity::ConstraintJacobian, &[]);
+        let joints = DMatrix::from_row_slice(nc, nv, &joints);
+        let kept = basis.take_rows(&joints);
+        let rank = moment.layout().rank();
+        if kept.len() < rank {
+            return Err(LinearisationError::DependentRows {
+                margin: basis.passed,
+            });
+        }
+        let mut chosen: Vec<(Minimal, DMatrix<f64>)> = Vec::new();
+        for one in first {
+            let own = row(&one);
+            if !basis.take(&own, NEW[2]) {
+                let name = one.coordinate.name;
+                return Err(LinearisationError::DependentCoordinate { name });
+            }
+            chosen.push((one, own));
+        }
+        for new in NEW {
+            let mut left = Vec::new();
+            for one in all {
+                let own = row(&one);
+                if own.iter().all(|x| x.is_finite()) && basis.take(&own, new) {
+                    chosen.push((one, own));
+                } else {
+                    left.push(one);
+                }
+            }
+            all = left;
+        }
+        let mut rows = DMatrix::zeros(nv, nv);
+        for (line, &row) in kept.iter().enumerate() {
+            rows.row_mut(line).copy_from(&joints.row(row));
+        }
+        for (line, (_, row)) in chosen.iter().enumerate() {
+            rows.row_mut((kept.len() + line).min(nv - 1))
+                .copy_from(&row.row(0));
+        }
+        let inverse = rows.clone().try_inverse();
+        let inverse = inverse.filter(|_| kept.len() + chosen.len() == nv);
+        let inverse = inverse.ok_or(LinearisationError::DependentRows { margin: 0.0 })?;
+        Ok(Chart {
+            minimal: chosen.into_iter().map(|(one, _)| one).collect(),
+            rows,
+            inverse,
+            kept,
+        })
+    }
+
+    /// The same coordinates where the state is now.
+    ///
+    /// # Errors
+    /// Rows or coordinates that lose rank there.
+    pub(crate) fn refresh(&mut self, moment: &mut Moment) -> Result<(), LinearisationError> {
+        let (nq, nv) = (moment.layout().nq, moment.layout().nv);
+        let joints = moment.evaluate(Quantity::ConstraintJacobian, &[]);
+        for (line, &row) in self.kept.iter().enumerate() {
+            let own = &joints[row * nv..(row + 1) * nv];
+            self.rows
+                .row_mut(line)
+                .iter_mut()
+                .zip(own)
+                .for_each(|(to, x)| *to = *x);
+        }
+        let slopes = moment.by_state(Quantity::JointCoordinates, &[]);
+        for (line, one) in self.minimal.iter().enumerate() {
+            if let Source::Joint(number) = one.source {
+                let own = slopes.view((3 * number + 1, nq), (1, nv));
+                self.rows.row_mut(self.kept.len() + line).copy_from(&own);
+            }
+        }
+        let inverse = self.rows.clone().try_inverse();
+        self.inverse = inverse.ok_or(LinearisationError::DependentRows { margin: 0.0 })?;
+        Ok(())
+    }
+
+    /// How many coordinates there are.
+    pub(crate) fn len(&self) -> usize {
+        self.minimal.len()
+    }
+
+    /// δπ for a unit of each coordinate, by (1).
+    pub(crate) fn moves(&self) -> DMatrix<f64> {
+        self.inverse
+            .columns(self.kept.len(), self.len())
+            .into_owned()
+    }
+
+    /// What a unit of each coordinate, then of each rate, then of every number behind the speeds is in the state: n_x × n_s, by (1) and (2).
+    pub(crate) fn tangent(&self, moment: &mut Moment, turns: &DMatrix<f64>) -> DMatrix<f64> {
+        let (nq, nv, nx) = {
+            let layout = moment.layout();
+            (layout.nq, layout.nv, layout.nx())
+        };
+        let (n, held) = (self.len(), self.kept.len());
+        let rest = nx - nq - nv;
+        let mut tangent = DMatrix::zeros(nx, 2 * n + rest);
+        let moved = turns * self.moves();
+        tangent.view_mut((0, 0), (nq, n)).copy_from(&moved);
+        let of_rows = moment.by_state(Quantity::ConstraintRate, &[]);
+        let of_rates = moment.by_state(Quantity::JointCoordinates, &[]);
+        let mut right = DMatrix::zeros(nv, 2 * n);
+        for (line, &row) in self.kept.iter().enumerate() {
+            let change = of_rows.view((row, 0), (1, nq)) * &moved;
+            right.view_mut((line, 0), (1, n)).copy_from(&-change);
+        }
+        for (line, one) in self.minimal.iter().enumerate() {
+            right[(held + line, n + line)] = 1.0;
+            if let Source::Joint(number) = one.source {
+                let change = of_rates.view((3 * number + 1, 0), (1, nq)) * &moved;
+                right.view_mut((held + line, 0), (1, n)).copy_from(&-change);
+            }
+        }
+        tangent
+            .view_mut((nq, 0), (nv, 2 * n))
+            .copy_from(&(&self.inverse * right));
+        (0..rest).for_each(|k| tangent[(nq + nv + k, 2 * n + k)] = 1.0);
+        tangent
+    }
+
+    /// The values of the coordinates, of a turn zero, and their rates.
+    pub(crate) fn values(&self, moment: &mut Moment) -> [DVector<f64>; 2] {
+        let measured = moment.evaluate(Quantity::JointCoordinates, &[]);
+        let speeds = &moment.state[moment.layout().nq..];
+        let each = |of: &dyn Fn(Source) -> f64| {
+            DVector::from_iterator(self.len(), self.minimal.iter().map(|one| of(one.source)))
+        };
+        [
+            each(&|source| match source {
+                Source::Joint(number) => measured[3 * number],
+                Source::Place { coordinate, .. } => moment.state[coordinate],
+                Source::Turn { .. } => 0.0,
+            }),
+            each(&|source| match source {
+                Source::Joint(number) => measured[3 * number + 1],
+                Source::Place { speed, .. } | Source::Turn { speed, .. } => speeds[speed],
+            }),
+        ]
+    }
+
+    /// The accelerations of the coordinates for given v̇.
+    pub(crate) fn accelerations(&self, moment: &mut Moment, speeds: &[f64]) -> DVector<f64> {
+        let measured = moment.evaluate(Quantity::JointCoordinates, speeds);
+        let each = self.minimal.iter().map(|one| match one.source {
+            Source::Joint(number) => measured[3 * number + 2],
+            Source::Place { speed, .. } | Source::Turn { speed, .. } => speeds[speed],
+        });
+        DVector::from_iterator(self.len(), each)
+    }
+
+    /// How a small turn changes by the turning of the body itself: ∓ω × δθ, for small moves δπ.
+    pub(crate) fn swept(
+        &self,
+        moment: &Moment,
+        one: &Minimal,
+        moves: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        let mut swept = DMatrix::zeros(1, moves.ncols());
+        let Source::Turn { body, axis, .. } = one.source else {
+            return swept;
+        };
+        let layout = moment.layout();
+        let first = layout.bodies[body].v + layout.directions.translations().len();
+        let sign = match moment.scene().angular_velocity {
+            AngularVelocity::Body => -1.0,
+            AngularVelocity::World => 1.0,
+        };
+        let [j, k] = [(axis + 1) % 3, (axis + 2) % 3];
+        let omega = |axis: usize| moment.state[layout.nq + first + axis];
+        for (slot, column) in swept.iter_mut().zip(moves.column_iter()) {
+            *slot = sign * (omega(j) * column[first + k] - omega(k) * column[first + j]);
+        }
+        swept
+    }
+}
+
+/// Directions that are held or chosen, orthonormal in the metric of the mass matrix.
+struct Basis {
+    /// L of M = L Lᵀ, inverted.
+    scale: DMatrix<f64>,
+    directions: Vec<DVector<f64>>,
+    /// The largest part that a row which was passed over had left.
+    passed: f64,
+}
+
+impl Basis {
+    fn new(moment: &mut Moment) -> Self {
+        let nv = moment.layout().nv;
+        let mass = moment.evaluate(Quantity::MassMatrix, &[]);
+        let mass = DMatrix::from_row_slice(nv, nv, &mass);
+        let scale = mass.cholesky().and_then(|factor| factor.l().try_inverse());
+        Basis {
+            scale: scale.unwrap_or_else(|| DMatrix::identity(nv, nv)),
+            directions: Vec::new(),
+            passed: 0.0,
+        }
+    }
+
+    /// What is new in a row: its direction, and its part of the row.
+    fn new_in(&self, row: &DVector<f64>) -> (DVector<f64>, f64) {
+        let whole = row.norm();
+        let mut left = row.clone();
+        for _ in 0..2 {
+            for direction in &self.directions {
+                let along = direction.dot(&left);
+                left.axpy(-along, direction, 1.0);
+            }
+        }
+        let part = if whole > 0.0 {
+            left.norm() / whole
+        } else {
+            0.0
+        };
+        (left, part)
+    }
+
+    fn take(&mut self, row: &DMatrix<f64>, least: f64) -> bool {
+        let row = &self.scale * row.row(0).transpose();
+        let (left, part) = self.new_in(&row);
+        let new = part > least;
+        if new {
+            let length = left.norm();
+            self.directions.push(left / length);
+        }
+        new
+    }
+
+    /// Takes the independent ones of the rows of the joints, those with most that is new first.
+    fn take_rows(&mut self, rows: &DMatrix<f64>) -> Vec<usize> {
+        let mut open: Vec<(usize, DVector<f64>)> = (0..rows.nrows())
+            .map(|row| (row, &self.scale * rows.row(row).transpose()))
+            .collect();
+        let mut kept = Vec::new();
+        while !open.is_empty() {
+            let parts = open.iter().map(|(_, row)| self.new_in(row));
+            let parts: Vec<(DVector<f64>, f64)> = parts.collect();
+            let most = (0..parts.len()).max_by(|&a, &b| parts[a].1.total_cmp(&parts[b].1));
+            let Some(most) = most else { break };
+            let (left, part) = &parts[most];
+            if !(*part > REPEATS) {
+                self.passed = *part;
+                break;
+            }
+            self.directions.push(left / left.norm());
+            kept.push(open.remove(most).0);
+        }
+        kept.sort_unstable();
+        kept
+    }
+}
+
+/// A name of a scene's coordinate for a message, with the unit.
+pub(crate) fn with_unit(name: &Name) -> String {
+    match name.unit.is_empty() {
+        true => name.name.clone(),
+        false => format!("{} [{}]", name.name, name.unit),
+    }
+}
+
+/// Name and unit of every number of the inputs.
+pub(crate) fn input_names(scene: &Scene, layout: &mbd_scene::Layout) -> Vec<Name> {
+    use mbd_scene::InputSource;
+    let mut names = Vec::with_capacity(layout.ni);
+    for slots in &layout.inputs {
+        let owner = crate::columns::input_name(scene, layout, slots.at);
+        let unit = match slots.source {
+            InputSource::Input(index) => match scene.inputs.get(index) {
+                Some(input) => input.unit.text.clone(),
+                None => String::new(),
+            },
+            InputSource::Load(_) => "N".to_owned(),
+            InputSource::BodyGravity(_) | InputSource::PointGravity(_) => "m/s^2".to_owned(),
+        };
+        for k in 0..slots.len {
+            let axis = ["x", "y", "z"][k % 3];
+            names.push(match (slots.len, k) {
+                (1, _) => Name::new(&owner, "", &unit),
+                (6, 0..3) => Name::new(&owner, &format!("force_{axis}"), "N"),
+                (6, _) => Name::new(&owner, &format!("couple_{axis}"), "N m"),
+                _ => Name::new(&owner, axis, &unit),
+            });
+        }
+    }
+    names
+}

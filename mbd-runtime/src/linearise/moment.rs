@@ -1,0 +1,143 @@
+//! A scene at one moment, in `f64` whatever the scalar of its model: state, inputs, nodes in balance. What everything cold looks at that needs more
+//! than a quantity: state-space matrices, trim, inverse dynamics.
+
+use std::sync::Arc;
+
+use mbd_scene::laws::Numbers;
+use mbd_scene::{At, Float, Layout, Model, Quantity, Scene, Variable, Work};
+use nalgebra::DMatrix;
+
+use super::{Linearisation, LinearisationError};
+use crate::generic::Generic;
+use crate::slopes::{Effective, Slopes};
+use crate::system::{External, System};
+
+/// Inputs that stay.
+struct Held(Vec<f64>);
+
+impl External<f64> for Held {
+    fn evaluate(&self, _time: f64, _state: &[f64], out: &mut [f64]) {
+        out.copy_from_slice(&self.0);
+    }
+}
+
+/// A scene at one moment.
+pub(crate) struct Moment {
+    pub model: Arc<Generic<f64>>,
+    pub time: f64,
+    pub state: Vec<f64>,
+    pub inputs: Vec<f64>,
+    system: System<f64>,
+    work: Work<f64>,
+    slopes: Slopes,
+}
+
+impl Moment {
+    /// The scene of a model at a time and a state, for these inputs. Its nodes are not placed yet.
+    pub(crate) fn new<T: Float>(
+        model: &dyn Model<T>,
+        (time, state, inputs): (f64, &[f64], &[f64]),
+    ) -> Result<Self, LinearisationError> {
+        let (scene, layout) = (model.scene(), model.layout());
+        for (what, got, expected) in [("state", state, layout.nx()), ("inputs", inputs, layout.ni)]
+        {
+            if got.len() != expected {
+                let got = got.len();
+                return Err(LinearisationError::Length {
+                    what,
+                    got,
+                    expected,
+                });
+            }
+            if got.iter().any(|x| !x.is_finite()) {
+                return Err(LinearisationError::Given { what });
+            }
+        }
+        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
+        let generic = Arc::new(Generic {
+            scene: Arc::new(scene.clone()),
+            layout: Arc::new(layout.clone()),
+            numbers: Numbers::new(scene, &params),
+            params,
+        });
+        let system = System::new(generic.clone(), Box::new(Held(inputs.to_vec())), false);
+        Ok(Moment {
+            slopes: Slopes::new(scene, layout, &generic.params),
+            work: generic.scratch(),
+            system,
+            model: generic,
+            time,
+            state: state.to_vec(),
+            inputs: inputs.to_vec(),
+        })
+    }
+
+    /// Puts the nodes in balance at the state as it is now.
+    pub(crate) fn settle(&mut self, guess: Option<&[f64]>) -> Result<(), LinearisationError> {
+        self.system.external = Box::new(Held(self.inputs.clone()));
+        let started = self.system.start(self.time, &mut self.state, guess);
+        started.map_err(|cause| LinearisationError::Nodes(Box::new(cause)))
+    }
+
+    pub(crate) fn scene(&self) -> &Scene {
+        &self.model.scene
+    }
+
+    pub(crate) fn layout(&self) -> &Layout {
+        &self.model.layout
+    }
+
+    /// A quantity here; `rows` as in [`At::rows`].
+    pub(crate) fn evaluate(&mut self, what: Quantity, rows: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.model.layout.len(what)];
+        let at = self.system.nodes.at(self.time, &self.state, &self.inputs);
+        self.model
+            .run(what, &At { rows, ..at }, &mut self.work, &mut out);
+        out
+    }
+
+    /// ∂(quantity)/∂(state) at fixed nodes.
+    pub(crate) fn by_state(&mut self, what: Quantity, rows: &[f64]) -> DMatrix<f64> {
+        let layout = &self.model.layout;
+        let (lines, columns) = (layout.len(what), layout.nx());
+        let mut out = vec![0.0; lines * columns];
+        let at = self.system.nodes.at(self.time, &self.state, &self.inputs);
+        let (scene, of) = ((&*self.model.scene, &**layout), (what, Variable::State));
+        let at = At { rows, ..at };
+        self.slopes
+            .differentiate(scene, of, Effective::Fixed, &at, &mut out);
+        DMatrix::from_row_slice(lines, columns, &out)
+    }
+
+    /// Total derivatives here.
+    pub(crate) fn linearise(&mut self) -> Result<Linearisation<f64>, LinearisationError> {
+        let mut linear = Linearisation::new(&self.model.layout);
+        let at = self.system.nodes.at(self.time, &self.state, &self.inputs);
+        linear.run(&*self.model, &at, &mut self.work)?;
+        Ok(linear)
+    }
+
+    /// ẋ here.
+    ///
+    /// # Errors
+    /// One that is not finite.
+    pub(crate) fn rates(&mut self) -> Result<Vec<f64>, LinearisationError> {
+        let rates = self.evaluate(Quantity::Derivative, &[]);
+        match rates.iter().all(|x| x.is_finite()) {
+            true => Ok(rates),
+            false => Err(LinearisationError::NotFinite {
+                what: Quantity::Derivative,
+            }),
+        }
+    }
+
+    /// Node unknowns of the last balance.
+    pub(crate) fn nodes(&self) -> &[f64] {
+        self.system.nodes.nodes()
+    }
+}
+
+/// A matrix of derivatives in another form.
+pub(super) fn dense(matrix: &super::Matrix<f64>) -> DMatrix<f64> {
+    DMatrix::from_row_slice(matrix.rows(), matrix.columns(), matrix.values())
+}

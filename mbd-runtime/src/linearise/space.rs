@@ -1,0 +1,242 @@
+//! The linear system of a scene at a state, in minimal coordinates.
+//!
+//! ```text
+//! ṡ = A s + B u,   o = C s + D u            s = [δξ | δη | δz]: coordinates, their rates, what stands behind the speeds in the state     (1)
+//! δx = T s,   Jx = ∂ẋ/∂x:   A = ∂(ξ̇, η̇, ż)/∂x T,   C = ∂o/∂x T                                                                      (2)
+//! η̇ = c v̇ − γ_c of a joint coordinate, v̇ of a position or a turn;   δθ̇ = δω − ω × δθ of a turn in body axes, δω + ω × δθ in world axes    (3)
+//! ```
+//!
+//! Small deviations from the motion through that state, which need not be at rest. Every derivative is exact: (2) uses those of
+//! [`super`], through joints and nodes. Source: Kane and Levinson, Dynamics, on linearised equations; [derived] for loops.
+
+use mbd_scene::{Float, Model, Quantity};
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::LinearisationError;
+use super::chart::{Chart, Source, input_names};
+use super::moment::{Moment, dense};
+use crate::columns::{Name, state_names};
+
+/// A, B, C, D of a scene at a state in minimal coordinates, with names.
+#[derive(Clone, Debug)]
+pub struct StateSpace {
+    /// A, n_s × n_s.
+    pub a: DMatrix<f64>,
+    /// B, n_s × n_u.
+    pub b: DMatrix<f64>,
+    /// C, n_o × n_s, in the units of the output columns.
+    pub c: DMatrix<f64>,
+    /// D, n_o × n_u.
+    pub d: DMatrix<f64>,
+    /// Names and units of s: minimal coordinates, their rates, node positions.
+    pub states: Vec<Name>,
+    /// Names and units of u, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
+    pub inputs: Vec<Name>,
+    /// Names and units of the output columns.
+    pub outputs: Vec<Name>,
+    /// What a unit of each s is in the state x = [q | v | z], n_x × n_s.
+    pub tangent: DMatrix<f64>,
+    /// Accelerations of the coordinates at the state [m/s² or rad/s²], then ż: zero where the motion is steady.
+    pub accelerations: DVector<f64>,
+}
+
+/// An eigenvalue of A and how the scene moves with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vibration {
+    /// Real part [1/s]: negative where it dies out.
+    pub real: f64,
+    /// Imaginary part [rad/s], ≥ 0: of a conjugate pair one is listed.
+    pub imaginary: f64,
+    /// Per state real and imaginary part of its share, the largest being 1.
+    pub shape: Vec<[f64; 2]>,
+}
+
+impl Vibration {
+    /// |λ| [rad/s]: the frequency without damping of an oscillation.
+    #[must_use]
+    pub fn frequency(&self) -> f64 {
+        self.real.hypot(self.imaginary)
+    }
+
+    /// The frequency at which it is seen to oscillate, Im λ/2π [Hz].
+    #[must_use]
+    pub fn hertz(&self) -> f64 {
+        self.imaginary / std::f64::consts::TAU
+    }
+
+    /// −Re λ/|λ|: 0 without damping, 1 from critical damping on, negative where it grows; 0 for λ = 0.
+    #[must_use]
+    pub fn damping(&self) -> f64 {
+        match self.frequency() {
+            frequency if frequency > 0.0 => -self.real / frequency,
+            _ => 0.0,
+        }
+    }
+}
+
+impl StateSpace {
+    pub(crate) fn make<T: Float>(
+        model: &dyn Model<T>,
+        at: (f64, &[f64], &[f64]),
+        (nodes, coordinates): (Option<&[f64]>, &[&str]),
+    ) -> Result<Self, LinearisationError> {
+        let mut moment = Moment::new(model, at)?;
+        moment.settle(nodes)?;
+        let chart = Chart::choose(&mut moment, coordinates)?;
+        Self::in_chart(&mut moment, &chart)
+    }
+
+    pub(crate) fn in_chart(moment: &mut Moment, chart: &Chart) -> Result<Self, LinearisationError> {
+        let linear = moment.linearise()?;
+        let (nq, nv, nx) = {
+            let layout = moment.layout();
+            (layout.nq, layout.nv, layout.nx())
+        };
+        let whole = dense(linear.state());
+        let by_input = dense(linear.input());
+        let turns = whole.view((0, nq), (nq, nv)).into_owned();
+        let tangent = chart.tangent(moment, &turns);
+        let rates = &whole * &tangent;
+        let speeds = moment.rates()?;
+        let speeds = &speeds[nq..];
+        let measured = moment.by_state(Quantity::JointCoordinates, &speeds[..nv]);
+        let (n, rest) = (chart.len(), nx - nq - nv);
+        let (ns, nu) = (2 * n + rest, by_input.ncols());
+        let (mut a, mut b) = (DMatrix::zeros(ns, ns), DMatrix::zeros(ns, nu));
+        // Small moves of a unit of each s: none of the rates.
+        let mut moves = DMatrix::zeros(nv, ns);
+        moves.view_mut((0, 0), (nv, n)).copy_from(&chart.moves());
+        for (line, one) in chart.minimal.iter().enumerate() {
+            a[(line, n + line)] = 1.0;
+            let swept = chart.swept(moment, one, &moves);
+            let mut own = a.row_mut(line);
+            own += swept;
+            match one.source {
+                Source::Joint(number) => {
+                    let along = chart.rows.row(chart.kept.len() + line);
+                    let here = measured.row(3 * number + 2) * &tangent;
+                    let through = along * rates.view((nq, 0), (nv, ns));
+                    a.row_mut(n + line).copy_from(&(here + through));
+                    let through = along * by_input.view((nq, 0), (nv, nu));
+                    b.row_mut(n + line).copy_from(&through);
+                }
+                Source::Place { speed, .. } | Source::Turn { speed, .. } => {
+                    a.row_mut(n + line).copy_from(&rates.row(nq + speed));
+                    b.row_mut(n + line).copy_from(&by_input.row(nq + speed));
+                }
+            }
+        }
+        let behind = (nq + nv, rest);
+        a.rows_mut(2 * n, rest)
+            .copy_from(&rates.rows(behind.0, behind.1));
+        b.rows_mut(2 * n, rest)
+            .copy_from(&by_input.rows(behind.0, behind.1));
+        let own = chart.accelerations(moment, &speeds[..nv]);
+        let accelerations = own.iter().chain(&speeds[nv..]).copied();
+        let accelerations = DVector::from_iterator(n + rest, accelerations);
+        let (scene, layout) = (moment.scene(), moment.layout());
+        let coordinates = chart.minimal.iter().map(|one| one.coordinate.clone());
+        let their_rates = chart.minimal.iter().map(|one| one.rate.clone());
+        let behind = state_names(scene, layout).into_iter().skip(nq + nv);
+        Ok(StateSpace {
+            c: dense(linear.outputs_by_state()) * &tangent,
+            d: dense(linear.outputs_by_input()),
+            states: coordinates.chain(their_rates).chain(behind).collect(),
+            inputs: input_names(scene, layout),
+            outputs: output_names(scene),
+            tangent,
+            accelerations,
+            a,
+            b,
+        })
+    }
+
+    /// The place of a state, an input or an output by its name: `state("pin.angle_rate")`.
+    #[must_use]
+    pub fn state(&self, name: &str) -> Option<usize> {
+        self.states.iter().position(|known| known.name == name)
+    }
+
+    /// The place of an input by its name.
+    #[must_use]
+    pub fn input(&self, name: &str) -> Option<usize> {
+        self.inputs.iter().position(|known| known.name == name)
+    }
+
+    /// The place of an output column by its name.
+    #[must_use]
+    pub fn output(&self, name: &str) -> Option<usize> {
+        self.outputs.iter().position(|known| known.name == name)
+    }
+
+    /// The eigenvalues of A with their shapes, slowest first; of each conjugate pair the one with Im λ > 0.
+    #[must_use]
+    pub fn vibrations(&self) -> Vec<Vibration> {
+        if self.a.is_empty() || self.a.iter().any(|x| !x.is_finite()) {
+            return Vec::new();
+        }
+        let scale = self.a.norm().max(f64::MIN_POSITIVE);
+        let mut found: Vec<Vibration> = self
+            .a
+            .complex_eigenvalues()
+            .iter()
+            .filter(|value| value.im >= 0.0)
+            .map(|value| Vibration {
+                real: value.re,
+                imaginary: value.im,
+                shape: self.shape(*value, scale),
+            })
+            .collect();
+        let key = |one: &Vibration| [one.frequency(), one.real];
+        found.sort_by(|a, b| {
+            let [a, b] = [key(a), key(b)];
+            a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
+        });
+        found
+    }
+
+    /// The eigenvector of an eigenvalue, by two inverse iterations beside it; its largest component is 1.
+    fn shape(&self, value: Complex<f64>, scale: f64) -> Vec<[f64; 2]> {
+        let n = self.a.nrows();
+        // Beside the eigenvalue by some rounding units, so that the matrix can be inverted.
+        let beside = value + Complex::new(1e-13 * scale, 0.0);
+        let shifted = DMatrix::from_fn(n, n, |i, j| {
+            let own = if i == j { beside } else { Complex::default() };
+            Complex::new(self.a[(i, j)], 0.0) - own
+        });
+        let factor = shifted.lu();
+        let mut shape = DVector::from_fn(n, |k, _| Complex::new(1.0 + 0.37 * k as f64, 0.0));
+        for _ in 0..3 {
+            let Some(next) = factor.solve(&shape) else {
+                break;
+            };
+            let largest = next.iter().fold(Complex::new(0.0, 0.0), |most, x| {
+                if x.norm_sqr() > most.norm_sqr() {
+                    *x
+                } else {
+                    most
+                }
+            });
+            if !(largest.norm_sqr() > 0.0) || !largest.norm_sqr().is_finite() {
+                break;
+            }
+            shape = next.map(|x| x / largest);
+        }
+        shape.iter().map(|x| [x.re, x.im]).collect()
+    }
+}
+
+/// Names and units of the output columns.
+fn output_names(scene: &mbd_scene::Scene) -> Vec<Name> {
+    let outputs = scene.outputs.iter();
+    let each = outputs.flat_map(|output| {
+        let axes: &[&str] = if output.components == 1 {
+            &[""]
+        } else {
+            &["x", "y", "z"]
+        };
+        axes.iter()
+            .map(|axis| Name::new(&output.name, axis, &output.unit.text))
+    });
+    each.collect()
+}

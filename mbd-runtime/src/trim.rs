@@ -1,0 +1,676 @@
+//! Trim: a state and inputs at which nothing accelerates, with chosen coordinates, rates and inputs where they are wanted.
+//!
+//! ```text
+//! ρ(ξ, u, z) = [η̇ ; ż] = 0 at η = 0, or at the rates that are given                                              (1)
+//! (JᵀJ + μ diag JᵀJ) δ = −Jᵀ ρ,   J = [∂ρ/∂ξ  ∂ρ/∂u  ∂ρ/∂z] from A and B                                          (2)
+//! ```
+//!
+//! Damped least squares (Levenberg and Marquardt) with exact derivatives in minimal coordinates; after every step the joints are closed again by Newton
+//! steps that keep the coordinates where they are wanted. What (1) does not decide stays where the guess has it.
+
+use mbd_scene::{Model, Quantity};
+use nalgebra::{DMatrix, DVector, Quaternion, UnitQuaternion, Vector3};
+
+use crate::columns::Name;
+use crate::compiled::Scalar;
+use crate::linearise::chart::{Chart, Source, input_names, known, with_unit};
+use crate::linearise::moment::Moment;
+use crate::linearise::{LinearisationError, StateSpace};
+
+/// Steps at most.
+const ROUNDS: usize = 200;
+/// Newton steps that close the joints at most.
+const CLOSING: usize = 50;
+/// What is left of a row, or of a coordinate, where it is closed [m, rad or 1].
+const CLOSED: f64 = 1e-12;
+/// The largest acceleration that counts as none, over the largest term of one [1].
+const STILL: f64 = 1e-9;
+
+/// What is looked for: see [`trim`].
+pub struct Trim<'m, T: Scalar> {
+    model: &'m dyn Model<T>,
+    asked: Asked,
+}
+
+/// Everything that a trim is asked with, whatever the scalar.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    time: f64,
+    state: Option<Vec<f64>>,
+    nodes: Option<Vec<f64>>,
+    given: Option<Vec<f64>>,
+    inputs: Vec<(String, f64)>,
+    free: Vec<String>,
+    fixed: Vec<(String, Option<f64>)>,
+    rates: Vec<(String, f64)>,
+    guesses: Vec<(String, f64)>,
+}
+
+/// A steady motion.
+#[derive(Clone, Debug)]
+pub struct Trimmed {
+    /// The state x = [q | v | z].
+    pub state: Vec<f64>,
+    /// The inputs, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
+    pub inputs: Vec<f64>,
+    /// The node unknowns.
+    pub nodes: Vec<f64>,
+    /// The linear system there.
+    pub space: StateSpace,
+    /// Unknowns that nothing decides, by name: they stayed where the guess had them.
+    pub undecided: Vec<String>,
+    /// Steps taken.
+    pub iterations: usize,
+    names: Vec<Name>,
+    values: DVector<f64>,
+}
+
+/// Why there is no trim.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum TrimError {
+    /// Nothing that is free can take away all accelerations.
+    Unbalanced {
+        /// What is left most, a coordinate's name.
+        worst: String,
+        /// Its acceleration.
+        residual: f64,
+        /// Its unit.
+        unit: String,
+        /// How many unknowns were free, and how many accelerations were to vanish.
+        counts: [usize; 2],
+        /// The steps taken.
+        iterations: usize,
+    },
+    /// An input that there is not.
+    UnknownInput {
+        /// The name.
+        name: String,
+        /// Those that there are.
+        known: String,
+    },
+    /// The turn of a body in space cannot be set by a number: give it with the state, and hold it.
+    Turn {
+        /// The name.
+        name: String,
+    },
+    /// The joints cannot be closed with the coordinates where they are wanted.
+    Open {
+        /// What is left [m or 1].
+        gap: f64,
+    },
+    /// No derivatives, or a name that is not known.
+    Linearisation(
+        /// Why.
+        LinearisationError,
+    ),
+}
+
+impl std::fmt::Display for TrimError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            TrimError::Unbalanced {
+                worst,
+                residual,
+                unit,
+                counts: [unknowns, residuals],
+                iterations,
+            } => {
+                write!(
+                    f,
+                    "no balance found: `{worst}` keeps an acceleration of {residual:.3e} {unit} after {iterations} steps, with {unknowns} unknowns for {residuals} accelerations"
+                )?;
+                match unknowns < residuals {
+                    true => write!(f, ": fix fewer coordinates, or free an input"),
+                    false => write!(f, ": give a better guess, or fix less"),
+                }
+            }
+            TrimError::UnknownInput { name, known } if known.is_empty() => {
+                write!(f, "`{name}` is no input: this scene has none")
+            }
+            TrimError::UnknownInput { name, known } => {
+                write!(f, "`{name}` is no input of this scene; there are: {known}")
+            }
+            TrimError::Turn { name } => write!(
+                f,
+                "`{name}` is a turn in space, which no single number sets: give the attitude with `state`, and `hold` it"
+            ),
+            TrimError::Open { gap } => write!(
+                f,
+                "the joints stay open by {gap:.1e} with these coordinates: fix fewer of them, or others"
+            ),
+            TrimError::Linearisation(cause) => write!(f, "{cause}"),
+        }
+    }
+}
+
+impl std::error::Error for TrimError {}
+
+impl From<LinearisationError> for TrimError {
+    fn from(cause: LinearisationError) -> Self {
+        TrimError::Linearisation(cause)
+    }
+}
+
+/// Looks for a state, and inputs, at which nothing accelerates: `trim(&model).fix("lift.angle", 0.3).free_input("push").solve()`.
+///
+/// All rates are zero but those that [`Trim::rate`] gives, so that a motion at constant rates is one, too. Coordinates are named as in
+/// [`StateSpace::states`]: those of joints, `lift.angle`, positions, `buoy.x`, and turns of bodies, `drone.turn_x`. SI units throughout.
+///
+/// ```
+/// use mbd_runtime::{model, trim};
+///
+/// model! {
+///     /// A pendulum of 2 kg at 0.5 m below its pin, turned by a torque.
+///     model Arm {
+///         gravity: [0.0, 0.0, -9.81] m/s^2;
+///         emit: [derivative];
+///         input motor: torque;
+///         body arm { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+///         joint pin: hinge from world to arm.top { axis: y, force: motor }
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let arm = Arm::new(ArmParams::default())?;
+/// let held = trim(&arm).fix("pin.angle", 0.4).free_input("motor").solve()?;
+///
+/// // The torque that holds it: m g l sin θ.
+/// assert!((held.inputs[0] - 2.0 * 9.81 * 0.5 * 0.4_f64.sin()).abs() < 1e-9);
+/// # Ok(())
+/// # }
+/// ```
+#[must_use]
+pub fn trim<T: Scalar>(model: &(impl Model<T> + Sized)) -> Trim<'_, T> {
+    Trim {
+        model,
+        asked: Asked::default(),
+    }
+}
+
+impl<T: Scalar> Trim<'_, T> {
+    /// The time at which prescribed motions stand [s]; 0 else.
+    #[must_use]
+    pub fn at(mut self, time: f64) -> Self {
+        self.asked.time = time;
+        self
+    }
+
+    /// The state to start from; else everything at the origin.
+    #[must_use]
+    pub fn state(mut self, state: &[f64]) -> Self {
+        self.asked.state = Some(state.to_vec());
+        self
+    }
+
+    /// Where the nodes are searched from, 3 numbers each [m].
+    #[must_use]
+    pub fn nodes(mut self, guess: &[f64]) -> Self {
+        self.asked.nodes = Some(guess.to_vec());
+        self
+    }
+
+    /// An input that stays as given, or where a free one begins; 0 else.
+    #[must_use]
+    pub fn input(mut self, name: &str, value: f64) -> Self {
+        self.asked.inputs.push((name.to_owned(), value));
+        self
+    }
+
+    /// All inputs, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
+    #[must_use]
+    pub fn all_inputs(mut self, values: &[f64]) -> Self {
+        self.asked.given = Some(values.to_vec());
+        self
+    }
+
+    /// An input that is looked for. A vector of inputs has components: `wind.x`.
+    #[must_use]
+    pub fn free_input(mut self, name: &str) -> Self {
+        self.asked.free.push(name.to_owned());
+        self
+    }
+
+    /// A coordinate that stays at a value.
+    #[must_use]
+    pub fn fix(mut self, name: &str, value: f64) -> Self {
+        self.asked.fixed.push((name.to_owned(), Some(value)));
+        self
+    }
+
+    /// A coordinate that stays where the guess has it.
+    #[must_use]
+    pub fn hold(mut self, name: &str) -> Self {
+        self.asked.fixed.push((name.to_owned(), None));
+        self
+    }
+
+    /// A coordinate that goes on at a constant rate: it stays where the guess has it, and its acceleration vanishes.
+    #[must_use]
+    pub fn rate(mut self, name: &str, rate: f64) -> Self {
+        self.asked.rates.push((name.to_owned(), rate));
+        self
+    }
+
+    /// Where a coordinate begins.
+    #[must_use]
+    pub fn guess(mut self, name: &str, value: f64) -> Self {
+        self.asked.guesses.push((name.to_owned(), value));
+        self
+    }
+
+    /// Looks for it.
+    ///
+    /// # Errors
+    /// [`TrimError`].
+    pub fn solve(&self) -> Result<Trimmed, TrimError> {
+        T::find_trim(self.model, &self.asked)
+    }
+}
+
+impl Trimmed {
+    /// The value of a coordinate, its rate, or an input, by name.
+    #[must_use]
+    pub fn value(&self, name: &str) -> Option<f64> {
+        let at = self.names.iter().position(|known| known.name == name)?;
+        self.values.get(at).copied()
+    }
+}
+
+/// A trim on its way.
+struct Search {
+    moment: Moment,
+    chart: Chart,
+    /// Rates of the coordinates.
+    rates: DVector<f64>,
+    /// Coordinates that may change, then inputs, then numbers behind the speeds.
+    free: Vec<usize>,
+    inputs: Vec<usize>,
+    rest: usize,
+}
+
+/// What [`Trim::solve`] does.
+pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Trimmed, TrimError> {
+    let (scene, layout) = (model.scene(), model.layout());
+    let inputs = input_names(scene, layout);
+    let place_of = |name: &str| {
+        let at = inputs.iter().position(|known| known.name == name);
+        at.ok_or_else(|| {
+            let known: Vec<&str> = inputs.iter().map(|one| one.name.as_str()).collect();
+            TrimError::UnknownInput {
+                name: name.to_owned(),
+                known: known.join(", "),
+            }
+        })
+    };
+    let mut given = asked.given.clone().unwrap_or_else(|| vec![0.0; layout.ni]);
+    for (name, value) in &asked.inputs {
+        // A list of another length is refused below.
+        if let Some(slot) = given.get_mut(place_of(name)?) {
+            *slot = *value;
+        }
+    }
+    let free = asked.free.iter().map(|name| place_of(name));
+    let free: Vec<usize> = free.collect::<Result<_, _>>()?;
+    let state = asked.state.clone().unwrap_or_else(|| {
+        let mut state = vec![0.0; layout.nx()];
+        layout.quaternions().for_each(|at| state[at] = 1.0);
+        state
+    });
+    let at = (asked.time, &state[..], &given[..]);
+    let mut moment = Moment::new(model, at)?;
+    moment.place(&asked.starts());
+    let fixed = asked.fixed.iter().map(|(name, _)| name.as_str());
+    let others = asked.rates.iter().chain(&asked.guesses);
+    let mut named: Vec<&str> = Vec::new();
+    for name in fixed.chain(others.map(|(name, _)| name.as_str())) {
+        if !named.contains(&name) {
+            named.push(name);
+        }
+    }
+    let chart = Chart::choose(&mut moment, &named)?;
+    let find = |name: &str| {
+        let all = chart.minimal.iter();
+        let mut all = all.map(|one| one.coordinate.name == name);
+        all.position(|own| own)
+            .ok_or_else(|| LinearisationError::UnknownCoordinate {
+                name: name.to_owned(),
+                known: known(&moment),
+            })
+    };
+    let mut rates = DVector::zeros(chart.len());
+    let mut fixed = vec![false; chart.len()];
+    let mut wanted: Vec<(usize, f64)> = Vec::new();
+    for (name, value) in &asked.fixed {
+        let at = find(name)?;
+        fixed[at] = true;
+        wanted.extend(value.map(|value| (at, value)));
+    }
+    for (name, rate) in &asked.rates {
+        let at = find(name)?;
+        fixed[at] = true;
+        rates[at] = *rate;
+    }
+    for (name, value) in &asked.guesses {
+        wanted.push((find(name)?, *value));
+    }
+    for &(at, _) in &wanted {
+        if let Source::Turn { .. } = chart.minimal[at].source {
+            let name = chart.minimal[at].coordinate.name.clone();
+            return Err(TrimError::Turn { name });
+        }
+    }
+    let rest = layout.nx() - layout.nq - layout.nv;
+    let mut search = Search {
+        free: (0..chart.len()).filter(|&k| !fixed[k]).collect(),
+        inputs: free,
+        moment,
+        chart,
+        rates,
+        rest,
+    };
+    let mut steps = search.chart.values(&mut search.moment)[0].map(|_| 0.0);
+    let now = search.chart.values(&mut search.moment)[0].clone();
+    for (at, value) in wanted {
+        steps[at] = value - now[at];
+    }
+    search.go(&steps)?;
+    search.solve(asked.nodes.as_deref())
+}
+
+impl Asked {
+    /// Coordinates whose values are given.
+    fn starts(&self) -> Vec<(&str, f64)> {
+        let fixed = self.fixed.iter();
+        let fixed = fixed.filter_map(|(name, value)| Some((name.as_str(), (*value)?)));
+        let guesses = self
+            .guesses
+            .iter()
+            .map(|(name, value)| (name.as_str(), *value));
+        fixed.chain(guesses).collect()
+    }
+}
+
+impl Moment {
+    /// Places bodies by the joint coordinates among those that are given.
+    fn place(&mut self, given: &[(&str, f64)]) {
+        let joints = given
+            .iter()
+            .filter(|(name, _)| self.scene().joint_coordinate(name).is_some());
+        let starts = mbd_scene::JointStart::by_name(self.scene(), joints.copied());
+        let (scene, layout) = (self.model.scene.clone(), self.model.layout.clone());
+        let from = (&self.model.params[..], self.time);
+        if let Ok(starts) = starts {
+            let mut placed = self.state.clone();
+            // Where loops cannot be closed from these, Newton steps try from where the state is.
+            if mbd_scene::place(&scene, &layout, from, &starts, &[], &mut placed).is_ok() {
+                self.state = placed;
+            }
+        }
+    }
+}
+
+impl Search {
+    /// Moves the coordinates by steps, closes the joints there, and gives the coordinates their rates.
+    fn go(&mut self, steps: &DVector<f64>) -> Result<(), TrimError> {
+        let kept = self.chart.kept.len();
+        let before = self.chart.values(&mut self.moment)[0].clone();
+        let targets = before + steps;
+        let mut turned = false;
+        let mut gap = f64::INFINITY;
+        for _ in 0..CLOSING {
+            self.chart.refresh(&mut self.moment)?;
+            let rows = self.moment.evaluate(Quantity::Constraint, &[]);
+            let now = self.chart.values(&mut self.moment)[0].clone();
+            let mut right = DVector::zeros(self.chart.rows.nrows());
+            for (slot, &row) in right.iter_mut().zip(&self.chart.kept) {
+                *slot = -rows[row];
+            }
+            for (k, one) in self.chart.minimal.iter().enumerate() {
+                right[kept + k] = match one.source {
+                    Source::Turn { .. } if turned => 0.0,
+                    Source::Turn { .. } => steps[k],
+                    Source::Joint(number) => {
+                        let periodic = self.moment.is_periodic(number);
+                        nearest(targets[k] - now[k], periodic)
+                    }
+                    Source::Place { .. } => targets[k] - now[k],
+                };
+            }
+            turned = true;
+            gap = right.amax();
+            if gap < CLOSED || !gap.is_finite() {
+                break;
+            }
+            let moved = &self.chart.inverse * right;
+            self.moment.shift(&moved);
+        }
+        // Rounding of large positions may leave more than a millionth of a micrometre.
+        if !(gap < 1e3 * CLOSED) {
+            return Err(TrimError::Open { gap });
+        }
+        self.chart.refresh(&mut self.moment)?;
+        let (nq, nv) = (self.moment.layout().nq, self.moment.layout().nv);
+        self.moment.state[nq..nq + nv].fill(0.0);
+        let by_time = self.moment.evaluate(Quantity::ConstraintRate, &[]);
+        let own = self.chart.values(&mut self.moment)[1].clone();
+        let mut right = DVector::zeros(nv);
+        for (slot, &row) in right.iter_mut().zip(&self.chart.kept) {
+            *slot = -by_time[row];
+        }
+        for k in 0..self.chart.len() {
+            right[kept + k] = self.rates[k] - own[k];
+        }
+        let speeds = &self.chart.inverse * right;
+        self.moment.state[nq..nq + nv].copy_from_slice(speeds.as_slice());
+        Ok(())
+    }
+
+    /// What accelerates: of every coordinate, then the rates behind the speeds; and the largest term of one, to compare with.
+    fn residual(&mut self, guess: Option<&[f64]>) -> Result<DVector<f64>, TrimError> {
+        self.moment.settle(guess)?;
+        let rates = self.moment.rates()?;
+        let (nq, nv) = (self.moment.layout().nq, self.moment.layout().nv);
+        let own = self
+            .chart
+            .accelerations(&mut self.moment, &rates[nq..nq + nv]);
+        let all = own.iter().chain(&rates[nq + nv..]).copied();
+        Ok(DVector::from_iterator(self.chart.len() + self.rest, all))
+    }
+
+    fn solve(mut self, guess: Option<&[f64]>) -> Result<Trimmed, TrimError> {
+        let mut residual = self.residual(guess)?;
+        let (n, rest) = (self.chart.len(), self.rest);
+        let (mut damping, mut iterations) = (1e-6, 0);
+        let mut scale = 1.0_f64;
+        while iterations < ROUNDS {
+            let space = StateSpace::in_chart(&mut self.moment, &self.chart)?;
+            let slopes = self.slopes(&space);
+            // The largest term of an acceleration: a unit of any free coordinate or input.
+            scale = slopes.amax().max(1.0);
+            if residual.amax() <= 1e-14 * scale || slopes.ncols() == 0 {
+                break;
+            }
+            iterations += 1;
+            let normal = slopes.transpose() * &slopes;
+            let right = slopes.transpose() * &residual;
+            let before = self.moment.state.clone();
+            let inputs = self.moment.inputs.clone();
+            let mut better = false;
+            while damping < 1e12 {
+                let mut damped = normal.clone();
+                for k in 0..damped.nrows() {
+                    damped[(k, k)] += damping * normal[(k, k)].max(1e-12 * scale * scale);
+                }
+                let step = damped.cholesky().map(|factor| -factor.solve(&right));
+                if let Some(step) = step
+                    && let Ok(tried) = self.try_step(&step, n, rest)
+                    && tried.norm() < residual.norm()
+                {
+                    residual = tried;
+                    damping = (damping * 0.1).max(1e-15);
+                    better = true;
+                    break;
+                }
+                self.moment.state.clone_from(&before);
+                self.moment.inputs.clone_from(&inputs);
+                damping *= 10.0;
+            }
+            if !better {
+                break;
+            }
+        }
+        self.chart.refresh(&mut self.moment)?;
+        let residual = self.residual(None)?;
+        let space = StateSpace::in_chart(&mut self.moment, &self.chart)?;
+        let worst = residual.iamax();
+        if !(residual[worst].abs() <= STILL * scale.min(1e3)) {
+            let name = match self.chart.minimal.get(worst) {
+                Some(one) => Name {
+                    unit: format!("{}^2", one.rate.unit),
+                    ..one.coordinate.clone()
+                },
+                None => space.states[n + worst].clone(),
+            };
+            return Err(TrimError::Unbalanced {
+                worst: name.name,
+                residual: residual[worst],
+                unit: name.unit,
+                counts: [self.free.len() + self.inputs.len() + rest, n + rest],
+                iterations,
+            });
+        }
+        let undecided = self.undecided(&space);
+        let [values, rates] = self.chart.values(&mut self.moment);
+        let (nq, nv) = (self.moment.layout().nq, self.moment.layout().nv);
+        let behind = &self.moment.state[nq + nv..];
+        let all = values.iter().chain(rates.iter()).chain(behind);
+        let all: Vec<f64> = all.chain(&self.moment.inputs).copied().collect();
+        let names = space.states.iter().chain(&space.inputs).cloned();
+        Ok(Trimmed {
+            names: names.collect(),
+            values: DVector::from_vec(all),
+            nodes: self.moment.nodes().to_vec(),
+            state: self.moment.state,
+            inputs: self.moment.inputs,
+            space,
+            undecided,
+            iterations,
+        })
+    }
+
+    /// Columns of (2).
+    fn slopes(&self, space: &StateSpace) -> DMatrix<f64> {
+        let n = self.chart.len();
+        let below = |matrix: &DMatrix<f64>, column: usize| {
+            matrix.view((n, column), (n + self.rest, 1)).into_owned()
+        };
+        let coordinates = self.free.iter().map(|&k| below(&space.a, k));
+        let inputs = self.inputs.iter().map(|&k| below(&space.b, k));
+        let behind = (0..self.rest).map(|k| below(&space.a, 2 * n + k));
+        let columns: Vec<DMatrix<f64>> = coordinates.chain(inputs).chain(behind).collect();
+        DMatrix::from_fn(n + self.rest, columns.len(), |row, column| {
+            columns[column][(row, 0)]
+        })
+    }
+
+    fn try_step(
+        &mut self,
+        step: &DVector<f64>,
+        n: usize,
+        rest: usize,
+    ) -> Result<DVector<f64>, TrimError> {
+        let mut moves = DVector::zeros(n);
+        for (number, &k) in self.free.iter().enumerate() {
+            moves[k] = step[number];
+        }
+        let first = self.free.len();
+        for (number, &k) in self.inputs.iter().enumerate() {
+            self.moment.inputs[k] += step[first + number];
+        }
+        let first = first + self.inputs.len();
+        let behind = self.moment.state.len() - rest;
+        for k in 0..rest {
+            self.moment.state[behind + k] += step[first + k];
+        }
+        self.go(&moves)?;
+        let nodes = self.moment.nodes().to_vec();
+        self.residual(Some(&nodes))
+    }
+
+    /// The unknowns along which nothing changes what accelerates.
+    fn undecided(&self, space: &StateSpace) -> Vec<String> {
+        let slopes = self.slopes(space);
+        let scale = slopes.amax();
+        let n = self.chart.len();
+        let coordinates = self.free.iter().copied();
+        let inputs = self.inputs.iter().map(|&k| &space.inputs[k]);
+        let behind = (0..self.rest).map(|k| &space.states[2 * n + k]);
+        let names = coordinates
+            .map(|k| &space.states[k])
+            .chain(inputs)
+            .chain(behind);
+        let columns = slopes.column_iter();
+        let still = names
+            .zip(columns)
+            .filter(|(_, column)| column.amax() <= 1e-9 * scale);
+        still.map(|(name, _)| with_unit(name)).collect()
+    }
+}
+
+/// A difference of angles within half a turn.
+fn nearest(difference: f64, periodic: bool) -> f64 {
+    let turn = std::f64::consts::TAU;
+    match periodic {
+        true => difference - turn * (difference / turn).round(),
+        false => difference,
+    }
+}
+
+impl Moment {
+    /// Whether a joint coordinate jumps by a turn.
+    fn is_periodic(&self, number: usize) -> bool {
+        let joints = self.scene().joints.iter();
+        let mut all = joints.flat_map(|joint| joint.law.measured());
+        all.nth(number)
+            .is_some_and(|measured| measured.is_periodic())
+    }
+
+    /// Moves the bodies and points by δπ, in the components of the speeds.
+    fn shift(&mut self, moves: &DVector<f64>) {
+        let layout = self.model.layout.clone();
+        let directions = layout.directions;
+        let count = directions.translations().len();
+        let world = self.scene().angular_velocity == mbd_scene::AngularVelocity::World;
+        for slots in &layout.bodies {
+            for k in 0..count {
+                self.state[slots.q + k] += moves[slots.v + k];
+            }
+            let at = slots.q + count;
+            if directions.plane.is_some() {
+                self.state[at] += moves[slots.v + count];
+                continue;
+            }
+            let turn = Vector3::from_fn(|k, _| moves[slots.v + count + k]);
+            let turn = UnitQuaternion::from_scaled_axis(turn);
+            let [w, x, y, z] = [0, 1, 2, 3].map(|k| self.state[at + k]);
+            let own = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+            let own = if world { turn * own } else { own * turn };
+            let sign = if own.w * w + own.i * x + own.j * y + own.k * z < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
+            for (slot, number) in [own.w, own.i, own.j, own.k].into_iter().enumerate() {
+                self.state[at + slot] = sign * number;
+            }
+        }
+        for slots in &layout.points {
+            if let mbd_scene::PointSlots::Mass(slots) = slots {
+                for k in 0..count {
+                    self.state[slots.q + k] += moves[slots.v + k];
+                }
+            }
+        }
+    }
+}

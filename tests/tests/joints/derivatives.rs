@@ -1,0 +1,185 @@
+//! Derivatives through the rows of joints against dual numbers through the whole elimination: on the joints and off them, with loops, with
+//! rows that repeat others.
+
+use mbd_compiler::{Equations, Interpreted};
+use mbd_runtime::{Generic, Linearisation, Matrix};
+use mbd_scene::{Arguments, Differentiated, Layout, Model, Quantity, Scene, Variable};
+use tests::instant::{partial_by_oracle, value};
+use tests::looped::mechanism;
+use tests::random::Random;
+
+const MECHANISMS: u64 = 50;
+
+fn somewhere(scene: &Scene, state: &[f64], random: &mut Random) -> Arguments<f64> {
+    let layout = Layout::new(scene);
+    let list = |n: usize, random: &mut Random| (0..n).map(|_| random.uniform(-3.0, 3.0)).collect();
+    Arguments {
+        state: state.to_vec(),
+        inputs: list(layout.ni, random),
+        hold: vec![0.0; layout.one_way()],
+        ..Arguments::default()
+    }
+}
+
+/// Takes out of the columns of every quaternion what changes its length: rotations do not depend on it.
+fn along_unit_quaternions(layout: &Layout, state: &[f64], matrix: &mut [f64]) {
+    let columns = layout.nx();
+    for at in layout.quaternions() {
+        for row in matrix.chunks_exact_mut(columns) {
+            let radial: f64 = (at..at + 4).map(|k| row[k] * state[k]).sum();
+            (at..at + 4).for_each(|k| row[k] -= radial * state[k]);
+        }
+    }
+}
+
+fn largest(list: &[f64]) -> f64 {
+    list.iter().fold(0.0, |most, x| x.abs().max(most))
+}
+
+/// The largest difference, over the largest number.
+fn apart(got: &[f64], want: &[f64]) -> f64 {
+    assert_eq!(got.len(), want.len());
+    let differences: Vec<f64> = got.iter().zip(want).map(|(a, b)| a - b).collect();
+    largest(&differences) / largest(want).max(1e-9)
+}
+
+#[test]
+fn accelerations_by_state_and_inputs_are_those_of_dual_numbers_through_the_elimination() {
+    let (mut loops, mut redundant) = (0, 0);
+    for seed in 0..MECHANISMS {
+        let (scene, state) = mechanism(seed);
+        let generic = Generic::<f64>::with_defaults(scene.clone()).expect("a mechanism");
+        let layout = generic.layout();
+        loops += usize::from(layout.redundancy.loops > 0);
+        redundant += usize::from(layout.redundancy.lost() > 0);
+        let mut random = Random::new(seed);
+        let on = somewhere(&scene, &state, &mut random);
+        // Off the joints, as the stages of a step are.
+        let mut off = on.clone();
+        off.state
+            .iter_mut()
+            .for_each(|x| *x += random.uniform(-1e-3, 1e-3));
+        for at in layout.quaternions() {
+            let length = off.state[at..at + 4]
+                .iter()
+                .map(|x| x * x)
+                .sum::<f64>()
+                .sqrt();
+            off.state[at..at + 4].iter_mut().for_each(|x| *x /= length);
+        }
+        for (at, place) in [(on, "on"), (off, "off")] {
+            let mut linear = Linearisation::new(layout);
+            let found = linear.evaluate(&generic, &at.at(), &mut generic.work());
+            found.unwrap_or_else(|error| panic!("mechanism {seed}: {error}"));
+            for (by, got) in [
+                (Variable::State, linear.state()),
+                (Variable::Input, linear.input()),
+            ] {
+                let oracle = partial_by_oracle(&scene, &[], Differentiated::Derivative, by, &at);
+                let (mut got, mut want) = (Matrix::values(got).to_vec(), oracle);
+                if by == Variable::State {
+                    along_unit_quaternions(layout, &at.state, &mut got);
+                    along_unit_quaternions(layout, &at.state, &mut want);
+                }
+                let error = apart(&got, &want);
+                assert!(
+                    error < 1e-10,
+                    "mechanism {seed} {place} {by:?}: {error:.1e}"
+                );
+            }
+        }
+    }
+    assert!(
+        loops >= 20 && redundant >= 8,
+        "{loops} with loops, {redundant} redundant"
+    );
+}
+
+#[test]
+fn what_derivatives_are_made_of_is_the_same_interpreted_and_by_the_laws() {
+    for seed in 0..MECHANISMS / 2 {
+        let (scene, state) = mechanism(seed);
+        let equations = Equations::trace_with_derivatives(&scene);
+        let interpreted = Interpreted::from_equations(equations, &[]).expect("a mechanism");
+        let generic = Generic::<f64>::with_defaults(scene.clone()).expect("a mechanism");
+        let layout = generic.layout();
+        let mut random = Random::new(seed);
+        let mut at = somewhere(&scene, &state, &mut random);
+        let motion = layout.nv + layout.nc;
+        for what in layout.derivatives() {
+            let right: Vec<f64> = (0..motion).map(|_| random.uniform(-2.0, 2.0)).collect();
+            at.rows.clone_from(&right);
+            let [got, want] = [&interpreted as &dyn Model<f64>, &generic].map(|model| {
+                let mut at = at.clone();
+                if what == Quantity::Solve {
+                    // Each by its own factor: where a number happens to be zero, laws skip more than symbols can.
+                    at.rows = value(model, Quantity::Factor, &at);
+                    at.rows.extend(&right);
+                }
+                value(model, what, &at)
+            });
+            if what == Quantity::Factor {
+                continue;
+            }
+            let error = apart(&got, &want);
+            assert!(error < 1e-12, "mechanism {seed} {what:?}: {error:.1e}");
+        }
+    }
+}
+
+/// Operations of the whole Jacobian by the state, over those of as many state derivatives as it has columns; and of what is emitted for it.
+fn cost(scene: &Scene) -> (f64, usize) {
+    let equations = Equations::trace_with_derivatives(scene);
+    let count = |what: Quantity| {
+        let program = equations.program(what);
+        program.map_or(0, |program| program.cost().total())
+    };
+    let columns = equations.layout.variables(Variable::State);
+    let partial = |of| count(Quantity::Partial(of, Variable::State));
+    let emitted = match equations.layout.nc {
+        0 => partial(Differentiated::Derivative),
+        _ => partial(Differentiated::Residual) + count(Quantity::Factor) + count(Quantity::Solve),
+    };
+    let each = columns.saturating_sub(1) * count(Quantity::Solve);
+    let whole = count(Quantity::Derivative) * columns;
+    ((emitted + each) as f64 / whole as f64, emitted)
+}
+
+fn chain(count: usize) -> Scene {
+    tests::declared::read(&format!(
+        "model Chain {{
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            body link[i in 0..{count}] {{ mass: 1.0 kg, inertia: diag(0.08, 0.08, 0.001) kg*m^2,
+                frame top at [0.0, 0.0, 0.5] m, frame tip at [0.0, 0.0, -0.5] m }}
+            joint first: hinge from world to link[0].top {{ axis: y }}
+            joint next[i in 1..{count}]: hinge from link[i - 1].tip to link[i].top {{ axis: y }}
+        }}"
+    ))
+}
+
+#[test]
+fn a_jacobian_costs_at_most_half_as_many_derivatives_as_it_has_columns() {
+    let ready = |name: &'static str| {
+        let found = models::scenes::READY
+            .iter()
+            .find(|ready| ready.name == name);
+        (name, (found.expect("a ready scene").scene)())
+    };
+    let scenes = [
+        ready("parachute"),
+        ready("four_bar"),
+        ("chain of 16", chain(16)),
+    ];
+    for (name, scene) in scenes {
+        let (ratio, emitted) = cost(&scene);
+        println!("{name}: {ratio:.3} of a derivative a column, {emitted} operations emitted");
+        assert!(ratio <= 0.5, "{name}: {ratio}");
+    }
+}
+
+#[test]
+fn what_is_emitted_for_derivatives_grows_linearly_in_an_open_chain() {
+    let [four, eight, sixteen] = [4, 8, 16].map(|count| cost(&chain(count)).1);
+    println!("{four} {eight} {sixteen}");
+    assert_eq!(2 * (eight - four), sixteen - eight);
+}

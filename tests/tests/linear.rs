@@ -1,0 +1,630 @@
+//! Linear systems, trim and inverse dynamics of jointed scenes against closed forms, independent tools, and the runs themselves.
+
+use mbd_runtime::{
+    Efforts, External, Generic, LinearisationError, Options, Simulation, StateSpace, TrimError,
+    inverse_dynamics, linearise, linearise_along, trim,
+};
+use mbd_scene::joints::JointForces;
+use mbd_scene::{AngularVelocity, Formula, Input, Model, Quantity, Scene, Unit};
+use nalgebra::{DMatrix, DVector};
+use serde_json::Value;
+use tests::assert_close;
+use tests::declared::read;
+use tests::looped::mechanism;
+use tests::mechanism::{evaluate, state};
+use tests::random::Random;
+use tests::reference::{field, load, numbers};
+use tests::system::{bodies, list, scene};
+
+/// Inputs that stay.
+struct Held(Vec<f64>);
+
+impl External<f64> for Held {
+    fn evaluate(&self, _: f64, _: &[f64], out: &mut [f64]) {
+        out.copy_from_slice(&self.0);
+    }
+}
+
+fn generic(scene: Scene) -> Generic<f64> {
+    Generic::with_defaults(scene).expect("defaults")
+}
+
+/// The state of a scene at joint coordinates.
+fn placed(model: &Generic<f64>, inputs: &[f64], joints: &[(&str, f64)]) -> Vec<f64> {
+    let held = Held(inputs.to_vec());
+    let mut run = Simulation::with_loads(model, Options::rk4(1e-3), held).expect("options");
+    run.set_joints(joints).expect("it can be placed");
+    run.state().to_vec()
+}
+
+fn assert_matrix(got: &DMatrix<f64>, want: &Value, relative: f64, what: &str) {
+    let want = DMatrix::from_row_slice(got.nrows(), got.ncols(), &numbers(want));
+    let error = (got - &want).amax() / want.amax();
+    assert!(error < relative, "{what}: {error:.1e}\n{got}{want}");
+}
+
+/// Real and imaginary parts of all eigenvalues, sorted.
+fn eigenvalues(space: &StateSpace) -> Vec<[f64; 2]> {
+    let mut all: Vec<[f64; 2]> = Vec::new();
+    for one in space.vibrations() {
+        all.push([one.real, one.imaginary]);
+        if one.imaginary > 0.0 {
+            all.push([one.real, -one.imaginary]);
+        }
+    }
+    sorted(all)
+}
+
+fn sorted(mut all: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    // Rounding must not decide the order.
+    let key = |x: &[f64; 2]| [(x[0] * 1e6).round(), (x[1] * 1e6).round()];
+    all.sort_by(|a, b| {
+        let (a, b) = (key(a), key(b));
+        a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]))
+    });
+    all
+}
+
+fn assert_eigenvalues(space: &StateSpace, want: &Value, tolerance: f64, what: &str) {
+    let want = list(want).iter().map(|pair| {
+        let pair = numbers(pair);
+        [pair[0], pair[1]]
+    });
+    let (got, want) = (eigenvalues(space), sorted(want.collect()));
+    assert_eq!(got.len(), want.len(), "{what}");
+    for (got, want) in got.iter().zip(&want) {
+        let apart = (got[0] - want[0]).hypot(got[1] - want[1]);
+        assert!(apart < tolerance, "{what}: {got:?} is not {want:?}");
+    }
+}
+
+const DOUBLE_PENDULUM: &str = "model DoublePendulum {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    input first: torque; input second: torque;
+    body upper { mass: 1.0 kg, inertia: diag(0.053333333333333344, 0.053333333333333344, 0.001) kg*m^2,
+        frame top at [0.0, 0.0, 0.4] m, frame tip at [0.0, 0.0, -0.4] m }
+    body lower { mass: 0.7 kg, inertia: diag(0.014583333333333332, 0.014583333333333332, 0.001) kg*m^2,
+        frame top at [0.0, 0.0, 0.25] m }
+    joint shoulder: hinge from world to upper.top { axis: y, force: first }
+    joint elbow: hinge from upper.tip to lower.top { axis: y, force: second }
+}";
+
+#[test]
+fn a_double_pendulum_has_the_matrices_and_frequencies_of_its_closed_form() {
+    let file = load("derivatives/linear_double_pendulum.json");
+    for components in ["body", "world"] {
+        let text = DOUBLE_PENDULUM.replace(
+            "gravity",
+            &format!("angular_velocity: {components}; gravity"),
+        );
+        let model = generic(read(&text));
+        for point in list(&file["points"]) {
+            let name = point["name"].as_str().expect("a name");
+            let (x, u) = (field(point, "x0"), field(point, "u0"));
+            let place = [
+                ("shoulder.angle", x[0]),
+                ("elbow.angle", x[1]),
+                ("shoulder.angle_rate", x[2]),
+                ("elbow.angle_rate", x[3]),
+            ];
+            let at = placed(&model, &u, &place);
+            let space = linearise(&model, 0.0, &at, &u).expect("linear");
+            let names: Vec<&str> = space.states.iter().map(|s| s.name.as_str()).collect();
+            let want = [
+                "shoulder.angle",
+                "elbow.angle",
+                "shoulder.angle_rate",
+                "elbow.angle_rate",
+            ];
+            assert_eq!(names, want);
+            assert_matrix(&space.a, &point["A"], 1e-10, name);
+            assert_matrix(&space.b, &point["B"], 1e-10, name);
+            assert_eigenvalues(&space, &point["eigenvalues"], 1e-9, name);
+            assert_close(
+                space.accelerations.as_slice(),
+                &field(point, "vdot"),
+                1e-11,
+                1e-11,
+                name,
+            );
+        }
+    }
+    // Shapes: at the lower frequency both swing the same way, at the higher against each other.
+    let model = generic(read(DOUBLE_PENDULUM));
+    let at = placed(&model, &[0.0; 2], &[]);
+    let space = linearise(&model, 0.0, &at, &[0.0; 2]).expect("linear");
+    let found = space.vibrations();
+    let want = field(&list(&file["points"])[0], "eigenfrequencies_hz");
+    for (vibration, (want, same)) in found.iter().zip(want.iter().zip([true, false])) {
+        assert!((vibration.hertz() - want).abs() < 1e-10);
+        assert!(vibration.damping().abs() < 1e-10);
+        // Lower bar against the world.
+        let [upper, lower] =
+            [0, 1].map(|k| nalgebra::Complex::new(vibration.shape[k][0], vibration.shape[k][1]));
+        let ratio = (upper + lower) / upper;
+        assert!(ratio.im.abs() < 1e-6 && (ratio.re > 0.0) == same, "{ratio}");
+    }
+}
+
+#[test]
+fn a_cart_with_a_pole_has_the_matrices_of_its_closed_form_upright_hanging_and_moving() {
+    let model = generic(read(
+        "model CartPole {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            input push: force;
+            body cart { mass: 1.2 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame axle at [0.0, 0.0, 0.0] m }
+            body pole { mass: 0.4 kg, inertia: diag(0.012, 0.012, 0.001) kg*m^2, frame foot at [0.0, 0.0, -0.3] m }
+            joint track: prismatic from world to cart.com { axis: x, force: push }
+            joint pin: hinge from cart.axle to pole.foot { axis: y }
+        }",
+    ));
+    let file = load("derivatives/linear_cartpole.json");
+    for point in list(&file["points"]) {
+        let name = point["name"].as_str().expect("a name");
+        let (x, u) = (field(point, "x0"), field(point, "u0"));
+        let place = [
+            ("track.slide", x[0]),
+            ("pin.angle", x[1]),
+            ("track.slide_rate", x[2]),
+            ("pin.angle_rate", x[3]),
+        ];
+        let at = placed(&model, &u, &place);
+        let space = linearise(&model, 0.0, &at, &u).expect("linear");
+        assert_matrix(&space.a, &point["A"], 1e-10, name);
+        assert_matrix(&space.b, &point["B"], 1e-10, name);
+        // A double eigenvalue of zero is known to the root of rounding only.
+        assert_eigenvalues(&space, &point["eigenvalues"], 1e-6, name);
+    }
+}
+
+#[test]
+fn a_four_bar_with_spring_has_the_matrices_and_frequency_of_its_closed_form() {
+    let file = load("derivatives/linear_four_bar.json");
+    for components in [AngularVelocity::Body, AngularVelocity::World] {
+        let mut scene = scene(&file["system"], components);
+        scene.inputs.push(Input {
+            name: "torque".into(),
+            doc: String::new(),
+            components: 1,
+            unit: Unit::default(),
+        });
+        scene.joints[0].forces.push(JointForces {
+            stiffness: Some(5.0.into()),
+            rest: Some(1.0471975511965979.into()),
+            damping: Some(0.1.into()),
+            force: Some(Formula::Input(0)),
+            ..JointForces::default()
+        });
+        let model = generic(scene.clone());
+        for point in list(&file["points"]) {
+            let name = point["name"].as_str().expect("a name");
+            let own = &point["bodies"];
+            let bodies = bodies(&own["r"], &own["quat"], &own["rdot"], &own["omega_world"]);
+            let at = state(&scene, &bodies, &[]);
+            let space = linearise(&model, 0.0, &at, &field(point, "u0")).expect("linear");
+            assert_eq!(space.states[0].name, "hinge0.angle", "the crank");
+            assert_matrix(&space.a, &point["A"], 1e-10, name);
+            assert_matrix(&space.b, &point["B"], 1e-10, name);
+            assert_eigenvalues(&space, &point["eigenvalues"], 1e-9, name);
+            // The same motion in the angle of the rocker: the same eigenvalues.
+            let space = linearise_along(&model, 0.0, &at, &field(point, "u0"), &["hinge2.angle"]);
+            let space = space.expect("linear");
+            assert_eq!(space.states[0].name, "hinge2.angle");
+            if name == "equilibrium" {
+                assert_eigenvalues(&space, &point["eigenvalues"], 1e-9, name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_quarter_car_has_the_matrices_frequencies_and_damping_of_its_closed_form() {
+    let model = generic(read(
+        "model QuarterCar {
+            gravity: none;
+            input road: length;
+            body sprung { mass: 300.0 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2 }
+            body unsprung { mass: 40.0 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2 }
+            joint hub: prismatic from world to unsprung.com { axis: z, force: 180 kN/m * (road - hub.slide) }
+            joint ride: prismatic from unsprung.com to sprung.com { axis: z, stiffness: 20 kN/m, damping: 1500 N*s/m }
+            output travel = ride.slide;
+            output tyre = hub.slide - road;
+        }",
+    ));
+    let file = load("derivatives/linear_quarter_car.json");
+    let point = &list(&file["points"])[0];
+    let at = placed(&model, &[0.0], &[]);
+    let along = ["sprung.z", "unsprung.z"];
+    let space = linearise_along(&model, 0.0, &at, &[0.0], &along).expect("linear");
+    assert_matrix(&space.a, &point["A"], 1e-12, "A");
+    assert_matrix(&space.b, &point["B"], 1e-12, "B");
+    let two = |name: &str| Value::from(list(&file["outputs"][name])[..2].to_vec());
+    assert_matrix(&space.c, &two("C"), 1e-12, "C");
+    assert_matrix(&space.d, &two("D"), 1e-12, "D");
+    let found = space.vibrations();
+    let (moduli, ratios) = (
+        field(point, "eigenvalue_modulus_rad_s"),
+        field(point, "damping_ratio"),
+    );
+    for (own, stored) in [(0, 2), (1, 0)] {
+        assert!((found[own].frequency() - moduli[stored]).abs() < 1e-10);
+        assert!((found[own].damping() - ratios[stored]).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn robots_have_the_derivatives_of_an_independent_tool() {
+    for robot in ["panda", "ur5"] {
+        let file = load(&format!("derivatives/fd_{robot}.json"));
+        let source = load(&format!("robots/robot_{robot}.json"));
+        let mut scene = scene(&source["system"], AngularVelocity::Body);
+        let count = scene.joints.len();
+        for (index, joint) in scene.joints.iter_mut().enumerate() {
+            scene.inputs.push(Input {
+                name: format!("torque{index}"),
+                doc: String::new(),
+                components: 1,
+                unit: Unit::default(),
+            });
+            joint.forces.push(JointForces {
+                force: Some(Formula::Input(index)),
+                ..JointForces::default()
+            });
+        }
+        let coordinates = scene.joint_coordinates();
+        let model = generic(scene);
+        for (index, stored) in list(&file["states"]).iter().enumerate() {
+            let (q, v, tau) = (field(stored, "q"), field(stored, "v"), field(stored, "tau"));
+            let values = q.iter().zip(&v).flat_map(|(q, v)| [*q, *v]);
+            let names = coordinates.iter().map(String::as_str);
+            let place: Vec<(&str, f64)> = names.zip(values).collect();
+            let at = placed(&model, &tau, &place);
+            let space = linearise(&model, 0.0, &at, &tau).expect("linear");
+            let block = |first: usize| space.a.view((count, first), (count, count)).into_owned();
+            let name = format!("{robot}, state {index}");
+            assert_matrix(&block(0), &stored["dvdot_dq"], 1e-10, &name);
+            assert_matrix(&block(count), &stored["dvdot_dv"], 1e-10, &name);
+            let b = space.b.rows(count, count).into_owned();
+            assert_matrix(&b, &stored["dvdot_dtau"], 1e-10, &name);
+            // And back: the torques from the accelerations.
+            let wanted: Vec<(&str, f64)> = coordinates
+                .iter()
+                .step_by(2)
+                .map(String::as_str)
+                .zip(field(stored, "vdot"))
+                .collect();
+            let none = vec![0.0; count];
+            let found = inverse_dynamics(&model, 0.0, &at, &none, &wanted).expect("efforts");
+            assert_close(&found.efforts, &tau, 1e-11, 1e-11, &name);
+        }
+    }
+}
+
+/// A mechanism with an input along every joint coordinate.
+fn with_efforts(seed: u64) -> (Scene, Vec<f64>, Vec<String>) {
+    let (mut scene, state) = mechanism(seed);
+    scene.loads.clear();
+    let mut names = Vec::new();
+    for joint in &mut scene.joints {
+        let measured: Vec<_> = joint.law.measured().collect();
+        for (coordinate, found) in measured.into_iter().enumerate() {
+            scene.inputs.push(Input {
+                name: format!("effort{}", names.len()),
+                doc: String::new(),
+                components: 1,
+                unit: Unit::default(),
+            });
+            let force = Some(Formula::Input(names.len()));
+            names.push(format!("{}.{}", joint.name, found.name));
+            let mut known = joint.forces.iter_mut();
+            match known.find(|forces| forces.coordinate == coordinate) {
+                Some(forces) => forces.force = force,
+                None => joint.forces.push(JointForces {
+                    coordinate,
+                    force,
+                    ..JointForces::default()
+                }),
+            }
+        }
+    }
+    (scene, state, names)
+}
+
+#[test]
+fn efforts_found_for_accelerations_give_these_accelerations() {
+    let (mut all, mut some) = (0, 0);
+    for seed in 0..50 {
+        let (scene, state, names) = with_efforts(seed);
+        let model = generic(scene.clone());
+        let none = vec![0.0; names.len()];
+        let Ok(space) = linearise(&model, 0.0, &state, &none) else {
+            panic!("mechanism {seed}");
+        };
+        let n = space.accelerations.len();
+        let mut random = Random::new(seed);
+        // All coordinates of joints among the minimal ones; then one of them alone, the others free.
+        let own = |name: &&str| names.iter().any(|known| known == name);
+        let chosen: Vec<&str> = space.states[..n].iter().map(|s| s.name.as_str()).collect();
+        let chosen: Vec<&str> = chosen.iter().copied().filter(own).collect();
+        let mut sets = vec![chosen.clone()];
+        sets.extend(chosen.last().map(|last| vec![*last]));
+        for set in sets.into_iter().filter(|set| !set.is_empty()) {
+            match set.len() == n {
+                true => all += 1,
+                false => some += 1,
+            }
+            let wanted: Vec<(&str, f64)> = set
+                .iter()
+                .map(|name| (*name, random.uniform(-3.0, 3.0)))
+                .collect();
+            let Efforts {
+                efforts,
+                accelerations,
+            } = inverse_dynamics(&model, 0.0, &state, &none, &wanted).expect("efforts");
+            let mut inputs = none.clone();
+            for ((name, _), effort) in wanted.iter().zip(&efforts) {
+                let at = names
+                    .iter()
+                    .position(|known| known == name)
+                    .expect("an input");
+                inputs[at] = *effort;
+            }
+            let rates = evaluate(&scene, Quantity::Derivative, &state, &inputs, &[]);
+            let speeds = &rates[model.layout().nq..];
+            let size = speeds.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+            let what = format!("mechanism {seed}, {set:?}");
+            assert_close(speeds, &accelerations, 0.0, 1e-11 * size, &what);
+            let measured = evaluate(&scene, Quantity::JointCoordinates, &state, &inputs, speeds);
+            for (name, value) in &wanted {
+                let at = names
+                    .iter()
+                    .position(|known| known == name)
+                    .expect("measured");
+                let got = measured[3 * at + 2];
+                assert!(
+                    (got - value).abs() < 1e-11 * size.max(10.0),
+                    "{what}: {got} is not {value}"
+                );
+            }
+        }
+    }
+    assert!(all >= 10 && some >= 30, "{all} whole, {some} in part");
+}
+
+#[test]
+fn small_deviations_of_a_run_follow_the_linear_system() {
+    // Both sides of the static equilibrium of the four-bar: what is even in the deviation drops out.
+    let file = load("derivatives/linear_four_bar.json");
+    let mut scene = scene(&file["system"], AngularVelocity::Body);
+    scene.joints[0].forces.push(JointForces {
+        stiffness: Some(5.0.into()),
+        rest: Some(1.0471975511965979.into()),
+        damping: Some(0.1.into()),
+        ..JointForces::default()
+    });
+    let model = generic(scene.clone());
+    let point = &list(&file["points"])[0];
+    let own = &point["bodies"];
+    let at = state(
+        &scene,
+        &bodies(&own["r"], &own["quat"], &own["rdot"], &own["omega_world"]),
+        &[],
+    );
+    let space = linearise(&model, 0.0, &at, &[]).expect("linear");
+    let (time, small) = (0.4, 1e-4);
+    let end = |side: f64| {
+        let mut run = Simulation::new(&model, Options::tsit5(1e-11)).expect("options");
+        let moved = DVector::from_column_slice(&at) + space.tangent.column(0) * (side * small);
+        let mut moved = moved.as_slice().to_vec();
+        for q in model.layout().quaternions() {
+            let length = moved[q..q + 4].iter().map(|x| x * x).sum::<f64>().sqrt();
+            moved[q..q + 4].iter_mut().for_each(|x| *x /= length);
+        }
+        run.set_state(0.0, &moved).expect("a state");
+        run.run(time).expect("it runs");
+        let mut out = vec![0.0; model.layout().len(Quantity::JointCoordinates)];
+        run.evaluate(Quantity::JointCoordinates, &mut out)
+            .expect("coordinates");
+        [out[0], out[1]]
+    };
+    let [plus, minus] = [end(1.0), end(-1.0)];
+    let want = (space.a.clone() * time).exp().column(0).into_owned();
+    for k in 0..2 {
+        let got = (plus[k] - minus[k]) / (2.0 * small);
+        assert!(
+            (got - want[k]).abs() < 1e-6 * want.amax(),
+            "{got} is not {}",
+            want[k]
+        );
+    }
+}
+
+#[test]
+fn a_kite_stands_where_wind_weight_and_line_balance() {
+    let scene = read(
+        "model Kite {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            input lift: force; input drag: force;
+            point kite { mass: 3.0 kg }
+            line tether from world to kite { free_length: 100 m, stiffness: 5 kN/m }
+            load wind on kite = [drag, 0 N, lift];
+        }",
+    );
+    let model = generic(scene);
+    let found = trim(&model)
+        .input("lift", 900.0)
+        .input("drag", 300.0)
+        .guess("kite.x", 50.0)
+        .guess("kite.y", 10.0)
+        .guess("kite.z", 90.0)
+        .solve()
+        .expect("it stands");
+    // The line points along the force, and is longer by what it pulls over its stiffness.
+    let force = [300.0, 0.0, 900.0 - 3.0 * 9.81];
+    let pull = f64::hypot(force[0], force[2]);
+    let length = 100.0 + pull / 5000.0;
+    for (name, force) in ["kite.x", "kite.y", "kite.z"].iter().zip(force) {
+        let got = found.value(name).expect("a coordinate");
+        assert!((got - length * force / pull).abs() < 1e-8, "{name}: {got}");
+    }
+    // And the lift that holds it at a height.
+    let found = trim(&model)
+        .input("drag", 300.0)
+        .input("lift", 500.0)
+        .free_input("lift")
+        .guess("kite.x", 50.0)
+        .fix("kite.z", 80.0)
+        .solve()
+        .expect("it stands");
+    let (z, x) = (80.0, found.value("kite.x").expect("a coordinate"));
+    let up = found.inputs[0] - 3.0 * 9.81;
+    assert!((up / 300.0 - z / x).abs() < 1e-9, "{up} {x}");
+}
+
+const DRONE: &str = "model Drone {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    input f[i in 0..4]: force;
+    input wind: [speed; 3];
+    body drone { mass: 1.5 kg, inertia: diag(0.02, 0.02, 0.04) kg*m^2,
+        frame front at [0.2, 0.0, 0.0] m, frame left at [0.0, 0.2, 0.0] m,
+        frame back at [-0.2, 0.0, 0.0] m, frame right at [0.0, -0.2, 0.0] m }
+    joint fly: free from world to drone.com;
+    load front on drone at front = f[0] * drone.z;
+    load left on drone at left = f[1] * drone.z;
+    load back on drone at back = f[2] * drone.z;
+    load right on drone at right = f[3] * drone.z;
+    load drag on drone at com = -0.3 N*s/m * (drone.com.velocity - wind);
+}";
+
+#[test]
+fn a_quadrotor_hovers_with_a_quarter_of_its_weight_a_rotor_and_leans_into_the_wind() {
+    let model = generic(read(DRONE));
+    let hover = || {
+        let all = (0..4).fold(trim(&model), |trim, k| trim.free_input(&format!("f[{k}]")));
+        (0..4).fold(all, |trim, k| trim.input(&format!("f[{k}]"), 2.0))
+    };
+    let still = hover().solve().expect("it hovers");
+    let quarter = 1.5 * 9.81 / 4.0;
+    assert_close(&still.inputs[..4], &[quarter; 4], 1e-9, 0.0, "rotors");
+    assert!(
+        still.undecided.iter().any(|name| name.contains("drone.x")),
+        "{:?}",
+        still.undecided
+    );
+    assert_eq!(still.space.states.len(), 12);
+
+    // Against a wind of 10 m/s along x: thrust = √((m g)² + (c w)²), leaning by atan(c w/m g).
+    let windy = hover()
+        .input("wind.x", 10.0)
+        .hold("drone.turn_z")
+        .solve()
+        .expect("it hovers");
+    let (weight, drag) = (1.5 * 9.81, 0.3 * 10.0);
+    let thrust: f64 = windy.inputs[..4].iter().sum();
+    assert!((thrust - f64::hypot(weight, drag)).abs() < 1e-8, "{thrust}");
+    let q = &windy.state[3..7];
+    let (z_x, z_z) = (
+        2.0 * (q[1] * q[3] + q[0] * q[2]),
+        1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]),
+    );
+    assert!((-z_x / z_z - drag / weight).abs() < 1e-8, "{z_x} {z_z}");
+}
+
+#[test]
+fn a_wind_turbine_turns_at_a_constant_speed_under_the_torque_of_its_generator() {
+    let model = generic(read(
+        "model Turbine {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            input generator: torque;
+            input wind: speed;
+            body rotor { mass: 2000.0 kg, inertia: diag(40000.0, 20000.0, 20000.0) kg*m^2 }
+            joint shaft: hinge from world to rotor.com { axis: x,
+                force: 400 N*s^2/m * (wind - 3.0 m * shaft.angle_rate) * wind - generator }
+        }",
+    ));
+    let found = trim(&model)
+        .input("wind", 12.0)
+        .rate("shaft.angle", 2.0)
+        .free_input("generator")
+        .solve()
+        .expect("it turns");
+    let at = found
+        .space
+        .inputs
+        .iter()
+        .position(|name| name.name == "generator");
+    let generator = found.inputs[at.expect("an input")];
+    assert!(
+        (generator - 400.0 * (12.0 - 6.0) * 12.0).abs() < 1e-6,
+        "{generator}"
+    );
+    assert_eq!(found.value("shaft.angle_rate"), Some(2.0));
+}
+
+#[test]
+fn a_linkage_is_trimmed_on_its_loop_and_what_cannot_balance_is_named() {
+    let file = load("derivatives/linear_four_bar.json");
+    let mut scene = scene(&file["system"], AngularVelocity::Body);
+    scene.joints[0].forces.push(JointForces {
+        stiffness: Some(5.0.into()),
+        rest: Some(1.0471975511965979.into()),
+        damping: Some(0.1.into()),
+        ..JointForces::default()
+    });
+    let own = &list(&file["points"])[1]["bodies"];
+    let start = state(
+        &scene,
+        &bodies(&own["r"], &own["quat"], &own["rdot"], &own["omega_world"]),
+        &[],
+    );
+    let model = generic(scene);
+    let found = trim(&model).state(&start).solve().expect("it rests");
+    let want = field(&list(&file["points"])[0], "x0")[0];
+    assert!((found.value("hinge0.angle").expect("the crank") - want).abs() < 1e-9);
+
+    let held = trim(&model).state(&start).hold("hinge0.angle").solve();
+    let Err(TrimError::Unbalanced {
+        worst,
+        residual,
+        counts,
+        ..
+    }) = held
+    else {
+        panic!("{held:?}");
+    };
+    assert_eq!((worst.as_str(), counts), ("hinge0.angle", [0, 1]));
+    assert!(residual.abs() > 1.0);
+}
+
+#[test]
+fn names_that_are_not_there_and_coordinates_that_depend_are_told() {
+    let model = generic(read(DOUBLE_PENDULUM));
+    let at = placed(&model, &[0.0; 2], &[]);
+    let unknown = linearise_along(&model, 0.0, &at, &[0.0; 2], &["elbow.angel"]);
+    let text = unknown.expect_err("no such coordinate").to_string();
+    assert!(
+        text.contains("`elbow.angel`") && text.contains("elbow.angle"),
+        "{text}"
+    );
+    let along = ["shoulder.angle", "elbow.angle", "lower.x"];
+    let depends = linearise_along(&model, 0.0, &at, &[0.0; 2], &along);
+    let name = "lower.x".to_owned();
+    assert_eq!(
+        depends.err(),
+        Some(LinearisationError::DependentCoordinate { name })
+    );
+    let short = linearise(&model, 0.0, &at[1..], &[0.0; 2]);
+    assert!(matches!(
+        short,
+        Err(LinearisationError::Length { expected: 26, .. })
+    ));
+    let unknown = trim(&model).free_input("third").solve();
+    let text = unknown.expect_err("no such input").to_string();
+    assert!(text.contains("first, second"), "{text}");
+    // In single precision the answers are those of double precision for the rounded state.
+    let single = Generic::<f32>::with_defaults(read(DOUBLE_PENDULUM)).expect("defaults");
+    let rounded: Vec<f32> = at.iter().map(|x| *x as f32).collect();
+    let space = linearise(&single, 0.0, &rounded, &[0.0; 2]).expect("linear");
+    let want = linearise(&model, 0.0, &at, &[0.0; 2]).expect("linear");
+    assert!((space.a - &want.a).amax() < 1e-5 * want.a.amax());
+}
