@@ -10,16 +10,7 @@ use nalgebra::DMatrix;
 use super::{Linearisation, LinearisationError};
 use crate::generic::Generic;
 use crate::slopes::{Effective, Slopes};
-use crate::system::{External, System};
-
-/// Inputs that stay.
-struct Held(Vec<f64>);
-
-impl External<f64> for Held {
-    fn evaluate(&self, _time: f64, _state: &[f64], out: &mut [f64]) {
-        out.copy_from_slice(&self.0);
-    }
-}
+use crate::system::System;
 
 /// A scene at one moment.
 pub(crate) struct Moment {
@@ -60,7 +51,8 @@ impl Moment {
             numbers: Numbers::new(scene, &params),
             params,
         });
-        let system = System::new(generic.clone(), Box::new(Held(inputs.to_vec())), false);
+        let mut system = System::new(generic.clone(), Vec::new(), false);
+        system.hold(inputs);
         Ok(Moment {
             slopes: Slopes::new(scene, layout, &generic.params),
             work: generic.scratch(),
@@ -74,7 +66,7 @@ impl Moment {
 
     /// Puts the nodes in balance at the state as it is now.
     pub(crate) fn settle(&mut self, guess: Option<&[f64]>) -> Result<(), LinearisationError> {
-        self.system.external = Box::new(Held(self.inputs.clone()));
+        self.system.hold(&self.inputs);
         let started = self.system.start(self.time, &mut self.state, guess);
         started.map_err(|cause| LinearisationError::Nodes(Box::new(cause)))
     }
