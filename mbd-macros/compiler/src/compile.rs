@@ -90,6 +90,7 @@ fn is_named(skeleton: &Scene) -> bool {
         skeleton.consts.len(),
         skeleton.params.len(),
         skeleton.inputs.len(),
+        skeleton.states.len(),
         skeleton.bodies.len(),
         skeleton.points.len(),
         skeleton.lines.len(),
@@ -128,7 +129,7 @@ pub fn immovable(scene: &Scene, layout: &Layout) -> Option<String> {
     }
     let driven = layout.joints.iter().any(|slots| slots.driven);
     let held = layout.nv > 0 && layout.nodes.is_empty() && layout.freedoms() == 0;
-    (held && layout.redundancy.closed && !driven).then(|| {
+    (held && layout.redundancy.closed && !driven && layout.ns == 0).then(|| {
         format!(
             "model `{}` cannot move: the {} rows of its joints hold all {} speeds; take a joint away, or one that forbids less",
             scene.name, layout.nc, layout.nv

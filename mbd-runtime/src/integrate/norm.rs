@@ -24,10 +24,13 @@ pub struct Scales {
     pub rate: f64,
     /// Work [J], when it is integrated along.
     pub energy: f64,
+    /// A declared state that starts at zero [its SI unit]; one that starts elsewhere has its start for a scale.
+    #[serde(default = "one")]
+    pub state: f64,
 }
 
 impl Default for Scales {
-    /// One metre, one radian, one metre a second, one radian a second, one joule.
+    /// One metre, one radian, one metre a second, one radian a second, one joule, one SI unit.
     fn default() -> Self {
         Scales {
             length: 1.0,
@@ -35,8 +38,14 @@ impl Default for Scales {
             speed: 1.0,
             rate: 1.0,
             energy: 1.0,
+            state: 1.0,
         }
     }
+}
+
+/// The scale that a text written before there were states means.
+fn one() -> f64 {
+    1.0
 }
 
 impl Scales {
@@ -68,6 +77,8 @@ enum Kind {
     Angle,
     Velocity,
     AngularVelocity,
+    /// A declared state, by index.
+    State(usize),
     Work,
 }
 
@@ -85,14 +96,22 @@ struct Block {
 pub(crate) struct ErrorNorm {
     blocks: Vec<Block>,
     scales: Scales,
+    /// Where the declared states start [SI].
+    starts: Vec<f64>,
     /// Relative tolerance.
     pub tolerance: f64,
     worst: usize,
 }
 
 impl ErrorNorm {
-    /// The norm of states of `length`: those of the layout, with integrals behind.
-    pub(crate) fn new(layout: &Layout, length: usize, scales: Scales, tolerance: f64) -> Self {
+    /// The norm of states of `length`: those of the layout, with integrals behind. `starts`: where the declared states start.
+    pub(crate) fn new(
+        layout: &Layout,
+        length: usize,
+        starts: Vec<f64>,
+        scales: Scales,
+        tolerance: f64,
+    ) -> Self {
         let mut blocks = Vec::new();
         let mut block = |kind, at: Range<usize>, owner| {
             if !at.is_empty() {
@@ -115,10 +134,15 @@ impl ErrorNorm {
                 block(Kind::Position, z..z + 3, Some(Part::Point(node.point)));
             }
         }
+        (0..layout.ns).for_each(|state| {
+            let at = layout.states() + state;
+            block(Kind::State(state), at..at + 1, None);
+        });
         (layout.nx()..length).for_each(|at| block(Kind::Work, at..at + 1, None));
         ErrorNorm {
             blocks,
             scales,
+            starts,
             tolerance,
             worst: 0,
         }
@@ -128,7 +152,8 @@ impl ErrorNorm {
     pub(crate) fn measure<T: Float>(&mut self, error: &[T], old: &[T], new: &[T]) -> f64 {
         let mut largest = 0.0;
         for (index, block) in self.blocks.iter().enumerate() {
-            let size = block.measure(&self.scales, error, old, new) / self.tolerance;
+            let size =
+                block.measure((&self.scales, &self.starts), error, old, new) / self.tolerance;
             // A NaN must win over every number.
             if size > largest || size.is_nan() {
                 largest = size;
@@ -156,6 +181,10 @@ impl ErrorNorm {
             Kind::Rotation | Kind::Angle => "rotation",
             Kind::Velocity => "velocity",
             Kind::AngularVelocity => "angular velocity",
+            Kind::State(state) => {
+                let state = scene.states.get(state);
+                return state.map_or_else(|| "state".into(), |state| state.name.clone());
+            }
             Kind::Work => "work",
         };
         format!("{what} of {}", owner.unwrap_or("the run"))
@@ -163,7 +192,13 @@ impl ErrorNorm {
 }
 
 impl Block {
-    fn measure<T: Float>(&self, scales: &Scales, error: &[T], old: &[T], new: &[T]) -> f64 {
+    fn measure<T: Float>(
+        &self,
+        (scales, starts): (&Scales, &[f64]),
+        error: &[T],
+        old: &[T],
+        new: &[T],
+    ) -> f64 {
         match self.kind {
             Kind::Position => self.mean(error) / scales.length,
             Kind::Rotation => {
@@ -173,12 +208,20 @@ impl Block {
             Kind::Angle => self.mean(error) / scales.angle,
             Kind::Velocity => self.speed(scales.speed, error, old, new),
             Kind::AngularVelocity => self.speed(scales.rate, error, old, new),
-            Kind::Work => {
-                let [error, old, new] =
-                    [error, old, new].map(|list| pick::<T, 1>(list, self.at.start)[0].abs());
-                error / (scales.energy + old.max(new))
+            Kind::State(state) => {
+                let start = starts.get(state).map_or(0.0, |start| start.abs());
+                let scale = if start > 0.0 { start } else { scales.state };
+                self.against(scale, error, old, new)
             }
+            Kind::Work => self.against(scales.energy, error, old, new),
         }
+    }
+
+    /// The error of one number against a scale and its own size.
+    fn against<T: Float>(&self, scale: f64, error: &[T], old: &[T], new: &[T]) -> f64 {
+        let [error, old, new] =
+            [error, old, new].map(|list| pick::<T, 1>(list, self.at.start)[0].abs());
+        error / (scale + old.max(new))
     }
 
     fn speed<T: Float>(&self, scale: f64, error: &[T], old: &[T], new: &[T]) -> f64 {
@@ -233,7 +276,7 @@ mod tests {
             bodies: vec![Slots { q: 0, v: 0 }],
             ..Layout::default()
         };
-        ErrorNorm::new(&layout, 13, Scales::default(), 1e-6)
+        ErrorNorm::new(&layout, 13, Vec::new(), Scales::default(), 1e-6)
     }
 
     const STATE: [f64; 13] = [

@@ -90,6 +90,10 @@ pub fn marks_joint(at: Region) -> Report {
 pub fn unknown_item(at: Region, word: &str) -> Report {
     let known: Vec<&str> = words::top_level().map(|item| item.word).collect();
     let text = match words::translated(words::FOREIGN_ITEMS, word) {
+        // What integrates is written differently, too.
+        Some("state") => format!(
+            "unknown item `{word}`; here it is a `state` with its rate: `state NAME = 0 rad*s {{ rate: pin.angle }}`"
+        ),
         Some(ours) => format!("unknown item `{word}`; here it is called `{ours}`"),
         None => format!(
             "unknown item `{word}`{} items here: {}",

@@ -17,7 +17,7 @@ use crate::syntax::{Item, Model, Name};
 pub(super) const MOST: usize = 10_000;
 
 impl<'a> Resolver<'a> {
-    /// Names consts, params, inputs and tables.
+    /// Names consts, params, inputs, states and tables.
     pub fn collect_numbers(&mut self, model: &'a Model<'a>) {
         for item in &model.items {
             let Some(name) = &item.name else {
@@ -28,7 +28,7 @@ impl<'a> Resolver<'a> {
             }
             self.later.insert(name.word.text.clone());
         }
-        self.collect(model, &["const", "param", "input", "table"]);
+        self.collect(model, &["const", "param", "input", "state", "table"]);
     }
 
     /// Names everything else.
@@ -228,6 +228,7 @@ impl<'a> Resolver<'a> {
             + self.scene.points.len()
             + self.scene.lines.len()
             + self.scene.joints.len()
+            + self.scene.states.len()
     }
 
     /// How many things of a kind there are so far.
@@ -237,6 +238,7 @@ impl<'a> Resolver<'a> {
             "const" => scene.consts.len(),
             "param" => scene.params.len(),
             "input" => scene.inputs.len(),
+            "state" => scene.states.len(),
             "table" => scene.tables.len(),
             "body" => scene.bodies.len(),
             "point" => scene.points.len(),
@@ -308,6 +310,7 @@ fn named(word: &str, slot: usize) -> Named {
         "const" => Named::Const(slot),
         "param" => Named::Param(slot),
         "input" => Named::Input(slot),
+        "state" => Named::State(slot),
         "table" => Named::Table(slot),
         "body" => Named::Body(slot),
         "point" => Named::Point(slot),

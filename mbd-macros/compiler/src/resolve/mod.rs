@@ -18,6 +18,7 @@ mod numbers;
 mod path;
 mod repeat;
 mod settings;
+mod states;
 mod value;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -125,6 +126,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.joints();
     resolver.along_joints();
     resolver.gravity(model);
+    resolver.states();
     resolver.loads();
     resolver.outputs();
     resolver.events();

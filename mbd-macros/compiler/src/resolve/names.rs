@@ -13,6 +13,8 @@ pub enum Named {
     Param(usize),
     /// An input.
     Input(usize),
+    /// A state.
+    State(usize),
     /// A table.
     Table(usize),
     /// A frame of the world.
@@ -42,6 +44,7 @@ impl Named {
             Named::Const(_) => "const",
             Named::Param(_) => "param",
             Named::Input(_) => "input",
+            Named::State(_) => "state",
             Named::Table(_) => "table",
             Named::WorldFrame(_) | Named::Frame(..) => "frame",
             Named::Body(_) => "body",

@@ -10,6 +10,14 @@ use crate::syntax::expression::{self, Step};
 use crate::syntax::{Value, words};
 use crate::units;
 
+/// Whether a name stands for a value of its own.
+pub fn is_value(named: Named) -> bool {
+    matches!(
+        named,
+        Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::State(_)
+    )
+}
+
 impl Resolver<'_> {
     /// A path inside an expression.
     pub fn path(&mut self, steps: &[Step], at: Region, scope: Scope<'_>) -> Option<Typed> {
@@ -38,7 +46,7 @@ impl Resolver<'_> {
         self.mention(named, first.word.at);
         let number = matches!(
             named,
-            Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::Table(_)
+            Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::State(_) | Named::Table(_)
         );
         if number && self.bad.contains(&named) {
             return None;
@@ -69,6 +77,13 @@ impl Resolver<'_> {
                     self.declared(Formula::Input(index), vector, dimension, here, named),
                     rest,
                 )
+            }
+            Named::State(index) => {
+                self.live(scope, at, &format!("the state `{word}`"))?;
+                let dimension = self.scene.states.get(index)?.unit.dimension;
+                let state = Formula::State(index);
+                let state = self.declared(state, false, dimension, here, named);
+                self.tail(state, rest)
             }
             Named::Body(body) => self.body_quantity(body, rest, at, scope),
             Named::Point(point) => {
@@ -101,6 +116,7 @@ impl Resolver<'_> {
             Named::Const(i) => self.scene.consts.get(i).map(|c| c.unit.text.clone()),
             Named::Param(i) => self.scene.params.get(i).map(|p| p.unit.text.clone()),
             Named::Input(i) => self.scene.inputs.get(i).map(|i| i.unit.text.clone()),
+            Named::State(i) => self.scene.states.get(i).map(|s| s.unit.text.clone()),
             _ => None,
         };
         let text = text.unwrap_or_default();
@@ -141,6 +157,9 @@ impl Resolver<'_> {
         match self.names.get(word).cloned() {
             Some(_) if self.broken.contains(word) => None,
             Some(entry) => self.member(&entry, step, scope),
+            None if scope.stage == Stage::Fixed && self.later.contains(word) => {
+                self.fail(say::not_fixed(step.word.at.into(), &format!("`{word}`")))
+            }
             None => {
                 let report = self.unknown(step, alone);
                 self.fail_unless_broken(word, report)
@@ -152,9 +171,7 @@ impl Resolver<'_> {
         let word = &step.word.text;
         let at = step.word.at.into();
         if alone {
-            let mut known = self
-                .names
-                .words_of(|n| matches!(n, Named::Const(_) | Named::Param(_) | Named::Input(_)));
+            let mut known = self.names.words_of(is_value);
             known.extend(["time", "pi"]);
             say::unknown_parameter(at, word, &known)
         } else {
@@ -166,6 +183,7 @@ impl Resolver<'_> {
                         | Named::Joint(_)
                         | Named::Line(_)
                         | Named::Input(_)
+                        | Named::State(_)
                 )
             });
             say::unknown_thing(at, word, &known)

@@ -2,7 +2,8 @@
 
 use mbd_scene::{Dimension, Formula, Function, Unit};
 
-use super::{Named, Resolver, fold};
+use super::path::is_value;
+use super::{Resolver, fold};
 use crate::lexeme::Region;
 use crate::messages::{Report, resolve as say};
 use crate::syntax::expression::{self, Expression};
@@ -170,9 +171,7 @@ impl Resolver<'_> {
             }
         });
         let open: String = open.collect();
-        let values = self
-            .names
-            .words_of(|named| matches!(named, Named::Const(_) | Named::Param(_) | Named::Input(_)));
+        let values = self.names.words_of(is_value);
         let found = open
             .split_whitespace()
             .skip(1)

@@ -176,7 +176,7 @@ fn clause_value<'a>(
     inside: bool,
 ) -> Value<'a> {
     let start = *cursor;
-    let braces = sign == "=" || !spec.named;
+    let braces = (sign == "=" && spec.fields.is_none()) || !spec.named;
     while !ends(cursor, inside) {
         if cursor.signs("..=").is_some() {
             continue;

@@ -121,6 +121,12 @@ pub const ITEMS: &[ItemWord] = &[
         None,
         "input NAME: [speed; 3];",
     ),
+    repeated(item(
+        "state",
+        &[may(":", "kind"), needs("=", "start")],
+        Some(&["rate"]),
+        "state NAME = 0 A { rate: expression }",
+    )),
     item(
         "table",
         &[needs("=", "value")],
@@ -244,6 +250,10 @@ pub const FOREIGN_ITEMS: Dictionary = &[
     ("measure", "output"),
     ("constant", "const"),
     ("let", "const"),
+    ("integral", "state"),
+    ("integrator", "state"),
+    ("ode", "state"),
+    ("der", "state"),
     ("parameter", "param"),
     ("marker", "frame"),
     ("site", "frame"),
