@@ -110,6 +110,8 @@ pub struct Resolver<'a> {
     pub si: bool,
     /// Where the model's name is.
     pub head: Region,
+    /// What to write instead, where the value being read must be known before a run and is not.
+    pub instead: Option<&'static str>,
 }
 
 /// Resolves a model as far as it goes.
@@ -162,6 +164,7 @@ impl<'a> Resolver<'a> {
             chosen: BTreeSet::new(),
             si: false,
             head: name.map_or(Region::START, |word| word.at.into()),
+            instead: None,
         }
     }
 
