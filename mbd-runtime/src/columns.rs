@@ -28,7 +28,7 @@ impl Name {
     }
 }
 
-/// The coordinates of the state x = [q | v | z], in order: `capsule.x` … `capsule.qz`, `capsule.vx`, `capsule.omega_body_x`, `swivel.x`, ….
+/// The coordinates of the state x = [q | v | z | s], in order: `capsule.x` … `capsule.qz`, `capsule.vx`, `capsule.omega_body_x`, `swivel.x`, ….
 /// In the plane xz: `crank.x`, `crank.z`, `crank.angle` (about y, not periodic), `crank.vx`, `crank.vz`, `crank.omega_y`.
 #[must_use]
 pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
@@ -74,6 +74,9 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
     masses().for_each(|point| list(point, &speeds, "m/s"));
     for node in layout.nodes.iter().filter(|node| node.z.is_some()) {
         list(node_name(scene, node.point), &["x", "y", "z"], "m");
+    }
+    for state in &scene.states {
+        list(&state.name, &[""], &state.unit.text);
     }
     names
 }

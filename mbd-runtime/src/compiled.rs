@@ -255,7 +255,7 @@ impl<T: Scalar> Simulation<T> {
         T::look(self, what, out)
     }
 
-    /// Sets time [s] and state x = [q | v | z]; `rate` nodes are placed by [`Simulation::start`] where z is all zero. Quaternions are normalised.
+    /// Sets time [s] and state x = [q | v | z | s]; `rate` nodes are placed by [`Simulation::start`] where z is all zero. Quaternions are normalised.
     ///
     /// # Errors
     /// A number that is not finite, a quaternion off unit length by more than 1e-3, or a wrong length.

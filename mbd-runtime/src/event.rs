@@ -146,7 +146,7 @@ impl Margins {
             let found = scene.coordinate(stop.joint, stop.coordinate);
             found.is_some_and(|(_, coordinate)| coordinate.is_angle())
         });
-        let mut places: Vec<usize> = (layout.nq + layout.nv..layout.nx()).collect();
+        let mut places: Vec<usize> = (layout.nq + layout.nv..layout.states()).collect();
         let mut speeds = Vec::new();
         for part in moving(layout) {
             places.extend(part.position);

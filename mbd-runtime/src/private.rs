@@ -126,6 +126,18 @@ pub fn split<T, const Q: usize, const V: usize, const Z: usize>(
     Some((q, v, rest.try_into().ok()?))
 }
 
+/// The state of a model with declared states as coordinates, speeds, node positions and these, if it has the right length.
+#[inline]
+#[must_use]
+#[allow(clippy::type_complexity, reason = "four arrays of four lengths")]
+pub fn split_with_states<T, const Q: usize, const V: usize, const Z: usize, const S: usize>(
+    state: &[T],
+) -> Option<(&[T; Q], &[T; V], &[T; Z], &[T; S])> {
+    let (rest, states) = state.split_last_chunk()?;
+    let (q, v, z) = split(rest)?;
+    Some((q, v, z, states))
+}
+
 /// Ten numbers a line as line states.
 #[must_use]
 pub fn line_states<T: Real, const N: usize>(numbers: &[T]) -> [LineState<T>; N] {
@@ -168,6 +180,23 @@ pub fn parts<T: Real, const Q: usize, const V: usize, const Z: usize>(
     let q = std::array::from_fn(|_| next());
     let v = std::array::from_fn(|_| next());
     (q, v, std::array::from_fn(|_| next()))
+}
+
+/// The same of a model with declared states, whose S numbers follow.
+#[must_use]
+pub fn parts_with_states<
+    T: Real,
+    const Q: usize,
+    const V: usize,
+    const Z: usize,
+    const S: usize,
+>(
+    numbers: &[T],
+) -> ([T; Q], [T; V], [T; Z], [T; S]) {
+    let (q, v, z) = parts(numbers);
+    let mut rest = numbers.iter().skip(Q + V + Z).copied();
+    let states = std::array::from_fn(|_| rest.next().unwrap_or_else(T::zero));
+    (q, v, z, states)
 }
 
 /// Writes a list into a working list, from a place on; `false` where that is too short.

@@ -144,7 +144,7 @@ impl<T: Float> Simulation<T> {
         self.time
     }
 
-    /// State x = [q | v | z] of the last accepted step.
+    /// State x = [q | v | z | s] of the last accepted step.
     #[must_use]
     pub fn state(&self) -> &[T] {
         self.state.get(..self.system.nx).unwrap_or(&[])

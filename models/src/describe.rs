@@ -1,7 +1,7 @@
 //! What a scene contains, as tables: for `mbd check` and for the first page of a report.
 
 use mbd_compiler::Equations;
-use mbd_runtime::scene::laws::Numbers;
+use mbd_runtime::scene::laws::{Numbers, starts};
 use mbd_runtime::scene::{
     Clamp, Cost, Difference, Differentiated, Gravity, Layout, NodeModel, Place, PointKind,
     Quantity, Scene, Variable,
@@ -17,7 +17,7 @@ pub fn counts(scene: &Scene) -> Table {
         let kinds = scene.lines.iter().map(|line| line.kind);
         kinds.filter(|kind| kind.is_unilateral() == one_way).count()
     };
-    let rows: [(&str, usize); 18] = [
+    let rows: [(&str, usize); 19] = [
         ("bodies", scene.bodies.len()),
         ("points with mass", scene.points.len() - layout.nodes.len()),
         ("equilibrium points", layout.nodes.len()),
@@ -35,6 +35,7 @@ pub fn counts(scene: &Scene) -> Table {
         ("coordinates q", layout.nq),
         ("speeds v", layout.nv),
         ("states of equilibrium points", layout.nz),
+        ("declared states", layout.ns),
         ("numbers from the caller at each evaluation", layout.ni),
         ("params (live)", scene.params.len()),
         ("consts (folded)", scene.consts.len()),
@@ -95,9 +96,27 @@ pub fn things(scene: &Scene) -> Vec<Table> {
         along(scene, &numbers),
         lines(scene, &numbers),
         params(scene),
+        states(scene, &numbers),
     ];
     tables.retain(|table| !table.is_empty());
     tables
+}
+
+fn states(scene: &Scene, numbers: &Numbers<f64>) -> Table {
+    let mut table = Table::new("States")
+        .column("name", "")
+        .column("start", "")
+        .column("unit", "")
+        .column("what", "");
+    for (state, start) in scene.states.iter().zip(starts(scene, &numbers.params)) {
+        table.push([
+            state.name.as_str().into(),
+            start.into(),
+            state.unit.text.as_str().into(),
+            state.doc.trim().into(),
+        ]);
+    }
+    table
 }
 
 fn bodies(scene: &Scene, numbers: &Numbers<f64>) -> Table {

@@ -183,6 +183,7 @@ fn a_four_bar_with_spring_has_the_matrices_and_frequency_of_its_closed_form() {
     for components in [AngularVelocity::Body, AngularVelocity::World] {
         let mut scene = scene(&file["system"], components);
         scene.inputs.push(Input {
+            default: [0.0; 3],
             name: "torque".into(),
             doc: String::new(),
             components: 1,
@@ -261,6 +262,7 @@ fn robots_have_the_derivatives_of_an_independent_tool() {
         let count = scene.joints.len();
         for (index, joint) in scene.joints.iter_mut().enumerate() {
             scene.inputs.push(Input {
+                default: [0.0; 3],
                 name: format!("torque{index}"),
                 doc: String::new(),
                 components: 1,
@@ -309,6 +311,7 @@ fn with_efforts(seed: u64) -> (Scene, Vec<f64>, Vec<String>) {
         let measured: Vec<_> = joint.law.measured().collect();
         for (coordinate, found) in measured.into_iter().enumerate() {
             scene.inputs.push(Input {
+                default: [0.0; 3],
                 name: format!("effort{}", names.len()),
                 doc: String::new(),
                 components: 1,

@@ -93,6 +93,7 @@ fn is_named(skeleton: &Scene) -> bool {
         skeleton.consts.len(),
         skeleton.params.len(),
         skeleton.inputs.len(),
+        skeleton.states.len(),
         skeleton.bodies.len(),
         skeleton.points.len(),
         skeleton.lines.len(),
@@ -136,7 +137,7 @@ pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
     }
     let driven = layout.joints.iter().any(|slots| slots.driven);
     let held = layout.nv > 0 && layout.nodes.is_empty() && layout.freedoms() == 0;
-    if !held || !redundancy.closed || driven {
+    if !held || !redundancy.closed || driven || layout.ns > 0 {
         return None;
     }
     let across = scene.planar.and_then(|plane| {

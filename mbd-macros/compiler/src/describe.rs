@@ -49,6 +49,7 @@ fn write(scene: &Scene, formula: &Formula, level: u8) -> String {
         Formula::Param(index) => named(scene.params.get(*index).map(|p| &p.name)),
         Formula::Input(index) => named(scene.inputs.get(*index).map(|i| &i.name)),
         Formula::Let(index) => named(scene.lets.get(*index).map(|l| &l.name)),
+        Formula::State(index) => named(scene.states.get(*index).map(|s| &s.name)),
         Formula::Time => "time".to_owned(),
         Formula::Position(at) => format!("{}.position", place(scene, *at)),
         Formula::Velocity(at) => format!("{}.velocity", place(scene, *at)),
@@ -259,6 +260,10 @@ pub fn rewrite(scene: &mut Scene, change: &mut impl FnMut(&mut Formula)) {
         ] {
             one(formula, change);
         }
+    }
+    for state in &mut scene.states {
+        one(&mut state.start, change);
+        one(&mut state.rate, change);
     }
     for load in &mut scene.loads {
         if let LoadKind::Force(formula) | LoadKind::Torque(formula) = &mut load.kind {

@@ -299,6 +299,9 @@ impl Sharing<'_> {
 
 /// What a number of the state belongs to: how many bodies and points begin before it.
 fn owner(layout: &Layout, index: usize) -> usize {
+    if let Some(own) = index.checked_sub(layout.states()) {
+        return layout.bodies.len() + layout.points.len() + 1 + own;
+    }
     let bodies = layout.bodies.iter().copied();
     let points = layout.points.iter().filter_map(|slots| match slots {
         PointSlots::Mass(slots) => Some(*slots),

@@ -19,6 +19,8 @@ pub enum Group {
     V,
     /// Positions of `rate` nodes.
     Z,
+    /// Declared states.
+    States,
     /// Node unknowns.
     Nodes,
     /// Effective stiffness and free length.
@@ -43,11 +45,12 @@ pub enum Group {
 
 impl Group {
     /// Every list, in the order of arguments.
-    pub const ALL: [Group; 14] = [
+    pub const ALL: [Group; 15] = [
         Group::Time,
         Group::Q,
         Group::V,
         Group::Z,
+        Group::States,
         Group::Nodes,
         Group::Effective,
         Group::Hold,
@@ -68,6 +71,7 @@ impl Group {
             Group::Q => "q",
             Group::V => "v",
             Group::Z => "z",
+            Group::States => "states",
             Group::Nodes => "nodes",
             Group::Effective => "effective",
             Group::Hold => "hold",
@@ -97,7 +101,8 @@ impl Group {
             Slot::Time => (Group::Time, 0),
             Slot::State(i) if i < layout.nq => (Group::Q, i),
             Slot::State(i) if i < layout.nq + layout.nv => (Group::V, i - layout.nq),
-            Slot::State(i) => (Group::Z, i - layout.nq - layout.nv),
+            Slot::State(i) if i < layout.states() => (Group::Z, i - layout.nq - layout.nv),
+            Slot::State(i) => (Group::States, i - layout.states()),
             Slot::Node(i) => (Group::Nodes, i),
             Slot::Effective(i) => (Group::Effective, i),
             Slot::Hold(i) => (Group::Hold, i),
@@ -120,6 +125,7 @@ impl Group {
             Group::Q => layout.nq,
             Group::V => layout.nv,
             Group::Z => layout.nz,
+            Group::States => layout.ns,
             Group::Nodes => 3 * layout.nodes.len(),
             Group::Effective => 2 * layout.effective_lines,
             Group::Hold => layout.one_way(),

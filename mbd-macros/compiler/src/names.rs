@@ -142,7 +142,11 @@ const ENERGIES: [&str; 6] = [
 
 /// Name and SI unit of a number of the state, as a table shows them: `capsule.qw`.
 #[must_use]
-pub fn coordinate(scene: &Scene, layout: &Layout, index: usize) -> (String, &'static str) {
+pub fn coordinate<'s>(scene: &'s Scene, layout: &Layout, index: usize) -> (String, &'s str) {
+    let own = index.checked_sub(layout.states());
+    if let Some(state) = own.and_then(|own| scene.states.get(own)) {
+        return (state.name.clone(), &state.unit.text);
+    }
     let v = index.checked_sub(layout.nq);
     let (pose, twist) = (pose(layout), twist(layout));
     let moves = layout.directions.translations();
@@ -246,6 +250,10 @@ fn state(scene: &Scene, layout: &Layout, index: usize) -> String {
         if let (Some(&k), Some(_)) = (own(layout.nq + slots.v), v) {
             return format!("{}_{}", point(scene, number), VELOCITY[k]);
         }
+    }
+    if let Some(own) = index.checked_sub(layout.states()) {
+        let found = scene.states.get(own);
+        return found.map_or_else(|| format!("x_{index}"), |own| identifier(&own.name));
     }
     let z = index.saturating_sub(layout.nq + layout.nv);
     let node = layout.nodes.iter().find(|n| n.z == Some(z / 3 * 3));

@@ -134,8 +134,7 @@ fn what_new_users_write_is_accepted_or_answered() {
 const AWAITED: &[(&str, &str)] = &[
     ("w02_motor_input.mbd", "quantities"),
     ("w03_reaction_out.mbd", "quantities"),
-    ("w04_state_var.mbd", "quantities"),
-    ("w05_ode.mbd", "quantities"),
+    ("w04_state_var.mbd", "language"),
     ("w12_table2d.mbd", "language"),
     ("w13_let_expr.mbd", "language"),
     ("w14_accel.mbd", "quantities"),

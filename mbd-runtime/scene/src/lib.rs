@@ -52,7 +52,7 @@ pub use scalar::{
 pub use scene::{
     Body, Clamp, Constant, Coordinates, Difference, Direction, Event, Frame, Gravity, Inertia,
     Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter, Point, PointKind, Scene,
-    Triple,
+    State, Triple,
 };
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,

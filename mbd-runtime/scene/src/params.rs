@@ -150,6 +150,15 @@ fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), Pa
         }
     }
     check_along(scene, &numbers.params)?;
+    for state in &scene.states {
+        let start = constant(scene, &numbers.params, &state.start);
+        demand(
+            start.is_finite(),
+            format!("{}.start", state.name),
+            start,
+            "a finite number",
+        )?;
+    }
     for (line, numbers) in scene.lines.iter().zip(&numbers.lines) {
         let (k, c, l) = (numbers.stiffness, numbers.damping, numbers.free_length);
         demand(

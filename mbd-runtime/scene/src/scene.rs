@@ -36,6 +36,9 @@ pub struct Scene {
     /// Named expressions, in declaration order. One may name others in any order, but not itself through them.
     #[serde(default)]
     pub lets: Vec<Let>,
+    /// First-order states of controllers, actuators, filters and the like, in declaration order.
+    #[serde(default)]
+    pub states: Vec<State>,
     /// Frames of the world, fixed or moving as a function of time. Index 0 is the world itself: origin, axes, name `world`.
     pub world_frames: Vec<Frame>,
     /// Rigid bodies.
@@ -261,6 +264,21 @@ pub struct Input {
     /// What holds until the caller gives another value [SI]; of one component the first.
     #[serde(default)]
     pub default: [f64; 3],
+}
+
+/// A state of the user's own: one number s with its rate, ṡ = `rate`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Name; repeated states are `level[0]`, `level[1]`, ….
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// Its value at the start [SI]: a formula of numbers, consts and params.
+    pub start: Formula,
+    /// Unit as declared.
+    pub unit: Unit,
+    /// Its rate [SI unit/s]: what a load may read, it may read.
+    pub rate: Formula,
 }
 
 /// A place and axes on a body or in the world. The formulas of a frame of the world may contain time, those of a body may not.

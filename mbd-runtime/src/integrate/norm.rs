@@ -24,10 +24,13 @@ pub struct Scales {
     pub rate: f64,
     /// Work [J], when it is integrated along.
     pub energy: f64,
+    /// A declared state that starts at zero [its SI unit]; one that starts elsewhere has its start for a scale.
+    #[serde(default = "one")]
+    pub state: f64,
 }
 
 impl Default for Scales {
-    /// One metre, one radian, one metre a second, one radian a second, one joule.
+    /// One metre, one radian, one metre a second, one radian a second, one joule, one SI unit.
     fn default() -> Self {
         Scales {
             length: 1.0,
@@ -35,8 +38,14 @@ impl Default for Scales {
             speed: 1.0,
             rate: 1.0,
             energy: 1.0,
+            state: 1.0,
         }
     }
+}
+
+/// The scale that a text written before there were states means.
+fn one() -> f64 {
+    1.0
 }
 
 impl Scales {
@@ -68,6 +77,8 @@ enum Kind {
     Angle,
     Velocity,
     AngularVelocity,
+    /// A declared state, by index.
+    State(usize),
     Work,
 }
 
@@ -93,11 +104,12 @@ pub(crate) struct ErrorNorm {
 
 impl ErrorNorm {
     /// The norm of states of `length`: those of the layout, with integrals behind. `resolution` has the length [m] and the angle [rad] of a body or
-    /// point.
+    /// point; `starts`: where the declared states start.
     pub(crate) fn new(
         layout: &Layout,
         length: usize,
         (scales, tolerance): (Scales, f64),
+        starts: &[f64],
         resolution: impl Fn(&Moving) -> [f64; 2],
     ) -> Self {
         let mut blocks = Vec::new();
@@ -129,6 +141,12 @@ impl ErrorNorm {
                 block(Kind::Position, z..z + 3, owner, scales.length);
             }
         }
+        (0..layout.ns).for_each(|state| {
+            let at = layout.states() + state;
+            let start = starts.get(state).map_or(0.0, |start| start.abs());
+            let scale = if start > 0.0 { start } else { scales.state };
+            block(Kind::State(state), at..at + 1, None, scale);
+        });
         (layout.nx()..length).for_each(|at| block(Kind::Work, at..at + 1, None, scales.energy));
         ErrorNorm {
             blocks,
@@ -169,6 +187,10 @@ impl ErrorNorm {
             Kind::Rotation | Kind::Angle => "rotation",
             Kind::Velocity => "velocity",
             Kind::AngularVelocity => "angular velocity",
+            Kind::State(state) => {
+                let state = scene.states.get(state);
+                return state.map_or_else(|| "state".into(), |state| state.name.clone());
+            }
             Kind::Work => "work",
         };
         format!("{what} of {}", owner.unwrap_or("the run"))
@@ -184,7 +206,7 @@ impl Block {
                 tangent(old, error) / self.scale
             }
             Kind::Velocity | Kind::AngularVelocity => self.speed(error, old, new),
-            Kind::Work => {
+            Kind::State(_) | Kind::Work => {
                 let [error, old, new] =
                     [error, old, new].map(|list| pick::<T, 1>(list, self.at.start)[0].abs());
                 error / (self.scale + old.max(new))
@@ -244,7 +266,7 @@ mod tests {
             bodies: vec![Slots { q: 0, v: 0 }],
             ..Layout::default()
         };
-        ErrorNorm::new(&layout, 13, (Scales::default(), 1e-6), |_| [1.0; 2])
+        ErrorNorm::new(&layout, 13, (Scales::default(), 1e-6), &[], |_| [1.0; 2])
     }
 
     const STATE: [f64; 13] = [

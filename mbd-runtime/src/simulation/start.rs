@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use mbd_scene::laws::starts;
 use mbd_scene::{Float, InputSlots, InputSource, JointStart, Model, NodeModel, Quantity, place};
 
 use super::moved::moved;
@@ -37,12 +38,14 @@ impl<T: Float> Simulation<T> {
         let resolution = Resolution::new(&*model, scales);
         let fixed = matches!(options.method, Method::Rk4 { .. });
         let length = system.length();
+        let starts = starts(model.scene(), model.params());
         let (method, pace, tolerance) = match options.method {
             Method::Rk4 { step } => (Explicit::new(&RK4, length), Pace::Fixed(step), 1e-10),
             Method::Tsit5 { rtol, max_step } => {
                 let method = Explicit::new(&TSIT5, length);
                 let control = Control::new(0.0, max_step, method.exponent);
-                let norm = ErrorNorm::new(model.layout(), length, (scales, rtol), |part| {
+                let wide: Vec<f64> = starts.iter().map(|start| start.to_f64()).collect();
+                let norm = ErrorNorm::new(model.layout(), length, (scales, rtol), &wide, |part| {
                     resolution.of(part)
                 });
                 (method, Pace::Adaptive(control, norm), rtol)
@@ -72,6 +75,8 @@ impl<T: Float> Simulation<T> {
                 *qw = T::one();
             }
         }
+        let own = state.iter_mut().skip(layout.states());
+        own.zip(starts).for_each(|(state, start)| *state = start);
         Ok(Simulation {
             system,
             method,

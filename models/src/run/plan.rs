@@ -3,6 +3,7 @@
 use std::fmt;
 
 use mbd_compiler::{nearest, read_number};
+use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
     InputSource, JointForces, JointStart, Line, NodeModel, Part, PlacementError, Scene, place,
 };
@@ -285,6 +286,9 @@ fn start(
         let upright = f64::from(u8::from(name.name.ends_with(".qw")));
         slots.push((name.name.clone(), &name.unit, upright));
     }
+    let own = slots.iter_mut().skip(layout.states());
+    own.zip(starts(scene, params))
+        .for_each(|((.., number), start)| *number = start);
     for node in &layout.nodes {
         let owner = scene.points.get(node.point).map_or("", |point| &point.name);
         // The position of a `rate` node is part of the state already.

@@ -112,15 +112,16 @@ fn base(name: &str) -> &str {
     name.split('[').next().unwrap_or(name)
 }
 
-/// Each output and the tensions of each line: owner, quantity, columns; repeated ones share a figure.
+/// Each output, each declared state and the tensions of each line: owner, quantity, columns; repeated ones share a figure.
 fn histories<'s, 'n>(
     scene: &'s Scene,
     names: &'n [Name],
 ) -> Vec<(&'s str, &'static str, Vec<&'n Name>)> {
     let outputs = scene.outputs.iter().map(|output| (base(&output.name), ""));
+    let states = scene.states.iter().map(|state| (base(&state.name), ""));
     let lines = scene.lines.iter().map(|line| (base(&line.name), "tension"));
     let mut groups: Vec<(&str, &str, Vec<&Name>)> = Vec::new();
-    for (owner, what) in outputs.chain(lines) {
+    for (owner, what) in outputs.chain(states).chain(lines) {
         if groups
             .iter()
             .any(|group| (group.0, group.1) == (owner, what))

@@ -2,7 +2,7 @@
 
 use mbd_runtime::scene::{
     Dimension, Formula, Frame, Gravity, Input, Line, LineKind, Load, LoadKind, NodeModel, Output,
-    Parameter, Place, Point, PointKind, Scene, Unit,
+    Parameter, Place, Point, PointKind, Scene, State, Unit,
 };
 use mbd_runtime::{Method, Options};
 
@@ -110,6 +110,25 @@ fn what_is_not_said_is_zero_and_adaptive() {
     assert_eq!(plan.options, Options::tsit5(1e-8));
     assert_eq!((plan.nodes, plan.every), (None, None));
     assert_eq!(plan.state, [0.0; 6]);
+}
+
+#[test]
+fn a_declared_state_starts_where_it_says_or_where_the_settings_do() {
+    let mut scene = swing();
+    scene.states.push(State {
+        name: "heat".into(),
+        doc: String::new(),
+        start: Formula::Param(0),
+        unit: unit("J", 1.0, 1, 2, -2),
+        rate: Formula::Number(1.0),
+    });
+    let start = |text: &str| {
+        let text = format!("[run]\nuntil = 1\n{text}");
+        let plan = Plan::new(&scene, &settings(&text)).unwrap();
+        plan.state.last().copied()
+    };
+    assert_eq!(start(""), Some(scene.params[0].default));
+    assert_eq!(start("[run.start]\nheat = \"2 kJ\""), Some(2000.0));
 }
 
 #[test]

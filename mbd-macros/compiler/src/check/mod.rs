@@ -40,7 +40,8 @@ fn any_bad(resolver: &Resolver<'_>, kind: &str) -> bool {
 }
 
 fn check_not_empty(resolver: &mut Resolver<'_>) {
-    let nothing = resolver.scene.bodies.is_empty() && resolver.scene.points.is_empty();
+    let scene = &resolver.scene;
+    let nothing = scene.bodies.is_empty() && scene.points.is_empty() && scene.states.is_empty();
     if nothing && resolver.whole && resolver.messages.is_empty() {
         let report = say::empty(resolver.head, &resolver.scene.name);
         resolver.messages.push(report);

@@ -26,10 +26,14 @@ pub fn implementation(context: &Context) -> TokenStream {
         let function = format_ident!("{}", quantity::name(&equations.scene, &equations.layout, *what));
         let passed: Vec<TokenStream> = reads.0.iter().map(|&group| passed(group)).collect();
         let call = context.call(index, &function, &passed, Some(quote!(work)), &quote!(out));
-        let state = [Group::Q, Group::V, Group::Z].iter().any(|&g| reads.reads(g));
+        let state = [Group::Q, Group::V, Group::Z, Group::States].iter().any(|&g| reads.reads(g));
+        let own = equations.layout.ns > 0;
         let mut names = Vec::new();
         let mut values = Vec::new();
-        if state {
+        if state && own {
+            names.push(quote!((q, v, z, states)));
+            values.push(quote!(::mbd_runtime::__private::split_with_states(at.state)));
+        } else if state {
             names.push(quote!((q, v, z)));
             values.push(quote!(::mbd_runtime::__private::split(at.state)));
         }
@@ -53,10 +57,13 @@ pub fn implementation(context: &Context) -> TokenStream {
         let sizes = state.then(|| {
             let layout = &equations.layout;
             let (nq, nv, nz) = (whole(layout.nq), whole(layout.nv), whole(layout.nz));
+            let ns = whole(layout.ns);
+            let states = own.then(|| quote!(let states: &[#t; #ns] = states;));
             quote! {
                 let q: &[#t; #nq] = q;
                 let v: &[#t; #nv] = v;
                 let z: &[#t; #nz] = z;
+                #states
             }
         });
         quote! {

@@ -1,5 +1,6 @@
 //! The types that surround a model: parameters, state, outputs, inputs.
 
+use mbd_scene::laws::starts;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
@@ -122,6 +123,47 @@ fn state(context: &Context) -> TokenStream {
     let zero_z = z
         .as_ref()
         .map(|_| quote!(z: ::mbd_runtime::nalgebra::SVector::zeros()));
+    let s = (layout.ns > 0).then(|| {
+        let ns = whole(layout.ns);
+        quote! {
+            /// Declared states, in declaration order: each has functions of its name.
+            pub s: ::mbd_runtime::nalgebra::SVector<#t, #ns>,
+        }
+    });
+    let after_z = (z.is_some() && s.is_some()).then(|| quote!(,));
+    let read_s = s.as_ref().map(|_| quote!(#after_z s: (*s).into()));
+    let write_s = s
+        .as_ref()
+        .map(|_| quote!(out.extend_from_slice(self.s.as_slice());));
+    let starting_s = s.as_ref().map(|_| {
+        let scene = context.scene();
+        let defaults: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+        let starts = starts(scene, &defaults).into_iter().map(|start| {
+            let start = number(start);
+            if context.settings.generic {
+                quote!(T::from_f64(#start))
+            } else {
+                start
+            }
+        });
+        quote!(#after_z s: ::mbd_runtime::nalgebra::SVector::from([#(#starts),*]))
+    });
+    let lists = if s.is_some() { "q, v, z, s" } else { "q, v, z" };
+    let from = docs(&format!(
+        "The state from the list {lists}; `None` if it has another length."
+    ));
+    let to = docs(&format!("The state as the list {lists}."));
+    let split = if layout.ns > 0 {
+        let ns = whole(layout.ns);
+        quote!(let (q, v, z, s) = ::mbd_runtime::__private::split_with_states::<#t, #nq, #nv, #nz, #ns>(x)?;)
+    } else {
+        quote!(let (q, v, z) = ::mbd_runtime::__private::split::<#t, #nq, #nv, #nz>(x)?;)
+    };
+    let origin = docs(if layout.ns > 0 {
+        "Everything at the world origin, at rest, unturned; declared states where they start with the declared parameters."
+    } else {
+        "Everything at the world origin, at rest, unturned."
+    });
     let model = &context.scene().name;
     let meaning = match layout.directions.plane {
         None => {
@@ -153,34 +195,38 @@ fn state(context: &Context) -> TokenStream {
             /// Speeds \[m/s, rad/s\].
             pub v: ::mbd_runtime::nalgebra::SVector<#t, #nv>,
             #z
+            #after_z
+            #s
         }
 
         impl #real #name #used {
-            /// Everything at the world origin, at rest, unturned.
+            #origin
             #[must_use]
             pub fn at_origin() -> Self {
                 let mut state = #name {
                     q: ::mbd_runtime::nalgebra::SVector::zeros(),
                     v: ::mbd_runtime::nalgebra::SVector::zeros(),
                     #zero_z
+                    #starting_s
                 };
                 #at_rest
                 state
             }
-            /// The state from the list q, v, z; `None` if it has another length.
+            #from
             #[must_use]
             pub fn from_slice(x: &[#t]) -> ::core::option::Option<Self> {
-                let (q, v, z) = ::mbd_runtime::__private::split::<#t, #nq, #nv, #nz>(x)?;
+                #split
                 let _ = z;
-                ::core::option::Option::Some(#name { q: (*q).into(), v: (*v).into(), #read_z })
+                ::core::option::Option::Some(#name { q: (*q).into(), v: (*v).into(), #read_z #read_s })
             }
-            /// The state as the list q, v, z.
+            #to
             #[must_use]
             pub fn to_vec(&self) -> ::std::vec::Vec<#t> {
                 let mut out = ::std::vec::Vec::with_capacity(#nx);
                 out.extend_from_slice(self.q.as_slice());
                 out.extend_from_slice(self.v.as_slice());
                 #write_z
+                #write_s
                 out
             }
             #parts

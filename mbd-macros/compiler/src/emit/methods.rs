@@ -86,7 +86,7 @@ fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Si
                 .collect(),
         ),
     };
-    let state_read = [Group::Q, Group::V, Group::Z]
+    let state_read = [Group::Q, Group::V, Group::Z, Group::States]
         .iter()
         .any(|&g| reads.reads(g));
     let mut taken = Vec::new();
@@ -112,10 +112,15 @@ fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Si
             taken.push(quote!(#list: &[#t; #len]));
         }
     }
-    for (group, list) in [(Group::Q, "q"), (Group::V, "v"), (Group::Z, "z")] {
+    for (group, field) in [
+        (Group::Q, "q"),
+        (Group::V, "v"),
+        (Group::Z, "z"),
+        (Group::States, "s"),
+    ] {
         if reads.reads(group) {
-            let list = format_ident!("{list}");
-            prepared.extend(quote!(let [#list] = &state.#list.data.0;));
+            let (list, field) = (format_ident!("{}", group.name()), format_ident!("{field}"));
+            prepared.extend(quote!(let [#list] = &state.#field.data.0;));
         }
     }
     if reads.reads(Group::Inputs) {
@@ -292,13 +297,23 @@ fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
     }
 }
 
-/// The list [q̇ | v̇ | ż] as a state.
+/// The list [q̇ | v̇ | ż | ṡ] as a state.
 fn split_state(context: &Context) -> TokenStream {
     let state = context.named("State");
     let layout = &context.equations.layout;
     let all_z = (layout.nz > 0).then(|| quote!(z: z.into()));
     let t = context.scalar();
-    let [nq, nv, nz] = [layout.nq, layout.nv, layout.nz].map(whole);
+    let [nq, nv, nz, ns] = [layout.nq, layout.nv, layout.nz, layout.ns].map(whole);
+    if layout.ns > 0 {
+        let all_z = all_z.map_or_else(|| quote!(), |z| quote!(#z,));
+        let unread = (layout.nz == 0).then(|| quote!(let _ = z;));
+        return quote! {
+            let (q, v, z, s): ([#t; #nq], [#t; #nv], [#t; #nz], [#t; #ns]) =
+                ::mbd_runtime::__private::parts_with_states(&values);
+            #unread
+            #state { q: q.into(), v: v.into(), #all_z s: s.into() }
+        };
+    }
     quote! {
         let (q, v, z): ([#t; #nq], [#t; #nv], [#t; #nz]) = ::mbd_runtime::__private::parts(&values);
         #state { q: q.into(), v: v.into(), #all_z }

@@ -115,11 +115,21 @@ fn constants(context: &Context) -> TokenStream {
     let (equations, scene) = (context.equations, context.scene());
     let layout = &equations.layout;
     let [nq, nv, nz, nc, np] = [layout.nq, layout.nv, layout.nz, layout.nc, layout.np].map(whole);
-    let hash = Literal::u64_unsuffixed(fingerprint(format!("{scene:?}").into_bytes()));
     let coordinate = |index: usize| {
         let (name, unit) = crate::names::coordinate(scene, layout, index);
         quote!((#name, #unit))
     };
+    let ns = (layout.ns > 0).then(|| {
+        let (ns, first) = (whole(layout.ns), layout.states());
+        let states = (first..layout.nx()).map(coordinate);
+        quote! {
+            /// Number of declared states.
+            pub const NS: usize = #ns;
+            /// Name and unit of every declared state.
+            pub const STATES: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([#(#states),*]);
+        }
+    });
+    let hash = Literal::u64_unsuffixed(fingerprint(format!("{scene:?}").into_bytes()));
     let coords = (0..layout.nq).map(coordinate);
     let speeds = (layout.nq..layout.nq + layout.nv).map(coordinate);
     let params = scene.params.iter().map(|param| {
@@ -159,6 +169,7 @@ fn constants(context: &Context) -> TokenStream {
             pub const NV: usize = #nv;
             /// Number of node states.
             pub const NZ: usize = #nz;
+            #ns
             /// Number of constraint rows.
             pub const NC: usize = #nc;
             /// Number of live parameters.

@@ -1,4 +1,4 @@
-//! Bodies and points of a state by their names.
+//! Bodies, points and declared states of a state by their names.
 
 use std::collections::HashSet;
 
@@ -6,7 +6,7 @@ use mbd_scene::{PointSlots, Slots};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
-use super::context::{Context, docs};
+use super::context::{Context, docs, unit_text};
 use super::literal::whole;
 
 /// Functions that every state has.
@@ -17,11 +17,13 @@ struct Family<'a> {
     name: &'a str,
     /// The first index and how many there are; `None` for one that is not repeated.
     members: Option<[usize; 2]>,
+    /// A declared state has its place in s as a coordinate, and no speed.
     slots: Slots,
-    is_body: bool,
+    of: Of,
 }
 
-/// For every body and every point with mass, a function that reads it and one that puts it somewhere. One whose name is taken has none.
+/// For every body, every point with mass and every declared state, a function that reads it and one that puts it somewhere. One whose name is
+/// taken has none.
 pub fn parts(context: &Context) -> TokenStream {
     let mut taken: HashSet<String> = TAKEN.iter().map(ToString::to_string).collect();
     let mut functions = TokenStream::new();
@@ -36,24 +38,34 @@ pub fn parts(context: &Context) -> TokenStream {
     functions
 }
 
+/// What a family is made of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Of {
+    Body,
+    Point,
+    State,
+}
+
 fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
     let (scene, layout) = (context.scene(), &context.equations.layout);
     let bodies = scene.bodies.iter().map(|body| body.name.as_str());
-    let bodies = bodies.zip(layout.bodies.iter().map(|slots| (*slots, true)));
+    let bodies = bodies.zip(layout.bodies.iter().map(|slots| (*slots, Of::Body)));
     let points = scene.points.iter().map(|point| point.name.as_str());
     let points = points.zip(&layout.points);
     let points = points.filter_map(|(name, slots)| match slots {
-        PointSlots::Mass(slots) => Some((name, (*slots, false))),
+        PointSlots::Mass(slots) => Some((name, (*slots, Of::Point))),
         PointSlots::Node(_) => None,
     });
+    let states = scene.states.iter().enumerate();
+    let states = states.map(|(q, state)| (state.name.as_str(), (Slots { q, v: 0 }, Of::State)));
     let mut all: Vec<Family<'a>> = Vec::new();
-    for (name, (slots, is_body)) in bodies.chain(points) {
+    for (name, (slots, of)) in bodies.chain(points).chain(states) {
         let Some((family, index)) = name.split_once('[') else {
             all.push(Family {
                 name,
                 members: None,
                 slots,
-                is_body,
+                of,
             });
             continue;
         };
@@ -70,7 +82,7 @@ fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
                 name: family,
                 members: Some([first, 1]),
                 slots,
-                is_body,
+                of,
             }),
             // Counted from below zero: no index of Rust.
             (_, Err(_)) => {}
@@ -80,18 +92,22 @@ fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
 }
 
 fn accessors(context: &Context, family: &Family<'_>, setter: &str) -> TokenStream {
+    if family.of == Of::State {
+        return own_state(context, family, setter);
+    }
     let t = context.scalar();
     let getter = Ident::new(family.name, Span::call_site());
     let setter = Ident::new(setter, Span::call_site());
     let directions = context.equations.layout.directions;
     let moves = directions.translations().len();
-    let part = match (family.is_body, directions.plane) {
+    let is_body = family.of == Of::Body;
+    let part = match (is_body, directions.plane) {
         (true, None) => quote!(::mbd_runtime::BodyState<#t>),
         (true, Some(_)) => quote!(::mbd_runtime::PlanarBodyState<#t>),
         (false, None) => quote!(::mbd_runtime::PointState<#t>),
         (false, Some(_)) => quote!(::mbd_runtime::PointState<#t, 2>),
     };
-    let size = match family.is_body {
+    let size = match is_body {
         true => [directions.coordinates(), directions.speeds()],
         false => [moves, moves],
     };
@@ -137,6 +153,67 @@ fn accessors(context: &Context, family: &Family<'_>, setter: &str) -> TokenStrea
                 pub fn #setter(&mut self, index: usize, to: #part) -> ::core::option::Option<()> {
                     let at = #find;
                     ::mbd_runtime::__private::write(to, self.q.as_mut_slice(), self.v.as_mut_slice(), at);
+                    ::core::option::Option::Some(())
+                }
+            }
+        }
+    }
+}
+
+/// Reads and sets a declared state.
+fn own_state(context: &Context, family: &Family<'_>, setter: &str) -> TokenStream {
+    let t = context.scalar();
+    let [getter, setter] = [family.name, setter].map(|name| Ident::new(name, Span::call_site()));
+    let (name, at) = (family.name, family.slots.q);
+    let declared = context.scene().states.get(at);
+    let unit = declared.map_or("1", |state| unit_text(&state.unit.text));
+    let doc = declared.map_or("", |state| state.doc.trim());
+    match family.members {
+        None => {
+            let at = whole(at);
+            let read = docs(format!("{doc} `{name}` \\[{unit}\\].").trim());
+            let write = docs(&format!("Sets `{name}` \\[{unit}\\]."));
+            quote! {
+                #read
+                #[must_use]
+                pub fn #getter(&self) -> #t {
+                    let [s] = &self.s.data.0;
+                    s[#at]
+                }
+                #write
+                pub fn #setter(&mut self, to: #t) {
+                    let [s] = &mut self.s.data.0;
+                    s[#at] = to;
+                }
+            }
+        }
+        Some([first, count]) => {
+            let last = first + count - 1;
+            let read = docs(
+                format!(
+                    "{doc} `{name}[index]` \\[{unit}\\]; `None` where there is none: {first} to {last}."
+                )
+                .trim(),
+            );
+            let write = docs(&format!(
+                "Sets `{name}[index]` \\[{unit}\\]; `None` where there is none."
+            ));
+            let members = [first, count].map(whole);
+            let at = whole(at);
+            let find =
+                quote!(::mbd_runtime::__private::member(index, [#(#members),*], [#at, 0], [1, 0])?);
+            quote! {
+                #read
+                #[must_use]
+                pub fn #getter(&self, index: usize) -> ::core::option::Option<#t> {
+                    let [at, _] = #find;
+                    self.s.as_slice().get(at).copied()
+                }
+                #write
+                #[must_use]
+                pub fn #setter(&mut self, index: usize, to: #t) -> ::core::option::Option<()> {
+                    let [at, _] = #find;
+                    *self.s.as_mut_slice().get_mut(at)? = to;
                     ::core::option::Option::Some(())
                 }
             }

@@ -106,10 +106,16 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
             } else {
                 "State derivative: `q̇ = N(q) v`, `v̇` of `M v̇ + h = f + Φ_vᵀ λ`, `Φ_v v̇ = γ`, `ż = w`."
             },
-            format!(
-                "{nx} = [{} q̇ | {nv} v̇ | {} ż]; SI units.",
-                layout.nq, layout.nz
-            ),
+            match layout.ns {
+                0 => format!(
+                    "{nx} = [{} q̇ | {nv} v̇ | {} ż]; SI units.",
+                    layout.nq, layout.nz
+                ),
+                own => format!(
+                    "{nx} = [{} q̇ | {nv} v̇ | {} ż | {own} ṡ as declared]; SI units.",
+                    layout.nq, layout.nz
+                ),
+            },
         ),
         Quantity::Balance => (
             "Balance of the nodes: `r = Σ T u + W`, the forces on each node.",

@@ -16,7 +16,7 @@ use crate::syntax::{Item, Model, Name};
 pub(super) const MOST: usize = 10_000;
 
 impl<'a> Resolver<'a> {
-    /// Names consts, params and tables.
+    /// Names consts, params, states and tables.
     pub fn collect_numbers(&mut self, model: &'a Model<'a>) {
         for item in &model.items {
             let Some(name) = &item.name else {
@@ -27,7 +27,7 @@ impl<'a> Resolver<'a> {
             }
             self.later.insert(name.word.text.clone());
         }
-        self.collect(model, &["const", "param", "table"]);
+        self.collect(model, &["const", "param", "state", "table"]);
     }
 
     /// Names inputs, whose repetitions may be consts.
@@ -222,6 +222,7 @@ impl<'a> Resolver<'a> {
             + self.scene.lines.len()
             + self.scene.joints.len()
             + self.scene.lets.len()
+            + self.scene.states.len()
     }
 
     /// How many things of a kind there are so far.
@@ -231,6 +232,7 @@ impl<'a> Resolver<'a> {
             "const" => scene.consts.len(),
             "param" => scene.params.len(),
             "input" => scene.inputs.len(),
+            "state" => scene.states.len(),
             "table" => scene.tables.len(),
             "let" => scene.lets.len(),
             "body" => scene.bodies.len(),
@@ -303,6 +305,7 @@ fn named(word: &str, slot: usize) -> Named {
         "const" => Named::Const(slot),
         "param" => Named::Param(slot),
         "input" => Named::Input(slot),
+        "state" => Named::State(slot),
         "table" => Named::Table(slot),
         "let" => Named::Let(slot),
         "body" => Named::Body(slot),

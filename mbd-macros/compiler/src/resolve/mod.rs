@@ -19,6 +19,7 @@ mod numbers;
 mod path;
 mod repeat;
 mod settings;
+mod states;
 mod value;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -153,6 +154,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.known = Known::Motors;
     resolver.lets();
     resolver.gravity(model);
+    resolver.states();
     resolver.loads();
     resolver.outputs();
     resolver.events();

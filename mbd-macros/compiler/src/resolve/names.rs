@@ -13,6 +13,8 @@ pub enum Named {
     Param(usize),
     /// An input.
     Input(usize),
+    /// A state.
+    State(usize),
     /// A table.
     Table(usize),
     /// A named expression.
@@ -42,7 +44,7 @@ impl Named {
     pub fn is_value(self) -> bool {
         matches!(
             self,
-            Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::Let(_)
+            Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::State(_) | Named::Let(_)
         )
     }
 
@@ -52,6 +54,7 @@ impl Named {
             Named::Const(_) => "const",
             Named::Param(_) => "param",
             Named::Input(_) => "input",
+            Named::State(_) => "state",
             Named::Table(_) => "table",
             Named::Let(_) => "let",
             Named::WorldFrame(_) | Named::Frame(..) => "frame",

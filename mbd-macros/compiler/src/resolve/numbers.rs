@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use mbd_scene::{
-    Constant, Dimension, Direction, Event, Fixed, Formula, Input, Let, Output, Parameter, Table,
-    Unit,
+    Constant, Dimension, Direction, Event, Fixed, Formula, Input, Let, Output, Parameter, State,
+    Table, Unit,
 };
 
 use super::{Instance, Named, Resolver, Stage, Typed, fold};
@@ -22,6 +22,9 @@ impl Resolver<'_> {
         }
         for input in self.of("input") {
             self.poison(Named::Input(input.slot), |this| this.input(&input));
+        }
+        for state in self.of("state") {
+            self.poison(Named::State(state.slot), |this| this.state_start(&state));
         }
         for table in self.of("table") {
             self.poison(Named::Table(table.slot), |this| this.fill_table(&table));
@@ -62,6 +65,13 @@ impl Resolver<'_> {
                 components: 1,
                 unit,
                 default: [0.0; 3],
+            }),
+            "state" => scene.states.push(State {
+                name,
+                doc,
+                start: Formula::Number(0.0),
+                unit,
+                rate: Formula::Number(0.0),
             }),
             "table" => scene.tables.push(Table {
                 name,
@@ -341,7 +351,7 @@ impl Resolver<'_> {
         Some(())
     }
 
-    fn input_unit(&mut self, lexemes: &[Lexeme], at: Region) -> Option<Unit> {
+    pub fn input_unit(&mut self, lexemes: &[Lexeme], at: Region) -> Option<Unit> {
         if let [only] = lexemes
             && let Kind::Word(word) = &only.kind
         {
@@ -434,7 +444,7 @@ impl Resolver<'_> {
 }
 
 /// The unit of a value that is one number, or one vector.
-fn written_unit(parsed: &Expression) -> Option<Unit> {
+pub fn written_unit(parsed: &Expression) -> Option<Unit> {
     match parsed {
         Expression::Number { unit, .. } | Expression::Vector { unit, .. } => unit.clone(),
         Expression::Negative(inner, _) => written_unit(inner),

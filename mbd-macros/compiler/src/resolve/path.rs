@@ -61,7 +61,7 @@ impl Resolver<'_> {
         self.mention(named, first.word.at);
         let number = matches!(
             named,
-            Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::Table(_)
+            Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::State(_) | Named::Table(_)
         );
         if number && self.bad.contains(&named) {
             return None;
@@ -104,6 +104,13 @@ impl Resolver<'_> {
                     rest,
                 )
             }
+            Named::State(index) => {
+                self.live(scope, at, &format!("the state `{word}`"))?;
+                let dimension = self.scene.states.get(index)?.unit.dimension;
+                let state = Formula::State(index);
+                let state = self.declared(state, false, dimension, here, named);
+                self.tail(state, rest)
+            }
             Named::Body(body) => self.body_quantity(body, rest, at, scope),
             Named::Point(point) => {
                 self.live(scope, at, &format!("the motion of `{word}`"))?;
@@ -136,6 +143,7 @@ impl Resolver<'_> {
             Named::Param(i) => self.scene.params.get(i).map(|p| p.unit.text.clone()),
             Named::Input(i) => self.scene.inputs.get(i).map(|i| i.unit.text.clone()),
             Named::Let(i) => self.scene.lets.get(i).map(|l| l.unit.text.clone()),
+            Named::State(i) => self.scene.states.get(i).map(|s| s.unit.text.clone()),
             _ => None,
         };
         let text = text.unwrap_or_default();
@@ -176,6 +184,10 @@ impl Resolver<'_> {
         match self.names.get(word).cloned() {
             Some(_) if self.broken.contains(word) => None,
             Some(entry) => self.member(&entry, step, scope),
+            None if scope.stage == Stage::Fixed && self.later.contains(word) => {
+                let at = step.word.at.into();
+                self.fail(say::not_fixed(at, &format!("`{word}`"), self.instead))
+            }
             None => {
                 let report = self.unknown(step, alone);
                 self.fail_unless_broken(word, report)
@@ -200,6 +212,7 @@ impl Resolver<'_> {
                         | Named::Line(_)
                         | Named::Input(_)
                         | Named::Let(_)
+                        | Named::State(_)
                 )
             });
             say::unknown_thing(at, word, &known)

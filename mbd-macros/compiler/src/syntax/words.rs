@@ -121,6 +121,12 @@ pub const ITEMS: &[ItemWord] = &[
         None,
         "input NAME: force = 0 N;",
     )),
+    repeated(item(
+        "state",
+        &[may(":", "kind"), needs("=", "start")],
+        Some(&["rate"]),
+        "state NAME = 0 A { rate: expression }",
+    )),
     item(
         "table",
         &[needs("=", "value")],
@@ -267,6 +273,10 @@ pub const FOREIGN_ITEMS: Dictionary = &[
 
 /// Items that people expect, and how what they mean is said here, or that it cannot be said yet.
 pub const EXPECTED_ITEMS: Dictionary = &[
+    ("integral", INTEGRAL),
+    ("integrator", INTEGRAL),
+    ("ode", INTEGRAL),
+    ("der", INTEGRAL),
     ("contact", CONTACT),
     ("collision", CONTACT),
     ("pulley", LED_OVER),
@@ -310,6 +320,8 @@ const REPETITION: &str =
 const NO_CONDITION: &str =
     "an item is always there; a value that depends on a condition is `if(a < b, this, that)`";
 const NO_FUNCTIONS: &str = "the functions of the language are fixed; a table is one of numbers, `table lift = { 0 deg: 0, 10 deg: 1.1 };`, used as `lift(x)`";
+const INTEGRAL: &str =
+    "an integral is a `state` with its rate: `state missed = 0 rad*s { rate: pin.angle }`";
 const EFFORT: &str = "what acts along a joint is its field `force`, such as `{ axis: y, force: -2 N*m * hip.angle }`";
 
 /// Fields of other tools.

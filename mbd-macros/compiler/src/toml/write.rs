@@ -24,6 +24,7 @@ pub fn write_toml(scene: &Scene) -> String {
     bodies(&mut out, scene);
     connections(&mut out, scene);
     lets(&mut out, scene);
+    states(&mut out, scene);
     results(&mut out, scene);
     out
 }
@@ -182,10 +183,7 @@ fn numbers(out: &mut String, scene: &Scene) {
     for input in &scene.inputs {
         table(out, "input", &input.name);
         doc(out, &input.doc);
-        let unit = match input.unit.text.as_str() {
-            "" => "number",
-            text => text,
-        };
+        let unit = unit_word(&input.unit);
         let kind = match input.components {
             3 => format!("[{unit}; 3]"),
             _ => unit.to_string(),
@@ -216,6 +214,14 @@ fn numbers(out: &mut String, scene: &Scene) {
             })
             .collect();
         entry(out, "value", &format!("{{ {} }}", rows.join(", ")));
+    }
+}
+
+/// A unit as the kind of an input or a state.
+fn unit_word(unit: &Unit) -> &str {
+    match unit.text.as_str() {
+        "" => "number",
+        text => text,
     }
 }
 
@@ -411,6 +417,16 @@ fn write_line(out: &mut String, line: &Line, scene: &Scene) {
         None => entry(out, "stiffness", &text(&line.stiffness, scene)),
     }
     entry(out, "damping", &text(&line.damping, scene));
+}
+
+fn states(out: &mut String, scene: &Scene) {
+    for state in &scene.states {
+        table(out, "state", &state.name);
+        doc(out, &state.doc);
+        entry(out, "kind", unit_word(&state.unit));
+        entry(out, "start", &text(&state.start, scene));
+        entry(out, "rate", &text(&state.rate, scene));
+    }
 }
 
 fn results(out: &mut String, scene: &Scene) {

@@ -13,7 +13,7 @@ use crate::laws::{
     energy,
     evaluation::Evaluation,
     forces::{self, AppliedForces},
-    gravity, joint_forces,
+    formula, gravity, joint_forces,
     kinematics::Kinematics,
     mass, measured, node,
     numbers::Numbers,
@@ -177,7 +177,7 @@ pub fn sensitivity<S: Real>(what: Quantity, layout: &Layout, at: &At<'_, S>, out
     }
 }
 
-/// ẋ: q̇ = N(q) v, ż = w; v̇ = M⁻¹ (f − h) of what no joint holds, the solution of the constrained system for the rest.
+/// ẋ: q̇ = N(q) v, ż = w, ṡ as declared; v̇ = M⁻¹ (f − h) of what no joint holds, the solution of the constrained system for the rest.
 fn derivative<S: Real>(
     evaluation: &Evaluation<'_, S>,
     assembly: &AppliedForces<S>,
@@ -232,6 +232,10 @@ fn derivative<S: Real>(
                 &vector(evaluation.at.nodes, 3 * index),
             );
         }
+    }
+    for (index, state) in evaluation.scene.states.iter().enumerate() {
+        S::section(&state.name);
+        out[layout.states() + index] = formula::scalar(&state.rate, evaluation);
     }
 }
 

@@ -218,6 +218,10 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         })
     }
 
+    fn state(&self, index: usize) -> Option<S> {
+        self.at.state.get(self.layout.states() + index).copied()
+    }
+
     fn time(&self) -> Option<S> {
         Some(self.at.time)
     }

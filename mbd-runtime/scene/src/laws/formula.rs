@@ -16,6 +16,10 @@ pub trait Context<S: Real> {
     fn input(&self, _index: usize) -> Option<Value<S>> {
         None
     }
+    /// A declared state.
+    fn state(&self, _index: usize) -> Option<S> {
+        None
+    }
     /// Time [s].
     fn time(&self) -> Option<S> {
         None
@@ -113,6 +117,7 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
         Formula::Let(i) => context.named(*i),
         Formula::Param(i) => context.param(*i).map(Scalar),
         Formula::Input(i) => context.input(*i),
+        Formula::State(i) => context.state(*i).map(Scalar),
         Formula::Time => context.time().map(Scalar),
         Formula::Position(place) => context.position(*place).map(Vector),
         Formula::Velocity(place) => context.velocity(*place).map(Vector),

@@ -24,5 +24,5 @@ pub use joint_ends::{branch, out_of_plane};
 pub use node::{Pulled, balance};
 pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, JointForceNumbers, LineNumbers, Numbers,
-    OblateNumbers, constant,
+    OblateNumbers, constant, starts,
 };

@@ -183,6 +183,14 @@ pub fn constant<S: Real>(scene: &Scene, params: &[S], formula: &Formula) -> S {
     scalar(formula, &Constants::new(scene, params))
 }
 
+/// Where the declared states start [SI], for `params` in declaration order.
+pub fn starts<S: Real>(scene: &Scene, params: &[S]) -> Vec<S> {
+    let states = scene.states.iter();
+    states
+        .map(|state| constant(scene, params, &state.start))
+        .collect()
+}
+
 /// The inverse of the element of an inertia about the normal of a plane.
 fn along_normal<S: Real>(inertia: &Matrix3<S>, plane: Plane) -> Matrix3<S> {
     let normal = (plane.normal(), plane.normal());

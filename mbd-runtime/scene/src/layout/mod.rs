@@ -19,8 +19,8 @@ use crate::{Directions, Scene};
 
 /// Index ranges of a scene's state, lines, nodes and inputs.
 ///
-/// State x = [q | v | z]: q per body x y z qw qx qy qz, per point with mass x y z; v per body vx vy vz (world axes, of the centre of mass)
-/// wx wy wz (body or world axes, by declaration), per point vx vy vz; z per `rate` node its position. Items in declaration order,
+/// State x = [q | v | z | s]: q per body x y z qw qx qy qz, per point with mass x y z; v per body vx vy vz (world axes, of the centre of mass)
+/// wx wy wz (body or world axes, by declaration), per point vx vy vz; z per `rate` node its position; s the declared states. Items in declaration order,
 /// bodies before points. In a planar scene q per body is two positions and the angle about the normal [rad, right-handed, not wrapped],
 /// v two velocities and the angular velocity about the normal; per point two of each: see [`Directions`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,6 +31,8 @@ pub struct Layout {
     pub nv: usize,
     /// Number of node states: 3 per `rate` node.
     pub nz: usize,
+    /// Number of declared states.
+    pub ns: usize,
     /// Number of live parameters.
     pub np: usize,
     /// The axes along which things move and about which bodies turn.
@@ -109,6 +111,12 @@ impl Layout {
     /// Length of the state.
     #[must_use]
     pub fn nx(&self) -> usize {
+        self.nq + self.nv + self.nz + self.ns
+    }
+
+    /// Where in the state the declared states start.
+    #[must_use]
+    pub fn states(&self) -> usize {
         self.nq + self.nv + self.nz
     }
 

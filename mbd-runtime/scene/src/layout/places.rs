@@ -13,6 +13,7 @@ impl Layout {
     pub(crate) fn places(scene: &Scene, laws: impl FnOnce(&Self) -> Vec<RowSet>) -> Self {
         let mut layout = Layout {
             np: scene.params.len(),
+            ns: scene.states.len(),
             directions: scene.directions(),
             events: scene.events.len(),
             lets: scene.lets.len(),

@@ -103,6 +103,8 @@ pub enum Formula {
     Param(usize),
     /// A declared `input`: index into `Scene::inputs`.
     Input(usize),
+    /// A declared `state`: index into `Scene::states`.
+    State(usize),
     /// Time [s].
     Time,
     /// Position of a place from the world origin [m].

@@ -14,7 +14,7 @@ pub enum Quantity {
     /// blocks of H = ∂g/∂p (6 numbers each: xx xy xz yy yz zz, in the order of `Network::blocks`) [N/m], then three sums: ΣT [N], Σ K_e (d + |p|₁)
     /// over taut lines [N], and the number of lines with positive stretch. Reads `ends`, `nodes` (positions), `effective`.
     Equilibrium(usize),
-    /// ẋ of the state x = [q | v | z]. Reads everything but `ends`.
+    /// ẋ of the state x = [q | v | z | s]. Reads everything but `ends`.
     Derivative,
     /// Balance of all nodes as a function of the state and the node unknowns: Σ T u + W (3 per node) [N]; the residual whose derivatives
     /// carry the node into the linearisation. Reads what `Derivative` reads.
@@ -95,7 +95,7 @@ pub enum Differentiated {
 /// What they are differentiated by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Variable {
-    /// The state [q | v | z], at fixed node unknowns.
+    /// The state [q | v | z | s], at fixed node unknowns.
     State,
     /// The node unknowns ([`At::nodes`]).
     Node,
@@ -134,7 +134,7 @@ impl Differentiated {
 pub struct At<'a, S> {
     /// Time [s].
     pub time: S,
-    /// The state x = [q | v | z].
+    /// The state x = [q | v | z | s].
     pub state: &'a [S],
     /// Node unknowns, 3 a node: position [m] (`static`, `stepwise`) or velocity [m/s] (`rate`, whose position is in z).
     pub nodes: &'a [S],

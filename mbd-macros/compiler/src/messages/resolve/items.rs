@@ -103,6 +103,35 @@ pub fn default_outside(at: Region, name: &str, range: Region) -> Report {
     .also(range, "its range")
 }
 
+pub fn state_without_rate(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "state `{name}` has no rate: write how fast it changes, such as `{{ rate: (u - {name}) / (20 ms) }}`; a number that stays is a `const` or a `param`"
+        ),
+    )
+}
+
+pub fn state_of_three(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a state is one number: declare one a component, `state {name}_x: … = …`, or several at once, `state {name}[i in 0..3]: … = …`"
+        ),
+    )
+}
+
+pub fn state_without_unit(at: Region, name: &str, own: Dimension) -> Report {
+    let unit = si_text(own);
+    Report::new(
+        at,
+        format!(
+            "with this rate `{name}` is {}: give its start the unit, `state {name} = 0 {unit} {{ … }}`",
+            described(own)
+        ),
+    )
+}
+
 pub fn input_type(at: Region) -> Report {
     Report::new(
         at,
