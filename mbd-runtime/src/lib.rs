@@ -40,6 +40,7 @@ mod parts;
 mod projection;
 mod simulation;
 mod slopes;
+mod stiffness;
 mod supply;
 mod system;
 mod trajectory;
