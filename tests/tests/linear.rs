@@ -483,16 +483,16 @@ fn a_kite_stands_where_wind_weight_and_line_balance() {
 
 const DRONE: &str = "model Drone {
     gravity: [0.0, 0.0, -9.81] m/s^2;
-    input f[i in 0..4]: force;
+    input f0: force; input f1: force; input f2: force; input f3: force;
     input wind: [speed; 3];
     body drone { mass: 1.5 kg, inertia: diag(0.02, 0.02, 0.04) kg*m^2,
         frame front at [0.2, 0.0, 0.0] m, frame left at [0.0, 0.2, 0.0] m,
         frame back at [-0.2, 0.0, 0.0] m, frame right at [0.0, -0.2, 0.0] m }
     joint fly: free from world to drone.com;
-    load front on drone at front = f[0] * drone.z;
-    load left on drone at left = f[1] * drone.z;
-    load back on drone at back = f[2] * drone.z;
-    load right on drone at right = f[3] * drone.z;
+    load front on drone at front = f0 * drone.z;
+    load left on drone at left = f1 * drone.z;
+    load back on drone at back = f2 * drone.z;
+    load right on drone at right = f3 * drone.z;
     load drag on drone at com = -0.3 N*s/m * (drone.com.velocity - wind);
 }";
 
@@ -500,8 +500,8 @@ const DRONE: &str = "model Drone {
 fn a_quadrotor_hovers_with_a_quarter_of_its_weight_a_rotor_and_leans_into_the_wind() {
     let model = generic(read(DRONE));
     let hover = || {
-        let all = (0..4).fold(trim(&model), |trim, k| trim.free_input(&format!("f[{k}]")));
-        (0..4).fold(all, |trim, k| trim.input(&format!("f[{k}]"), 2.0))
+        let all = (0..4).fold(trim(&model), |trim, k| trim.free_input(&format!("f{k}")));
+        (0..4).fold(all, |trim, k| trim.input(&format!("f{k}"), 2.0))
     };
     let still = hover().solve().expect("it hovers");
     let quarter = 1.5 * 9.81 / 4.0;
