@@ -19,6 +19,8 @@ use crate::linearise::{LinearisationError, StateSpace};
 
 /// Steps at most.
 const ROUNDS: usize = 200;
+/// How far coordinates go at once where they are wanted elsewhere than the state is [m or rad].
+const PART: f64 = 0.2;
 /// Newton steps that close the joints at most.
 const CLOSING: usize = 50;
 /// What is left of a row, or of a coordinate, where it is closed [m, rad or 1].
@@ -321,7 +323,9 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
     });
     let at = (asked.time, &state[..], &given[..]);
     let mut moment = Moment::new(model, at)?;
-    moment.place(&asked.starts());
+    if asked.state.is_none() {
+        moment.place(&asked.starts());
+    }
     let fixed = asked.fixed.iter().map(|(name, _)| name.as_str());
     let others = asked.rates.iter().chain(&asked.guesses);
     let mut named: Vec<&str> = Vec::new();
@@ -376,7 +380,14 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
     for (at, value) in wanted {
         steps[at] = value - now[at];
     }
-    search.go(&steps)?;
+    // In parts that keep loops on their branch.
+    let parts = match search.chart.kept.is_empty() {
+        true => 1.0,
+        false => (steps.amax() / PART).ceil().clamp(1.0, 1e3),
+    };
+    for _ in 0..parts as usize {
+        search.go(&(&steps / parts))?;
+    }
     search.solve(asked.nodes.as_deref())
 }
 

@@ -942,6 +942,10 @@ const _: () = {
                     ::mbd_runtime::scene::Variable::Parameter,
                 )
                 | ::mbd_runtime::Quantity::Partial(
+                    ::mbd_runtime::scene::Differentiated::Derivative,
+                    ::mbd_runtime::scene::Variable::Input,
+                )
+                | ::mbd_runtime::Quantity::Partial(
                     ::mbd_runtime::scene::Differentiated::Balance,
                     ::mbd_runtime::scene::Variable::State,
                 )
@@ -954,6 +958,10 @@ const _: () = {
                     ::mbd_runtime::scene::Variable::Parameter,
                 )
                 | ::mbd_runtime::Quantity::Partial(
+                    ::mbd_runtime::scene::Differentiated::Balance,
+                    ::mbd_runtime::scene::Variable::Input,
+                )
+                | ::mbd_runtime::Quantity::Partial(
                     ::mbd_runtime::scene::Differentiated::Outputs,
                     ::mbd_runtime::scene::Variable::State,
                 )
@@ -964,6 +972,10 @@ const _: () = {
                 | ::mbd_runtime::Quantity::Partial(
                     ::mbd_runtime::scene::Differentiated::Outputs,
                     ::mbd_runtime::scene::Variable::Parameter,
+                )
+                | ::mbd_runtime::Quantity::Partial(
+                    ::mbd_runtime::scene::Differentiated::Outputs,
+                    ::mbd_runtime::scene::Variable::Input,
                 ) => out.fill(T::from_f64(f64::NAN)),
                 _ => {}
             }
