@@ -19,12 +19,16 @@ use crate::linearise::{LinearisationError, StateSpace};
 
 /// Steps at most.
 const ROUNDS: usize = 200;
+/// How far coordinates go at once where they are wanted elsewhere than the state is [m or rad].
+const PART: f64 = 0.2;
 /// Newton steps that close the joints at most.
 const CLOSING: usize = 50;
 /// What is left of a row, or of a coordinate, where it is closed [m, rad or 1].
 const CLOSED: f64 = 1e-12;
 /// The largest acceleration that counts as none, over the largest term of one [1].
 const STILL: f64 = 1e-9;
+/// Part of the largest change by an unknown below which another one changes nothing.
+const NOTHING: f64 = 1e-9;
 
 /// What is looked for: see [`trim`].
 pub struct Trim<'m, T: Scalar> {
@@ -319,7 +323,9 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
     });
     let at = (asked.time, &state[..], &given[..]);
     let mut moment = Moment::new(model, at)?;
-    moment.place(&asked.starts());
+    if asked.state.is_none() {
+        moment.place(&asked.starts());
+    }
     let fixed = asked.fixed.iter().map(|(name, _)| name.as_str());
     let others = asked.rates.iter().chain(&asked.guesses);
     let mut named: Vec<&str> = Vec::new();
@@ -374,7 +380,14 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
     for (at, value) in wanted {
         steps[at] = value - now[at];
     }
-    search.go(&steps)?;
+    // In parts that keep loops on their branch.
+    let parts = match search.chart.kept.is_empty() {
+        true => 1.0,
+        false => (steps.amax() / PART).ceil().clamp(1.0, 1e3),
+    };
+    for _ in 0..parts as usize {
+        search.go(&(&steps / parts))?;
+    }
     search.solve(asked.nodes.as_deref())
 }
 
@@ -482,44 +495,43 @@ impl Search {
         let mut residual = self.residual(guess)?;
         let (n, rest) = (self.chart.len(), self.rest);
         let (mut damping, mut iterations) = (1e-6, 0);
-        let mut scale = 1.0_f64;
-        while iterations < ROUNDS {
-            let space = StateSpace::in_chart(&mut self.moment, &self.chart)?;
-            let slopes = self.slopes(&space);
-            // The largest term of an acceleration: a unit of any free coordinate or input.
-            scale = slopes.amax().max(1.0);
-            if residual.amax() <= 1e-14 * scale || slopes.ncols() == 0 {
-                break;
-            }
-            iterations += 1;
+        let space = StateSpace::in_chart(&mut self.moment, &self.chart)?;
+        let mut slopes = self.slopes(&space);
+        while iterations < ROUNDS && residual.amax() > 1e-14 * size(&slopes) {
             let normal = slopes.transpose() * &slopes;
             let right = slopes.transpose() * &residual;
             let before = self.moment.state.clone();
             let inputs = self.moment.inputs.clone();
-            let mut better = false;
-            while damping < 1e12 {
+            let mut better = None;
+            while damping < 1e12 && better.is_none() && slopes.ncols() > 0 {
+                let least = 1e-12 * size(&slopes).powi(2);
                 let mut damped = normal.clone();
                 for k in 0..damped.nrows() {
-                    damped[(k, k)] += damping * normal[(k, k)].max(1e-12 * scale * scale);
+                    damped[(k, k)] += damping * normal[(k, k)].max(least);
                 }
                 let step = damped.cholesky().map(|factor| -factor.solve(&right));
                 if let Some(step) = step
                     && let Ok(tried) = self.try_step(&step, n, rest)
                     && tried.norm() < residual.norm()
+                    && let Ok(space) = StateSpace::in_chart(&mut self.moment, &self.chart)
                 {
-                    residual = tried;
-                    damping = (damping * 0.1).max(1e-15);
-                    better = true;
-                    break;
+                    // Where lines go slack nothing leads back.
+                    let there = self.slopes(&space);
+                    if decisive(&there) >= decisive(&slopes) {
+                        better = Some((tried, there));
+                        continue;
+                    }
                 }
                 self.moment.state.clone_from(&before);
                 self.moment.inputs.clone_from(&inputs);
                 damping *= 10.0;
             }
-            if !better {
-                break;
-            }
+            let Some((tried, there)) = better else { break };
+            (residual, slopes) = (tried, there);
+            damping = (damping * 0.1).max(1e-15);
+            iterations += 1;
         }
+        let scale = size(&slopes);
         self.chart.refresh(&mut self.moment)?;
         let residual = self.residual(None)?;
         let space = StateSpace::in_chart(&mut self.moment, &self.chart)?;
@@ -601,8 +613,7 @@ impl Search {
     /// The unknowns along which nothing changes what accelerates.
     fn undecided(&self, space: &StateSpace) -> Vec<String> {
         let slopes = self.slopes(space);
-        let scale = slopes.amax();
-        let n = self.chart.len();
+        let (n, least) = (self.chart.len(), NOTHING * size(&slopes));
         let coordinates = self.free.iter().copied();
         let inputs = self.inputs.iter().map(|&k| &space.inputs[k]);
         let behind = (0..self.rest).map(|k| &space.states[2 * n + k]);
@@ -613,9 +624,21 @@ impl Search {
         let columns = slopes.column_iter();
         let still = names
             .zip(columns)
-            .filter(|(_, column)| column.amax() <= 1e-9 * scale);
+            .filter(|(_, column)| column.amax() <= least);
         still.map(|(name, _)| with_unit(name)).collect()
     }
+}
+
+/// The largest change of an acceleration by a unit of an unknown, at least 1.
+fn size(slopes: &DMatrix<f64>) -> f64 {
+    slopes.iter().fold(1.0, |most, x| x.abs().max(most))
+}
+
+/// How many unknowns change anything.
+fn decisive(slopes: &DMatrix<f64>) -> usize {
+    let least = NOTHING * size(slopes);
+    let columns = slopes.column_iter();
+    columns.filter(|column| column.amax() > least).count()
 }
 
 /// A difference of angles within half a turn.

@@ -16,8 +16,10 @@ use super::LinearisationError;
 use super::moment::Moment;
 use crate::columns::{Name, state_names};
 
-/// Parts of a candidate that must be new, one round after the other.
-const NEW: [f64; 3] = [0.3, 0.03, 1e-4];
+/// Parts of what the joints leave of a candidate that must be new, one round after the other.
+const NEW: [f64; 3] = [0.1, 0.01, 1e-3];
+/// The least of it that counts as independent.
+const LEAST: f64 = 1e-6;
 /// Part of a row of a joint below which it repeats others.
 const REPEATS: f64 = 1e-9;
 
@@ -166,32 +168,38 @@ impl Chart {
                 margin: basis.passed,
             });
         }
-        let mut chosen: Vec<(Minimal, DMatrix<f64>)> = Vec::new();
+        let mut chosen: Vec<(usize, Minimal, DMatrix<f64>)> = Vec::new();
         for one in first {
             let own = row(&one);
-            if !basis.take(&own, NEW[2]) {
+            if !basis.take(&own, LEAST) {
                 let name = one.coordinate.name;
                 return Err(LinearisationError::DependentCoordinate { name });
             }
-            chosen.push((one, own));
+            chosen.push((0, one, own));
         }
-        for new in NEW {
+        // Joint coordinates before others, whatever they leave; in the end anything.
+        let joints_first = [true, false].map(|joints| NEW.map(|new| (joints, new)));
+        let rounds = joints_first.as_flattened().iter().copied();
+        let mut all: Vec<(usize, Minimal)> = (1..).zip(all).collect();
+        for (joints, new) in rounds.chain([(true, LEAST), (false, LEAST)]) {
             let mut left = Vec::new();
-            for one in all {
+            for (place, one) in all {
                 let own = row(&one);
-                if own.iter().all(|x| x.is_finite()) && basis.take(&own, new) {
-                    chosen.push((one, own));
+                let asked = matches!(one.source, Source::Joint(_)) == joints;
+                if asked && own.iter().all(|x| x.is_finite()) && basis.take(&own, new) {
+                    chosen.push((place, one, own));
                 } else {
-                    left.push(one);
+                    left.push((place, one));
                 }
             }
             all = left;
         }
+        chosen.sort_by_key(|(place, ..)| *place);
         let mut rows = DMatrix::zeros(nv, nv);
         for (line, &row) in kept.iter().enumerate() {
             rows.row_mut(line).copy_from(&joints.row(row));
         }
-        for (line, (_, row)) in chosen.iter().enumerate() {
+        for (line, (_, _, row)) in chosen.iter().enumerate() {
             rows.row_mut((kept.len() + line).min(nv - 1))
                 .copy_from(&row.row(0));
         }
@@ -199,7 +207,7 @@ impl Chart {
         let inverse = inverse.filter(|_| kept.len() + chosen.len() == nv);
         let inverse = inverse.ok_or(LinearisationError::DependentRows { margin: 0.0 })?;
         Ok(Chart {
-            minimal: chosen.into_iter().map(|(one, _)| one).collect(),
+            minimal: chosen.into_iter().map(|(_, one, _)| one).collect(),
             rows,
             inverse,
             kept,
@@ -338,6 +346,8 @@ struct Basis {
     /// L of M = L Lᵀ, inverted.
     scale: DMatrix<f64>,
     directions: Vec<DVector<f64>>,
+    /// How many of them the joints hold.
+    held: usize,
     /// The largest part that a row which was passed over had left.
     passed: f64,
 }
@@ -351,16 +361,17 @@ impl Basis {
         Basis {
             scale: scale.unwrap_or_else(|| DMatrix::identity(nv, nv)),
             directions: Vec::new(),
+            held: 0,
             passed: 0.0,
         }
     }
 
-    /// What is new in a row: its direction, and its part of the row.
-    fn new_in(&self, row: &DVector<f64>) -> (DVector<f64>, f64) {
+    /// What is new in a row beside the first directions, and its part of the row.
+    fn new_in(&self, row: &DVector<f64>, count: usize) -> (DVector<f64>, f64) {
         let whole = row.norm();
         let mut left = row.clone();
         for _ in 0..2 {
-            for direction in &self.directions {
+            for direction in &self.directions[..count] {
                 let along = direction.dot(&left);
                 left.axpy(-along, direction, 1.0);
             }
@@ -373,10 +384,12 @@ impl Basis {
         (left, part)
     }
 
+    /// Takes a coordinate of which those before it leave at least a part of what the joints leave.
     fn take(&mut self, row: &DMatrix<f64>, least: f64) -> bool {
         let row = &self.scale * row.row(0).transpose();
-        let (left, part) = self.new_in(&row);
-        let new = part > least;
+        let (free, movable) = self.new_in(&row, self.held);
+        let (left, _) = self.new_in(&row, self.directions.len());
+        let new = movable > REPEATS && left.norm() > least * free.norm();
         if new {
             let length = left.norm();
             self.directions.push(left / length);
@@ -391,7 +404,9 @@ impl Basis {
             .collect();
         let mut kept = Vec::new();
         while !open.is_empty() {
-            let parts = open.iter().map(|(_, row)| self.new_in(row));
+            let parts = open
+                .iter()
+                .map(|(_, row)| self.new_in(row, self.directions.len()));
             let parts: Vec<(DVector<f64>, f64)> = parts.collect();
             let most = (0..parts.len()).max_by(|&a, &b| parts[a].1.total_cmp(&parts[b].1));
             let Some(most) = most else { break };
@@ -403,6 +418,7 @@ impl Basis {
             self.directions.push(left / left.norm());
             kept.push(open.remove(most).0);
         }
+        self.held = kept.len();
         kept.sort_unstable();
         kept
     }

@@ -207,7 +207,15 @@ impl<T: Float> ThroughRows<T> {
         evaluator.differentiate(by, &given, &mut partial.values);
         out.values
             .copy_from_slice(&partial.values[..layout.nx() * columns]);
+        let rows = || (layout.nq..layout.nq + layout.nv).chain(layout.nx()..partial.rows());
         for column in 0..columns {
+            // Positions often change nothing: only what pulls depends on them.
+            if rows().all(|row| partial.at(row, column) == T::zero()) {
+                for speed in 0..layout.nv {
+                    out.values[(layout.nq + speed) * columns + column] = T::zero();
+                }
+                continue;
+            }
             self.solve(layout, evaluator, at, |row| partial.at(row, column));
             for (speed, x) in self.found[..layout.nv].iter().enumerate() {
                 out.values[(layout.nq + speed) * columns + column] = *x;

@@ -1,6 +1,8 @@
 //! Derivatives through the rows of joints against dual numbers through the whole elimination: on the joints and off them, with loops, with
 //! rows that repeat others.
 
+use std::collections::BTreeSet;
+
 use mbd_compiler::{Equations, Interpreted};
 use mbd_runtime::{Generic, Linearisation, Matrix};
 use mbd_scene::{Arguments, Differentiated, Layout, Model, Quantity, Scene, Variable};
@@ -134,13 +136,22 @@ fn cost(scene: &Scene) -> (f64, usize) {
         let program = equations.program(what);
         program.map_or(0, |program| program.cost().total())
     };
-    let columns = equations.layout.variables(Variable::State);
+    let layout = &equations.layout;
+    let columns = layout.variables(Variable::State);
     let partial = |of| count(Quantity::Partial(of, Variable::State));
     let emitted = match equations.layout.nc {
         0 => partial(Differentiated::Derivative),
         _ => partial(Differentiated::Residual) + count(Quantity::Factor) + count(Quantity::Solve),
     };
-    let each = columns.saturating_sub(1) * count(Quantity::Solve);
+    // A column in which nothing of the balances and rows changes is not solved for.
+    let through = equations.program(Quantity::Partial(Differentiated::Residual, Variable::State));
+    let outputs = through.map_or(&[][..], |program| &program.outputs);
+    let solved = outputs
+        .iter()
+        .map(|(place, _)| (place / columns, place % columns));
+    let solved = solved.filter(|(row, _)| !(0..layout.nq).contains(row));
+    let solved: BTreeSet<usize> = solved.map(|(_, column)| column).collect();
+    let each = solved.len().saturating_sub(1) * count(Quantity::Solve);
     let whole = count(Quantity::Derivative) * columns;
     ((emitted + each) as f64 / whole as f64, emitted)
 }
