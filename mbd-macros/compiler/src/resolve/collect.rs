@@ -42,7 +42,8 @@ impl<'a> Resolver<'a> {
         self.collect(
             model,
             &[
-                "world", "body", "point", "joint", "line", "spring", "load", "output", "event",
+                "let", "world", "body", "point", "joint", "line", "spring", "load", "output",
+                "event",
             ],
         );
     }
@@ -230,6 +231,7 @@ impl<'a> Resolver<'a> {
             + self.scene.points.len()
             + self.scene.lines.len()
             + self.scene.joints.len()
+            + self.scene.lets.len()
     }
 
     /// How many things of a kind there are so far.
@@ -240,6 +242,7 @@ impl<'a> Resolver<'a> {
             "param" => scene.params.len(),
             "input" => scene.inputs.len(),
             "table" => scene.tables.len(),
+            "let" => scene.lets.len(),
             "body" => scene.bodies.len(),
             "point" => scene.points.len(),
             "joint" => scene.joints.len(),
@@ -311,6 +314,7 @@ fn named(word: &str, slot: usize) -> Named {
         "param" => Named::Param(slot),
         "input" => Named::Input(slot),
         "table" => Named::Table(slot),
+        "let" => Named::Let(slot),
         "body" => Named::Body(slot),
         "point" => Named::Point(slot),
         "joint" => Named::Joint(slot),

@@ -15,6 +15,8 @@ pub enum Named {
     Input(usize),
     /// A table.
     Table(usize),
+    /// A named expression.
+    Let(usize),
     /// A frame of the world.
     WorldFrame(usize),
     /// A body.
@@ -36,6 +38,14 @@ pub enum Named {
 }
 
 impl Named {
+    /// Whether its name alone is a value.
+    pub fn is_value(self) -> bool {
+        matches!(
+            self,
+            Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::Let(_)
+        )
+    }
+
     /// The word for its kind.
     pub fn kind(self) -> &'static str {
         match self {
@@ -43,6 +53,7 @@ impl Named {
             Named::Param(_) => "param",
             Named::Input(_) => "input",
             Named::Table(_) => "table",
+            Named::Let(_) => "let",
             Named::WorldFrame(_) | Named::Frame(..) => "frame",
             Named::Body(_) => "body",
             Named::Point(_) => "point",

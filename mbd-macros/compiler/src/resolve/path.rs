@@ -68,9 +68,11 @@ impl Resolver<'_> {
         }
         match named {
             Named::Const(index) => {
-                let dimension = self.scene.consts.get(index)?.unit.dimension;
+                let declared = self.scene.consts.get(index)?;
+                let (vector, dimension) =
+                    (declared.value.vector().is_some(), declared.unit.dimension);
                 self.tail(
-                    self.declared(Formula::Const(index), false, dimension, here, named),
+                    self.declared(Formula::Const(index), vector, dimension, here, named),
                     rest,
                 )
             }
@@ -90,6 +92,15 @@ impl Resolver<'_> {
                 let (vector, dimension) = (input.components == 3, input.unit.dimension);
                 self.tail(
                     self.declared(Formula::Input(index), vector, dimension, here, named),
+                    rest,
+                )
+            }
+            Named::Let(index) => {
+                self.named_expression(index, here, scope)?;
+                let named_here = self.scene.lets.get(index)?;
+                let (vector, dimension) = (named_here.components == 3, named_here.unit.dimension);
+                self.tail(
+                    self.declared(Formula::Let(index), vector, dimension, here, named),
                     rest,
                 )
             }
@@ -124,6 +135,7 @@ impl Resolver<'_> {
             Named::Const(i) => self.scene.consts.get(i).map(|c| c.unit.text.clone()),
             Named::Param(i) => self.scene.params.get(i).map(|p| p.unit.text.clone()),
             Named::Input(i) => self.scene.inputs.get(i).map(|i| i.unit.text.clone()),
+            Named::Let(i) => self.scene.lets.get(i).map(|l| l.unit.text.clone()),
             _ => None,
         };
         let text = text.unwrap_or_default();
@@ -175,9 +187,7 @@ impl Resolver<'_> {
         let word = &step.word.text;
         let at = step.word.at.into();
         if alone {
-            let mut known = self
-                .names
-                .words_of(|n| matches!(n, Named::Const(_) | Named::Param(_) | Named::Input(_)));
+            let mut known = self.names.words_of(Named::is_value);
             known.extend(["time", "pi"]);
             say::unknown_parameter(at, word, &known)
         } else {
@@ -189,6 +199,7 @@ impl Resolver<'_> {
                         | Named::Joint(_)
                         | Named::Line(_)
                         | Named::Input(_)
+                        | Named::Let(_)
                 )
             });
             say::unknown_thing(at, word, &known)

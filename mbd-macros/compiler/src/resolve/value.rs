@@ -10,7 +10,7 @@ use crate::syntax::{Value, Word};
 use crate::units;
 
 /// What an expression may depend on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// Numbers and consts.
     Constant,
@@ -170,9 +170,7 @@ impl Resolver<'_> {
             }
         });
         let open: String = open.collect();
-        let values = self
-            .names
-            .words_of(|named| matches!(named, Named::Const(_) | Named::Param(_) | Named::Input(_)));
+        let values = self.names.words_of(Named::is_value);
         let found = open
             .split_whitespace()
             .skip(1)
@@ -275,7 +273,7 @@ impl Resolver<'_> {
             _ => return self.fail(say::unknown_component(axis.at.into(), &axis.text)),
         };
         Some(Typed {
-            formula: fold::component(of.formula, index),
+            formula: fold::component(of.formula, index, &self.scene),
             vector: false,
             bare: None,
             at: of.at.to(axis.at.into()),

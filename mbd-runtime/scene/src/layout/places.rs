@@ -5,7 +5,7 @@ use crate::layout::{
     PointSlots, Slots, StopSlots,
 };
 use crate::scalar::Few;
-use crate::scene::{Frame, LoadKind, NodeModel, PointKind, Scene};
+use crate::scene::{LoadKind, NodeModel, PointKind, Scene};
 use crate::{Formula, Gravity, Part, Place, RowSet};
 
 impl Layout {
@@ -15,6 +15,7 @@ impl Layout {
             np: scene.params.len(),
             directions: scene.directions(),
             events: scene.events.len(),
+            lets: scene.lets.len(),
             ..Layout::default()
         };
         layout.place_state(scene);
@@ -29,8 +30,9 @@ impl Layout {
             side,
         });
         layout.stops = stops.collect();
-        let effort =
-            |formula: &Formula| formula.contains(|part| matches!(part, Formula::MotorEffort(..)));
+        let effort = |formula: &Formula| {
+            scene.contains(formula, |part| matches!(part, Formula::MotorEffort(..)))
+        };
         layout.efforts = [
             scene.outputs.iter().any(|output| effort(&output.value)),
             scene.events.iter().any(|event| effort(&event.guard)),
@@ -77,7 +79,10 @@ impl Layout {
 
     fn place_rows(&mut self, scene: &Scene, laws: Vec<RowSet>) {
         let moving = |place: Place| match place {
-            Place::World(frame) => scene.world_frames.get(frame).is_some_and(Frame::moves),
+            Place::World(frame) => scene
+                .world_frames
+                .get(frame)
+                .is_some_and(|frame| frame.moves(scene)),
             _ => false,
         };
         for (joint, law) in scene.joints.iter().zip(laws) {
