@@ -1,8 +1,8 @@
 //! States of the user's own: first-order equations of motors, controllers and filters beside the mechanics, against their closed forms.
 
 use mbd_runtime::{
-    Content, Generic, Linearisation, Model, Options, RunError, Sampling, Simulation,
-    StepError, Trajectory, model,
+    Content, Generic, Linearisation, Model, Options, RunError, Sampling, Simulation, StepError,
+    Trajectory, model,
 };
 use tests::agreement::{agrees, agrees_along};
 

@@ -224,13 +224,14 @@ fn warning(message: &Message) -> TokenStream {
 }
 
 /// Something of Rust under the same name that nothing uses either, so that rustc says so: "constant `L` is never used", "field `k` is never
-/// read", "function `drag` is never used".
+/// read", "function `drag` is never used", "unused variable: `speed`". It stands where the name does: of what only a macro wrote, rustc says nothing.
 fn unused(span: Span, kind: &str, name: &str) -> TokenStream {
     let name = Ident::new(name, span);
     let item = match kind {
-        "const" => quote!(const #name: () = ();),
-        "table" => quote!(fn #name() {}),
-        _ => quote! {
+        "const" => quote_spanned!(span=> const #name: () = ();),
+        "table" => quote_spanned!(span=> fn #name() {}),
+        "let" => quote_spanned!(span=> let #name = ();),
+        _ => quote_spanned! {span=>
             struct Declaration { #name: () }
             let _ = Declaration { #name: () };
         },

@@ -49,4 +49,4 @@ pub use resolve::Named;
 pub use solution::{Member, Solution};
 pub use strided::{Item, StridedRun};
 #[cfg(feature = "toml")]
-pub use toml::{read_toml, write_toml};
+pub use toml::{read_toml, toml_to_text, write_text, write_toml};

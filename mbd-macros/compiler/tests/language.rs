@@ -136,7 +136,6 @@ const AWAITED: &[(&str, &str)] = &[
     ("w03_reaction_out.mbd", "quantities"),
     ("w04_state_var.mbd", "language"),
     ("w12_table2d.mbd", "language"),
-    ("w13_let_expr.mbd", "language"),
     ("w14_accel.mbd", "quantities"),
     ("w15_frame_inertial.mbd", "quantities"),
     ("w23_initial.mbd", "language"),

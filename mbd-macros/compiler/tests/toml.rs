@@ -1,6 +1,6 @@
 //! Scenes in TOML: the same scene, the same mistakes, each at its line and column.
 
-use mbd_compiler::{Reading, read_text, read_toml, write_toml};
+use mbd_compiler::{Reading, read_text, read_toml, toml_to_text, write_text, write_toml};
 use mbd_scene::Scene;
 
 fn told(reading: &Reading) -> Vec<String> {
@@ -25,6 +25,42 @@ fn text_to_scene_to_toml_to_scene_is_the_identity() {
         });
         assert_eq!(scene, read, "{}\n{written}", path.display());
     }
+}
+
+#[test]
+fn scene_to_text_to_scene_is_the_identity() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pass");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let scene = read_text(&text).scene.unwrap();
+        let written = write_text(&scene);
+        let again = read_text(&written);
+        let read = again.scene.clone().unwrap_or_else(|| {
+            panic!("{}\n{written}\n{}", path.display(), told(&again).join("\n"))
+        });
+        assert_eq!(scene, read, "{}\n{written}", path.display());
+    }
+}
+
+#[test]
+fn a_document_as_text_keeps_its_consts_repetitions_and_units() {
+    let text = toml_to_text(LINK).unwrap();
+    for kept in [
+        "/// A link on a line.\npub model Link<T> {",
+        "const L = 1.6 m;",
+        "/// Mass of the link.\n    param mass = 2.0 kg in 1 kg ..= 3 kg;",
+        "body bead[i in 0..2] {",
+        "frame ear[j in 0..2] at [0.0, i * 1 cm, j * 1 cm]",
+        "free_length: L + i * 10 cm",
+        "event slack = side[0].tension falls 0 N;",
+        "verify;",
+    ] {
+        assert!(text.contains(kept), "{kept}\n{text}");
+    }
+    let (read, document) = (read_text(&text), read_toml(LINK));
+    assert!(read.scene.is_some(), "{:?}\n{text}", read.errors);
+    assert_eq!(read.scene, document.scene);
 }
 
 const LINK: &str = r#"

@@ -1,22 +1,90 @@
 //! `mbd check`: what a scene file contains.
 
-use std::path::Path;
+use std::path::PathBuf;
 
+use clap::Args;
 use mbd_compiler::Equations;
+use mbd_runtime::Layout;
 use models::describe;
 use models::report::Table;
+use serde_json::{Value, json};
 
 use super::failure::Failure;
+use super::mistakes::listed;
 use super::scene_file::SceneFile;
 
+/// What to check, and how to tell it.
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// A ready scene (`mbd list`), or a file: `.toml`, or the text of a `model!` declaration in a file of any other name.
+    scene: PathBuf,
+    /// Print what it contains, or its mistakes with their places, as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
 /// Reads a scene and tells what is in it.
-pub fn check(path: &Path) -> Result<String, Failure> {
-    let file = SceneFile::find(path)?;
+pub fn check(args: &CheckArgs) -> Result<String, Failure> {
+    match SceneFile::find(&args.scene) {
+        Ok(file) if args.json => pretty(&contents(&file)),
+        Ok(file) => Ok(tables(&file)),
+        Err(Failure::Mistakes(mistakes)) if args.json => {
+            let told = pretty(&json!({ "valid": false, "errors": mistakes.json() }))?;
+            Err(Failure::Told(told))
+        }
+        Err(failure) => Err(failure),
+    }
+}
+
+fn tables(file: &SceneFile) -> String {
     let mut parts = vec![describe::counts(&file.scene).text()];
     parts.extend(describe::things(&file.scene).iter().map(Table::text));
     parts.push(describe::operations(&Equations::trace(&file.scene)).text());
     if !file.remarks.is_empty() {
         parts.push(file.remarks.join("\n") + "\n");
     }
-    Ok(parts.join("\n"))
+    parts.join("\n")
+}
+
+fn pretty(value: &Value) -> Result<String, Failure> {
+    let text = serde_json::to_string_pretty(value);
+    text.map(|text| text + "\n")
+        .map_err(|error| Failure::Usage(error.to_string()))
+}
+
+/// The contents for a program; numbers of params in SI.
+fn contents(file: &SceneFile) -> Value {
+    let (scene, layout) = (&file.scene, Layout::new(&file.scene));
+    let params = scene.params.iter().map(|param| {
+        json!({ "name": param.name, "default": param.default, "range": param.range, "unit": param.unit.text, "doc": param.doc.trim() })
+    });
+    let inputs = scene.inputs.iter().map(|input| {
+        json!({ "name": input.name, "components": input.components, "unit": input.unit.text })
+    });
+    let outputs = scene.outputs.iter().map(|output| {
+        json!({ "name": output.name, "components": output.components, "unit": output.unit.text })
+    });
+    let names = |list: &mut dyn Iterator<Item = &String>| list.cloned().collect::<Vec<String>>();
+    json!({
+        "valid": true,
+        "scene": scene.name,
+        "bodies": names(&mut scene.bodies.iter().map(|body| &body.name)),
+        "points": names(&mut scene.points.iter().map(|point| &point.name)),
+        "joints": names(&mut scene.joints.iter().map(|joint| &joint.name)),
+        "lines": names(&mut scene.lines.iter().map(|line| &line.name)),
+        "loads": names(&mut scene.loads.iter().map(|load| &load.name)),
+        "events": names(&mut scene.events.iter().map(|event| &event.name)),
+        "params": params.collect::<Vec<_>>(),
+        "inputs": inputs.collect::<Vec<_>>(),
+        "outputs": outputs.collect::<Vec<_>>(),
+        "coordinates": layout.nq,
+        "speeds": layout.nv,
+        "rows": layout.nc,
+        "independent_rows": layout.rank(),
+        "freedoms": layout.freedoms(),
+        "loops": layout.redundancy.loops,
+        "repeated_rows": layout.redundancy.sentences(scene),
+        "warnings": listed(&file.reading.warnings, &file.name),
+        "notes": file.reading.notes,
+    })
 }

@@ -1,16 +1,42 @@
-//! `mbd convert`: any scene as TOML.
+//! `mbd convert`: any scene as TOML, or as the text of a declaration.
 
-use std::path::Path;
+use std::path::PathBuf;
 
-use mbd_compiler::write_toml;
+use clap::{Args, ValueEnum};
+use mbd_compiler::{toml_to_text, write_text, write_toml};
 
 use super::failure::Failure;
 use super::scene_file::SceneFile;
 
-/// The scene of a file as TOML, with the settings of its run.
-pub fn convert(path: &Path) -> Result<String, Failure> {
-    let file = SceneFile::find(path)?;
-    let scene = write_toml(&file.scene);
+/// The two forms of a scene file.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Form {
+    /// Tables and keys.
+    Toml,
+    /// The text of a `model!` declaration.
+    Mbd,
+}
+
+/// What to convert, and into what.
+#[derive(Args, Debug)]
+pub struct ConvertArgs {
+    /// A ready scene (`mbd list`), or a file: `.toml`, or the text of a `model!` declaration in a file of any other name.
+    scene: PathBuf,
+    /// The form to write.
+    #[arg(long, value_name = "FORM", default_value = "toml")]
+    to: Form,
+}
+
+/// The scene of a file in one of both forms, with the settings of its run.
+pub fn convert(args: &ConvertArgs) -> Result<String, Failure> {
+    let file = SceneFile::find(&args.scene)?;
+    // What is a document already keeps its repetitions, consts and units.
+    let scene = match (args.to, &file.document) {
+        (Form::Toml, Some(document)) => document.clone(),
+        (Form::Mbd, Some(document)) => toml_to_text(document).unwrap_or_default(),
+        (Form::Toml, None) => write_toml(&file.scene),
+        (Form::Mbd, None) => write_text(&file.scene),
+    };
     Ok(match file.run.as_str() {
         "" => scene,
         run => format!("{}\n\n{run}\n", scene.trim_end()),

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::mistakes::{Mistakes, Paint};
+
 /// A command that did not succeed: the text is for the user.
 #[derive(Debug)]
 pub enum Failure {
@@ -9,6 +11,10 @@ pub enum Failure {
     Usage(String),
     /// The scene or its params are invalid.
     Invalid(String),
+    /// A scene file has mistakes.
+    Mistakes(Mistakes),
+    /// The scene is invalid; that is told on the standard output, for a program.
+    Told(String),
     /// The run stopped before its end.
     Aborted(String),
 }
@@ -18,7 +24,7 @@ impl Failure {
     pub fn code(&self) -> u8 {
         match self {
             Failure::Usage(_) => 1,
-            Failure::Invalid(_) => 2,
+            Failure::Invalid(_) | Failure::Mistakes(_) | Failure::Told(_) => 2,
             Failure::Aborted(_) => 4,
         }
     }
@@ -26,7 +32,12 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Failure::Usage(text) | Failure::Invalid(text) | Failure::Aborted(text)) = self;
-        f.write_str(text)
+        match self {
+            Failure::Mistakes(mistakes) => f.write_str(&mistakes.text(Paint::Plain)),
+            Failure::Usage(text)
+            | Failure::Invalid(text)
+            | Failure::Told(text)
+            | Failure::Aborted(text) => f.write_str(text),
+        }
     }
 }

@@ -6,19 +6,23 @@ mod expand;
 mod failure;
 mod linearise;
 mod list;
+mod mistakes;
 mod parachute;
 mod run;
 mod scene_file;
 
 use std::ffi::OsString;
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use check::CheckArgs;
+use convert::ConvertArgs;
 use failure::Failure;
 use linearise::LineariseArgs;
+use mistakes::Paint;
 use parachute::ParachuteArgs;
 use run::RunArgs;
 
@@ -45,11 +49,11 @@ enum Command {
     /// Linearise a scene about its start or its rest: minimal coordinates, eigenvalues with frequency and damping.
     Linearise(LineariseArgs),
     /// Check a scene and say what it contains: bodies, freedoms, nodes, operations.
-    Check(SceneArgs),
+    Check(CheckArgs),
     /// Print the Rust that `model!` makes of a scene.
     Expand(SceneArgs),
-    /// Print a scene as TOML, with the settings of its run.
-    Convert(SceneArgs),
+    /// Print a scene as TOML or as the text of a declaration, with the settings of its run.
+    Convert(ConvertArgs),
 }
 
 /// A scene.
@@ -65,8 +69,16 @@ pub fn main() -> ExitCode {
     let Err(failure) = text.and_then(|text| print(&text, &mut std::io::stdout())) else {
         return ExitCode::SUCCESS;
     };
-    // The exit code tells of the failure when the error stream cannot.
-    let _ = writeln!(std::io::stderr(), "{}", failure.to_string().trim_end());
+    // The exit code tells of the failure when a stream cannot.
+    let _ = match &failure {
+        Failure::Told(text) => writeln!(std::io::stdout(), "{}", text.trim_end()),
+        Failure::Mistakes(mistakes) => {
+            let colours = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+            let paint = Paint::of(std::io::stderr().is_terminal() && colours);
+            writeln!(std::io::stderr(), "{}", mistakes.text(paint).trim_end())
+        }
+        failure => writeln!(std::io::stderr(), "{}", failure.to_string().trim_end()),
+    };
     ExitCode::from(failure.code())
 }
 
@@ -90,17 +102,20 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
         Err(error) if error.use_stderr() => return Err(Failure::Usage(error.to_string())),
         Err(help) => return Ok(help.to_string()),
     };
-    match cli
-        .command
-        .unwrap_or_else(|| Command::Parachute(ParachuteArgs::default()))
-    {
+    let command = cli.command.unwrap_or_else(|| {
+        let args = ParachuteArgs::default();
+        // Nobody reading it is no reason not to fly.
+        let _ = writeln!(std::io::stderr(), "{}", parachute::announced(&args));
+        Command::Parachute(args)
+    });
+    match command {
         Command::Parachute(args) => parachute::parachute(&args),
         Command::List => Ok(list::list()),
         Command::Run(args) => run::run(&args),
         Command::Linearise(args) => linearise::linearise(&args),
-        Command::Check(args) => check::check(&args.scene),
+        Command::Check(args) => check::check(&args),
         Command::Expand(args) => expand::expand(&args.scene),
-        Command::Convert(args) => convert::convert(&args.scene),
+        Command::Convert(args) => convert::convert(&args),
     }
 }
 

@@ -24,6 +24,14 @@ impl Default for ParachuteArgs {
     }
 }
 
+/// What is about to happen, for someone who typed `mbd` alone.
+pub fn announced(args: &ParachuteArgs) -> String {
+    format!(
+        "mbd: flying the parachute with every model of its confluence, about a minute, results in {}; `mbd --help` shows what else there is",
+        args.out.display()
+    )
+}
+
 /// Flies the study, writes it and tells its table.
 pub fn parachute(args: &ParachuteArgs) -> Result<String, Failure> {
     let mut progress = Progress::new();

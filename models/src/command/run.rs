@@ -31,6 +31,9 @@ pub struct RunArgs {
     /// Distance of the rows of the history, with unit or in seconds [default: every step].
     #[arg(long, value_name = "TIME")]
     every: Option<String>,
+    /// The most steps, accepted and rejected, before the run is given up [default: 10000000 of RK4, 1000000 of Tsit5].
+    #[arg(long, value_name = "NUMBER")]
+    max_steps: Option<u64>,
     /// Value of a param with its unit, `riser_k=50kN/m`; may be repeated. `mbd check` shows the params with their ranges.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -88,15 +91,16 @@ fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Failur
     }
     settings.until = value(&args.until).or(settings.until);
     settings.every = value(&args.every).or(settings.every);
+    settings.max_steps = args.max_steps.or(settings.max_steps);
     for set in &args.set {
         let Some((name, given)) = set.split_once('=') else {
             return Err(Failure::Usage(format!(
                 "--set `{set}`: write it as NAME=VALUE, such as riser_k=50kN/m"
             )));
         };
-        settings
-            .params
-            .insert(name.trim().to_string(), typed(given));
+        // A text even where it is a bare number: what a person types carries its unit.
+        let given = Value::String(given.trim().to_string());
+        settings.params.insert(name.trim().to_string(), given);
     }
     Ok(settings)
 }

@@ -10,14 +10,19 @@ use models::scenes::{self, Fly};
 
 use super::failure::Failure;
 use super::list::{self, Ready};
+use super::mistakes::Mistakes;
 
 /// A scene that was read without errors.
 #[derive(Debug)]
 pub struct SceneFile {
+    /// The name of the file, or of the ready scene.
+    pub name: String,
     /// The scene.
     pub scene: Scene,
     /// Everything that was read.
     pub reading: Reading,
+    /// The scene as it was written, if in TOML.
+    pub document: Option<String>,
     /// How its run is set: the table `[run]`.
     pub settings: Settings,
     /// That table as written.
@@ -51,6 +56,7 @@ impl SceneFile {
         file.fly = Some(ready.fly);
         // Its names were checked when it was compiled; in its data consts are folded and would seem unused.
         file.remarks.clear();
+        file.reading.warnings.clear();
         // Ready scenes are declared over the scalar; data does not tell.
         file.reading.options.generic = true;
         let emitted = (ready.emitted)().into_iter();
@@ -71,19 +77,13 @@ impl SceneFile {
     fn of_text(text: &str, name: &str, is_toml: bool) -> Result<SceneFile, Failure> {
         let (scene, run) = split(text);
         let read = if is_toml { read_toml } else { read_text };
+        let document = is_toml.then(|| scene.clone());
         let (reading, settings) = (read(&scene), Settings::read(&run));
-        let mut mistakes = told(&reading.errors, name);
+        let mut errors = reading.errors.clone();
         let scene = reading.scene.as_ref();
-        mistakes.extend(
-            scene
-                .and_then(|scene| immovable(&reading, &Layout::new(scene)))
-                .map(|message| message.in_file(name)),
-        );
-        if let Err(text) = &settings {
-            mistakes.push(format!("{name}: {}", text.trim_end()));
-        }
+        errors.extend(scene.and_then(|scene| immovable(&reading, &Layout::new(scene))));
         match (reading.scene.clone(), settings) {
-            (Some(scene), Ok(settings)) if mistakes.is_empty() => {
+            (Some(scene), Ok(settings)) if errors.is_empty() => {
                 let warnings = told(&reading.warnings, name);
                 let mut remarks: Vec<String> = warnings
                     .iter()
@@ -91,6 +91,8 @@ impl SceneFile {
                     .collect();
                 remarks.extend(reading.notes.iter().map(|note| format!("note: {note}")));
                 Ok(SceneFile {
+                    name: name.to_owned(),
+                    document,
                     scene,
                     reading,
                     settings,
@@ -99,7 +101,12 @@ impl SceneFile {
                     fly: None,
                 })
             }
-            _ => Err(Failure::Invalid(counted(&mistakes))),
+            (_, settings) => Err(Failure::Mistakes(Mistakes {
+                file: name.to_owned(),
+                source: text.to_owned(),
+                errors,
+                settings: settings.err(),
+            })),
         }
     }
 }
@@ -120,12 +127,4 @@ fn told(messages: &[Message], name: &str) -> Vec<String> {
         .iter()
         .map(|message| message.in_file(name))
         .collect()
-}
-
-fn counted(mistakes: &[String]) -> String {
-    let count = match mistakes.len() {
-        1 => "1 error".to_string(),
-        count => format!("{count} errors"),
-    };
-    format!("{}\n{count}", mistakes.join("\n"))
 }

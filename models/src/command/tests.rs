@@ -1,5 +1,6 @@
 //! What is typed, and what comes of it.
 
+use super::scene_file::SceneFile;
 use super::*;
 
 fn run(arguments: &[&str]) -> Result<String, Failure> {
@@ -296,7 +297,7 @@ fn a_param_that_does_not_exist_or_leaves_its_range_is_invalid() {
     for (set, what) in [
         ("kk=1", "no `kk`"),
         ("k=1 kg", "wrong unit"),
-        ("k=1", "k"),
+        ("k=5000", "`5000` needs a unit, such as kN/m"),
         ("m_bob=20 kg", "range"),
         ("k", "NAME=VALUE"),
     ] {
@@ -354,6 +355,14 @@ fn every_mistake_of_a_file_is_told_with_its_place() {
                 "{told}"
             );
         }
+        // The line itself, and a caret under the word.
+        let shown = format!(" {} | mass = \"16 kgs\"", place("16 kgs"));
+        let (_, after) = told.split_once(&shown).unwrap_or_else(|| panic!("{told}"));
+        assert_eq!(
+            after.lines().nth(1).map(str::trim_end),
+            Some("    |            ^^^")
+        );
+        assert!(!told.contains('\x1b'), "{told}");
         assert!(
             told.contains(&format!("line {}", place("untl")))
                 && told.contains("unknown field `untl`"),
@@ -579,4 +588,139 @@ fn linearise_tells_coordinates_and_frequencies_of_a_ready_scene() {
     );
     let text = run(&["linearise", "linkage", "--trim"]).unwrap();
     assert!(text.contains("about the rest"), "{text}");
+}
+
+#[test]
+fn mistakes_are_coloured_for_a_terminal_only() {
+    let folder = Folder::new("coloured");
+    let file = folder.file("m.mbd", "model M {\n\tgravity: nome;\n}\n");
+    let Err(Failure::Mistakes(mistakes)) = run(&["check", &file]) else {
+        panic!("accepted");
+    };
+    let (plain, coloured) = (mistakes.text(Paint::Plain), mistakes.text(Paint::Coloured));
+    // A tab stays a tab, so that the caret stands under its word.
+    assert!(
+        plain.contains(" 2 | \tgravity: nome;\n   | \t         ^^^^"),
+        "{plain}"
+    );
+    assert!(
+        !plain.contains('\x1b') && coloured.contains("\x1b[1;31m^^^^\x1b[0m"),
+        "{coloured}"
+    );
+    let mut bare = coloured.clone();
+    for code in ["\x1b[1m", "\x1b[1;31m", "\x1b[1;34m", "\x1b[0m"] {
+        bare = bare.replace(code, "");
+    }
+    assert_eq!(bare, plain);
+}
+
+#[test]
+fn check_tells_programs_what_a_scene_contains_and_where_it_is_wrong() {
+    let told: serde_json::Value =
+        serde_json::from_str(&run(&["check", "swing", "--json"]).unwrap()).unwrap();
+    assert_eq!(told["valid"], true);
+    assert_eq!(told["scene"], "Swing");
+    assert_eq!(told["lines"][2], "fall");
+    assert_eq!(told["params"][0]["name"], "k");
+    assert_eq!(told["params"][0]["range"][1], 100e3);
+    assert_eq!(told["outputs"][0]["unit"], "m");
+    let folder = Folder::new("json");
+    let file = folder.file(
+        "m.mbd",
+        "model M {\n  gravity: nome;\n  body a { mass: 1 }\n}\n",
+    );
+    let failure = run(&["check", &file, "--json"]).unwrap_err();
+    assert_eq!(failure.code(), 2);
+    let told: serde_json::Value = serde_json::from_str(&failure.to_string()).unwrap();
+    assert_eq!(told["valid"], false);
+    let places: Vec<_> = told["errors"].as_array().unwrap().iter().collect();
+    assert_eq!(places[0]["line"], 2);
+    assert_eq!(places[0]["column"], 12);
+    assert!(
+        places[0]["text"]
+            .as_str()
+            .unwrap()
+            .contains("did you mean `none`"),
+        "{told}"
+    );
+    assert_eq!(places[1]["line"], 3);
+}
+
+#[test]
+fn a_ready_scene_expands_without_warnings_about_what_its_data_no_longer_uses() {
+    for name in list::names() {
+        let text = run(&["expand", name]).unwrap();
+        // What an unused name becomes: see `unused` of the compiler.
+        for warned in [
+            "struct Declaration",
+            "deprecated",
+            "#[allow(non_snake_case, non_upper_case_globals)]",
+        ] {
+            assert!(!text.contains(warned), "{name}: {warned}");
+        }
+    }
+}
+
+#[test]
+fn every_ready_scene_is_the_same_in_both_forms() {
+    for name in list::names() {
+        let folder = Folder::new(&format!("forms_{name}"));
+        let (toml, text) = (
+            run(&["convert", name]).unwrap(),
+            run(&["convert", name, "--to", "mbd"]).unwrap(),
+        );
+        let read = |file: &str| SceneFile::find(file.as_ref()).unwrap();
+        let toml = read(&folder.file("scene.toml", &toml));
+        let text = read(&folder.file("scene.mbd", &text));
+        assert_eq!(toml.scene, text.scene, "{name}");
+        assert_eq!(toml.settings, text.settings, "{name}");
+    }
+    // A document keeps its repetitions and units; any other form is an error that names both.
+    let text = run(&["convert", "drop", "--to", "mbd"]).unwrap();
+    for kept in [
+        "pub model Drop<T> {",
+        "line leg[i in 0..3] from capsule.bridle[i]",
+        "const RHO = 0.014 kg/m^3;",
+    ] {
+        assert!(text.contains(kept), "{kept}\n{text}");
+    }
+    let error = run(&["convert", "drop", "--to", "json"])
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("toml, mbd"), "{error}");
+}
+
+#[test]
+fn a_run_is_given_up_after_the_steps_it_may_take() {
+    let folder = Folder::new("max_steps");
+    let out = folder.0.join("out").display().to_string();
+    let error = run(&[
+        "run",
+        "swing",
+        "--out",
+        &out,
+        "--dt",
+        "1 ms",
+        "--max-steps",
+        "20",
+    ])
+    .unwrap_err();
+    assert_eq!(error.code(), 4);
+    assert!(error.to_string().contains("20 steps"), "{error}");
+    let none = run(&["run", "swing", "--out", &out, "--max-steps", "0"]).unwrap_err();
+    assert_eq!(none.code(), 2);
+}
+
+#[test]
+fn mbd_alone_says_what_it_does_how_long_it_takes_and_where_the_help_is() {
+    let told = parachute::announced(&ParachuteArgs::default());
+    assert_eq!(told.lines().count(), 1);
+    for part in [
+        "flying the parachute",
+        "minute",
+        "out/parachute",
+        "`mbd --help`",
+    ] {
+        assert!(told.contains(part), "{told}");
+    }
 }

@@ -189,6 +189,12 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
         (None, None) => Options::tsit5(TOLERANCE),
     };
     options.locate = settings.locate.unwrap_or(true);
+    if let Some(steps) = settings.max_steps {
+        if steps == 0 {
+            return Err(wrong("max_steps", "must be positive"));
+        }
+        options.max_steps = steps;
+    }
     // The balance of energy needs the work of what gives and takes it.
     let damped = |line: &Line| !scene.is_zero(&line.damping);
     let moves = scene.world_frames.iter().any(|frame| frame.moves(scene));

@@ -5,6 +5,7 @@
 //! until = "70 s"
 //! step = "0.01 s"        # fixed RK4 steps; or: tolerance = 1e-8, adaptive Tsit5
 //! every = "0.02 s"       # rows of the history
+//! max_steps = 1000000    # accepted and rejected; then the run is given up
 //! locate = true          # steps end on slack/taut switches and on events
 //! instants = ["0 s", "1 s"] # when the mechanism is drawn; by itself five times, evenly
 //!
@@ -34,6 +35,8 @@ pub struct Settings {
     pub tolerance: Option<Value>,
     /// Distance of the rows of the history, with unit or in seconds; without it every step is a row.
     pub every: Option<Value>,
+    /// The most steps, accepted and rejected, before the run is given up.
+    pub max_steps: Option<u64>,
     /// Whether steps end on slack/taut switches and on declared events.
     pub locate: Option<bool>,
     /// When the mechanism is drawn, with units or in seconds.

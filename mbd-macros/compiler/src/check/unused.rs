@@ -8,7 +8,7 @@ use crate::resolve::{Named, Resolver};
 use crate::syntax::Item;
 
 /// Warns about consts, params, inputs, tables, lets and frames that nothing uses; of a repetition one use is enough, and what an empty one would
-/// use with more members counts. After an error the use may be what was not understood.
+/// use with more members counts. A name that begins with `_` is meant to be unused. After an error the use may be what was not understood.
 pub fn check_used(resolver: &mut Resolver<'_>) {
     if !resolver.whole || !resolver.messages.is_empty() {
         return;
@@ -26,7 +26,15 @@ pub fn check_used(resolver: &mut Resolver<'_>) {
             continue;
         };
         let plain = without_indices(&name);
-        if used.contains(&plain) || idle.contains(plain.rsplit('.').next().unwrap_or_default()) {
+        let meant = plain
+            .rsplit('.')
+            .next()
+            .unwrap_or_default()
+            .starts_with('_');
+        if meant
+            || used.contains(&plain)
+            || idle.contains(plain.rsplit('.').next().unwrap_or_default())
+        {
             continue;
         }
         let kind = match named {

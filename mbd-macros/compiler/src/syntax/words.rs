@@ -319,7 +319,7 @@ const REPETITION: &str =
     "what is repeated has an index behind its name, `body leg[i in 0..3] { … }`";
 const NO_CONDITION: &str =
     "an item is always there; a value that depends on a condition is `if(a < b, this, that)`";
-const NO_FUNCTIONS: &str = "the functions of the language are fixed; a table is one of numbers, `table lift = { 0 deg: 0, 10 deg: 1.1 };`, used as `lift(x)`";
+const NO_FUNCTIONS: &str = "no functions can be declared; a quantity is named by `let`, and a function given by numbers is a `table`";
 const INTEGRAL: &str =
     "an integral is a `state` with its rate: `state missed = 0 rad*s { rate: pin.angle }`";
 const EFFORT: &str = "what acts along a joint is its field `force`, such as `{ axis: y, force: -2 N*m * hip.angle }`";

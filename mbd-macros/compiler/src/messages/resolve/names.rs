@@ -7,9 +7,16 @@ use crate::messages::syntax::ended;
 use crate::syntax::words;
 
 pub fn not_constant(at: Region, what: &str) -> Report {
+    let instead = match what {
+        "a param" => "; make it a `const`",
+        _ if what == "time" || what.starts_with("the motion") || what.starts_with("the input") => {
+            "; what changes in a run is named by `let`"
+        }
+        _ => "",
+    };
     Report::new(
         at,
-        format!("only numbers and consts can stand here, {what} cannot"),
+        format!("only numbers and consts can stand here, {what} cannot{instead}"),
     )
 }
 
