@@ -28,7 +28,7 @@ impl<S: Real> Kinematics<S> {
         }
     }
 
-    /// Reads them at an instant; no multipliers.
+    /// Reads them at an instant; nothing of the solved system.
     pub fn read<'a>(
         &'a mut self,
         scene: &'a Scene,
@@ -58,6 +58,8 @@ impl<S: Real> Kinematics<S> {
             ground: &self.ground,
             networks: &self.networks,
             multipliers: &[],
+            reactions: &[],
+            accelerations: &[],
         }
     }
 }

@@ -149,6 +149,8 @@ impl<'a> Configuration<'a> {
             ground: &self.ground,
             networks: &[],
             multipliers: &[],
+            reactions: &[],
+            accelerations: &[],
         })
     }
 
