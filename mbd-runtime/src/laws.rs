@@ -45,13 +45,13 @@ impl Laws {
         );
     }
 
-    /// The same for multipliers that were found elsewhere: reactions, energy or outputs.
+    /// The same for multipliers, and accelerations, that were found elsewhere: reactions, energy or outputs.
     pub(crate) fn evaluate_with_multipliers<T: Float>(
         &mut self,
         model: &dyn Model<T>,
         what: Quantity,
         at: &At<'_, T>,
-        multipliers: &[f64],
+        found: [&[f64]; 2],
         out: &mut [f64],
     ) {
         self.arguments.read(at, |x| x.to_f64());
@@ -60,7 +60,7 @@ impl Laws {
             model.scene(),
             model.layout(),
             &self.numbers,
-            (&self.arguments.at(), multipliers),
+            (&self.arguments.at(), found),
             &mut self.scratch,
             out,
         );

@@ -225,20 +225,20 @@ impl<T: Float> System<T> {
         laws.evaluate(&*self.model, what, &at, out);
     }
 
-    /// The same for the multipliers that the fallback found last, where those of the model mean nothing: reactions, energy or outputs.
+    /// The same for the multipliers, and the accelerations, that the fallback found last, where those of the model mean nothing: reactions, energy or outputs.
     #[cold]
     pub(crate) fn by_multipliers(
         &mut self,
         what: Quantity,
         (time, state): (f64, &[T]),
-        multipliers: &[f64],
+        found: [&[f64]; 2],
         out: &mut [T],
     ) {
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
         self.wide.clear();
         self.wide.resize(out.len(), 0.0);
-        laws.evaluate_with_multipliers(&*self.model, what, &at, multipliers, &mut self.wide);
+        laws.evaluate_with_multipliers(&*self.model, what, &at, found, &mut self.wide);
         for (to, from) in out.iter_mut().zip(&self.wide) {
             *to = T::from_f64(*from);
         }

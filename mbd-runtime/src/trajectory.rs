@@ -268,7 +268,9 @@ impl Trajectory {
         // Where rows lose rank for longer than an instant some multipliers have no value, and what hangs on them none either.
         let anew = (forces && system.needs_anew(time, state_alone))
             .then(|| system.read_anew(time, state_alone));
-        let determined = anew.as_ref().map(|[_, determined]| determined.as_slice());
+        let determined = anew
+            .as_ref()
+            .map(|[_, determined, rates]| [determined.as_slice(), rates.as_slice()]);
         self.row.clear();
         self.row.push(time);
         if self.content.state {
@@ -310,7 +312,7 @@ impl Trajectory {
         if self.content.energy {
             let driven = layout.joints.iter().any(|slots| slots.driven);
             // The power of prescribed motions is the same for every solution.
-            let all = anew.as_ref().map(|[all, _]| all.as_slice());
+            let all = anew.as_ref().map(|[all, ..]| [all.as_slice(), &[]]);
             let what = (Quantity::Energy, all.filter(|_| driven));
             let energy = read(system, what, time, state, scratch);
             self.row.extend(energy.iter().take(3).map(|x| x.to_f64()));
@@ -329,10 +331,10 @@ impl Trajectory {
     }
 }
 
-/// A quantity at the state that `system` looked at last; with multipliers that were found apart from the model, if there are any.
+/// A quantity at the state that `system` looked at last; with multipliers and accelerations that were found apart from the model, if there are any.
 fn read<'s, T: Float>(
     system: &mut System<T>,
-    (what, multipliers): (Quantity, Option<&[f64]>),
+    (what, found): (Quantity, Option<[&[f64]; 2]>),
     time: f64,
     state: &[T],
     scratch: &'s mut [T],
@@ -340,7 +342,7 @@ fn read<'s, T: Float>(
     let layout = system.model.layout();
     let (length, own) = (layout.len(what), state.get(..layout.nx()));
     let list = scratch.get_mut(..length).unwrap_or_default();
-    match multipliers {
+    match found {
         Some(found) => system.by_multipliers(what, (time, own.unwrap_or_default()), found, list),
         None => system.seen(what, time, state, list),
     }

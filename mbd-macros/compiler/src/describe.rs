@@ -43,6 +43,7 @@ fn write(scene: &Scene, formula: &Formula, level: u8) -> String {
     let named = |name: Option<&String>| name.cloned().unwrap_or_else(|| "?".to_owned());
     let body = |index: usize| named(scene.bodies.get(index).map(|b| &b.name));
     let line = |index: usize| named(scene.lines.get(index).map(|l| &l.name));
+    let joint_name = |index: usize| named(scene.joints.get(index).map(|j| &j.name));
     match formula {
         Formula::Number(value) => format!("{value}"),
         Formula::Const(index) => named(scene.consts.get(*index).map(|c| &c.name)),
@@ -69,6 +70,14 @@ fn write(scene: &Scene, formula: &Formula, level: u8) -> String {
         Formula::Coordinate(joint, index) => coordinate(scene, *joint, *index, |c| c.name),
         Formula::CoordinateRate(joint, index) => coordinate(scene, *joint, *index, |c| c.rate),
         Formula::MotorEffort(joint, index) => motor_effort(scene, *joint, *index),
+        Formula::Acceleration(at) => format!("{}.acceleration", place(scene, *at)),
+        Formula::AngularAcceleration(index) => format!("{}.angular_acceleration", body(*index)),
+        Formula::CoordinateAcceleration(joint, index) => {
+            let name = coordinate(scene, *joint, *index, |c| c.name);
+            format!("{name}_acceleration")
+        }
+        Formula::ReactionForce(index) => format!("{}.force", joint_name(*index)),
+        Formula::ReactionTorque(index) => format!("{}.torque", joint_name(*index)),
         Formula::Vector(parts) => format!("[{}]", list(scene, parts)),
         Formula::Component(parts, axis) => {
             let inner = parts

@@ -53,7 +53,8 @@ const POWER: Dimension = dimension(1, 2, -3);
 const DENSITY: Dimension = dimension(1, -3, 0);
 const AREA: Dimension = dimension(0, 2, 0);
 const VOLUME: Dimension = dimension(0, 3, 0);
-const ANGULAR_ACCELERATION: Dimension = dimension(0, 0, -2);
+/// 1/s²
+pub const ANGULAR_ACCELERATION: Dimension = dimension(0, 0, -2);
 const CURRENT: Dimension = electric(NONE, 1);
 const CHARGE: Dimension = electric(TIME, 1);
 const VOLTAGE: Dimension = electric(POWER, -1);

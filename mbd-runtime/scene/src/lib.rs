@@ -34,9 +34,9 @@ pub use joints::{
     Universal,
 };
 pub use layout::{
-    Anchor, Below, Carrying, Elimination, HeldMotor, InputSlots, InputSource, JointSlots, Layout,
-    LineEnd, LineSlots, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots, Step,
-    StopSlots,
+    Anchor, Asked, Below, Carrying, Elimination, HeldMotor, InputSlots, InputSource, JointSlots,
+    Layout, LineEnd, LineSlots, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots,
+    Step, StopSlots,
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};

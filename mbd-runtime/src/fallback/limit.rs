@@ -75,7 +75,7 @@ impl<T: Float> System<T> {
                 .map_or(found, |limit| limit.multipliers);
         }
         let mut energy = self.energy;
-        self.by_multipliers(Quantity::Energy, (time, state), &found, &mut energy);
+        self.by_multipliers(Quantity::Energy, (time, state), [&found, &[]], &mut energy);
         self.energy = energy;
     }
 
@@ -92,10 +92,10 @@ impl<T: Float> System<T> {
         !regular || self.solves_chosen()
     }
 
-    /// Multipliers at a state that is looked at: their limit there, or else by rows chosen there; and the same with no numbers where
-    /// they have no value, for joints whose rows take part in what repeats.
+    /// Multipliers at a state that is looked at: their limit there, or else by rows chosen there; the same with no numbers where
+    /// they have no value, for joints whose rows take part in what repeats; and the accelerations, which have a value everywhere.
     #[cold]
-    pub(crate) fn read_anew(&mut self, time: f64, state: &[T]) -> [Vec<f64>; 2] {
+    pub(crate) fn read_anew(&mut self, time: f64, state: &[T]) -> [Vec<f64>; 3] {
         let model = self.model.clone();
         let layout = model.layout();
         self.read_dense(time, state);
@@ -119,8 +119,11 @@ impl<T: Float> System<T> {
         }
         self.fallback.spare = rows;
         match self.find_limit(time, state, &forced) {
-            Some(Limit { multipliers, .. }) => [multipliers.clone(), multipliers],
-            None => [multipliers, determined],
+            Some(Limit {
+                multipliers,
+                accelerations,
+            }) => [multipliers.clone(), multipliers, accelerations],
+            None => [multipliers, determined, forced],
         }
     }
 

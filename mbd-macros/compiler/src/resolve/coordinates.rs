@@ -1,4 +1,4 @@
-//! Joint coordinates in expressions: `elbow.angle`, `elbow.angle_rate`, `elbow.motor_torque`.
+//! Joints in expressions: `elbow.angle`, `elbow.angle_rate`, `elbow.angle_acceleration`, `elbow.motor_torque`, `elbow.force`.
 
 use mbd_scene::Formula;
 use mbd_scene::joints::Measured;
@@ -6,8 +6,9 @@ use mbd_scene::joints::Measured;
 use super::{Known, Named, Resolver, Scope, Stage, Typed};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
-use crate::syntax::Value;
 use crate::syntax::expression::{self, Step};
+use crate::syntax::{Value, words};
+use crate::units;
 
 impl Resolver<'_> {
     /// The coordinate that a joint of this kind couples: joint and number of the coordinate.
@@ -60,7 +61,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// A coordinate of a joint, or its rate.
+    /// A coordinate of a joint, its rates, or what the joint and its motor do.
     pub fn joint_quantity(
         &mut self,
         joint: usize,
@@ -81,18 +82,45 @@ impl Resolver<'_> {
         let measured: Vec<_> = law.measured().collect();
         let motors: Vec<String> = measured.iter().map(|c| law.motor_word(c)).collect();
         let driving = driven.iter().filter_map(|&index| motors.get(index));
+        let second = |name: &str| format!("{name}_acceleration");
+        let seconds: Vec<String> = measured.iter().map(|c| second(c.name)).collect();
         let known: Vec<&str> = measured
             .iter()
             .flat_map(|c| [c.name, c.rate])
+            .chain(seconds.iter().map(String::as_str))
             .chain(driving.map(String::as_str))
+            .chain(words::JOINT_QUANTITIES.iter().copied())
             .collect();
-        if known.is_empty() {
-            return self.fail(say::no_coordinates(at, owner, law.keyword()));
-        }
         let Some((step, after)) = rest.split_first() else {
             return self.fail(say::without_quantity(at, owner, "joint", &known));
         };
+        if measured.is_empty() && !words::JOINT_QUANTITIES.contains(&step.word.text.as_str()) {
+            return self.fail(say::no_coordinates(at, owner, law.keyword()));
+        }
         let word = step.word.text.as_str();
+        let reaction = match word {
+            "force" => Some((Formula::ReactionForce(joint), units::FORCE)),
+            "torque" => Some((Formula::ReactionTorque(joint), units::TORQUE)),
+            _ => None,
+        };
+        if let Some((formula, dimension)) = reaction {
+            self.follows(scope, step, owner)?;
+            return self.tail(Typed::of(formula, true, dimension, at), after);
+        }
+        if let Some(index) = seconds.iter().position(|second| second == word) {
+            self.follows(scope, step, owner)?;
+            let is_angle = measured.get(index)?.is_angle();
+            let dimension = match is_angle {
+                true => units::ANGULAR_ACCELERATION,
+                false => units::ACCELERATION,
+            };
+            let formula = Formula::CoordinateAcceleration(joint, index);
+            let second = Typed {
+                angle: i8::from(is_angle),
+                ..Typed::of(formula, false, dimension, at)
+            };
+            return self.tail(second, after);
+        }
         if let Some(index) = motors.iter().position(|motor| motor == word) {
             let here = step.word.at.into();
             let coordinate = measured.get(index)?;

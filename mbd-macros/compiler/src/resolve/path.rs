@@ -1,6 +1,6 @@
 //! Paths: `capsule.bridle[i].position`, `riser.tension`, `wind.x`, and the ends of lines and joints.
 
-use mbd_scene::{Dimension, Formula, Place};
+use mbd_scene::{Dimension, Formula, Place, PointKind};
 
 use super::names::{Entry, Members};
 use super::{Named, Resolver, Scope, Stage, Typed, fold};
@@ -114,7 +114,7 @@ impl Resolver<'_> {
             Named::Body(body) => self.body_quantity(body, rest, at, scope),
             Named::Point(point) => {
                 self.live(scope, at, &format!("the motion of `{word}`"))?;
-                self.point_quantity(point, word, rest, at)
+                self.point_quantity(point, word, rest, at, scope)
             }
             Named::Line(line) => {
                 self.live(scope, at, &format!("the state of `{word}`"))?;
@@ -361,6 +361,19 @@ impl Resolver<'_> {
             };
             return self.tail(omega, after);
         }
+        if word == "angular_acceleration" {
+            self.follows(scope, step, owner)?;
+            let formula = Formula::AngularAcceleration(body);
+            let spin = Typed {
+                angle: 1,
+                ..Typed::of(formula, true, units::ANGULAR_ACCELERATION, at)
+            };
+            return self.tail(spin, after);
+        }
+        if word == "mass" {
+            let mass = self.scene.bodies.get(body)?.mass.clone();
+            return self.tail(Typed::of(mass, false, units::MASS, at), after);
+        }
         if words::BODY_QUANTITIES.contains(&word) {
             return self.frame_quantity(Place::Body(body, 0), owner, rest, at, scope);
         }
@@ -391,6 +404,10 @@ impl Resolver<'_> {
         let (formula, dimension) = match step.word.text.as_str() {
             "position" => (Formula::Position(place), units::LENGTH),
             "velocity" => (Formula::Velocity(place), units::SPEED),
+            "acceleration" => {
+                self.follows(scope, step, owner)?;
+                (Formula::Acceleration(place), units::ACCELERATION)
+            }
             "x" => (Formula::Axis(place, 0), units::NONE),
             "y" => (Formula::Axis(place, 1), units::NONE),
             "z" => (Formula::Axis(place, 2), units::NONE),
@@ -409,6 +426,7 @@ impl Resolver<'_> {
         owner: &str,
         rest: &[Step],
         at: Region,
+        scope: Scope<'_>,
     ) -> Option<Typed> {
         let place = Place::Point(point);
         let known = words::POINT_QUANTITIES;
@@ -418,12 +436,29 @@ impl Resolver<'_> {
         let (formula, dimension) = match step.word.text.as_str() {
             "position" => (Formula::Position(place), units::LENGTH),
             "velocity" => (Formula::Velocity(place), units::SPEED),
+            "acceleration" => {
+                let here = step.word.at.into();
+                if !matches!(self.scene.points.get(point)?.kind, PointKind::Mass(_)) {
+                    return self.fail(say::massless_acceleration(here, owner));
+                }
+                self.follows(scope, step, owner)?;
+                (Formula::Acceleration(place), units::ACCELERATION)
+            }
             word => {
                 let report = say::unknown_quantity(step.word.at.into(), owner, word, known);
                 return self.fail(report);
             }
         };
         self.tail(Typed::of(formula, true, dimension, at), after)
+    }
+
+    /// What follows from the accelerations is an error in what they depend on.
+    pub fn follows(&mut self, scope: Scope<'_>, step: &Step, owner: &str) -> Option<()> {
+        if scope.stage == Stage::Result {
+            return Some(());
+        }
+        let (at, word) = (step.word.at.into(), &step.word.text);
+        self.fail(say::motor_as_cause(at, owner, word))
     }
 
     fn line_quantity(

@@ -72,6 +72,7 @@ impl Typed {
         let text = match (self.angle, dimension) {
             (1, units::NONE) => "rad".to_string(),
             (1, units::RATE) => "rad/s".to_string(),
+            (1, units::ANGULAR_ACCELERATION) => "rad/s^2".to_string(),
             _ => units::si_text(dimension),
         };
         let text = if dimension == units::NONE && self.angle != 1 {

@@ -492,7 +492,17 @@ pub const FOREIGN_QUANTITIES: Dictionary = &[
     ("displacement", "slide"),
     ("translation", "slide"),
     ("angular_rate", "angle_rate"),
+    ("accel", "acceleration"),
+    ("alpha", "angular_acceleration"),
+    ("omega_dot", "angular_acceleration"),
+    ("reaction", "force"),
+    ("reaction_force", "force"),
+    ("reaction_torque", "torque"),
+    ("moment", "torque"),
 ];
+
+/// What may be asked of every joint besides its coordinates.
+pub const JOINT_QUANTITIES: &[&str] = &["force", "torque"];
 
 /// Joints of other tools.
 pub const FOREIGN_JOINTS: Dictionary = &[
@@ -569,19 +579,22 @@ pub const FUNCTIONS: &[&str] = &[
 ];
 
 /// What may be asked of a body or one of its frames, of a point, of a line.
-pub const FRAME_QUANTITIES: &[&str] = &["position", "velocity", "x", "y", "z"];
+pub const FRAME_QUANTITIES: &[&str] = &["position", "velocity", "acceleration", "x", "y", "z"];
 /// What may be asked of a body besides its frames.
 pub const BODY_QUANTITIES: &[&str] = &[
     "position",
     "velocity",
+    "acceleration",
     "x",
     "y",
     "z",
     "omega_body",
     "omega_world",
+    "angular_acceleration",
+    "mass",
 ];
 /// What may be asked of a point.
-pub const POINT_QUANTITIES: &[&str] = &["position", "velocity"];
+pub const POINT_QUANTITIES: &[&str] = &["position", "velocity", "acceleration"];
 /// What may be asked of a line.
 pub const LINE_QUANTITIES: &[&str] = &["tension", "length", "stretch", "stretch_rate"];
 

@@ -77,6 +77,17 @@ fn ranked(formula: &Formula, scene: &Scene) -> (String, Rank) {
         Formula::Coordinate(joint, index) => (coordinate(scene, *joint, *index, |c| c.name), 5),
         Formula::CoordinateRate(joint, index) => (coordinate(scene, *joint, *index, |c| c.rate), 5),
         Formula::MotorEffort(joint, index) => (motor_effort(scene, *joint, *index), 5),
+        Formula::Acceleration(at) => (format!("{}.acceleration", owner(*at, scene)), 5),
+        Formula::AngularAcceleration(body) => {
+            let owner = owner(Place::Body(*body, 0), scene);
+            (format!("{owner}.angular_acceleration"), 5)
+        }
+        Formula::CoordinateAcceleration(joint, index) => {
+            let name = coordinate(scene, *joint, *index, |c| c.name);
+            (format!("{name}_acceleration"), 5)
+        }
+        Formula::ReactionForce(joint) => (of_joint(*joint, "force", scene), 5),
+        Formula::ReactionTorque(joint) => (of_joint(*joint, "torque", scene), 5),
         Formula::Vector(parts) => (vector(parts, scene), 5),
         Formula::Component(of, axis) => {
             let inner = of.first().map(|of| at_least(of, 5, scene));
@@ -155,6 +166,11 @@ fn owner(at: Place, scene: &Scene) -> String {
 
 fn of_line(line: usize, quantity: &str, scene: &Scene) -> String {
     let name = scene.lines.get(line).map_or("", |line| &line.name);
+    format!("{name}.{quantity}")
+}
+
+fn of_joint(joint: usize, quantity: &str, scene: &Scene) -> String {
+    let name = scene.joints.get(joint).map_or("", |joint| &joint.name);
     format!("{name}.{quantity}")
 }
 

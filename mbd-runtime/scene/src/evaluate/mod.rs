@@ -26,6 +26,8 @@ use crate::{At, Layout, PointSlots, Quantity, Real, Scene};
 pub struct Scratch<S: Real> {
     kinematics: Kinematics<S>,
     multipliers: Vec<S>,
+    reactions: Vec<S>,
+    rates: Vec<S>,
     assembly: AppliedForces<S>,
     constraints: Constraints<S>,
 }
@@ -38,6 +40,8 @@ impl<S: Real> Scratch<S> {
         Scratch {
             kinematics: Kinematics::new(layout),
             multipliers: Vec::new(),
+            reactions: Vec::new(),
+            rates: Vec::new(),
             assembly: AppliedForces::new(bodies, points),
             constraints: Constraints::new(layout),
         }
@@ -71,19 +75,46 @@ pub fn evaluate<S: Real>(
         _ => {}
     }
     let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
-    let evaluation = if layout.asks_efforts(what) {
+    let asked = layout.asked(what);
+    let evaluation = if asked.any() {
         scratch.assembly.collect(&evaluation);
-        scratch
-            .constraints
-            .accelerate(&evaluation, &scratch.assembly);
-        scratch.multipliers.resize(layout.nc, S::zero());
-        scratch.constraints.write_forces(
-            Quantity::Multipliers,
-            &evaluation,
-            &mut scratch.multipliers,
-        );
+        if layout.nc > 0 {
+            scratch
+                .constraints
+                .accelerate(&evaluation, &scratch.assembly);
+        }
+        let lists = [
+            (
+                asked.multipliers,
+                Quantity::Multipliers,
+                &mut scratch.multipliers,
+            ),
+            (asked.reactions, Quantity::Reactions, &mut scratch.reactions),
+        ];
+        for (asked, forces, list) in lists {
+            list.clear();
+            if asked {
+                list.resize(layout.len(forces), S::zero());
+                scratch.constraints.write_forces(forces, &evaluation, list);
+            }
+        }
+        scratch.rates.clear();
+        if asked.accelerations {
+            scratch.rates.resize(layout.nx(), S::zero());
+            derivative(
+                &evaluation,
+                &scratch.assembly,
+                &scratch.constraints,
+                &mut scratch.rates,
+            );
+        }
         Evaluation {
             multipliers: &scratch.multipliers,
+            reactions: &scratch.reactions,
+            accelerations: scratch
+                .rates
+                .get(layout.nq..layout.nq + layout.nv)
+                .unwrap_or_default(),
             ..evaluation
         }
     } else {

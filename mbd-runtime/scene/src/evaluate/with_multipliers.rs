@@ -15,13 +15,13 @@ use crate::scalar::algebra::write;
 use crate::{AngularVelocity, At, Layout, Quantity, Real, Scene};
 
 /// Writes [`Quantity::Reactions`], [`Quantity::Energy`] or [`Quantity::Outputs`] for given multipliers, n_c numbers in the order of the rows.
-/// A multiplier that is not a number makes what depends on it so. Other quantities, and slices of a wrong length, leave `out` untouched.
+/// Outputs take v̇ from `accelerations`, n_v numbers. A multiplier that is not a number makes what depends on it so. Other quantities, and slices of a wrong length, leave `out` untouched.
 pub fn evaluate_with_multipliers<S: Real>(
     what: Quantity,
     scene: &Scene,
     layout: &Layout,
     numbers: &Numbers<S>,
-    (at, multipliers): (&At<'_, S>, &[S]),
+    (at, [multipliers, accelerations]): (&At<'_, S>, [&[S]; 2]),
     scratch: &mut Scratch<S>,
     out: &mut [S],
 ) {
@@ -30,21 +30,11 @@ pub fn evaluate_with_multipliers<S: Real>(
     }
     let evaluation = Evaluation {
         multipliers,
+        accelerations,
         ..scratch.kinematics.read(scene, layout, numbers, at)
     };
     match what {
-        Quantity::Reactions => {
-            out.fill(S::zero());
-            each(&evaluation, |joint, rows, own, ends| {
-                let rows = rows
-                    .rows()
-                    .iter()
-                    .zip(own.iter().map(|&multiplier| -multiplier));
-                let [force, torque] = reaction(&evaluation, &ends.child.outward, rows);
-                write(out, 6 * joint, &force);
-                write(out, 6 * joint + 3, &torque);
-            });
-        }
+        Quantity::Reactions => reactions(&evaluation, out),
         Quantity::Energy => {
             let mut power = forces::drive_power(&evaluation);
             each(&evaluation, |_, rows, own, _| {
@@ -54,9 +44,35 @@ pub fn evaluate_with_multipliers<S: Real>(
             });
             energy::energy(&evaluation, power, out);
         }
-        Quantity::Outputs => measured::outputs(&evaluation, out),
+        Quantity::Outputs => {
+            scratch.reactions.clear();
+            if layout.asked(what).reactions {
+                let count = layout.len(Quantity::Reactions);
+                scratch.reactions.resize(count, S::zero());
+                reactions(&evaluation, &mut scratch.reactions);
+            }
+            let evaluation = Evaluation {
+                reactions: &scratch.reactions,
+                ..evaluation
+            };
+            measured::outputs(&evaluation, out);
+        }
         _ => {}
     }
+}
+
+/// Writes force and torque of every joint, (1).
+fn reactions<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    out.fill(S::zero());
+    each(evaluation, |joint, rows, own, ends| {
+        let rows = rows
+            .rows()
+            .iter()
+            .zip(own.iter().map(|&multiplier| -multiplier));
+        let [force, torque] = reaction(evaluation, &ends.child.outward, rows);
+        write(out, 6 * joint, &force);
+        write(out, 6 * joint + 3, &torque);
+    });
 }
 
 /// Hands out every joint with its rows, their multipliers and its ends, body components.

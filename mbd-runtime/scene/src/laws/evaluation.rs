@@ -11,8 +11,8 @@ use crate::laws::node;
 use crate::laws::numbers::{FrameNumbers, Numbers};
 use crate::scalar::algebra::{labelled, vector};
 use crate::{
-    AngularVelocity, At, FrameMotion, InputSource, Layout, NodeModel, Place, PointSlots, Real,
-    Scene,
+    AngularVelocity, At, FrameMotion, InputSource, Layout, NodeModel, Part, Place, PointSlots,
+    Real, Scene,
 };
 
 /// The scene at a state. Bodies are read once; everything else is computed where it is asked for.
@@ -30,6 +30,10 @@ pub struct Evaluation<'a, S: Real> {
     pub lets: &'a [OnceLock<Value<S>>],
     /// The multipliers, where something asks for the effort of a motor; empty elsewhere.
     pub multipliers: &'a [S],
+    /// Force and torque of every joint on its child, where something asks for them; empty elsewhere, and where no joint has rows.
+    pub reactions: &'a [S],
+    /// v̇, where something asks for accelerations; empty elsewhere.
+    pub accelerations: &'a [S],
 }
 
 /// A line in motion.
@@ -87,6 +91,59 @@ impl<'a, S: Real> Evaluation<'a, S> {
                 PointSlots::Node(node) => self.node_velocity(node),
             },
         }
+    }
+
+    /// Rate of the velocity of a place [m/s²], world axes: a + ω̇ × r + ω × (ω × r). A node has none.
+    pub fn acceleration_of(&self, place: Place) -> Option<Vector3<S>> {
+        match place {
+            Place::World(frame) => Some(match self.moving(frame) {
+                Some(motion) => motion.acceleration,
+                None => Vector3::zeros(),
+            }),
+            Place::Body(body, frame) => {
+                let [linear, spin] = self.acceleration_of_part(Part::Body(body))?;
+                if frame == 0 {
+                    return Some(linear);
+                }
+                let spin = self.spin_in_world(body, &spin)?;
+                let (motion, frame) = self.frame(body, frame)?;
+                let (arm, omega) = (motion.arm(&frame.position), motion.omega_world);
+                Some(linear + spin.cross(&arm) + omega.cross(&omega.cross(&arm)))
+            }
+            Place::Point(point) => {
+                let [linear, _] = self.acceleration_of_part(Part::Point(point))?;
+                Some(linear)
+            }
+        }
+    }
+
+    /// v̇ of a body or a point with mass: linear in world axes, angular in the components of the state.
+    fn acceleration_of_part(&self, part: Part) -> Option<[Vector3<S>; 2]> {
+        let (directions, all) = (self.layout.directions, self.accelerations);
+        if all.len() != self.layout.nv {
+            return None;
+        }
+        match part {
+            Part::Body(body) => {
+                let at = self.layout.bodies.get(body)?.v;
+                Some([directions.linear(all, at), directions.angular(all, at)])
+            }
+            Part::Point(point) => match *self.layout.points.get(point)? {
+                PointSlots::Mass(slots) => {
+                    Some([directions.linear(all, slots.v), Vector3::zeros()])
+                }
+                PointSlots::Node(_) => None,
+            },
+            Part::Joint(_) => None,
+        }
+    }
+
+    /// ω̇ of a body in world axes from that in the components of the state: d(R ω)/dt = R ω̇.
+    fn spin_in_world(&self, body: usize, spin: &Vector3<S>) -> Option<Vector3<S>> {
+        Some(match self.scene.angular_velocity {
+            AngularVelocity::Body => self.motions.get(body)?.rotation * spin,
+            AngularVelocity::World => *spin,
+        })
     }
 
     /// The motion of a frame of the world, if it moves.
@@ -278,6 +335,38 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         let motor = declared.motors().position(|(driven, _)| driven == index)?;
         let row = slots.row + slots.law.len() + motor;
         self.multipliers.get(row).copied()
+    }
+
+    fn acceleration(&self, place: Place) -> Option<Vector3<S>> {
+        self.acceleration_of(place)
+    }
+
+    fn angular_acceleration(&self, body: usize) -> Option<Vector3<S>> {
+        let [_, spin] = self.acceleration_of_part(Part::Body(body))?;
+        self.spin_in_world(body, &spin)
+    }
+
+    fn coordinate_acceleration(&self, joint: usize, index: usize) -> Option<S> {
+        let (declared, coordinate) = self.scene.coordinate(joint, index)?;
+        S::section(&declared.name);
+        let ends = self.ends(joint, self.scene.angular_velocity)?;
+        let row = ends.second_rate(&coordinate);
+        let slots = self.layout.joints.get(joint)?;
+        let rates = row.parts(&slots.ends).filter_map(|(part, columns)| {
+            let accelerations = self.acceleration_of_part(part)?;
+            Some(columns.rate(&accelerations))
+        });
+        let rate = rates.reduce(|sum, rate| sum + rate);
+        Some(rate.map_or(-row.bias, |rate| rate - row.bias))
+    }
+
+    fn reaction(&self, joint: usize) -> Option<[Vector3<S>; 2]> {
+        self.scene.joints.get(joint)?;
+        // Without rows nothing is held.
+        Some(match self.reactions.get(6 * joint..6 * joint + 6) {
+            Some(own) => [vector(own, 0), vector(own, 3)],
+            None => [Vector3::zeros(); 2],
+        })
     }
 
     fn coordinate_rate(&self, joint: usize, index: usize) -> Option<S> {

@@ -56,6 +56,22 @@ pub trait Context<S: Real> {
     fn motor_effort(&self, _joint: usize, _index: usize) -> Option<S> {
         None
     }
+    /// Rate of the velocity of a place [m/s²].
+    fn acceleration(&self, _place: Place) -> Option<Vector3<S>> {
+        None
+    }
+    /// Rate of the angular velocity of a body in world axes [rad/s²].
+    fn angular_acceleration(&self, _body: usize) -> Option<Vector3<S>> {
+        None
+    }
+    /// The second rate of a coordinate of a joint [m/s² or rad/s²].
+    fn coordinate_acceleration(&self, _joint: usize, _index: usize) -> Option<S> {
+        None
+    }
+    /// Force [N] and torque [N m] of a joint on its child, world axes.
+    fn reaction(&self, _joint: usize) -> Option<[Vector3<S>; 2]> {
+        None
+    }
     /// Tension [N], length [m], stretch [m] and stretch rate [m/s] of a line.
     fn line(&self, _line: usize) -> Option<[S; 4]> {
         None
@@ -125,6 +141,17 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
         Formula::AngularVelocityWorld(body) => context.omega_world(*body).map(Vector),
         Formula::AngularVelocityBody(body) => context.omega_body(*body).map(Vector),
         Formula::MotorEffort(joint, index) => context.motor_effort(*joint, *index).map(Scalar),
+        Formula::Acceleration(place) => context.acceleration(*place).map(Vector),
+        Formula::AngularAcceleration(body) => context.angular_acceleration(*body).map(Vector),
+        Formula::CoordinateAcceleration(joint, index) => {
+            let rate = context.coordinate_acceleration(*joint, *index);
+            rate.map(Scalar)
+        }
+        Formula::ReactionForce(joint) => context.reaction(*joint).map(|[force, _]| Vector(force)),
+        Formula::ReactionTorque(joint) => {
+            let reaction = context.reaction(*joint);
+            reaction.map(|[_, torque]| Vector(torque))
+        }
         Formula::Tension(i) => line(*i, 0),
         Formula::Length(i) => line(*i, 1),
         Formula::Stretch(i) => line(*i, 2),

@@ -31,7 +31,7 @@ impl<S: Real> Kinematics<S> {
         }
     }
 
-    /// Reads them at an instant; no multipliers.
+    /// Reads them at an instant; nothing of the solved system.
     pub fn read<'a>(
         &'a mut self,
         scene: &'a Scene,
@@ -63,6 +63,8 @@ impl<S: Real> Kinematics<S> {
             networks: &self.networks,
             lets: &self.lets,
             multipliers: &[],
+            reactions: &[],
+            accelerations: &[],
         }
     }
 }

@@ -9,8 +9,8 @@ mod slots;
 pub use elimination::{Below, Carrying, Elimination, Order, Step};
 pub use repeats::{HeldMotor, Redundancy, Repeat};
 pub use slots::{
-    Anchor, InputSlots, InputSource, JointSlots, LineEnd, LineSlots, Network, Node, PointSlots,
-    Slots, StopSlots,
+    Anchor, Asked, InputSlots, InputSource, JointSlots, LineEnd, LineSlots, Network, Node,
+    PointSlots, Slots, StopSlots,
 };
 
 use serde::{Deserialize, Serialize};
@@ -71,8 +71,8 @@ pub struct Layout {
     pub nc: usize,
     /// Which rows repeat others: those are left out of the system.
     pub redundancy: Redundancy,
-    /// Whether outputs, and whether events, ask for the effort of a motor.
-    pub efforts: [bool; 2],
+    /// What of the solved system outputs, and what events, ask for.
+    pub asked: [Asked; 2],
     /// The system of bodies and joints, and the order in which it is solved.
     pub elimination: Elimination,
 }

@@ -1,12 +1,12 @@
 //! Lays out a scene: one kind of thing after another gets its place.
 
 use crate::layout::{
-    Anchor, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
+    Anchor, Asked, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
     PointSlots, Slots, StopSlots,
 };
 use crate::scalar::Few;
 use crate::scene::{LoadKind, NodeModel, PointKind, Scene};
-use crate::{Formula, Gravity, Part, Place, RowSet};
+use crate::{Gravity, Part, Place, RowSet};
 
 impl Layout {
     /// Everything but the system. `laws` tells of a scene without rows which rows of each joint's law count.
@@ -36,12 +36,9 @@ impl Layout {
             side,
         });
         layout.stops = stops.collect();
-        let effort = |formula: &Formula| {
-            scene.contains(formula, |part| matches!(part, Formula::MotorEffort(..)))
-        };
-        layout.efforts = [
-            scene.outputs.iter().any(|output| effort(&output.value)),
-            scene.events.iter().any(|event| effort(&event.guard)),
+        layout.asked = [
+            Asked::by(scene, scene.outputs.iter().map(|output| &output.value)),
+            Asked::by(scene, scene.events.iter().map(|event| &event.guard)),
         ];
         layout.columns = scene.outputs.iter().map(|output| output.components).sum();
         layout

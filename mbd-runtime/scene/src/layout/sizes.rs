@@ -1,6 +1,6 @@
 //! How long the list of every quantity is, and which quantities a scene has a use for.
 
-use crate::layout::{Layout, Network};
+use crate::layout::{Asked, Layout, Network};
 use crate::scene::NodeModel;
 use crate::{Differentiated, Quantity, Variable};
 
@@ -62,14 +62,20 @@ impl Layout {
         }
     }
 
-    /// Whether a quantity asks for the effort of a motor, which takes the multipliers.
+    /// What of the solved system a quantity asks for: multipliers, reactions, accelerations.
+    #[must_use]
+    pub fn asked(&self, what: Quantity) -> Asked {
+        match what {
+            Quantity::Outputs => self.asked[0],
+            Quantity::Guards => self.asked[1],
+            _ => Asked::default(),
+        }
+    }
+
+    /// Whether a quantity asks for anything of the solved system, such as the effort of a motor.
     #[must_use]
     pub fn asks_efforts(&self, what: Quantity) -> bool {
-        match what {
-            Quantity::Outputs => self.efforts[0],
-            Quantity::Guards => self.efforts[1],
-            _ => false,
-        }
+        self.asked(what).any()
     }
 
     /// A network whose nodes are placed by the balance of forces at a position. A `rate` node is not: its balance is one of velocities.

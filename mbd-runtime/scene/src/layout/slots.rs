@@ -3,8 +3,8 @@
 use crate::joints::Side;
 use crate::rows::MOST_ENDS;
 use crate::scalar::Few;
-use crate::scene::NodeModel;
-use crate::{Part, Place, RowSet};
+use crate::scene::{NodeModel, Scene};
+use crate::{Formula, Part, Place, RowSet};
 
 /// A joint's place among the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +31,41 @@ impl JointSlots {
     #[must_use]
     pub fn all_kept(&self) -> bool {
         self.kept.len() == self.len
+    }
+}
+
+/// What of the solved system a quantity asks for: it follows from the accelerations, so that they come first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Asked {
+    /// Multipliers: efforts of motors.
+    pub multipliers: bool,
+    /// Reactions of joints.
+    pub reactions: bool,
+    /// Accelerations v̇.
+    pub accelerations: bool,
+}
+
+impl Asked {
+    /// What some formulas ask for, and the lets that they name.
+    pub(crate) fn by<'f>(scene: &Scene, formulas: impl Iterator<Item = &'f Formula>) -> Self {
+        let mut asked = Asked::default();
+        for formula in formulas {
+            scene.walk(formula, &mut |part| match part {
+                Formula::MotorEffort(..) => asked.multipliers = true,
+                Formula::ReactionForce(_) | Formula::ReactionTorque(_) => asked.reactions = true,
+                Formula::Acceleration(_)
+                | Formula::AngularAcceleration(_)
+                | Formula::CoordinateAcceleration(..) => asked.accelerations = true,
+                _ => {}
+            });
+        }
+        asked
+    }
+
+    /// Whether it asks for anything.
+    #[must_use]
+    pub fn any(self) -> bool {
+        self.multipliers || self.reactions || self.accelerations
     }
 }
 

@@ -150,6 +150,8 @@ impl<'a> Configuration<'a> {
             networks: &[],
             lets: &[],
             multipliers: &[],
+            reactions: &[],
+            accelerations: &[],
         })
     }
 

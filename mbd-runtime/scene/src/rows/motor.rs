@@ -44,6 +44,18 @@ impl<S: Real> Ends<'_, S> {
         }
     }
 
+    /// The row whose Φ_v v̇ − γ is the second rate of a coordinate: (1), or (2) for f the angle itself, where d²(sin(θ − f))/dt² = θ̈.
+    pub fn second_rate(&self, coordinate: &Coordinate) -> Row<S> {
+        let here = Jet {
+            value: self.value(coordinate),
+            rate: S::zero(),
+            curve: S::zero(),
+        };
+        let mut row = self.prescribed(coordinate, &here);
+        row.prescribe(self);
+        row
+    }
+
     /// cos(θ − f) of (2), positive on the branch that is meant; 1 for a coordinate without another.
     pub fn prescribed_cosine(&self, coordinate: &Coordinate, course: S) -> S {
         let Measure::Angle { cosine, sine } = &coordinate.measure else {

@@ -132,6 +132,16 @@ pub enum Formula {
     /// The force or torque of a motor along a coordinate of a joint [N or N m]: joint, number of the coordinate. It follows from the
     /// accelerations, so that nothing they depend on may contain it.
     MotorEffort(usize, usize),
+    /// The rate of the velocity of a place [m/s²], world axes: what a body at rest in free fall has is g. As [`Formula::MotorEffort`].
+    Acceleration(Place),
+    /// The rate of the angular velocity of a body [rad/s²], world axes. As [`Formula::MotorEffort`].
+    AngularAcceleration(usize),
+    /// The second rate of a coordinate of a joint [m/s² or rad/s²]: joint, number of the coordinate. As [`Formula::MotorEffort`].
+    CoordinateAcceleration(usize, usize),
+    /// The force of a joint on its child [N], world axes. As [`Formula::MotorEffort`].
+    ReactionForce(usize),
+    /// The torque of a joint on its child about the origin of frame 2 [N m], world axes. As [`Formula::MotorEffort`].
+    ReactionTorque(usize),
     /// A vector of three scalars.
     Vector(Vec<Formula>),
     /// Component 0, 1 or 2 of a vector; the list holds the one vector.

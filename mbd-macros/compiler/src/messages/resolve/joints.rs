@@ -53,7 +53,7 @@ pub fn no_coordinates(at: Region, name: &str, keyword: &str) -> Report {
     Report::new(
         at,
         format!(
-            "`{name}` is a `{keyword}` joint, which has no coordinate to measure; ask its bodies, such as `BODY.omega_body`, or `angle(BODY.x, OTHER.x)`"
+            "`{name}` is a `{keyword}` joint, which has no coordinate to measure, only `force` and `torque`; ask its bodies, such as `BODY.omega_body`, or `angle(BODY.x, OTHER.x)`"
         ),
     )
 }
@@ -73,6 +73,15 @@ pub fn motor_as_cause(at: Region, name: &str, word: &str) -> Report {
         at,
         format!(
             "`{name}.{word}` answers to everything that acts, so nothing that acts can depend on it; it can stand in an `output` or an `event`"
+        ),
+    )
+}
+
+pub fn massless_acceleration(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{name}` has no mass: it stands where its lines balance and has no acceleration of its own; give it a `mass`, or ask for its `velocity`"
         ),
     )
 }
