@@ -83,9 +83,9 @@ fn modules(declarations: &[(&str, String)]) -> (String, BTreeMap<usize, String>)
     let mut source = String::from("#![allow(dead_code)]\n");
     let mut begins = BTreeMap::new();
     for (name, text) in declarations {
-        let _ = write!(source, "pub mod {name} {{ mbd_runtime::model! {{\n");
+        let _ = writeln!(source, "pub mod {name} {{ mbd_runtime::model! {{");
         begins.insert(source.lines().count(), (*name).to_owned());
-        let _ = write!(source, "{text}\n}} }}\n");
+        let _ = writeln!(source, "{text}\n}} }}");
     }
     (source, begins)
 }
