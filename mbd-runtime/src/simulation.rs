@@ -113,6 +113,8 @@ pub struct Simulation<T: Float> {
     options: Options,
     guess: Option<Vec<T>>,
     moved: Vec<Moved>,
+    /// Whether the state is still that of the declared start.
+    as_declared: bool,
     started: bool,
     events: Vec<Occurrence>,
 }
@@ -221,6 +223,7 @@ impl<T: Float> Simulation<T> {
         let model = self.system.model.with_params(params)?;
         self.margins.read_lines(model.lines());
         self.system.take(model);
+        self.start_again();
         self.started = false;
         Ok(())
     }

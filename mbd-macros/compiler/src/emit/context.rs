@@ -182,6 +182,16 @@ impl Context<'_> {
         fields(names, &self.spans.outputs)
     }
 
+    /// Joint coordinates and their rates as fields, in the order of `Scene::joint_coordinates`.
+    pub fn joint_coordinates(&self) -> Vec<Ident> {
+        let names = self.scene().joint_coordinates();
+        let names: Vec<String> = names
+            .iter()
+            .map(|name| crate::names::identifier(name))
+            .collect();
+        fields(names.iter().map(String::as_str), &[])
+    }
+
     /// What the caller supplies, one method each; gravity is one method for all bodies and points.
     pub fn supplied(&self) -> Vec<Supplied> {
         let scene = self.scene();

@@ -89,6 +89,14 @@ pub fn marks_joint(at: Region) -> Report {
 
 pub fn unknown_item(at: Region, word: &str) -> Report {
     let known: Vec<&str> = words::top_level().map(|item| item.word).collect();
+    if ["initial", "init", "start"].contains(&word) {
+        return Report::new(
+            at,
+            format!(
+                "unknown item `{word}`; a start is written with what starts: `joint pin: hinge from world to link.top {{ axis: y, start: 30 deg }}`, `body link {{ …, start at [0.0, 0.0, 1.0] m }}`"
+            ),
+        );
+    }
     let text = match words::translated(words::FOREIGN_ITEMS, word) {
         Some(ours) => format!("unknown item `{word}`; here it is called `{ours}`"),
         None => format!(

@@ -19,6 +19,7 @@ mod numbers;
 mod path;
 mod repeat;
 mod settings;
+mod starts;
 mod value;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -150,6 +151,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.along_joints();
     resolver.known = Known::Motors;
     resolver.lets();
+    resolver.part_starts();
     resolver.gravity(model);
     resolver.loads();
     resolver.outputs();

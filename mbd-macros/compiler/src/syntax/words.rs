@@ -92,6 +92,22 @@ pub const FRAME: ItemWord = repeated(item(
     "frame NAME at [x, y, z] m rotated rpy(a, b, c)",
 ));
 
+/// The start of a body or a point, and of a joint coordinate, whose value follows a colon.
+pub const START: ItemWord = ItemWord {
+    word: "start",
+    named: false,
+    repeats: false,
+    clauses: &[
+        may(":", "value"),
+        may("at", "at"),
+        may("rotated", "rotated"),
+        may("velocity", "velocity"),
+        may("angular_velocity", "angular_velocity"),
+    ],
+    fields: None,
+    form: "start at [x, y, z] m rotated rpy(a, b, c) velocity [x, y, z] m/s angular_velocity [x, y, z] rad/s",
+};
+
 /// Every item and setting of a model.
 pub const ITEMS: &[ItemWord] = &[
     setting("coordinates", "coordinates: absolute;"),
@@ -144,13 +160,13 @@ pub const ITEMS: &[ItemWord] = &[
     repeated(item(
         "body",
         &[],
-        Some(&["mass", "center_of_mass", "inertia", "frame"]),
+        Some(&["mass", "center_of_mass", "inertia", "frame", "start"]),
         "body NAME { mass: 2.0 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2 }",
     )),
     repeated(item(
         "point",
         &[],
-        Some(&["mass", "equilibrium"]),
+        Some(&["mass", "equilibrium", "start"]),
         "point NAME;",
     )),
     repeated(item(
@@ -211,7 +227,7 @@ pub fn top_level() -> impl Iterator<Item = &'static ItemWord> {
 /// The item of this keyword at the top (`inside` false) or inside a body or the world.
 pub fn find(word: &str, inside: bool) -> Option<&'static ItemWord> {
     if inside {
-        (word == FRAME.word).then_some(&FRAME)
+        [&FRAME, &START].into_iter().find(|item| item.word == word)
     } else {
         ITEMS.iter().find(|item| item.word == word)
     }
@@ -531,7 +547,8 @@ mod tests {
         let fields = ITEMS.iter().filter_map(|item| item.fields).flatten();
         let mut all: Vec<&str> = fields.copied().collect();
         all.extend(ITEMS.iter().map(|item| item.word));
-        all.push(FRAME.word);
+        all.extend([FRAME.word, START.word]);
+        all.extend([mbd_scene::joints::START_RATE.name]);
         for list in [FUNCTIONS, BODY_QUANTITIES, LINE_QUANTITIES] {
             all.extend(list);
         }
