@@ -1,13 +1,13 @@
 //! From a declaration to Rust.
 
 use mbd_scene::{Layout, Quantity, Scene};
-use proc_macro2::{Span, TokenStream};
+use proc_macro2::{Ident, Span, TokenStream};
 use quote::{quote, quote_spanned};
 
 use crate::emit::{NameSpans, Settings, emit_model, emit_with, quantity, references};
 use crate::equations::Equations;
 use crate::kernels::Kernels;
-use crate::messages::{Location, Message};
+use crate::messages::{About, Location, Message, check as say};
 use crate::reading::{Reading, read_tokens};
 
 /// More emitted operations than this are a warning.
@@ -48,8 +48,8 @@ pub fn expand(reading: &Reading) -> Result<String, String> {
 
 fn model(reading: &Reading, scene: &Scene) -> TokenStream {
     let layout = Layout::new(scene);
-    if let Some(text) = immovable(scene, &layout) {
-        return without_equations(reading, error(reading.spans.model, &text));
+    if let Some(message) = immovable(reading, &layout) {
+        return without_equations(reading, message.to_compile_error());
     }
     let wanted = wanted(reading, scene, &layout);
     // The laws first: differentiating too large a scene would take long before it is refused.
@@ -65,7 +65,7 @@ fn model(reading: &Reading, scene: &Scene) -> TokenStream {
         kernels = Kernels::of(&equations);
     }
     let large = match judge(size(&equations, &kernels)) {
-        Ok(large) => large.map(|text| deprecated(reading.spans.model, &text)),
+        Ok(large) => large.map(|text| deprecated(reading.spans.model, &scene.name, &text)),
         Err(text) => return without_equations(reading, error(reading.spans.model, &text)),
     };
     let (spans, settings) = settings(reading);
@@ -117,23 +117,35 @@ fn settings(reading: &Reading) -> (NameSpans, Settings) {
     )
 }
 
-/// What to say of a scene whose joints leave nothing to move, or a motor nothing to drive; `None` where something moves, by itself or as
-/// prescribed.
+/// What to say of a scene whose joints leave nothing to move, or a motor nothing to drive, at the joint that is the cause; `None` where
+/// something moves, by itself or as prescribed.
 #[must_use]
-pub fn immovable(scene: &Scene, layout: &Layout) -> Option<String> {
-    if let Some(idle) = layout.redundancy.idle_motors(scene).first() {
-        return Some(format!(
-            "{idle}; leave this motor out, or take away what holds it"
-        ));
+pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
+    let scene = reading.scene.as_ref()?;
+    let of = |joint: usize| reading.joints.get(joint).copied();
+    let message = |text, at: Option<Location>| Some(Message::new(text, at.unwrap_or(reading.head)));
+    let redundancy = &layout.redundancy;
+    if let (Some(text), Some(held)) = (
+        redundancy.idle_motors(scene).first(),
+        redundancy.held.first(),
+    ) {
+        return message(say::idle_motor(text), of(held.joint));
     }
     let driven = layout.joints.iter().any(|slots| slots.driven);
     let held = layout.nv > 0 && layout.nodes.is_empty() && layout.freedoms() == 0;
-    (held && layout.redundancy.closed && !driven).then(|| {
-        format!(
-            "model `{}` cannot move: the {} rows of its joints hold all {} speeds; take a joint away, or one that forbids less",
-            scene.name, layout.nc, layout.nv
+    if !held || !redundancy.closed || driven {
+        return None;
+    }
+    let across = scene.planar.and_then(|plane| {
+        let joint = Layout::holding(scene).into_iter().next()?;
+        let (name, coordinate) = scene.coordinate(joint, 0)?;
+        let coordinate = format!("{}.{}", name.name, coordinate.name);
+        message(
+            say::across_the_plane(&scene.name, &coordinate, plane),
+            of(joint),
         )
-    })
+    });
+    across.or_else(|| message(say::immovable(&scene.name, layout.nc, layout.nv), None))
 }
 
 /// The quantities to emit: all, or what a simulation needs and those that `emit: […]` names, by kind or by function.
@@ -191,17 +203,44 @@ fn warning(message: &Message) -> TokenStream {
         Some(Location::Tokens(first, _)) => first,
         _ => Span::call_site(),
     };
-    deprecated(span, &message.text)
+    match &message.about {
+        Some(About {
+            name,
+            unused: Some(kind),
+        }) => unused(span, kind, name),
+        Some(About { name, unused: None }) => deprecated(span, name, &message.text),
+        None => deprecated(span, "this", &message.text),
+    }
 }
 
-/// Stable Rust has no warnings for macros; the use of something deprecated is one.
-fn deprecated(span: Span, text: &str) -> TokenStream {
-    let used = quote_spanned!(span=> Warning);
+/// Something of Rust under the same name that nothing uses either, so that rustc says so: "constant `L` is never used", "field `k` is never
+/// read", "function `drag` is never used".
+fn unused(span: Span, kind: &str, name: &str) -> TokenStream {
+    let name = Ident::new(name, span);
+    let item = match kind {
+        "const" => quote!(const #name: () = ();),
+        "table" => quote!(fn #name() {}),
+        _ => quote! {
+            struct Declaration { #name: () }
+            let _ = Declaration { #name: () };
+        },
+    };
     quote! {
+        #[allow(non_snake_case, non_upper_case_globals)]
+        const _: () = { #item };
+    }
+}
+
+/// Stable Rust has no warnings for macros; the use of something deprecated is one. Its name begins the sentence of rustc: "use of deprecated
+/// constant `knot`: point `knot` is …".
+fn deprecated(span: Span, name: &str, text: &str) -> TokenStream {
+    let (name, used) = (Ident::new(name, Span::call_site()), Ident::new(name, span));
+    quote! {
+        #[allow(non_upper_case_globals)]
         const _: () = {
             #[deprecated(note = #text)]
-            struct Warning;
-            let _ = #used;
+            const #name: () = ();
+            let () = #used;
         };
     }
 }

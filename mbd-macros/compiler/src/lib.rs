@@ -39,7 +39,7 @@ pub use interpret::{Interpreted, Registers};
 pub use kernels::{Driver, Kernel, Kernels, Results, Window};
 pub use lists::{Arguments, Group};
 pub use messages::similar::nearest;
-pub use messages::{Location, Message, Place};
+pub use messages::{About, Location, Message, Place};
 pub use number::read_number;
 pub use operation::{Binary, Comparison, Op, Unary};
 pub use partition::{Block, Local, partition};

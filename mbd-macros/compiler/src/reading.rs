@@ -6,7 +6,7 @@ use proc_macro2::{Span, TokenStream};
 use crate::check::check;
 use crate::lexeme::Region;
 use crate::lexeme::{self, Lexeme, Places};
-use crate::messages::{Message, Messages, syntax as say};
+use crate::messages::{Location, Message, Messages, syntax as say};
 use crate::resolve::{Named, Resolver, resolve};
 use crate::syntax::{self, Model};
 
@@ -25,6 +25,10 @@ pub struct Reading {
     pub notes: Vec<String>,
     /// Where the names are.
     pub spans: Spans,
+    /// Where the model's name is, for a message.
+    pub head: Location,
+    /// Where the names of the joints are, for a message.
+    pub joints: Vec<Location>,
     /// What is asked for besides the scene.
     pub options: Options,
 }
@@ -102,7 +106,14 @@ pub(crate) fn finish(
     }
     let good = errors.is_empty();
     let spans = spans(&resolver, places);
+    let head = places.location(resolver.head);
+    let declared = |joint| resolver.declared.get(&Named::Joint(joint));
+    let joints = (0..resolver.scene.joints.len())
+        .map(|joint| declared(joint).map_or(head, |at| places.location(*at)))
+        .collect();
     Reading {
+        head,
+        joints,
         scene: good.then(|| resolver.scene.clone()),
         skeleton: resolver.scene,
         errors: errors.located(places),

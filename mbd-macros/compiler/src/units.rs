@@ -129,6 +129,26 @@ const FOREIGN: &[(&str, &str)] = &[
     ("kilograms", "kg"),
     ("feet", "ft"),
     ("hertz", "Hz"),
+    ("kgs", "kg"),
+    ("kilometer", "km"),
+    ("kilometers", "km"),
+    ("millimeter", "mm"),
+    ("millimeters", "mm"),
+    ("minute", "min"),
+    ("minutes", "min"),
+    ("hour", "h"),
+    ("hours", "h"),
+    ("hr", "h"),
+    ("foot", "ft"),
+    ("joule", "J"),
+    ("joules", "J"),
+    ("watt", "W"),
+    ("watts", "W"),
+    ("pascal", "Pa"),
+    ("liter", "l"),
+    ("litre", "l"),
+    ("ms2", "m/s^2"),
+    ("mps", "m/s"),
     ("ampere", "A"),
     ("amperes", "A"),
     ("amp", "A"),
@@ -182,6 +202,17 @@ pub fn foreign(word: &str) -> Option<&'static str> {
         .iter()
         .find(|(theirs, _)| *theirs == lower)
         .map(|(_, ours)| *ours)
+}
+
+/// The unit that differs from a word in capitals only, if there is one: another letter is another unit.
+pub fn same_but_for_case(word: &str) -> Option<&'static str> {
+    let mut near = UNITS
+        .iter()
+        .filter(|(known, ..)| known.eq_ignore_ascii_case(word));
+    match (near.next(), near.next()) {
+        (Some((only, ..)), None) => Some(only),
+        _ => None,
+    }
 }
 
 /// Two units written as one word, as a product: `N*m` of `Nm`. `kgs` is a plural.

@@ -1,7 +1,7 @@
 //! The language: declarations in `pass/` are read, declarations in `fail/` give the message their first line names.
 
-use mbd_compiler::{Message, Named, Reading, read_text, read_tokens};
-use mbd_scene::{Formula, NodeModel, PointKind};
+use mbd_compiler::{Message, Named, Reading, immovable, read_text, read_tokens};
+use mbd_scene::{Formula, Layout, NodeModel, PointKind};
 
 /// Messages as text, one a line.
 fn told(reading: &Reading) -> String {
@@ -74,26 +74,75 @@ fn what_is_probably_not_meant_is_a_warning() {
     }
 }
 
-#[test]
-fn a_mistake_is_told_at_its_place_with_its_remedy() {
+/// Compares what every file of a folder is told with its first lines; `UPDATE_GOLDEN` writes them.
+fn compare(folder: &str, told: impl Fn(&str, &Reading) -> Vec<String>) {
     let mut wrong = Vec::new();
-    for (name, text) in files("fail") {
+    for (name, text) in files(folder) {
         let (wanted, declaration) = expected(&text);
-        let reading = read_text(&declaration);
-        assert!(reading.scene.is_none(), "{name} was read");
-        let found = lines(&reading.errors);
+        let found = told(&name, &read_text(&declaration));
         if found != wanted {
             wrong.push(format!("{name}:\n{}", found.join("\n")));
         }
         if std::env::var_os("UPDATE_GOLDEN").is_some() {
             let head: Vec<String> = found.iter().map(|line| format!("//~ {line}\n")).collect();
-            let path = format!("{}/tests/fail/{name}", env!("CARGO_MANIFEST_DIR"));
+            let path = format!("{}/tests/{folder}/{name}", env!("CARGO_MANIFEST_DIR"));
             let text = format!("{}{}\n", head.concat(), declaration.trim_end());
             std::fs::write(path, text).unwrap();
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
+
+#[test]
+fn a_mistake_is_told_at_its_place_with_its_remedy() {
+    compare("fail", |name, reading| {
+        assert!(reading.scene.is_none(), "{name} was read");
+        lines(&reading.errors)
+    });
+}
+
+/// Everything that a declaration is told before it runs: errors, what cannot move, warnings.
+fn everything_told(reading: &Reading) -> Vec<String> {
+    let mut errors = reading.errors.clone();
+    if let Some(scene) = &reading.scene {
+        errors.extend(immovable(reading, &Layout::new(scene)));
+    }
+    let warnings = lines(&reading.warnings).into_iter();
+    let warnings = warnings.map(|line| format!("warning: {line}"));
+    lines(&errors).into_iter().chain(warnings).collect()
+}
+
+/// What new users write by mistake, and what they guess: declarations written by people who had not seen the language, one mistake or wish
+/// each. A file without `//~` lines is accepted as it stands.
+#[test]
+fn what_new_users_write_is_accepted_or_answered() {
+    compare("users/broken", |_, reading| everything_told(reading));
+    compare("users/wished", |name, reading| {
+        let awaited = AWAITED.iter().find(|(file, _)| *file == name);
+        let Some((_, branch)) = awaited else {
+            return everything_told(reading);
+        };
+        assert!(
+            !reading.errors.is_empty(),
+            "{name} is read now: remove it from AWAITED ({branch}) and check what it is told"
+        );
+        Vec::new()
+    });
+}
+
+/// Files of `users/wished` that wait for a part of the language, and the branch that brings it.
+const AWAITED: &[(&str, &str)] = &[
+    ("w02_motor_input.mbd", "quantities"),
+    ("w03_reaction_out.mbd", "quantities"),
+    ("w04_state_var.mbd", "quantities"),
+    ("w05_ode.mbd", "quantities"),
+    ("w12_table2d.mbd", "language"),
+    ("w13_let_expr.mbd", "language"),
+    ("w14_accel.mbd", "quantities"),
+    ("w15_frame_inertial.mbd", "quantities"),
+    ("w23_initial.mbd", "language"),
+    ("w24_init2.mbd", "language"),
+];
 
 fn parachute() -> String {
     let path = format!("{}/tests/pass/parachute.mbd", env!("CARGO_MANIFEST_DIR"));

@@ -9,7 +9,7 @@ use mbd_scene::{Float, Layout, Model, Part, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{body_name, node_name};
-use crate::moving::moving;
+use crate::moving::{Moving, moving};
 
 /// What counts as one unit of error before the relative tolerance is applied.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -78,25 +78,37 @@ struct Block {
     at: Range<usize>,
     /// Whose they are.
     owner: Option<Part>,
+    /// What counts as one unit of error.
+    scale: f64,
 }
 
 /// The norm of one scene.
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorNorm {
     blocks: Vec<Block>,
-    scales: Scales,
     /// Relative tolerance.
     pub tolerance: f64,
     worst: usize,
 }
 
 impl ErrorNorm {
-    /// The norm of states of `length`: those of the layout, with integrals behind.
-    pub(crate) fn new(layout: &Layout, length: usize, scales: Scales, tolerance: f64) -> Self {
+    /// The norm of states of `length`: those of the layout, with integrals behind. `resolution` has the length [m] and the angle [rad] of a body or
+    /// point.
+    pub(crate) fn new(
+        layout: &Layout,
+        length: usize,
+        (scales, tolerance): (Scales, f64),
+        resolution: impl Fn(&Moving) -> [f64; 2],
+    ) -> Self {
         let mut blocks = Vec::new();
-        let mut block = |kind, at: Range<usize>, owner| {
+        let mut block = |kind, at: Range<usize>, owner, scale| {
             if !at.is_empty() {
-                blocks.push(Block { kind, at, owner });
+                blocks.push(Block {
+                    kind,
+                    at,
+                    owner,
+                    scale,
+                });
             }
         };
         let attitude = match layout.directions.plane {
@@ -105,20 +117,21 @@ impl ErrorNorm {
         };
         for part in moving(layout) {
             let owner = Some(part.part);
-            block(Kind::Position, part.position, owner);
-            block(attitude, part.attitude, owner);
-            block(Kind::Velocity, part.velocity, owner);
-            block(Kind::AngularVelocity, part.spin, owner);
+            let [length, angle] = resolution(&part);
+            block(Kind::Position, part.position, owner, length);
+            block(attitude, part.attitude, owner, angle);
+            block(Kind::Velocity, part.velocity, owner, scales.speed);
+            block(Kind::AngularVelocity, part.spin, owner, scales.rate);
         }
         for node in &layout.nodes {
             if let Some(z) = node.z.map(|z| layout.nq + layout.nv + z) {
-                block(Kind::Position, z..z + 3, Some(Part::Point(node.point)));
+                let owner = Some(Part::Point(node.point));
+                block(Kind::Position, z..z + 3, owner, scales.length);
             }
         }
-        (layout.nx()..length).for_each(|at| block(Kind::Work, at..at + 1, None));
+        (layout.nx()..length).for_each(|at| block(Kind::Work, at..at + 1, None, scales.energy));
         ErrorNorm {
             blocks,
-            scales,
             tolerance,
             worst: 0,
         }
@@ -128,7 +141,7 @@ impl ErrorNorm {
     pub(crate) fn measure<T: Float>(&mut self, error: &[T], old: &[T], new: &[T]) -> f64 {
         let mut largest = 0.0;
         for (index, block) in self.blocks.iter().enumerate() {
-            let size = block.measure(&self.scales, error, old, new) / self.tolerance;
+            let size = block.measure(error, old, new) / self.tolerance;
             // A NaN must win over every number.
             if size > largest || size.is_nan() {
                 largest = size;
@@ -163,28 +176,26 @@ impl ErrorNorm {
 }
 
 impl Block {
-    fn measure<T: Float>(&self, scales: &Scales, error: &[T], old: &[T], new: &[T]) -> f64 {
+    fn measure<T: Float>(&self, error: &[T], old: &[T], new: &[T]) -> f64 {
         match self.kind {
-            Kind::Position => self.mean(error) / scales.length,
+            Kind::Position | Kind::Angle => self.mean(error) / self.scale,
             Kind::Rotation => {
                 let [old, error] = [old, error].map(|list| pick(list, self.at.start));
-                tangent(old, error) / scales.angle
+                tangent(old, error) / self.scale
             }
-            Kind::Angle => self.mean(error) / scales.angle,
-            Kind::Velocity => self.speed(scales.speed, error, old, new),
-            Kind::AngularVelocity => self.speed(scales.rate, error, old, new),
+            Kind::Velocity | Kind::AngularVelocity => self.speed(error, old, new),
             Kind::Work => {
                 let [error, old, new] =
                     [error, old, new].map(|list| pick::<T, 1>(list, self.at.start)[0].abs());
-                error / (scales.energy + old.max(new))
+                error / (self.scale + old.max(new))
             }
         }
     }
 
-    fn speed<T: Float>(&self, scale: f64, error: &[T], old: &[T], new: &[T]) -> f64 {
+    fn speed<T: Float>(&self, error: &[T], old: &[T], new: &[T]) -> f64 {
         // One size for all components: the norm must not depend on the axes.
         let size = |list: &[T]| self.square(list).sqrt();
-        self.mean(error) / (scale + size(old).max(size(new)))
+        self.mean(error) / (self.scale + size(old).max(size(new)))
     }
 
     /// Sum of the squares of its components.
@@ -233,7 +244,7 @@ mod tests {
             bodies: vec![Slots { q: 0, v: 0 }],
             ..Layout::default()
         };
-        ErrorNorm::new(&layout, 13, Scales::default(), 1e-6)
+        ErrorNorm::new(&layout, 13, (Scales::default(), 1e-6), |_| [1.0; 2])
     }
 
     const STATE: [f64; 13] = [

@@ -76,8 +76,8 @@ impl SceneFile {
         let scene = reading.scene.as_ref();
         mistakes.extend(
             scene
-                .and_then(|scene| immovable(scene, &Layout::new(scene)))
-                .map(|text| format!("{name}: {text}")),
+                .and_then(|scene| immovable(&reading, &Layout::new(scene)))
+                .map(|message| message.in_file(name)),
         );
         if let Err(text) = &settings {
             mistakes.push(format!("{name}: {}", text.trim_end()));

@@ -8,7 +8,8 @@ mod tokens;
 
 use proc_macro2::Span;
 
-use crate::messages::{Location, Messages};
+use crate::messages::{Location, Messages, Report, syntax as say};
+use crate::syntax::words;
 
 /// The place of a lexeme: index into a table of [`Places`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -213,6 +214,40 @@ impl Lexer {
             _ => {}
         }
         self.lexemes.push(Lexeme { kind, at });
+    }
+
+    /// What to say of a string behind the last word, if that word asks for another text: `include "common.mbd"`.
+    fn string_after(&self) -> Option<Report> {
+        let last = self.lexemes.last()?;
+        match &last.kind {
+            Kind::Word(word) => say::one_text(last.at.into(), word),
+            _ => None,
+        }
+    }
+
+    /// The brace that was probably left open inside the outermost open one, and the item behind it that stands between no braces but the model's.
+    fn probably_open(&self, opened: usize) -> Option<(Bracket, At, (&str, At))> {
+        let outer = *self.open.get(opened)?;
+        let mut around: Vec<(Bracket, At)> = Vec::new();
+        for (index, lexeme) in self.lexemes.iter().enumerate().skip(outer + 1) {
+            match &lexeme.kind {
+                Kind::Open(bracket, _) => around.push((*bracket, lexeme.at)),
+                Kind::Close(_) => {
+                    around.pop();
+                }
+                Kind::Word(word) if words::is_outside(word) && self.is_word(index + 1) => {
+                    if let Some(&(Bracket::Brace, at)) = around.last() {
+                        return Some((Bracket::Brace, at, (word, lexeme.at)));
+                    }
+                }
+                _ => {}
+            }
+        }
+        None
+    }
+
+    fn is_word(&self, at: usize) -> bool {
+        matches!(self.lexemes.get(at), Some(lexeme) if matches!(lexeme.kind, Kind::Word(_)))
     }
 
     /// The bracket that waits to be closed.

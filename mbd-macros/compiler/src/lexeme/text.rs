@@ -125,8 +125,9 @@ pub fn piece(
         } else if next == '"' {
             let end = rest[1..].find('"').map_or(rest.len(), |end| end + 2);
             let shown = rest[..end].trim_matches('"').to_string();
+            let report = lexer.string_after();
             let string = lexer.positioned(Kind::Text(shown), place(at));
-            messages.push(say::string(string.into()));
+            messages.push(report.unwrap_or_else(|| say::string(string.into())));
             at += end;
         } else if let Some((bracket, opens)) = Bracket::of(next) {
             at += 1;
@@ -166,7 +167,11 @@ fn close_all(lexer: &mut Lexer, opened: usize, end: (usize, usize), messages: &m
             break;
         };
         if messages.is_empty() {
-            messages.push(say::open_bracket(bracket, at.into()));
+            let report = match lexer.probably_open(opened) {
+                Some((bracket, at, next)) => say::open_bracket(bracket, at.into(), Some(next)),
+                None => say::open_bracket(bracket, at.into(), None),
+            };
+            messages.push(report);
         }
         lexer.positioned(Kind::Close(bracket), end);
     }

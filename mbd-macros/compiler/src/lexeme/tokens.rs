@@ -85,8 +85,9 @@ impl Lexer {
         let end = super::text::number_end(digits);
         if end == 0 {
             let shown = text.trim_matches('"').to_string();
+            let report = self.string_after();
             let at = self.spanned(Kind::Text(shown), span);
-            messages.push(say::string(at.into()));
+            messages.push(report.unwrap_or_else(|| say::string(at.into())));
             return;
         }
         if sign {

@@ -1,5 +1,7 @@
 //! Messages of checking: what is wrong with the scene as a whole.
 
+use mbd_scene::Plane;
+
 use super::Report;
 use crate::lexeme::Region;
 use crate::syntax::words::ItemWord;
@@ -125,10 +127,11 @@ pub fn dropped_damping(at: Region, point: &str, line: &str) -> Report {
             "point `{point}` is `static`: the damping of its line `{line}` is dropped; `stepwise` or `rate` keep it"
         ),
     )
+    .about(point, None)
 }
 
-pub fn unused(at: Region, kind: &str, name: &str) -> Report {
-    Report::new(at, format!("{kind} `{name}` is declared but never used"))
+pub fn unused(at: Region, kind: &'static str, name: &str) -> Report {
+    Report::new(at, format!("{kind} `{name}` is declared but never used")).about(name, Some(kind))
 }
 
 pub fn no_loop(at: Region, name: &str, owner: Region) -> Report {
@@ -178,5 +181,27 @@ pub fn still(at: Region, coordinate: &str, plane: &str, driven: bool) -> Report 
         format!(
             "{acts} `{coordinate}`, which nothing in the plane `{plane}` changes: remove {cause}, or choose another axis"
         ),
+    )
+}
+
+pub fn idle_motor(sentence: &str) -> String {
+    format!("{sentence}; leave this motor out, or take away what holds it")
+}
+
+pub fn immovable(model: &str, rows: usize, speeds: usize) -> String {
+    format!(
+        "model `{model}` cannot move: the {rows} rows of its joints hold all {speeds} speeds; take a joint away, or one that forbids less"
+    )
+}
+
+pub fn across_the_plane(model: &str, coordinate: &str, plane: Plane) -> String {
+    let axes = ["x", "y", "z"];
+    let normal = plane.normal();
+    let across = axes.get(normal).copied().unwrap_or_default();
+    let within: Vec<&str> = axes.into_iter().filter(|axis| *axis != across).collect();
+    format!(
+        "model `{model}` cannot move: nothing in the plane `{}` changes `{coordinate}`. there bodies turn about {across} and slide along {}: choose that axis",
+        plane.word(),
+        within.join(" and ")
     )
 }

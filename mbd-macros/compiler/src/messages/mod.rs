@@ -46,9 +46,33 @@ pub struct Message {
     pub text: String,
     /// Where; further places carry a note of their own, such as "first used here".
     pub places: Vec<Place>,
+    /// What a warning is about.
+    pub about: Option<About>,
+}
+
+/// What a warning is about, so that the sentence of rustc around it names the thing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct About {
+    /// Its name, the last of a path, without an index.
+    pub name: String,
+    /// Its kind, if the warning is that nothing uses it.
+    pub unused: Option<&'static str>,
 }
 
 impl Message {
+    /// A message with one place.
+    #[must_use]
+    pub fn new(text: String, location: Location) -> Self {
+        Message {
+            text,
+            places: vec![Place {
+                location,
+                note: None,
+            }],
+            about: None,
+        }
+    }
+
     /// `compile_error!` calls: one a place, each underlining its tokens.
     #[must_use]
     pub fn to_compile_error(&self) -> TokenStream {
@@ -101,6 +125,7 @@ pub(crate) struct Report {
     pub text: String,
     pub at: Region,
     pub also: Option<(String, Region)>,
+    pub about: Option<About>,
 }
 
 impl Report {
@@ -110,7 +135,16 @@ impl Report {
             text: text.into(),
             at,
             also: None,
+            about: None,
         }
+    }
+
+    /// A warning about something: its name as in the text, and its kind, if nothing uses it.
+    pub fn about(mut self, name: &str, unused: Option<&'static str>) -> Self {
+        let last = name.rsplit('.').next().unwrap_or(name);
+        let name = last.split('[').next().unwrap_or(last).to_owned();
+        self.about = Some(About { name, unused });
+        self
     }
 
     /// A second place with its own note.
@@ -134,6 +168,7 @@ impl Report {
         Message {
             text: self.text,
             places: all,
+            about: self.about,
         }
     }
 }

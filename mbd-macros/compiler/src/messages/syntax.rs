@@ -1,6 +1,8 @@
 //! Messages of reading: what cannot be lexed or parsed.
 
 use super::Report;
+use mbd_scene::JointLaw;
+
 use super::similar::did_you_mean;
 use crate::lexeme::{At, Bracket, Region};
 use crate::syntax::words::{self, ItemWord};
@@ -19,6 +21,11 @@ pub fn too_deep(at: Region) -> Report {
     )
 }
 
+pub fn one_text(at: Region, word: &str) -> Option<Report> {
+    let answer = words::translated(words::EXPECTED_ITEMS, word)?;
+    Some(Report::new(at, answer))
+}
+
 pub fn string(at: Region) -> Report {
     Report::new(
         at,
@@ -30,9 +37,13 @@ pub fn open_comment(at: Region) -> Report {
     Report::new(at, "this comment is never closed: add `*/`")
 }
 
-pub fn open_bracket(bracket: Bracket, at: Region) -> Report {
+pub fn open_bracket(bracket: Bracket, at: Region, before: Option<(&str, At)>) -> Report {
     let (open, close) = bracket.signs();
-    Report::new(at, format!("this `{open}` is never closed: add `{close}`"))
+    let report = Report::new(at, format!("this `{open}` is never closed: add `{close}`"));
+    match before {
+        Some((next, here)) => report.also(here.into(), format!("probably before this `{next}`")),
+        None => report,
+    }
 }
 
 pub fn stray_bracket(sign: char, at: Region, waiting: Option<(Bracket, At)>) -> Report {
@@ -89,23 +100,60 @@ pub fn marks_joint(at: Region) -> Report {
 
 pub fn unknown_item(at: Region, word: &str) -> Report {
     let known: Vec<&str> = words::top_level().map(|item| item.word).collect();
-    if ["initial", "init", "start"].contains(&word) {
-        return Report::new(
-            at,
-            format!(
-                "unknown item `{word}`; a start is written with what starts: `joint pin: hinge from world to link.top {{ axis: y, start: 30 deg }}`, `body link {{ …, start at [0.0, 0.0, 1.0] m }}`"
-            ),
-        );
-    }
-    let text = match words::translated(words::FOREIGN_ITEMS, word) {
-        Some(ours) => format!("unknown item `{word}`; here it is called `{ours}`"),
-        None => format!(
-            "unknown item `{word}`{} items here: {}",
-            ended(did_you_mean(word, known.iter().copied())),
-            known.join(", ")
-        ),
+    let why = if let Some(ours) = words::translated(words::FOREIGN_ITEMS, word) {
+        format!("; here it is called `{ours}`")
+    } else if let Some(answer) = words::translated(words::EXPECTED_ITEMS, word) {
+        format!("; {answer}")
+    } else if let Some(kind) = joint_kind(word) {
+        let form = joint_form(kind);
+        format!("; `{kind}` is a kind of joint, `{form}`")
+    } else {
+        let near = did_you_mean(word, known.iter().copied());
+        format!("{} items here: {}", ended(near), known.join(", "))
     };
-    Report::new(at, text)
+    Report::new(at, format!("unknown item `{word}`{why}"))
+}
+
+/// The joint that a word means, in the language or in that of another tool.
+fn joint_kind(word: &str) -> Option<&'static str> {
+    let own = JointLaw::KEYWORDS.iter().find(|known| **known == word);
+    own.copied()
+        .or_else(|| words::translated(words::FOREIGN_JOINTS, word))
+}
+
+/// How a joint of this kind is written.
+fn joint_form(kind: &str) -> String {
+    match kind {
+        "gear" => "joint NAME: gear from motor.angle to wheel.angle { ratio: 2.0 }".to_owned(),
+        kind => format!("joint NAME: {kind} from world to body.frame"),
+    }
+}
+
+pub fn led_over(at: Region) -> Report {
+    Report::new(at, words::LED_OVER)
+}
+
+pub fn conditional_end(at: Region, item: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "an end of a `{item}` is one place, under no condition: declare the one that differs by itself, and repeat the others, as in `{item} NAME[i in 1..4]`"
+        ),
+    )
+}
+
+pub fn nothing_happens(at: Region) -> Report {
+    Report::new(
+        at,
+        "an `event` tells when something happens; what follows from it, the program that runs the model decides",
+    )
+}
+
+pub fn closed_before(at: Region, next: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{next}` does not stand between braces: close the item before it by `}}`"),
+    )
 }
 
 /// A suggestion with a full stop when there is none.
@@ -120,7 +168,12 @@ pub fn ended(suggestion: String) -> String {
 pub fn no_name(at: Region, item: &ItemWord) -> Report {
     Report::new(
         at,
-        format!("a `{}` needs a name: `{}`", item.word, item.form),
+        format!(
+            "{} `{}` needs a name: `{}`",
+            article(item.word),
+            item.word,
+            item.form
+        ),
     )
 }
 
@@ -161,12 +214,22 @@ pub fn wrong_separator(at: Region) -> Report {
     Report::new(at, "between braces fields are separated by `,`")
 }
 
+/// `a` or `an`.
+fn article(word: &str) -> &'static str {
+    match word.starts_with(['a', 'e', 'i', 'o', 'u']) && !word.starts_with("uni") {
+        true => "an",
+        false => "a",
+    }
+}
+
 pub fn no_fields(at: Region, item: &ItemWord) -> Report {
     Report::new(
         at,
         format!(
-            "a `{}` has no fields; the form is `{}`",
-            item.word, item.form
+            "{} `{}` has no fields; the form is `{}`",
+            article(item.word),
+            item.word,
+            item.form
         ),
     )
 }
@@ -207,17 +270,45 @@ pub fn unknown_unit(at: Region, word: &str) -> Report {
         }
         None => format!(
             "unknown unit `{word}`{} known: {}, combined with * / ^ ( )",
-            ended(did_you_mean(word, known.iter().copied())),
+            ended(
+                crate::units::same_but_for_case(word)
+                    .map_or_else(String::new, |near| format!("; did you mean `{near}`?"))
+            ),
             known.join(" ")
         ),
     };
     Report::new(at, text)
 }
 
-pub fn function_wanted(at: Region, word: &str) -> Report {
+pub fn two_branches(at: Region) -> Report {
     Report::new(
         at,
-        format!("`{word}` is a function here: write `{word}(a < b, this, that)`"),
+        "`if` has two values: write `if a < b { this } else { that }`, or `if(a < b, this, that)`",
+    )
+}
+
+pub fn equality(at: Region) -> Report {
+    Report::new(
+        at,
+        "quantities are compared by `<`, `<=`, `>` or `>=`: that two of them are equal is seldom true to the last digit",
+    )
+}
+
+pub fn function_behind(at: Region, path: &str, word: &str) -> Report {
+    let known = words::translated(words::FOREIGN_FUNCTIONS, word).unwrap_or(word);
+    let text = match known {
+        _ if ["powi", "powf", "pow"].contains(&word) => {
+            format!("a power is written `{path}^2`")
+        }
+        known => format!("a function stands in front: write `{known}({path})`"),
+    };
+    Report::new(at, text)
+}
+
+pub fn one_index(at: Region) -> Report {
+    Report::new(
+        at,
+        "a repetition has one index: count through all with it, such as `[i in 0..8]`",
     )
 }
 

@@ -311,7 +311,10 @@ impl Resolver<'_> {
         let inertia = match form.as_ref().map(|word| word.text.as_str()) {
             Some("diag") => self.diagonal(&mut cursor, value.at, scope)?,
             Some("full") => self.full(&mut cursor, value.at, scope)?,
-            _ => return self.fail(say::inertia_form(value.at)),
+            other => {
+                let shape = other.and_then(|shape| say::inertia_of_shape(value.at, shape));
+                return self.fail(shape.unwrap_or_else(|| say::inertia_form(value.at)));
+            }
         };
         if let Err(report) = cursor.finish("the end of the inertia") {
             return self.fail(report);
@@ -405,7 +408,12 @@ impl Resolver<'_> {
     }
 
     fn trailing_unit(&mut self, cursor: &mut Cursor<'_>) -> Option<Option<Unit>> {
+        let here = cursor.here();
         match unit::suffix(cursor) {
+            Ok(Some(unit)) if unit.dimension != units::INERTIA => {
+                let report = say::wrong_dimension(here, "inertia", units::INERTIA, unit.dimension);
+                self.fail(report)
+            }
             Ok(unit) => Some(unit),
             Err(report) => self.fail(report),
         }

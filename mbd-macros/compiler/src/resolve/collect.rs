@@ -125,8 +125,10 @@ impl<'a> Resolver<'a> {
     /// The frames of a body, `outer` the index of its repetition; false when there are too many.
     fn collect_frames(&mut self, body: usize, item: &'a Item<'a>, outer: &[(String, i64)]) -> bool {
         let frames = || item.block.iter().filter(|field| field.word.text == "frame");
-        if !outer.is_empty() && self.size() + frames().count() > MOST {
-            self.messages.push(say::too_many(item.name_at(), MOST));
+        let found = self.size() + frames().count();
+        if !outer.is_empty() && found > MOST {
+            self.messages
+                .push(say::too_many(item.name_at(), MOST, found));
             self.whole = false;
             return false;
         }

@@ -5,7 +5,7 @@ use mbd_scene::{Dimension, Formula};
 use super::{Resolver, Scope, fold};
 use crate::lexeme::Region;
 use crate::messages::{resolve as say, syntax as say_syntax};
-use crate::syntax::{Item, Value};
+use crate::syntax::{Item, Value, words};
 
 /// The fields of an item: each at most once.
 #[derive(Debug)]
@@ -80,9 +80,19 @@ impl Resolver<'_> {
         accept: Accept,
         scope: Scope<'_>,
     ) -> Option<Formula> {
-        let typed = self.value(value, scope)?;
+        self.instead = words::translated(words::NOT_CHANGING, field);
+        let typed = self.value(value, scope);
+        self.instead = None;
+        let typed = typed?;
         let at = typed.at;
         let formula = self.fits(typed, field, false, wanted)?;
+        if let Formula::Param(param) = formula
+            && let Some(param) = self.scene.params.get(param)
+            && let Some([low, _]) = param.range.filter(|[low, _]| *low < 0.0)
+        {
+            let name = param.name.clone();
+            return self.fail(say::range_of_sign(at, (owner, field), &name, low, wanted));
+        }
         let found = fold::at_defaults(&formula, &self.scene);
         let wrong = found.is_some_and(|x| {
             !x.is_finite()

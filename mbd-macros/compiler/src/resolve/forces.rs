@@ -37,6 +37,8 @@ impl Resolver<'_> {
             (Some(given), None) => {
                 let unit = self.in_unit(item.clause("in"));
                 let typed = self.value(given.value, scope)?;
+                // What is wrong with its kind may follow from what is wrong with its place.
+                place?;
                 self.load_kind(typed, unit?.map(|(unit, _)| unit))?
             }
         };
@@ -61,6 +63,9 @@ impl Resolver<'_> {
             return self.fail(say::load_on_world(on.at));
         }
         let owner = self.place_owner(first, scope)?;
+        if matches!(owner, Named::Joint(_)) {
+            return self.fail(say::load_on_joint(on.at, &first.word.text));
+        }
         if let Some(step) = rest.first() {
             let frame = &step.word.text;
             return self.fail(say::load_on_frame(on.at, &first.word.text, frame));
@@ -213,7 +218,19 @@ impl Resolver<'_> {
     fn event(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
         let scope = instance.scope(Stage::Result);
-        let left = self.value(item.clause("=")?, scope);
+        let guard = item.clause("=")?;
+        let compared = guard.lexemes.iter().find_map(|lexeme| match lexeme.kind {
+            Kind::Sign(sign @ ('<' | '>')) => Some((sign, lexeme.at)),
+            _ => None,
+        });
+        let conditional = guard
+            .lexemes
+            .iter()
+            .any(|l| l.kind == Kind::Word("if".into()));
+        if let (Some((sign, at)), false) = (compared, conditional) {
+            return self.fail(say::event_compares(at.into(), sign));
+        }
+        let left = self.value(guard, scope);
         let mut passages = [
             ("crosses", Direction::Crosses),
             ("rises", Direction::Rises),

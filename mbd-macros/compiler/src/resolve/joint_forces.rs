@@ -12,7 +12,7 @@ use super::joints::Names;
 use super::{Instance, Named, Resolver, Scope, Stage, Typed, fold};
 use crate::lexeme::Bracket;
 use crate::messages::{resolve as say, syntax as say_syntax};
-use crate::syntax::{Cursor, Item, Value, unit};
+use crate::syntax::{Cursor, Item, Value, unit, words};
 use crate::units;
 
 /// The keywords of the fields of a coordinate.
@@ -285,8 +285,10 @@ impl Resolver<'_> {
         value: Value<'_>,
         owner: &Owner<'_>,
     ) -> Option<Formula> {
-        let typed = self.value(value, owner.scope)?;
-        self.obeying(typed, field, owner)
+        self.instead = Some(words::NOT_PROPORTIONAL);
+        let typed = self.value(value, owner.scope);
+        self.instead = None;
+        self.obeying(typed?, field, owner)
     }
 
     /// The formula of a value that fits a field and obeys its rule with all params at their defaults.

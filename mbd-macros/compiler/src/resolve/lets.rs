@@ -96,7 +96,7 @@ impl Resolver<'_> {
         let what = say::let_of(name, on);
         self.fail(match scope.stage {
             Stage::Constant => say::not_constant(at, &what),
-            Stage::Fixed => say::not_fixed(at, &what),
+            Stage::Fixed => say::not_fixed(at, &what, self.instead),
             Stage::Course => say::not_prescribed(at, &what),
             Stage::Live | Stage::Result => say::let_as_cause(at, name, on),
         })

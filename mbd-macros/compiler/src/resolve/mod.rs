@@ -119,6 +119,8 @@ pub struct Resolver<'a> {
     pub si: bool,
     /// Where the model's name is.
     pub head: Region,
+    /// What to write instead, where the value being read must be known before a run and is not.
+    pub instead: Option<&'static str>,
 }
 
 /// How far resolving has come: what a `let` that is named now can be made of.
@@ -192,6 +194,7 @@ impl<'a> Resolver<'a> {
             chosen: BTreeSet::new(),
             si: false,
             head: name.map_or(Region::START, |word| word.at.into()),
+            instead: None,
         }
     }
 

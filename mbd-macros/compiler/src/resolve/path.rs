@@ -13,6 +13,29 @@ use crate::units;
 impl Resolver<'_> {
     /// A path inside an expression.
     pub fn path(&mut self, steps: &[Step], at: Region, scope: Scope<'_>) -> Option<Typed> {
+        let typed = self.path_value(steps, at, scope)?;
+        let quantity = |step: &Step| words::BODY_QUANTITIES.contains(&step.word.text.as_str());
+        let has_frames = steps.first().is_some_and(|first| {
+            let word = first.word.text.as_str();
+            let members = self.names.get(word).map(|entry| &entry.members);
+            word == "world"
+                || match members {
+                    Some(Members::One(named)) => matches!(named, Named::Body(_)),
+                    Some(Members::Many(all)) => all.values().any(|n| matches!(n, Named::Body(_))),
+                    None => false,
+                }
+        });
+        // Behind the thing itself only frames are repeated.
+        let extra = steps.iter().enumerate().skip(1).find(|(place, step)| {
+            step.index.is_some() && (*place > 1 || !has_frames || quantity(step))
+        });
+        match extra {
+            Some((_, step)) => self.fail(say::no_index(step.word.at.into(), &step.word.text)),
+            None => Some(typed),
+        }
+    }
+
+    fn path_value(&mut self, steps: &[Step], at: Region, scope: Scope<'_>) -> Option<Typed> {
         let (first, rest) = steps.split_first()?;
         let word = first.word.text.as_str();
         let here = Region::from(first.word.at);
@@ -141,7 +164,7 @@ impl Resolver<'_> {
     fn live(&mut self, scope: Scope<'_>, at: Region, what: &str) -> Option<()> {
         match scope.stage {
             Stage::Live | Stage::Result => Some(()),
-            Stage::Fixed => self.fail(say::not_fixed(at, what)),
+            Stage::Fixed => self.fail(say::not_fixed(at, what, self.instead)),
             Stage::Course => self.fail(say::not_prescribed(at, what)),
             Stage::Constant => self.fail(say::not_constant(at, what)),
         }
@@ -429,8 +452,13 @@ impl Resolver<'_> {
             match self.place_owner(first, scope)? {
                 Named::Body(body) => {
                     let Some((step, after)) = rest.split_first() else {
-                        let frame = self.frame_words(body).swap_remove(0);
-                        return self.fail(say::frame_wanted(value.at, word, &frame));
+                        let frames = self.frame_words(body);
+                        let own = frames.first().filter(|frame| *frame != "com");
+                        return self.fail(say::frame_wanted(
+                            value.at,
+                            word,
+                            own.map(String::as_str),
+                        ));
                     };
                     (
                         Place::Body(body, self.body_frame(body, step, scope)?),

@@ -79,9 +79,10 @@ impl Resolver<'_> {
         if count < 0 {
             return self.fail(say::reversed_repetition(value.at));
         }
-        let room = MOST.saturating_sub(self.size());
-        if usize::try_from(count).map_or(true, |count| count > room) {
-            return self.fail(say::too_many(value.at, MOST));
+        let found =
+            usize::try_from(count).map_or(usize::MAX, |count| count.saturating_add(self.size()));
+        if found > MOST {
+            return self.fail(say::too_many(value.at, MOST, found));
         }
         Some(Index::Range(variable.text, first, end))
     }
@@ -109,6 +110,9 @@ impl Resolver<'_> {
             Ok(last) => self.whole_number(&last, scope)?,
             Err(report) => return self.fail(report),
         };
+        if cursor.sign(',').is_some() {
+            return self.fail(say_syntax::one_index(whole.at));
+        }
         if let Err(report) = cursor.finish("`]`") {
             return self.fail(report);
         }

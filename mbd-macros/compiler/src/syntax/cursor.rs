@@ -54,6 +54,12 @@ impl<'a> Cursor<'a> {
             .map_or(self.whole, |lexeme| lexeme.at.into())
     }
 
+    /// Whether the lexeme before is a word.
+    pub fn after_word(&self) -> bool {
+        let before = self.next.checked_sub(1).and_then(|i| self.lexemes.get(i));
+        before.is_some_and(|lexeme| matches!(lexeme.kind, Kind::Word(_)))
+    }
+
     /// Takes the next lexeme; of a bracket only the bracket.
     pub fn take(&mut self) -> Option<&'a Lexeme> {
         let lexeme = self.peek()?;

@@ -103,7 +103,8 @@ impl Expression {
 /// Parses a value that is one expression.
 pub fn whole(value: Value<'_>) -> Result<Expression, Report> {
     let mut cursor = Cursor::new(value);
-    let parsed = Parser { depth: 0 }.sum(&mut cursor)?.0;
+    // A comparison is read here, so that it is refused by what it is.
+    let parsed = Parser { depth: 0 }.comparison(&mut cursor)?.0;
     cursor.finish("an operator or the end")?;
     Ok(parsed)
 }
@@ -145,6 +146,10 @@ impl Parser {
     fn comparison(&mut self, cursor: &mut Cursor<'_>) -> Deep {
         let (left, depth) = self.sum(cursor)?;
         let mut signs = ["<=", ">=", "<", ">"].into_iter();
+        let here = cursor.here();
+        if cursor.signs("==").is_some() || cursor.signs("!=").is_some() {
+            return Err(say::equality(here));
+        }
         let Some(sign) = signs.find(|sign| cursor.signs(sign).is_some()) else {
             return Ok((left, depth));
         };
@@ -271,7 +276,11 @@ impl Parser {
     fn named(&mut self, cursor: &mut Cursor<'_>) -> Deep {
         let mut ahead = *cursor;
         let name = ahead.word();
-        if let (Some(name), Some(group)) = (name, ahead.group(Bracket::Round)) {
+        let called = ahead.group(Bracket::Round).filter(|group| {
+            // `if (a < b) { … }`: what is in brackets is the condition, or a part of it.
+            cursor.peek_word() != Some("if") || Cursor::new(*group).comma_separated().len() > 1
+        });
+        if let (Some(name), Some(group)) = (name, called) {
             *cursor = ahead;
             let (arguments, depth) = self.list(group)?;
             let at = Region::from(name.at).to(group.at);
@@ -284,11 +293,72 @@ impl Parser {
                 depth + 1,
             ));
         }
-        if let Some(word) = cursor.peek_word().filter(|word| *word == "if") {
-            return Err(say::function_wanted(cursor.here(), word));
+        if cursor.peek_word() == Some("if") {
+            return self.branches(cursor);
         }
         let steps = self.path(cursor)?;
+        if let (Some(Kind::Open(Bracket::Round, _)), [before @ .., last]) =
+            (cursor.peek().map(|lexeme| &lexeme.kind), steps.as_slice())
+        {
+            let path: Vec<&str> = before.iter().map(|step| step.word.text.as_str()).collect();
+            let at = last.word.at.into();
+            return Err(say::function_behind(at, &path.join("."), &last.word.text));
+        }
         Ok((Expression::Path(steps), 1))
+    }
+
+    /// `if a < b { this } else { that }`, another way to write the function `if`.
+    fn branches(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        let here = cursor.here();
+        let name = cursor.word().ok_or_else(|| say::two_branches(here))?;
+        self.enter(here)?;
+        let (condition, first) = self.condition(cursor)?;
+        let (this, second) = self.branch(cursor, here)?;
+        if cursor.keyword("else").is_none() {
+            return Err(say::two_branches(here));
+        }
+        let (that, third) = match cursor.peek_word() {
+            Some("if") => self.branches(cursor)?,
+            _ => self.branch(cursor, here)?,
+        };
+        self.depth -= 1;
+        let at = here.to(cursor.before());
+        let arguments = vec![condition, this, that];
+        let depth = first.max(second).max(third) + 1;
+        Ok((
+            Expression::Call {
+                name,
+                arguments,
+                at,
+            },
+            depth,
+        ))
+    }
+
+    /// A comparison before a brace, in brackets or without.
+    fn condition(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        let mut ahead = *cursor;
+        let group = ahead.group(Bracket::Round).filter(|_| {
+            let next = ahead.peek().map(|lexeme| &lexeme.kind);
+            matches!(next, Some(Kind::Open(Bracket::Brace, _)))
+        });
+        let Some(group) = group else {
+            return self.comparison(cursor);
+        };
+        *cursor = ahead;
+        let mut inner = Cursor::new(group);
+        let condition = self.comparison(&mut inner)?;
+        inner.finish("an operator or `)`")?;
+        Ok(condition)
+    }
+
+    /// `{ value }`
+    fn branch(&mut self, cursor: &mut Cursor<'_>, at: Region) -> Deep {
+        let group = cursor.group(Bracket::Brace);
+        let mut inner = Cursor::new(group.ok_or_else(|| say::two_branches(at))?);
+        let parsed = self.sum(&mut inner)?;
+        inner.finish("an operator or `}`")?;
+        Ok(parsed)
     }
 
     /// Expressions separated by commas.

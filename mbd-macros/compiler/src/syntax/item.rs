@@ -29,6 +29,12 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
             cursor.group(Bracket::Square);
             continue;
         }
+        if inside && begins_outside(&cursor) {
+            // Everything from here belongs behind the brace that is missing.
+            let next = cursor.peek_word().unwrap_or_default();
+            messages.push(say::closed_before(cursor.here(), next));
+            return items;
+        }
         let marked = mark(&mut cursor, inside);
         let Some(word) = cursor.word() else {
             messages.push(cursor.expected(if inside { "a field" } else { "an item" }));
@@ -121,11 +127,17 @@ fn rest<'a>(
             break;
         }
         if let Some((sign, at)) = clause(cursor, spec) {
-            let value = clause_value(cursor, spec, sign, inside);
+            if cursor.peek_word() == Some("if") && ["from", "to", "on", "at"].contains(&sign) {
+                return Err(say::conditional_end(cursor.here(), spec.word));
+            }
+            let value = clause_value(cursor, spec, sign, inside)?;
             push_clause(item, sign, at, value)?;
         } else if let Some(block) = cursor.group(Bracket::Brace) {
             if spec.fields.is_none() {
-                return Err(say::no_fields(block.at, spec));
+                return Err(match spec.word {
+                    "event" => say::nothing_happens(block.at),
+                    _ => say::no_fields(block.at, spec),
+                });
             }
             item.block = items(Cursor::new(block), true, messages);
             item.broken |= item.block.iter().any(|field| field.broken);
@@ -174,11 +186,15 @@ fn clause_value<'a>(
     spec: &'static ItemWord,
     sign: &str,
     inside: bool,
-) -> Value<'a> {
+) -> Result<Value<'a>, Report> {
     let start = *cursor;
     let braces = sign == "=" || !spec.named;
     while !ends(cursor, inside) {
-        if cursor.signs("..=").is_some() {
+        // Signs that hold a `=` which begins no value.
+        if ["..=", "==", "!=", "<=", ">="]
+            .iter()
+            .any(|signs| cursor.signs(signs).is_some())
+        {
             continue;
         }
         let brace = matches!(
@@ -189,10 +205,17 @@ fn clause_value<'a>(
         if (brace && !braces) || clause(&mut ahead, spec).is_some() {
             break;
         }
+        let over = cursor.peek_word().is_some_and(|word| OVER.contains(&word));
+        if over && ["line", "spring"].contains(&spec.word) {
+            return Err(say::led_over(cursor.here()));
+        }
         cursor.take_tree();
     }
-    cursor.since(start)
+    Ok(cursor.since(start))
 }
+
+/// Words by which people lead a line over something.
+const OVER: &[&str] = &["via", "over", "through", "around"];
 
 /// Adds a clause: each once, none empty.
 pub fn push_clause<'a>(
@@ -233,9 +256,17 @@ fn ends(cursor: &Cursor<'_>, inside: bool) -> bool {
             let named = words::find(word, inside).is_some_and(|spec| spec.named);
             (named && matches!(next, Some(Kind::Word(_))))
                 || (inside && matches!(next, Some(Kind::Sign(':'))))
+                || (inside && begins_outside(cursor))
         }
         _ => false,
     }
+}
+
+/// Whether an item that stands outside braces begins here: `joint NAME`.
+fn begins_outside(cursor: &Cursor<'_>) -> bool {
+    let spec = cursor.peek_word().and_then(|word| words::find(word, false));
+    let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
+    spec.is_some_and(|spec| spec.named) && matches!(next, Some(Kind::Word(_)))
 }
 
 /// Takes the separator after an item.
@@ -246,6 +277,10 @@ fn separator(cursor: &mut Cursor<'_>, inside: bool) -> Result<(), Report> {
     }
     if inside && matches!(cursor.peek().map(|l| &l.kind), Some(Kind::Sign(';'))) {
         return Err(say::wrong_separator(cursor.here()));
+    }
+    if inside && begins_outside(cursor) {
+        // Told by `items`, which goes on there.
+        return Ok(());
     }
     Err(say::missing_separator(cursor.before(), sign))
 }
@@ -261,7 +296,10 @@ fn recover(cursor: &mut Cursor<'_>, inside: bool) {
             match (spec, next) {
                 (Some(spec), Some(Kind::Word(_))) => spec.named,
                 (Some(spec), Some(Kind::Sign(':' | ';'))) => !spec.named,
-                (Some(spec), Some(Kind::Open(Bracket::Brace, _))) => !spec.named,
+                // `world` is an end, too: `from a.tip to world { … }`.
+                (Some(spec), Some(Kind::Open(Bracket::Brace, _))) => {
+                    !spec.named && !ahead.after_word()
+                }
                 (None, Some(Kind::Sign(':'))) => inside,
                 _ => false,
             }
@@ -273,7 +311,10 @@ fn recover(cursor: &mut Cursor<'_>, inside: bool) {
             || (inside && matches!(kind, Some(Kind::Sign(','))));
         let braces = !inside && matches!(kind, Some(Kind::Open(Bracket::Brace, _)));
         cursor.take_tree();
-        if separator || braces {
+        let goes_on = cursor
+            .peek_word()
+            .is_some_and(|word| ["else", "from", "to", "on", "at"].contains(&word));
+        if separator || (braces && !goes_on) {
             cursor.sign(';');
             return;
         }

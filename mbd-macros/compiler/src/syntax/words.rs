@@ -233,6 +233,11 @@ pub fn find(word: &str, inside: bool) -> Option<&'static ItemWord> {
     }
 }
 
+/// Whether a word begins an item that has a name and stands outside the braces of every other.
+pub fn is_outside(word: &str) -> bool {
+    find(word, false).is_some_and(|item| item.named)
+}
+
 /// Words of other tools, and ours.
 pub type Dictionary = &'static [(&'static str, &'static str)];
 
@@ -266,14 +271,65 @@ pub const FOREIGN_ITEMS: Dictionary = &[
     ("measure", "output"),
     ("constant", "const"),
     ("define", "let"),
-    ("def", "let"),
     ("var", "let"),
     ("variable", "let"),
     ("parameter", "param"),
     ("marker", "frame"),
     ("site", "frame"),
     ("constraint", "joint"),
+    ("ground", "world"),
 ];
+
+/// Items that people expect, and how what they mean is said here, or that it cannot be said yet.
+pub const EXPECTED_ITEMS: Dictionary = &[
+    ("contact", CONTACT),
+    ("collision", CONTACT),
+    ("pulley", LED_OVER),
+    ("include", ONE_TEXT),
+    ("import", ONE_TEXT),
+    ("use", NO_PARTS),
+    ("mod", NO_PARTS),
+    ("module", NO_PARTS),
+    ("submodel", NO_PARTS),
+    ("component", NO_PARTS),
+    ("for", REPETITION),
+    ("repeat", REPETITION),
+    ("if", NO_CONDITION),
+    ("fn", NO_FUNCTIONS),
+    ("function", NO_FUNCTIONS),
+    ("def", NO_FUNCTIONS),
+    (
+        "motor",
+        "a motor is a field of its joint: `{ axis: y, motor: 2 rad/s * time }`",
+    ),
+    ("actuator", EFFORT),
+    ("controller", EFFORT),
+    ("initial", A_START),
+    ("init", A_START),
+    ("start", A_START),
+    (
+        "friction",
+        "friction is a field of its joint: `{ axis: y, friction: 0.1 N*m, friction_rate: 0.01 rad/s }`",
+    ),
+    (
+        "limit",
+        "limits are a field of their joint: `{ axis: y, stops: [-90, 90] deg, stop_stiffness: 1 kN*m/rad }`",
+    ),
+];
+
+const CONTACT: &str = "contact cannot be declared yet; a soft one is a load, such as `load push on body at foot = max(0, -body.foot.position.z) * [0, 0, 100] kN/m`";
+/// A line over a pulley.
+pub const LED_OVER: &str =
+    "a line runs straight from its `from` to its `to`; it cannot be led over a pulley yet";
+const A_START: &str = "a start is written with what starts: `joint pin: hinge from world to link.top { axis: y, start: 30 deg }`, `body link { …, start at [0.0, 0.0, 1.0] m }`";
+const ONE_TEXT: &str = "a declaration is one text and takes in no other; copy what is shared";
+const NO_PARTS: &str = "a declaration has no parts to use again; what is alike is repeated by an index, `body leg[i in 0..3] { … }`";
+const REPETITION: &str =
+    "what is repeated has an index behind its name, `body leg[i in 0..3] { … }`";
+const NO_CONDITION: &str =
+    "an item is always there; a value that depends on a condition is `if(a < b, this, that)`";
+const NO_FUNCTIONS: &str = "the functions of the language are fixed; a table is one of numbers, `table lift = { 0 deg: 0, 10 deg: 1.1 };`, used as `lift(x)`";
+const EFFORT: &str = "what acts along a joint is its field `force`, such as `{ axis: y, force: -2 N*m * hip.angle }`";
 
 /// Fields of other tools.
 pub const FOREIGN_FIELDS: Dictionary = &[
@@ -307,6 +363,48 @@ pub const FOREIGN_FIELDS: Dictionary = &[
     ("coulomb", "friction"),
 ];
 
+/// Fields that people expect, and how what they mean is said here.
+pub const EXPECTED_FIELDS: Dictionary = &[
+    ("shape", NO_SHAPE),
+    ("geometry", NO_SHAPE),
+    ("mesh", NO_SHAPE),
+    ("visual", NO_SHAPE),
+    ("collision", NO_SHAPE),
+];
+
+const NO_SHAPE: &str =
+    "a body has no shape: `mass`, `center_of_mass` and `inertia` say how it moves";
+
+/// Inertias of bodies of even density about their centres of mass, by shape.
+pub const SHAPES: Dictionary = &[
+    ("box", BOX),
+    ("cuboid", BOX),
+    ("sphere", BALL),
+    ("ball", BALL),
+    ("cylinder", CYLINDER),
+    ("rod", CYLINDER),
+];
+
+const BOX: &str = "of an even box `diag(m*(b^2 + c^2)/12, m*(a^2 + c^2)/12, m*(a^2 + b^2)/12)` with its edges a, b, c along x, y, z";
+const BALL: &str = "of an even ball `diag(0.4*m*r^2, 0.4*m*r^2, 0.4*m*r^2)`";
+const CYLINDER: &str =
+    "of an even cylinder along z `diag(m*(3*r^2 + l^2)/12, m*(3*r^2 + l^2)/12, m*r^2/2)`";
+
+/// What stands where a value must be known before a run and is not, and what to write instead.
+pub const NOT_CHANGING: Dictionary = &[
+    (
+        "mass",
+        "a mass that changes in a run cannot be declared yet",
+    ),
+    (
+        "stiffness",
+        "a line that does not pull in proportion takes a table of its force over its stretch, `force: NAME`",
+    ),
+];
+
+/// What to write instead of a spring or damper of a joint whose number changes in a run.
+pub const NOT_PROPORTIONAL: &str = "what follows the motion in another way is the field `force`, such as `force: -2 N*m * hip.angle^3`";
+
 /// Functions of other tools.
 pub const FOREIGN_FUNCTIONS: Dictionary = &[
     ("mag", "norm"),
@@ -327,6 +425,61 @@ pub const FOREIGN_FUNCTIONS: Dictionary = &[
     ("select", "if"),
     ("fmin", "min"),
     ("fmax", "max"),
+];
+
+/// Functions of other tools that the language does not have, and how what they give is written.
+pub const EXPECTED_FUNCTIONS: Dictionary = &[
+    ("delay", "nothing of the past is kept"),
+    ("der", RATES),
+    ("derivative", RATES),
+    ("diff", RATES),
+    ("asinh", "write `ln(a + sqrt(a^2 + 1))`"),
+    ("acosh", "write `ln(a + sqrt(a^2 - 1))`"),
+    ("atanh", "write `0.5 * ln((1 + a) / (1 - a))`"),
+    ("sec", "write `1 / cos(a)`"),
+    ("csc", "write `1 / sin(a)`"),
+    ("cot", "write `1 / tan(a)`"),
+    ("sinc", "write `sin(a) / a` where `a` is not zero"),
+    ("sind", DEGREES),
+    ("cosd", DEGREES),
+    ("tand", DEGREES),
+    ("sqr", "write `a^2`"),
+    ("square", "write `a^2`"),
+    ("cbrt", "write `exp(ln(a) / 3)`"),
+    ("hypot", "write `sqrt(a^2 + b^2)`, or `norm` of a vector"),
+    ("exp2", "write `exp(a * ln(2))`"),
+    ("log2", "write `ln(a) / ln(2)`"),
+    ("ceil", "write `-floor(-a)`"),
+    ("round", "write `floor(a + 0.5)`"),
+    ("trunc", "write `sign(a) * floor(abs(a))`"),
+    ("mod", REMAINDER),
+    ("fmod", REMAINDER),
+    ("rem", REMAINDER),
+    ("rand", NO_CHANCE),
+    ("random", NO_CHANCE),
+    ("noise", NO_CHANCE),
+    ("interp", TABLE_CALL),
+    ("lookup", TABLE_CALL),
+    ("table", TABLE_CALL),
+];
+
+const RATES: &str =
+    "rates are quantities: `body.velocity`, `joint.angle_rate`, `line.stretch_rate`";
+const DEGREES: &str = "an angle carries its unit: `sin(30 deg)`";
+const REMAINDER: &str = "write `a - b * floor(a / b)`";
+const NO_CHANCE: &str = "a model has no chance in it: what is random comes by an `input`";
+const TABLE_CALL: &str = "a table is called by its own name, `lift(x)`";
+
+/// Words for what is at rest.
+pub const FOREIGN_WORLD: &[&str] = &[
+    "ground",
+    "earth",
+    "base",
+    "fixed",
+    "inertial",
+    "origin",
+    "environment",
+    "root",
 ];
 
 /// Quantities of other tools.

@@ -294,6 +294,11 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         };
         let length = motion.geometry.length;
         let stretch = length - element.numbers.free_length;
-        Some([motion.tension, length, stretch, rate])
+        // A mode lasts until its switch is located, where the pull has passed zero by the tolerance of that.
+        let tension = match element.kind.is_unilateral() {
+            true => motion.tension.max(S::zero()),
+            false => motion.tension,
+        };
+        Some([tension, length, stretch, rate])
     }
 }

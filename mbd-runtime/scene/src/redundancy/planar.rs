@@ -125,24 +125,44 @@ impl Layout {
     #[must_use]
     pub fn still(scene: &Scene) -> Vec<(usize, usize)> {
         let couples = scene.joints.iter().flat_map(|joint| joint.law.couples());
-        let layout = Layout::keeping(scene, Redundancy::default());
-        let mut configuration = Configuration::new(scene, &layout);
-        let mut still = Vec::new();
-        for (index, joint) in scene.joints.iter().enumerate() {
-            align(&mut configuration, index, joint, 0.0);
+        unchanged(scene, |index, joint| {
             let coupled = couples.clone().filter(|(of, _)| *of == index);
             let motors = joint.motors().map(|(coordinate, _)| coordinate);
-            for coordinate in motors.chain(coupled.map(|&(_, coordinate)| coordinate)) {
-                let row = configuration.coordinate_row(index, coordinate);
-                let moves = row.is_none_or(|row| {
-                    let whole = pair(&row, joint, Directions::default()).norm();
-                    pair(&row, joint, layout.directions).norm() > NEW * whole
-                });
-                still.extend((!moves).then_some((index, coordinate)));
-            }
-        }
-        still
+            motors
+                .chain(coupled.map(|&(_, coordinate)| coordinate))
+                .collect()
+        })
     }
+
+    /// The joints of a planar scene that have one coordinate, and nothing in the plane changes it: their axis is the wrong one.
+    #[must_use]
+    pub fn holding(scene: &Scene) -> Vec<usize> {
+        let single = |joint: &Joint| match joint.law.measured().count() {
+            1 => vec![0],
+            _ => Vec::new(),
+        };
+        let still = unchanged(scene, |_, joint| single(joint));
+        still.into_iter().map(|(joint, _)| joint).collect()
+    }
+}
+
+/// The coordinates, of those asked for of each joint, that nothing in the plane changes: joint and coordinate, by index.
+fn unchanged(scene: &Scene, asked: impl Fn(usize, &Joint) -> Vec<usize>) -> Vec<(usize, usize)> {
+    let layout = Layout::keeping(scene, Redundancy::default());
+    let mut configuration = Configuration::new(scene, &layout);
+    let mut still = Vec::new();
+    for (index, joint) in scene.joints.iter().enumerate() {
+        align(&mut configuration, index, joint, 0.0);
+        for coordinate in asked(index, joint) {
+            let row = configuration.coordinate_row(index, coordinate);
+            let moves = row.is_none_or(|row| {
+                let whole = pair(&row, joint, Directions::default()).norm();
+                pair(&row, joint, layout.directions).norm() > NEW * whole
+            });
+            still.extend((!moves).then_some((index, coordinate)));
+        }
+    }
+    still
 }
 
 /// Of rows of one joint those that count, besides those that do already: always the one with most that is new.

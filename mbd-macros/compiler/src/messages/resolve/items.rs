@@ -5,7 +5,7 @@ use mbd_scene::Dimension;
 use crate::check::WrongInertia;
 use crate::lexeme::Region;
 use crate::messages::Report;
-use crate::messages::similar::{did_you_mean, nearest};
+use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
 use crate::syntax::words;
 use crate::units::{self, described, si_text};
@@ -47,10 +47,12 @@ pub fn index_twice(at: Region, word: &str) -> Report {
     )
 }
 
-pub fn too_many(at: Region, most: usize) -> Report {
+pub fn too_many(at: Region, most: usize, found: usize) -> Report {
     Report::new(
         at,
-        format!("a model may hold at most {most} repeated things"),
+        format!(
+            "a model may hold at most {most} repeated things, frames counted; with these it would hold {found}"
+        ),
     )
 }
 
@@ -119,6 +121,12 @@ pub fn input_type(at: Region) -> Report {
 
 pub fn unknown_input_type(at: Region, word: &str) -> Report {
     let known = units::quantities();
+    if word == "table" {
+        return Report::new(
+            at,
+            "an input is one number or three; values over time are a table, `table wind = { 0 s: 0 m/s, 10 s: 8 m/s };`, used as `wind(time)`",
+        );
+    }
     Report::new(
         at,
         format!(
@@ -156,10 +164,12 @@ pub fn table_dimension(at: Region, wanted: Dimension, found: Dimension) -> Repor
 
 pub fn unknown_field(at: Region, word: &str, known: &[&str]) -> Report {
     let ours = words::translated(words::FOREIGN_FIELDS, word).filter(|ours| known.contains(ours));
-    let near = nearest(word, known.iter().copied());
-    let suggestion = match (near, ours) {
-        (_, Some(ours)) => format!("; here it is called `{ours}`."),
-        _ => ended(did_you_mean(word, known.iter().copied())),
+    if let Some(answer) = words::translated(words::EXPECTED_FIELDS, word) {
+        return Report::new(at, format!("unknown field `{word}`; {answer}"));
+    }
+    let suggestion = match ours {
+        Some(ours) => format!("; here it is called `{ours}`."),
+        None => ended(did_you_mean(word, known.iter().copied())),
     };
     let list = if known.is_empty() {
         "there are no fields here".to_string()
@@ -223,6 +233,15 @@ pub fn force_and_stiffness(at: Region, name: &str) -> Report {
     )
 }
 
+pub fn table_as_stiffness(at: Region, table: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{table}` is a table; a line takes one of its force over its stretch: `force: {table}` in place of `stiffness`"
+        ),
+    )
+}
+
 pub fn force_table_dimensions(
     at: Region,
     line: &str,
@@ -244,6 +263,28 @@ pub fn force_table_rows(at: Region, line: &str, table: &str) -> Report {
         at,
         format!(
             "the table `{table}` gives the force of line `{line}`: it begins with `0 m: 0 N`, and its forces rise from row to row"
+        ),
+    )
+}
+
+pub fn inertia_of_shape(at: Region, shape: &str) -> Option<Report> {
+    let inertia = words::translated(words::SHAPES, shape)?;
+    let text = format!("an inertia is given by its numbers, {inertia}");
+    Some(Report::new(at, text))
+}
+
+pub fn range_of_sign(
+    at: Region,
+    (owner, field): (&str, &str),
+    param: &str,
+    low: f64,
+    dimension: Dimension,
+) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{field}` of `{owner}` cannot be negative, and the range of `{param}` goes down to {low} {}: begin it above zero",
+            si_text(dimension)
         ),
     )
 }
@@ -354,6 +395,15 @@ pub fn load_on_world(at: Region) -> Report {
     )
 }
 
+pub fn load_on_joint(at: Region, joint: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a load acts on a body or a point, and `{joint}` is a joint; what acts along its coordinate is its field `force`, such as `{{ axis: y, force: 3 N*m }}`"
+        ),
+    )
+}
+
 pub fn load_on_frame(at: Region, body: &str, frame: &str) -> Report {
     Report::new(at, format!("write `on {body} at {frame}`"))
 }
@@ -406,6 +456,19 @@ pub fn event_without_value(at: Region) -> Report {
     Report::new(
         at,
         "this event has no crossing: write `crosses`, `rises` or `falls` and a value",
+    )
+}
+
+pub fn event_compares(at: Region, sign: char) -> Report {
+    let (word, way) = match sign {
+        '<' => ("falls", "below"),
+        _ => ("rises", "above"),
+    };
+    Report::new(
+        at,
+        format!(
+            "an event is where a value passes another: write `{word}` instead of `{sign}` for the passage to {way} it"
+        ),
     )
 }
 

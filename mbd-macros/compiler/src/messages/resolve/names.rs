@@ -13,10 +13,14 @@ pub fn not_constant(at: Region, what: &str) -> Report {
     )
 }
 
-pub fn not_fixed(at: Region, what: &str) -> Report {
+/// `instead`: what to write, if there is something.
+pub fn not_fixed(at: Region, what: &str, instead: Option<&str>) -> Report {
+    let instead = instead.map_or_else(String::new, |text| format!("; {text}"));
     Report::new(
         at,
-        format!("this is fixed before a run: it can use numbers, consts and params, not {what}"),
+        format!(
+            "this is fixed before a run: it can use numbers, consts and params, not {what}{instead}"
+        ),
     )
 }
 
@@ -24,7 +28,7 @@ pub fn not_prescribed(at: Region, what: &str) -> Report {
     Report::new(
         at,
         format!(
-            "a prescribed motion is a function of time alone: it can use numbers, consts, params and `time`, not {what}"
+            "a prescribed motion is a function of time alone: it can use numbers, consts, params and `time`, not {what}; what answers to the motion is a `force`"
         ),
     )
 }
@@ -67,7 +71,7 @@ pub fn unknown_thing(at: Region, word: &str, known: &[&str]) -> Report {
         at,
         format!(
             "no body, joint, point or line named `{word}`{}",
-            did_you_mean(word, known.iter().copied())
+            at_rest_or_near(word, known)
         ),
     )
 }
@@ -77,9 +81,17 @@ pub fn unknown_place(at: Region, word: &str, known: &[&str]) -> Report {
         at,
         format!(
             "no body or point named `{word}`{}",
-            did_you_mean(word, known.iter().copied())
+            at_rest_or_near(word, known)
         ),
     )
+}
+
+/// `world` for another word of what is at rest, or the nearest name.
+fn at_rest_or_near(word: &str, known: &[&str]) -> String {
+    match words::FOREIGN_WORLD.contains(&word.to_lowercase().as_str()) {
+        true => "; what is at rest is called `world`".to_owned(),
+        false => did_you_mean(word, known.iter().copied()),
+    }
 }
 
 pub fn no_index(at: Region, word: &str) -> Report {
@@ -216,10 +228,16 @@ pub fn unknown_quantity(at: Region, owner: &str, word: &str, known: &[&str]) -> 
     )
 }
 
-pub fn frame_wanted(at: Region, body: &str, frame: &str) -> Report {
+/// `frame`: one of its own, if it has any.
+pub fn frame_wanted(at: Region, body: &str, frame: Option<&str>) -> Report {
+    let own = frame.map_or_else(String::new, |frame| {
+        format!(", or a frame of it, such as `{body}.{frame}`")
+    });
     Report::new(
         at,
-        format!("`{body}` is a body: name one of its frames, such as `{body}.{frame}`"),
+        format!(
+            "`{body}` is a body, and here stands a place on it: `{body}.com`, its centre of mass{own}"
+        ),
     )
 }
 

@@ -136,16 +136,19 @@ pub fn angle_wanted(at: Region, found: Dimension) -> Report {
 }
 
 pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> Report {
-    let text = match words::translated(words::FOREIGN_FUNCTIONS, word) {
-        Some("^") => format!("unknown function `{word}`; write `a^n`"),
-        Some(ours) => format!("unknown function `{word}`; here it is called `{ours}`"),
-        None => format!(
-            "unknown function `{word}`{} functions here: {}",
-            ended(did_you_mean(word, known.iter().copied())),
-            known.join(", ")
-        ),
+    let why = if let Some(ours) = words::translated(words::FOREIGN_FUNCTIONS, word) {
+        match ours {
+            "^" => "; write `a^n`".to_owned(),
+            ours => format!("; here it is called `{ours}`"),
+        }
+    } else if let Some(answer) = words::translated(words::EXPECTED_FUNCTIONS, word) {
+        // Its neighbours in spelling are other functions: none of them is proposed.
+        format!("; {answer}")
+    } else {
+        let near = did_you_mean(word, known.iter().copied());
+        format!("{} functions here: {}", ended(near), known.join(", "))
     };
-    Report::new(at, text)
+    Report::new(at, format!("unknown function `{word}`{why}"))
 }
 
 pub fn unit_or_name(at: Region, unit: &str, word: &str) -> Report {
