@@ -104,6 +104,18 @@ fn other_params_start_elsewhere_until_a_state_is_set_or_run() {
 }
 
 #[test]
+fn other_params_leave_a_restored_state_where_it_is() {
+    let model = Pendulum::<f64>::new(PendulumParams::default()).expect("declared params");
+    let new = || Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
+    let mut first = new();
+    first.run(0.25).expect("a swing");
+    let mut second = new();
+    second.restore(&first.snapshot()).expect("of the same model");
+    second.set_params(&[0.25]).expect("within its range");
+    assert_eq!(second.state(), first.state());
+}
+
+#[test]
 fn joints_that_are_set_go_before_those_declared_and_the_others_hold() {
     let scene = read(
         "model Double {

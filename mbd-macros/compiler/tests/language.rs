@@ -137,11 +137,8 @@ const AWAITED: &[(&str, &str)] = &[
     ("w04_state_var.mbd", "quantities"),
     ("w05_ode.mbd", "quantities"),
     ("w12_table2d.mbd", "language"),
-    ("w13_let_expr.mbd", "language"),
     ("w14_accel.mbd", "quantities"),
     ("w15_frame_inertial.mbd", "quantities"),
-    ("w23_initial.mbd", "language"),
-    ("w24_init2.mbd", "language"),
 ];
 
 fn parachute() -> String {
