@@ -74,7 +74,8 @@ doors! {
 }
 
 impl<T: Scalar> Simulation<T> {
-    /// A simulation of a model, at rest at the origin until [`Simulation::set_state`]; its inputs have their declared defaults until
+    /// A simulation of a model, at its declared start, which is at rest at the origin where nothing is declared,
+    /// until [`Simulation::set_state`]; its inputs have their declared defaults until
     /// [`Simulation::set_inputs`], [`Simulation::control`] or [`Simulation::control_every`]. It owns what it runs: a [shared](Model::share) model.
     ///
     /// External loads and external gravity have no default: a run that nobody gives them does not start.
@@ -265,7 +266,8 @@ impl<T: Scalar> Simulation<T> {
 
     /// Places bodies by joint coordinates, by their names: `run.set_joints(&[("pin.angle", 0.5), ("pin.angle_rate", 1.0)])` [m or rad, and per second].
     /// Bodies that no joint ties to the world, or to another body, stay where [`Simulation::set_state`] put them; coordinates that are not given are
-    /// zero, those of motors what their courses say now, and where joints close loops what closes them: see [`place`](mbd_scene::place).
+    /// as the declaration starts them, else zero, those of motors what their courses say now, and where joints close loops what closes them: see
+    /// [`place_declared`](mbd_scene::place_declared). A generated model `Rig` has a `RigStart` with a field for each coordinate.
     ///
     /// # Errors
     /// A name that is no joint coordinate; one that others decide; loops that cannot close.

@@ -120,6 +120,8 @@ pub struct Simulation<T: Float> {
     samplers: Vec<Sampler<T>>,
     /// Room for what controllers give.
     given: Vec<T>,
+    /// Whether the state is still that of the declared start.
+    as_declared: bool,
     started: bool,
     events: Vec<Occurrence>,
 }
@@ -228,6 +230,7 @@ impl<T: Float> Simulation<T> {
         let model = self.system.model.with_params(params)?;
         self.margins.read_lines(model.lines());
         self.system.take(model);
+        self.start_again();
         self.started = false;
         Ok(())
     }

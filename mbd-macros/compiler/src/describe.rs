@@ -224,6 +224,15 @@ pub fn rewrite(scene: &mut Scene, change: &mut impl FnMut(&mut Formula)) {
             each(axis, change);
         }
     }
+    for start in &mut scene.starts.parts {
+        start
+            .formulas_mut()
+            .for_each(|formula| one(formula, change));
+    }
+    for start in &mut scene.starts.coordinates {
+        let formulas = [&mut start.value, &mut start.rate].into_iter().flatten();
+        formulas.for_each(|formula| one(formula, change));
+    }
     for named in &mut scene.lets {
         one(&mut named.value, change);
     }

@@ -138,8 +138,6 @@ const AWAITED: &[(&str, &str)] = &[
     ("w12_table2d.mbd", "language"),
     ("w14_accel.mbd", "quantities"),
     ("w15_frame_inertial.mbd", "quantities"),
-    ("w23_initial.mbd", "language"),
-    ("w24_init2.mbd", "language"),
 ];
 
 fn parachute() -> String {

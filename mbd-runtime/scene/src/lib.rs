@@ -24,6 +24,7 @@ mod redundancy;
 pub mod rows;
 mod scalar;
 mod scene;
+mod starts;
 mod vocabulary;
 
 pub use evaluate::{Scratch, evaluate, evaluate_with_multipliers, jumping_angles, sensitivity};
@@ -50,10 +51,11 @@ pub use scalar::{
     Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, symmetric,
 };
 pub use scene::{
-    Body, Clamp, Constant, Coordinates, Difference, Direction, Event, Frame, Gravity, Inertia,
-    Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter, Point, PointKind, Scene,
-    State, Triple,
+    Body, Clamp, Constant, CoordinateStart, Coordinates, Difference, Direction, Event, Frame,
+    Gravity, Inertia, Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter,
+    PartStart, Point, PointKind, Scene, Starts, State, Triple,
 };
+pub use starts::{declared_parts, place_declared};
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
     Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane, Pose,

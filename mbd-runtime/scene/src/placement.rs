@@ -176,8 +176,23 @@ struct Placement<'a> {
 pub fn place(
     scene: &Scene,
     layout: &Layout,
-    (params, time): (&[f64], f64),
+    from: (&[f64], f64),
     given: &[JointStart],
+    fixed: &[Part],
+    state: &mut [f64],
+) -> Result<(), PlacementError> {
+    place_near(scene, layout, from, (given, &[]), fixed, state)
+}
+
+/// The same, where y of (3) is searched from some coordinates on instead of zero.
+///
+/// # Errors
+/// As [`place`].
+pub(crate) fn place_near(
+    scene: &Scene,
+    layout: &Layout,
+    (params, time): (&[f64], f64),
+    (given, near): (&[JointStart], &[JointStart]),
     fixed: &[Part],
     state: &mut [f64],
 ) -> Result<(), PlacementError> {
@@ -209,6 +224,13 @@ pub fn place(
         scratch: Scratch::new(layout),
         numbers,
     };
+    for start in near {
+        let list = placement.q.get_mut(start.joint);
+        let slot = list.and_then(|list| list.get_mut(start.coordinate));
+        if let (Some(slot), Some(value)) = (slot, start.value) {
+            *slot = value;
+        }
+    }
     let mut all = given.to_vec();
     for (index, joint) in scene.joints.iter().enumerate() {
         for (coordinate, formula) in joint.motors() {

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::joints::{JointForces, JointLaw, Side};
 use crate::lines::LineKind;
-use crate::{AngularVelocity, Coordinate, Directions, Fixed, Formula, Place, Plane, Table, Unit};
+use crate::{
+    AngularVelocity, Coordinate, Directions, Fixed, Formula, Part, Place, Plane, Table, Unit,
+};
 
 /// Three scalar formulas: a vector known in components.
 pub type Triple = [Formula; 3];
@@ -55,6 +57,82 @@ pub struct Scene {
     pub outputs: Vec<Output>,
     /// Events.
     pub events: Vec<Event>,
+    /// Where a run starts, as far as it is declared.
+    #[serde(default)]
+    pub starts: Starts,
+}
+
+/// Where a run starts: formulas of consts and params.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Starts {
+    /// Bodies and points with mass, bodies first, in their order.
+    pub parts: Vec<PartStart>,
+    /// Joint coordinates, in the order of joints and coordinates.
+    pub coordinates: Vec<CoordinateStart>,
+}
+
+impl Starts {
+    /// Whether nothing is declared.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.parts.is_empty() && self.coordinates.is_empty()
+    }
+}
+
+/// Where a body or a point with mass stands at the start, and how it moves. What is not given is at the world origin, unturned, at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartStart {
+    /// The body or the point.
+    pub part: Part,
+    /// Position of the centre of mass, world axes [m].
+    pub position: Option<Triple>,
+    /// Rotation from body axes to world axes: rows of the matrix.
+    pub rotation: Option<[Triple; 3]>,
+    /// Velocity of the centre of mass, world axes [m/s].
+    pub velocity: Option<Triple>,
+    /// Angular velocity [rad/s], in the axes of the state: [`Scene::angular_velocity`].
+    pub angular_velocity: Option<Triple>,
+}
+
+impl PartStart {
+    /// Nothing said of a body or a point.
+    #[must_use]
+    pub fn of(part: Part) -> Self {
+        PartStart {
+            part,
+            position: None,
+            rotation: None,
+            velocity: None,
+            angular_velocity: None,
+        }
+    }
+
+    /// Every formula, to be changed.
+    pub fn formulas_mut(&mut self) -> impl Iterator<Item = &mut Formula> {
+        let PartStart {
+            part: _,
+            position,
+            rotation,
+            velocity,
+            angular_velocity,
+        } = self;
+        let triples = [position, velocity, angular_velocity].into_iter();
+        let rows = rotation.iter_mut().flatten().flatten();
+        triples.flatten().flatten().chain(rows)
+    }
+}
+
+/// A coordinate of a joint at the start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoordinateStart {
+    /// The joint, by index.
+    pub joint: usize,
+    /// The coordinate, by number.
+    pub coordinate: usize,
+    /// Its value [m or rad].
+    pub value: Option<Formula>,
+    /// Its rate [m/s or rad/s].
+    pub rate: Option<Formula>,
 }
 
 impl Scene {

@@ -119,6 +119,7 @@ impl<T: Float> Simulation<T> {
             *control = saved.clone();
         }
         self.started = true;
+        self.as_declared = false;
         self.watch_weights.clone_from(&snapshot.watch_weights);
         self.system.fallback.resume(&snapshot.rows);
         let begun = self

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use mbd_scene::laws::starts;
-use mbd_scene::{Float, InputSlots, InputSource, JointStart, Model, NodeModel, Quantity, place};
+use mbd_scene::{
+    Float, InputSlots, InputSource, JointStart, Model, NodeModel, PlacementError, Quantity, Scene,
+    declared_parts, place_declared,
+};
 
 use super::moved::moved;
 use super::{Pace, Simulation};
@@ -70,10 +73,9 @@ impl<T: Float> Simulation<T> {
         ]
         .map(|what| layout.len(what));
         let mut state = vec![T::zero(); length];
-        for qw in layout.quaternions() {
-            if let Some(qw) = state.get_mut(qw) {
-                *qw = T::one();
-            }
+        let start = declared_start(&*model, 0.0).map_err(refuse)?;
+        for (slot, value) in state.iter_mut().zip(start) {
+            *slot = value;
         }
         let own = state.iter_mut().skip(layout.states());
         own.zip(starts).for_each(|(state, start)| *state = start);
@@ -100,6 +102,7 @@ impl<T: Float> Simulation<T> {
             count: 0,
             options,
             guess: None,
+            as_declared: true,
             started: false,
             stale: false,
             samplers: Vec::new(),
@@ -130,11 +133,24 @@ impl<T: Float> Simulation<T> {
             *to = from;
         }
         self.time = time;
+        self.as_declared = false;
         self.started = false;
         for sampler in &mut self.samplers {
             (sampler.from, sampler.next) = (time, 0);
         }
         Ok(())
+    }
+
+    /// After other params the declared start is another one, unless a state has been set or run.
+    pub(crate) fn start_again(&mut self) {
+        if !self.as_declared || self.system.model.scene().starts.is_empty() {
+            return;
+        }
+        if let Ok(start) = declared_start(&*self.system.model, self.time) {
+            for (slot, value) in self.state.iter_mut().zip(start) {
+                *slot = value;
+            }
+        }
     }
 
     /// Refuses a time or a state that cannot be run.
@@ -163,10 +179,11 @@ impl<T: Float> Simulation<T> {
         let model = self.system.model.clone();
         let (scene, layout) = (model.scene(), model.layout());
         let unplaced = |name: String, why: String| StepError::Unplaced { name, why };
+        let known = scene.joint_coordinates();
         let starts = match JointStart::by_name(scene, given.iter().copied()) {
             Ok(starts) => starts,
             Err(name) => {
-                let known = scene.joint_coordinates().join(", ");
+                let known = known.join(", ");
                 let why = format!("is no joint coordinate; there are: {known}");
                 return Err(self.failed(unplaced(name.to_owned(), why)));
             }
@@ -181,9 +198,8 @@ impl<T: Float> Simulation<T> {
         let of = |state: &[T]| -> Vec<f64> { state.iter().map(|x| x.to_f64()).collect() };
         let (params, mut state) = (of(model.params()), of(&self.state[..self.system.nx]));
         let from = (&params[..], self.time);
-        if let Err(error) = place(scene, layout, from, &starts, &[], &mut state) {
-            let (name, why) = error.describe(scene);
-            return Err(self.failed(unplaced(name, why)));
+        if let Err(error) = place_declared(scene, layout, from, &starts, &[], &mut state) {
+            return Err(self.failed(misplaced(scene, error)));
         }
         let state: Vec<T> = state.into_iter().map(T::from_f64).collect();
         self.give_state(self.time, &state)
@@ -206,6 +222,7 @@ impl<T: Float> Simulation<T> {
     /// What [`Simulation::start`] does.
     pub(crate) fn begin(&mut self) -> Result<(), RunError> {
         self.started = true;
+        self.as_declared = false;
         self.origin = self.time;
         self.count = 0;
         self.watch = Watch::default();
@@ -250,6 +267,29 @@ impl<T: Float> Simulation<T> {
         self.system.follow_angles(self.time, &self.state, true);
         self.begin_margins(&mut |_| ())
     }
+}
+
+/// The state at the declared start: what no start is declared of is at the world origin, at rest, unturned.
+fn declared_start<T: Float>(model: &dyn Model<T>, time: f64) -> Result<Vec<T>, StepError> {
+    let (scene, layout) = (model.scene(), model.layout());
+    let mut state = vec![0.0; layout.nx()];
+    for qw in layout.quaternions() {
+        if let Some(qw) = state.get_mut(qw) {
+            *qw = 1.0;
+        }
+    }
+    if !scene.starts.is_empty() {
+        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
+        declared_parts(scene, layout, &params, &mut state);
+        place_declared(scene, layout, (&params, time), &[], &[], &mut state)
+            .map_err(|error| misplaced(scene, error))?;
+    }
+    Ok(state.into_iter().map(T::from_f64).collect())
+}
+
+fn misplaced(scene: &Scene, error: PlacementError) -> StepError {
+    let (name, why) = error.describe(scene);
+    StepError::Unplaced { name, why }
 }
 
 /// Whether this combination of model and method is offered.

@@ -5,7 +5,8 @@ use std::fmt;
 use mbd_compiler::{nearest, read_number};
 use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
-    InputSource, JointForces, JointStart, Line, NodeModel, Part, PlacementError, Scene, place,
+    InputSource, JointForces, JointStart, Line, NodeModel, Part, PlacementError, Scene,
+    declared_parts, place_declared,
 };
 use mbd_runtime::{Content, Generic, Layout, Name, Options, Sampling, Trajectory, state_names};
 use toml::{Table, Value};
@@ -288,9 +289,13 @@ fn start(
 ) -> Result<(Vec<f64>, Option<Vec<f64>>), PlanError> {
     let mut slots: Vec<(String, &str, f64)> = Vec::new();
     let names = state_names(scene, layout);
-    for name in &names {
-        let upright = f64::from(u8::from(name.name.ends_with(".qw")));
-        slots.push((name.name.clone(), &name.unit, upright));
+    let mut declared = vec![0.0; names.len()];
+    for upright in layout.quaternions() {
+        declared[upright] = 1.0;
+    }
+    declared_parts(scene, layout, params, &mut declared);
+    for (name, number) in names.iter().zip(declared) {
+        slots.push((name.name.clone(), &name.unit, number));
     }
     let own = slots.iter_mut().skip(layout.states());
     own.zip(starts(scene, params))
@@ -328,7 +333,7 @@ fn start(
     let named = joints.iter().map(|(name, number)| (name.as_str(), *number));
     let joints = JointStart::by_name(scene, named)
         .map_err(|name| wrong(format!("start.{name}"), "is no joint coordinate"))?;
-    place(scene, layout, (params, 0.0), &joints, &fixed, &mut numbers)
+    place_declared(scene, layout, (params, 0.0), &joints, &fixed, &mut numbers)
         .map_err(|error| misplaced(scene, error))?;
     Ok((numbers, places_given.then_some(nodes)))
 }

@@ -171,6 +171,16 @@ impl Context<'_> {
             .map(|output| output.name.as_str());
         fields(names, &self.spans.outputs)
     }
+
+    /// Joint coordinates and their rates as fields, in the order of `Scene::joint_coordinates`.
+    pub fn joint_coordinates(&self) -> Vec<Ident> {
+        let names = self.scene().joint_coordinates();
+        let names: Vec<String> = names
+            .iter()
+            .map(|name| crate::names::identifier(name))
+            .collect();
+        fields(names.iter().map(String::as_str), &[])
+    }
 }
 
 /// A unit for the reader; a pure number has 1.

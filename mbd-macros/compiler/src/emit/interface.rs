@@ -1,5 +1,6 @@
 //! The types that surround a model: parameters, state, outputs, inputs.
 
+use mbd_scene::joints::Measured;
 use mbd_scene::laws::starts;
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -11,9 +12,9 @@ use super::parts::parts;
 
 /// Every companion type of a model.
 pub fn companions(context: &Context) -> TokenStream {
-    let (params, state) = (params(context), state(context));
+    let (params, state, start) = (params(context), state(context), start(context));
     let (outputs, inputs) = (outputs(context), inputs(context));
-    quote!(#params #state #outputs #inputs)
+    quote!(#params #state #start #outputs #inputs)
 }
 
 fn params(context: &Context) -> TokenStream {
@@ -230,6 +231,49 @@ fn state(context: &Context) -> TokenStream {
                 out
             }
             #parts
+        }
+    }
+}
+
+/// The joint coordinates at the start of a run; nothing where no joint has any.
+fn start(context: &Context) -> TokenStream {
+    let (scene, names) = (context.scene(), context.scene().joint_coordinates());
+    if names.is_empty() {
+        return TokenStream::new();
+    }
+    let fields = context.joint_coordinates();
+    let declarations = names.iter().zip(&fields).map(|(name, field)| {
+        let found = scene.joint_coordinate(name);
+        let unit = found.and_then(|(joint, index, is_rate)| {
+            let (_, coordinate) = scene.coordinate(joint, index)?;
+            let measured = if is_rate {
+                Measured::Rate
+            } else {
+                Measured::Value
+            };
+            Some(measured.unit(&coordinate))
+        });
+        let doc = docs(&format!("`{name}` \\[{}\\].", unit.unwrap_or_default()));
+        quote!(#doc pub #field: ::core::option::Option<f64>)
+    });
+    let (name, vis) = (context.named("Start"), &context.settings.visibility);
+    let doc = docs(&format!(
+        "Joint coordinates of `{}` at the start of a run, for `Simulation::set_joints(&start.joints())`. `None`: as declared, zero where nothing is, or as other coordinates decide.",
+        scene.name
+    ));
+    quote! {
+        #doc
+        #[derive(Clone, Debug, Default, PartialEq)]
+        #vis struct #name { #(#declarations),* }
+
+        impl #name {
+            /// The coordinates that are given, by their names.
+            #[must_use]
+            pub fn joints(&self) -> ::std::vec::Vec<(&'static str, f64)> {
+                let all = [#((#names, self.#fields)),*];
+                let given = all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value)));
+                given.collect()
+            }
         }
     }
 }

@@ -145,7 +145,7 @@ impl Resolver<'_> {
 
     /// `rpy(roll, pitch, yaw)` about fixed axes x, y, z: R = Rz Ry Rx; `euler_zyx(yaw, pitch, roll)` about moving axes is the same R;
     /// `matrix([…], […], […])` gives the rows.
-    fn rotation(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Option<Rows>> {
+    pub fn rotation(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Option<Rows>> {
         let parsed = match expression::whole(value) {
             Ok(parsed) => parsed,
             Err(report) => return self.fail(report),

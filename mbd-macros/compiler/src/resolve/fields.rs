@@ -49,7 +49,10 @@ impl Resolver<'_> {
         for item in block {
             let word = item.word.text.as_str();
             let at = Region::from(item.word.at);
-            if word == "frame" && known.contains(&word) {
+            let placed = word == "start" && item.clause(":").is_none();
+            if placed && known.contains(&word) {
+                fields.doubtful |= item.broken;
+            } else if word == "frame" && known.contains(&word) {
                 fields.doubtful |= item.broken && item.name.is_none();
             } else if item.broken {
                 fields.doubtful = true;

@@ -3,8 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use mbd_scene::joints::{Coordinate, FORCE, JointForceField, MOTOR, NUMBERS, STOPS, in_order};
-use mbd_scene::{Formula, JointForces, JointLaw};
+use mbd_scene::joints::{
+    Coordinate, FORCE, JointForceField, MOTOR, NUMBERS, START, START_RATE, STOPS, in_order,
+};
+use mbd_scene::{CoordinateStart, Formula, JointForces, JointLaw};
 
 use super::joints::Names;
 use super::{Instance, Named, Resolver, Scope, Stage, Typed, fold};
@@ -15,7 +17,9 @@ use crate::units;
 
 /// The keywords of the fields of a coordinate.
 fn field_words() -> impl Iterator<Item = &'static str> {
-    let fields = NUMBERS.iter().chain([&STOPS, &FORCE, &MOTOR]);
+    let fields = NUMBERS
+        .iter()
+        .chain([&STOPS, &FORCE, &MOTOR, &START, &START_RATE]);
     fields.map(|field| field.name)
 }
 
@@ -101,6 +105,11 @@ impl Resolver<'_> {
             }
             if forces.is_none() {
                 entries = None;
+            }
+            let start = self.coordinate_start((instance.slot, index), fields, &owner);
+            match start {
+                Some(start) => self.scene.starts.coordinates.extend(start),
+                None => entries = None,
             }
         }
         self.scene.joints.get_mut(instance.slot)?.forces = entries?;
@@ -215,6 +224,46 @@ impl Resolver<'_> {
             whole &= forces.motor.is_some();
         }
         whole.then_some(forces)
+    }
+
+    /// Where a coordinate starts, and at which rate; nothing where neither is given.
+    fn coordinate_start(
+        &mut self,
+        (joint, coordinate): (usize, usize),
+        given: &Given<'_, '_>,
+        owner: &Owner<'_>,
+    ) -> Option<Option<CoordinateStart>> {
+        let mut start = CoordinateStart {
+            joint,
+            coordinate,
+            value: None,
+            rate: None,
+        };
+        for (field, slot) in [(&START, &mut start.value), (&START_RATE, &mut start.rate)] {
+            let Some(item) = given.get(field.name) else {
+                continue;
+            };
+            let at = item.word.at.into();
+            if given.contains_key(MOTOR.name) {
+                return self.fail(say::start_of_motor(at, &owner.name, field.name));
+            }
+            let Some(value) = item.clause(":") else {
+                let unit = field.measured.unit(owner.coordinate);
+                return self.fail(say::start_of_coordinate(at, &owner.name, unit));
+            };
+            let typed = self.value(value, owner.scope)?;
+            let here = typed.at;
+            let formula = self.along_fits(typed, field, owner)?;
+            if field.name == START.name && owner.coordinate.is_periodic() {
+                let turns = fold::at_defaults(&formula, &self.scene);
+                if let Some(angle) = turns.filter(|angle| angle.abs() > std::f64::consts::TAU) {
+                    return self.fail(say::start_beyond_a_turn(here, &owner.name, angle));
+                }
+            }
+            *slot = Some(formula);
+        }
+        let any = start.value.is_some() || start.rate.is_some();
+        Some(any.then_some(start))
     }
 
     /// The course of a coordinate: a function of time with two derivatives, which may count turns.

@@ -19,7 +19,7 @@ impl Resolver<'_> {
 
     fn point(&mut self, instance: &Instance<'_>) -> Option<()> {
         let name = self.scene.points.get(instance.slot)?.name.clone();
-        let fields = self.fields(&instance.item.block, &["mass", "equilibrium"]);
+        let fields = self.fields(&instance.item.block, &["mass", "equilibrium", "start"]);
         let scope = instance.scope(Stage::Fixed);
         let kind = match (fields.get("mass"), fields.get("equilibrium")) {
             (Some(_), Some(other)) => {

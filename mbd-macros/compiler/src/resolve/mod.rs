@@ -19,6 +19,7 @@ mod numbers;
 mod path;
 mod repeat;
 mod settings;
+mod starts;
 mod states;
 mod value;
 
@@ -153,6 +154,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.along_joints();
     resolver.known = Known::Motors;
     resolver.lets();
+    resolver.part_starts();
     resolver.gravity(model);
     resolver.states();
     resolver.loads();

@@ -92,6 +92,22 @@ pub const FRAME: ItemWord = repeated(item(
     "frame NAME at [x, y, z] m rotated rpy(a, b, c)",
 ));
 
+/// The start of a body or a point, and of a joint coordinate, whose value follows a colon.
+pub const START: ItemWord = ItemWord {
+    word: "start",
+    named: false,
+    repeats: false,
+    clauses: &[
+        may(":", "value"),
+        may("at", "at"),
+        may("rotated", "rotated"),
+        may("velocity", "velocity"),
+        may("angular_velocity", "angular_velocity"),
+    ],
+    fields: None,
+    form: "start at [x, y, z] m rotated rpy(a, b, c) velocity [x, y, z] m/s angular_velocity [x, y, z] rad/s",
+};
+
 /// Every item and setting of a model.
 pub const ITEMS: &[ItemWord] = &[
     setting("coordinates", "coordinates: absolute;"),
@@ -150,13 +166,13 @@ pub const ITEMS: &[ItemWord] = &[
     repeated(item(
         "body",
         &[],
-        Some(&["mass", "center_of_mass", "inertia", "frame"]),
+        Some(&["mass", "center_of_mass", "inertia", "frame", "start"]),
         "body NAME { mass: 2.0 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2 }",
     )),
     repeated(item(
         "point",
         &[],
-        Some(&["mass", "equilibrium"]),
+        Some(&["mass", "equilibrium", "start"]),
         "point NAME;",
     )),
     repeated(item(
@@ -217,7 +233,7 @@ pub fn top_level() -> impl Iterator<Item = &'static ItemWord> {
 /// The item of this keyword at the top (`inside` false) or inside a body or the world.
 pub fn find(word: &str, inside: bool) -> Option<&'static ItemWord> {
     if inside {
-        (word == FRAME.word).then_some(&FRAME)
+        [&FRAME, &START].into_iter().find(|item| item.word == word)
     } else {
         ITEMS.iter().find(|item| item.word == word)
     }
@@ -261,7 +277,6 @@ pub const FOREIGN_ITEMS: Dictionary = &[
     ("measure", "output"),
     ("constant", "const"),
     ("define", "let"),
-    ("def", "let"),
     ("var", "let"),
     ("variable", "let"),
     ("parameter", "param"),
@@ -299,6 +314,9 @@ pub const EXPECTED_ITEMS: Dictionary = &[
     ),
     ("actuator", EFFORT),
     ("controller", EFFORT),
+    ("initial", A_START),
+    ("init", A_START),
+    ("start", A_START),
     (
         "friction",
         "friction is a field of its joint: `{ axis: y, friction: 0.1 N*m, friction_rate: 0.01 rad/s }`",
@@ -313,6 +331,7 @@ const CONTACT: &str = "contact cannot be declared yet; a soft one is a load, suc
 /// A line over a pulley.
 pub const LED_OVER: &str =
     "a line runs straight from its `from` to its `to`; it cannot be led over a pulley yet";
+const A_START: &str = "a start is written with what starts: `joint pin: hinge from world to link.top { axis: y, start: 30 deg }`, `body link { …, start at [0.0, 0.0, 1.0] m }`";
 const ONE_TEXT: &str = "a declaration is one text and takes in no other; copy what is shared";
 const NO_PARTS: &str = "a declaration has no parts to use again; what is alike is repeated by an index, `body leg[i in 0..3] { … }`";
 const REPETITION: &str =
@@ -706,7 +725,8 @@ mod tests {
         let fields = ITEMS.iter().filter_map(|item| item.fields).flatten();
         let mut all: Vec<&str> = fields.copied().collect();
         all.extend(ITEMS.iter().map(|item| item.word));
-        all.push(FRAME.word);
+        all.extend([FRAME.word, START.word]);
+        all.extend([mbd_scene::joints::START_RATE.name]);
         for list in [FUNCTIONS, BODY_QUANTITIES, LINE_QUANTITIES] {
             all.extend(list);
         }

@@ -193,6 +193,15 @@ impl<'t> Reader<'t> {
                     item.broken |= value.is_none();
                     item.clauses.extend(value.map(|value| (clause.sign, value)));
                 }
+                (None, Some(inner), DeValue::Table(table)) if !inner.named => {
+                    let mut start = draft(word, at, Some(inner));
+                    self.fields(&mut start, inner, table);
+                    item.block.push(start);
+                }
+                (None, Some(inner), _) if !inner.named => {
+                    let field = self.field(word, at, value);
+                    item.block.push(field);
+                }
                 (None, Some(inner), DeValue::Table(table)) => {
                     for (name, value) in entries(table) {
                         let draft = self.named(inner, name, value);

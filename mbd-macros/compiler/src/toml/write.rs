@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use mbd_scene::joints::{FORCE, MOTOR, NUMBERS, STOPS};
+use mbd_scene::joints::{FORCE, MOTOR, NUMBERS, START, START_RATE, STOPS};
 use mbd_scene::{
     AngularVelocity, Axis, Body, Clamp, Coordinates, Difference, Dimension, Direction, Fixed,
     Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, NodeModel, Output,
-    PointKind, Scene, Unit,
+    Part, PointKind, Scene, Triple, Unit,
 };
 
 use toml::Value;
@@ -230,20 +230,43 @@ fn bodies(out: &mut String, scene: &Scene) {
         let _ = writeln!(out, "\n[world.frame.{}]", key(&frame.name));
         place_and_axes(out, frame, scene);
     }
-    for body in &scene.bodies {
+    for (index, body) in scene.bodies.iter().enumerate() {
         table(out, "body", &body.name);
         doc(out, &body.doc);
         entry(out, "mass", &text(&body.mass, scene));
         entry(out, "inertia", &inertia(&body.inertia, scene));
         frames(out, body, scene);
+        start(out, ("body", &body.name), Part::Body(index), scene);
     }
-    for point in &scene.points {
+    for (index, point) in scene.points.iter().enumerate() {
         table(out, "point", &point.name);
         doc(out, &point.doc);
         match &point.kind {
             PointKind::Mass(mass) => entry(out, "mass", &text(mass, scene)),
             PointKind::Node(model) => entry(out, "equilibrium", &node_model(*model)),
         }
+        start(out, ("point", &point.name), Part::Point(index), scene);
+    }
+}
+
+/// The start of a body or a point.
+fn start(out: &mut String, (word, name): (&str, &str), part: Part, scene: &Scene) {
+    let mut starts = scene.starts.parts.iter();
+    let Some(start) = starts.find(|start| start.part == part) else {
+        return;
+    };
+    let _ = writeln!(out, "\n[{word}.{}.start]", key(name));
+    if let Some(position) = &start.position {
+        entry(out, "at", &vector(position, scene));
+    }
+    if let Some(rows) = &start.rotation {
+        entry(out, "rotated", &matrix(rows, scene));
+    }
+    if let Some(velocity) = &start.velocity {
+        entry(out, "velocity", &vector(velocity, scene));
+    }
+    if let Some(omega) = &start.angular_velocity {
+        entry(out, "angular_velocity", &vector(omega, scene));
     }
 }
 
@@ -275,9 +298,13 @@ fn frames(out: &mut String, body: &Body, scene: &Scene) {
 fn place_and_axes(out: &mut String, frame: &Frame, scene: &Scene) {
     entry(out, "at", &vector(&frame.position, scene));
     if let Some(rows) = &frame.rotation {
-        let rows: Vec<String> = rows.iter().map(|row| vector(row, scene)).collect();
-        entry(out, "rotated", &format!("matrix({})", rows.join(", ")));
+        entry(out, "rotated", &matrix(rows, scene));
     }
+}
+
+fn matrix(rows: &[Triple; 3], scene: &Scene) -> String {
+    let rows = rows.each_ref().map(|row| vector(row, scene));
+    format!("matrix({})", rows.join(", "))
 }
 
 fn node_model(model: NodeModel) -> String {
@@ -299,7 +326,7 @@ fn node_model(model: NodeModel) -> String {
 }
 
 fn connections(out: &mut String, scene: &Scene) {
-    for joint in &scene.joints {
+    for (index, joint) in scene.joints.iter().enumerate() {
         table(out, "joint", &joint.name);
         doc(out, &joint.doc);
         entry(out, "kind", joint.law.keyword());
@@ -312,7 +339,7 @@ fn connections(out: &mut String, scene: &Scene) {
             out.push_str("loop = true\n");
         }
         joint_fields(out, &joint.law, scene);
-        forces(out, joint, scene);
+        forces(out, index, joint, scene);
     }
     for line in &scene.lines {
         write_line(out, line, scene);
@@ -370,15 +397,27 @@ fn joint_fields(out: &mut String, law: &JointLaw, scene: &Scene) {
 }
 
 /// What acts along the coordinates of a joint: directly for one coordinate, else in a table of its own for each.
-fn forces(out: &mut String, joint: &Joint, scene: &Scene) {
+fn forces(out: &mut String, index: usize, joint: &Joint, scene: &Scene) {
     let several = joint.law.measured().count() > 1;
-    for forces in &joint.forces {
-        let Some(coordinate) = joint.law.coordinate(forces.coordinate) else {
-            continue;
-        };
-        if several {
+    for (number, coordinate) in joint.law.measured().enumerate() {
+        let mut starts = scene.starts.coordinates.iter();
+        let start = starts.find(|start| (start.joint, start.coordinate) == (index, number));
+        let forces = joint
+            .forces
+            .iter()
+            .find(|forces| forces.coordinate == number);
+        if several && (start.is_some() || forces.is_some()) {
             let _ = writeln!(out, "\n[joint.{}.{}]", key(&joint.name), coordinate.name);
         }
+        if let Some(start) = start {
+            let given = [(&START, &start.value), (&START_RATE, &start.rate)];
+            for (field, formula) in given {
+                if let Some(formula) = formula {
+                    entry(out, field.name, &text(formula, scene));
+                }
+            }
+        }
+        let Some(forces) = forces else { continue };
         for (field, formula) in NUMBERS.iter().zip(forces.numbers()) {
             if let Some(formula) = formula {
                 entry(out, field.name, &text(formula, scene));

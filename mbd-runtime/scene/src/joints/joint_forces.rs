@@ -91,6 +91,11 @@ pub const FORCE: JointForceField = field("force", Measured::Force, Rule::Finite,
 /// The keyword of the motor.
 pub const MOTOR: JointForceField = field("motor", Measured::Value, Rule::Finite, None);
 
+/// The keyword of where a coordinate starts.
+pub const START: JointForceField = field("start", Measured::Value, Rule::Finite, None);
+/// The keyword of the rate at which it starts.
+pub const START_RATE: JointForceField = field("start_rate", Measured::Rate, Rule::Finite, None);
+
 /// The numbers of [`JointForces`], in the order of [`JointForces::numbers`].
 pub const NUMBERS: [JointForceField; 7] = [
     field("stiffness", Measured::Stiffness, Rule::NotNegative, None),

@@ -11,8 +11,8 @@ mod joint_forces;
 
 pub use carried::{Carried, Held};
 pub use joint_forces::{
-    FORCE, JointForceField, JointForces, MOTOR, Measured, NUMBERS, STOP_ORDER, STOPS, Side,
-    in_order,
+    FORCE, JointForceField, JointForces, MOTOR, Measured, NUMBERS, START, START_RATE, STOP_ORDER,
+    STOPS, Side, in_order,
 };
 
 use std::ops::Range;

@@ -1,6 +1,6 @@
 //! Messages about joints: their kind, their ends, and their fields.
 
-use mbd_scene::joints::{Coordinate, Field, MOTOR, Measured};
+use mbd_scene::joints::{Coordinate, Field, MOTOR, Measured, START, START_RATE};
 use mbd_scene::{Dimension, JointLaw};
 
 use crate::lexeme::Region;
@@ -210,7 +210,14 @@ pub fn no_common_measure(at: Region, keyword: &str, name: &str) -> Report {
 }
 
 pub fn no_single_coordinate(at: Region, keyword: &str, field: &str, couples: bool) -> Report {
-    let instead = if couples {
+    let instead = if [START.name, START_RATE.name].contains(&field) {
+        return Report::new(
+            at,
+            format!(
+                "a `{keyword}` joint has no single coordinate that could start somewhere; write in the body where it starts: `start at [0.0, 0.0, 1.0] m rotated rpy(0.0, 30 deg, 0.0)`"
+            ),
+        );
+    } else if couples {
         "give it to one of the joints that it couples"
     } else if field == MOTOR.name {
         "take a joint that has one, such as `hinge` or `prismatic`, or let a frame of the `world` move"
@@ -253,6 +260,63 @@ pub fn coordinate_block(at: Region, coordinate: &Coordinate) -> Report {
         format!(
             "`{name}` is a coordinate: give it fields in braces, such as `{name}: {{ damping: 1.0 {unit} }}`"
         ),
+    )
+}
+
+pub fn start_of_motor(at: Region, name: &str, field: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{name}` has a motor, whose course says where it is from the start: leave `{field}` out"
+        ),
+    )
+}
+
+pub fn start_of_coordinate(at: Region, name: &str, unit: &str) -> Report {
+    Report::new(
+        at,
+        format!("the start of `{name}` is one number: write `start: 0.5 {unit}`"),
+    )
+}
+
+pub fn start_beyond_a_turn(at: Region, name: &str, angle: f64) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the start of `{name}` is {angle} rad, more than a full turn: write it as `{angle} deg` if that is meant"
+        ),
+    )
+}
+
+pub fn start_of_part(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{name}` starts at a place: write `start at [0.0, 0.0, 1.0] m`, with `velocity [1.0, 0.0, 0.0] m/s` behind it if it moves"
+        ),
+    )
+}
+
+pub fn start_of_node(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "point `{name}` has no mass and starts where its lines balance: leave `start` out, or give it a `mass`"
+        ),
+    )
+}
+
+pub fn point_has_no_axes(at: Region, name: &str, word: &str) -> Report {
+    Report::new(
+        at,
+        format!("point `{name}` has no axes that could be turned: leave `{word}` out"),
+    )
+}
+
+pub fn start_beside(at: Region, name: &str, plane: &str, what: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{name}` moves in the plane {plane}: its {what} at the start leaves it"),
     )
 }
 

@@ -1,0 +1,147 @@
+//! Starts of bodies and points: `start at [0.0, 0.0, 10.0] m rotated rpy(0.0, 30 deg, 0.0) velocity [1.0, 0.0, 0.0] m/s`.
+
+use mbd_scene::{Formula, Part, PartStart, Plane, PointKind, Triple};
+
+use super::{Instance, Named, Resolver, Stage, fold};
+use crate::lexeme::Region;
+use crate::messages::{resolve as say, syntax as say_syntax};
+use crate::syntax::{Value, words};
+use crate::units;
+
+/// How far out of its plane a start may be said [m or 1]: rounding.
+const IN_PLANE: f64 = 1e-9;
+
+/// The rows of a rotation that turns nothing.
+fn unturned() -> [Triple; 3] {
+    let number = |i: usize, j: usize| Formula::Number(if i == j { 1.0 } else { 0.0 });
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(i, j)))
+}
+
+impl Resolver<'_> {
+    /// Fills where bodies and points start.
+    pub fn part_starts(&mut self) {
+        for (word, body) in [("body", true), ("point", false)] {
+            for instance in self.of(word) {
+                let (part, named) = match body {
+                    true => (Part::Body(instance.slot), Named::Body(instance.slot)),
+                    false => (Part::Point(instance.slot), Named::Point(instance.slot)),
+                };
+                self.poison(named, |this| this.part_start(&instance, part));
+            }
+        }
+    }
+
+    fn part_start(&mut self, instance: &Instance<'_>, part: Part) -> Option<()> {
+        let starts = instance
+            .item
+            .block
+            .iter()
+            .filter(|field| field.word.text == words::START.word);
+        let starts: Vec<_> = starts.filter(|start| !start.broken).collect();
+        let Some(first) = starts.first() else {
+            return Some(());
+        };
+        let at = Region::from(first.word.at);
+        let name = self.part_name(part)?;
+        if let Some(field) = starts.iter().find(|start| start.clause(":").is_some()) {
+            return self.fail(say::start_of_part(field.word.at.into(), &name));
+        }
+        let massless = |index: usize| {
+            let point = self.scene.points.get(index);
+            point.is_some_and(|point| matches!(point.kind, PointKind::Node(_)))
+        };
+        let point = match part {
+            Part::Point(index) if massless(index) => {
+                return self.fail(say::start_of_node(at, &name));
+            }
+            Part::Point(_) => true,
+            _ => false,
+        };
+        let scope = instance.scope(Stage::Fixed);
+        let mut start = PartStart::of(part);
+        let mut given: Vec<(&str, Region)> = Vec::new();
+        for clause in starts.iter().flat_map(|start| &start.clauses) {
+            let (sign, value) = (clause.sign, clause.value);
+            if let Some((_, first)) = given.iter().find(|(known, _)| *known == sign) {
+                return self.fail(say_syntax::repeated_clause(clause.at, sign, *first));
+            }
+            given.push((sign, clause.at));
+            if point && ["rotated", "angular_velocity"].contains(&sign) {
+                return self.fail(say::point_has_no_axes(clause.at, &name, sign));
+            }
+            match sign {
+                "at" => {
+                    start.position = Some(self.triple("start at", value, units::LENGTH, scope)?)
+                }
+                "velocity" => {
+                    start.velocity = Some(self.triple("velocity", value, units::SPEED, scope)?);
+                }
+                "angular_velocity" => {
+                    let omega = self.triple("angular_velocity", value, units::RATE, scope)?;
+                    start.angular_velocity = Some(omega);
+                }
+                _ => {
+                    let rows = self.rotation(value, scope)?;
+                    start.rotation = Some(rows.unwrap_or_else(unturned));
+                }
+            }
+            self.stays_in_plane(&name, sign, value, &start)?;
+        }
+        if given.is_empty() {
+            return self.fail(say::start_of_part(at, &name));
+        }
+        self.scene.starts.parts.push(start);
+        Some(())
+    }
+
+    fn part_name(&self, part: Part) -> Option<String> {
+        Some(match part {
+            Part::Body(body) => self.scene.bodies.get(body)?.name.clone(),
+            Part::Point(point) => self.scene.points.get(point)?.name.clone(),
+            Part::Joint(_) => return None,
+        })
+    }
+
+    /// A start in a planar scene keeps to the plane, with all params at their defaults.
+    fn stays_in_plane(
+        &mut self,
+        name: &str,
+        sign: &str,
+        value: Value<'_>,
+        start: &PartStart,
+    ) -> Option<()> {
+        let Some(plane) = self.scene.planar else {
+            return Some(());
+        };
+        let normal = plane.normal();
+        let off = |formula: Option<&Formula>, wanted: f64| {
+            let found = formula.and_then(|formula| fold::at_defaults(formula, &self.scene));
+            found.is_some_and(|found| (found - wanted).abs() > IN_PLANE)
+        };
+        let across = |triple: &Option<Triple>| {
+            let triple = triple.as_ref();
+            off(triple.and_then(|triple| triple.get(normal)), 0.0)
+        };
+        let leaves = match sign {
+            "at" => across(&start.position),
+            "velocity" => across(&start.velocity),
+            "angular_velocity" => {
+                let rates = start.angular_velocity.iter().flatten().enumerate();
+                { rates }.any(|(axis, rate)| axis != normal && off(Some(rate), 0.0))
+            }
+            _ => {
+                let rows = start.rotation.as_ref();
+                off(rows.and_then(|rows| rows[normal].get(normal)), 1.0)
+            }
+        };
+        let what = match sign {
+            "at" => "place",
+            "rotated" => "attitude",
+            _ => "motion",
+        };
+        match leaves {
+            true => self.fail(say::start_beside(value.at, name, Plane::word(plane), what)),
+            false => Some(()),
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! The start that a declaration says: bodies and points where they are put, the rest by joint coordinates.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::laws::body::attitude_of;
+use crate::laws::constant;
+use crate::placement::place_near;
+use crate::{Formula, JointStart, Layout, Part, PlacementError, PointSlots, Scene, Triple};
+
+/// Writes the declared starts of bodies and points into a state; returns which these are.
+pub fn declared_parts(
+    scene: &Scene,
+    layout: &Layout,
+    params: &[f64],
+    state: &mut [f64],
+) -> Vec<Part> {
+    let directions = layout.directions;
+    let of = |formula: &Formula| constant(scene, params, formula);
+    let vector = |triple: &Triple| Vector3::from(triple.each_ref().map(of));
+    for start in &scene.starts.parts {
+        let slots = match start.part {
+            Part::Body(body) => layout.bodies.get(body).copied(),
+            Part::Point(point) => match layout.points.get(point) {
+                Some(PointSlots::Mass(slots)) => Some(*slots),
+                _ => None,
+            },
+            Part::Joint(_) => None,
+        };
+        let Some(slots) = slots else { continue };
+        let v = layout.nq + slots.v;
+        if let Some(position) = &start.position {
+            directions.write_linear(state, slots.q, &vector(position));
+        }
+        if let Some(velocity) = &start.velocity {
+            directions.write_linear(state, v, &vector(velocity));
+        }
+        if let Some(rows) = &start.rotation {
+            let rows = rows.each_ref().map(|row| vector(row).transpose());
+            let at = slots.q + directions.translations().len();
+            let axes = Matrix3::from_rows(&rows);
+            let attitude = attitude_of(&axes, directions);
+            for (slot, value) in state.iter_mut().skip(at).zip(attitude) {
+                *slot = value;
+            }
+        }
+        if let Some(omega) = &start.angular_velocity {
+            directions.write_angular(state, v, &vector(omega));
+        }
+    }
+    scene.starts.parts.iter().map(|start| start.part).collect()
+}
+
+/// [`place`](crate::place) with the starts that the scene declares for the coordinates that are not given. Where these do not fit together, the given
+/// ones hold, and the declared ones are where the search for the others begins. `fixed` stay where the state has them, as do the bodies and points with
+/// a declared start that `state` has already ([`declared_parts`]), unless a given coordinate says otherwise.
+///
+/// # Errors
+/// As [`place`](crate::place).
+pub fn place_declared(
+    scene: &Scene,
+    layout: &Layout,
+    from: (&[f64], f64),
+    given: &[JointStart],
+    fixed: &[Part],
+    state: &mut [f64],
+) -> Result<(), PlacementError> {
+    let of = |formula: &Option<Formula>| {
+        let formula = formula.as_ref();
+        formula.map(|formula| constant(scene, from.0, formula))
+    };
+    let declared = scene.starts.coordinates.iter().map(|start| JointStart {
+        joint: start.joint,
+        coordinate: start.coordinate,
+        value: of(&start.value),
+        rate: of(&start.rate),
+    });
+    let mut all = given.to_vec();
+    let mut others = Vec::new();
+    for start in declared {
+        let same = |known: &&mut JointStart| {
+            (known.joint, known.coordinate) == (start.joint, start.coordinate)
+        };
+        match all.iter_mut().find(same) {
+            Some(known) => {
+                known.value = known.value.or(start.value);
+                known.rate = known.rate.or(start.rate);
+            }
+            None => others.push(start),
+        }
+    }
+    let overridden = !given.is_empty() || !fixed.is_empty();
+    let own: Vec<JointStart> = all.clone();
+    all.extend(others.iter().copied());
+    let parts = scene.starts.parts.iter().map(|start| start.part);
+    let mut stay = fixed.to_vec();
+    stay.extend(parts.filter(|part| !fixed.contains(part)));
+    let before = state.to_vec();
+    match place_near(scene, layout, from, (&all, &[]), &stay, state) {
+        Err(_) if overridden => {
+            state.copy_from_slice(&before);
+            place_near(scene, layout, from, (&own, &others), fixed, state)
+        }
+        result => result,
+    }
+}

@@ -1,0 +1,251 @@
+//! Starts that a declaration says: where a run begins without being told, in every form of a scene.
+
+use mbd_compiler::{Interpreted, read_toml, write_toml};
+use mbd_runtime::{Generic, Options, Simulation, StepError, model};
+use mbd_scene::Scene;
+use tests::assert_close;
+use tests::declared::read;
+
+model! {
+    /// A pendulum that starts tilted.
+    pub model Pendulum<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param tilt = 30 deg in -90 deg ..= 90 deg;
+        body bob {
+            mass: 2 kg,
+            inertia: diag(0.1, 0.1, 0.01) kg*m^2,
+            frame top at [0.0, 0.0, 1.0] m,
+        }
+        joint pin: hinge from world to bob.top { axis: y, start: tilt, start_rate: 0.5 rad/s }
+        output swing = pin.angle;
+        output rate = pin.angle_rate;
+    }
+}
+
+const PENDULUM: &str = "model Pendulum {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    param tilt = 30 deg in -90 deg ..= 90 deg;
+    body bob { mass: 2 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 1.0] m }
+    joint pin: hinge from world to bob.top { axis: y, start: tilt, start_rate: 0.5 rad/s }
+    output swing = pin.angle;
+    output rate = pin.angle_rate;
+}";
+
+/// The outputs at the start of a run, and how far the start moved anything [m].
+fn begun(mut simulation: Simulation<f64>) -> (Vec<f64>, f64) {
+    simulation.start().expect("a consistent start");
+    let mut outputs = vec![0.0; simulation.model().layout().columns];
+    let outputs_of = mbd_scene::Quantity::Outputs;
+    simulation
+        .evaluate(outputs_of, &mut outputs)
+        .expect("outputs");
+    let moved = simulation.start_moved().iter().map(|moved| moved.distance);
+    (outputs, moved.fold(0.0, f64::max))
+}
+
+fn begun_as_declared(scene: &Scene) -> (Vec<f64>, f64) {
+    let params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
+    let model = Generic::new(scene.clone(), &params).expect("declared params");
+    begun(Simulation::new(&model, Options::rk4(1e-3)).expect("a start"))
+}
+
+#[test]
+fn a_pendulum_asked_for_thirty_degrees_starts_at_thirty_degrees_in_every_form() {
+    let wanted = [30f64.to_radians(), 0.5];
+    let model = Pendulum::<f64>::new(PendulumParams::default()).expect("declared params");
+    let (found, moved) = begun(Simulation::new(&model, Options::rk4(1e-3)).expect("a start"));
+    assert_close(&found, &wanted, 1e-15, 0.0, "generated");
+    assert!(moved < 1e-15, "{moved}");
+    let scene = read(PENDULUM);
+    let again = read_toml(&write_toml(&scene)).scene.expect("written by us");
+    assert_eq!(scene, again);
+    for scene in [&scene, &again] {
+        assert_close(&begun_as_declared(scene).0, &wanted, 1e-15, 0.0, "read");
+    }
+    let interpreted = Interpreted::new(scene, &[wanted[0]]).expect("declared params");
+    let simulation = Simulation::new(&interpreted, Options::rk4(1e-3)).expect("a start");
+    assert_close(&begun(simulation).0, &wanted, 1e-15, 0.0, "interpreted");
+    let single = Pendulum::<f32>::new(PendulumParams::default()).expect("declared params");
+    let mut simulation = Simulation::new(&single, Options::rk4(1e-3)).expect("a start");
+    let mut found = [0f32; 2];
+    let outputs = mbd_scene::Quantity::Outputs;
+    simulation.evaluate(outputs, &mut found).expect("outputs");
+    assert_close(&found.map(f64::from), &wanted, 1e-6, 0.0, "f32");
+}
+
+#[test]
+fn a_generated_model_has_a_start_with_its_joint_coordinates() {
+    let model = Pendulum::<f64>::new(PendulumParams::default()).expect("declared params");
+    let mut simulation = Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
+    let start = PendulumStart {
+        pin_angle: Some(0.25),
+        ..PendulumStart::default()
+    };
+    assert_eq!(start.joints(), [("pin.angle", 0.25)]);
+    simulation.set_joints(&start.joints()).expect("a pendulum");
+    assert_close(&begun(simulation).0, &[0.25, 0.5], 1e-15, 0.0, "set");
+}
+
+#[test]
+fn other_params_start_elsewhere_until_a_state_is_set_or_run() {
+    let model = Pendulum::<f64>::new(PendulumParams::default()).expect("declared params");
+    let mut simulation = Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
+    simulation.set_params(&[0.25]).expect("within its range");
+    let mut found = [0.0; 2];
+    simulation
+        .evaluate(mbd_scene::Quantity::Outputs, &mut found)
+        .expect("outputs");
+    assert_close(&found, &[0.25, 0.5], 1e-15, 0.0, "a new start");
+    simulation.set_params(&[0.75]).expect("within its range");
+    simulation
+        .evaluate(mbd_scene::Quantity::Outputs, &mut found)
+        .expect("outputs");
+    assert_close(&found, &[0.25, 0.5], 1e-15, 0.0, "the same run");
+}
+
+#[test]
+fn other_params_leave_a_restored_state_where_it_is() {
+    let model = Pendulum::<f64>::new(PendulumParams::default()).expect("declared params");
+    let new = || Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
+    let mut first = new();
+    first.run(0.25).expect("a swing");
+    let mut second = new();
+    second
+        .restore(&first.snapshot())
+        .expect("of the same model");
+    second.set_params(&[0.25]).expect("within its range");
+    assert_eq!(second.state(), first.state());
+}
+
+#[test]
+fn joints_that_are_set_go_before_those_declared_and_the_others_hold() {
+    let scene = read(
+        "model Double {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            body link[i in 0..2] { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m, frame tip at [0.0, 0.0, -0.5] m }
+            joint pin: hinge from world to link[0].top { axis: y, start: 30 deg, start_rate: 2 rad/s }
+            joint elbow: universal from link[0].tip to link[1].top { axes: [x, y], angle1: { start: -0.25 rad }, angle2: { start: 0.5 rad } }
+            output pin_angle = pin.angle;
+            output pin_rate = pin.angle_rate;
+            output bend = elbow.angle1;
+            output turn = elbow.angle2;
+        }",
+    );
+    let model = Generic::<f64>::new(scene, &[]).expect("a scene");
+    let mut simulation = Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
+    simulation
+        .set_joints(&[("pin.angle", 0.125), ("elbow.angle2_rate", 1.0)])
+        .expect("joint coordinates");
+    let (found, moved) = begun(simulation);
+    assert_close(&found, &[0.125, 2.0, -0.25, 0.5], 1e-14, 0.0, "coordinates");
+    assert!(moved < 1e-14);
+}
+
+/// Crank 1 m, coupler 2 m, rocker 2 m, ground 2 m: at a crank angle of 90° the rocker stands on one of two sides.
+fn four_bar(start: &str, rocker: &str) -> Scene {
+    read(&format!(
+        "model FourBar {{
+            gravity: none;
+            world {{ frame far at [2.0, 0.0, 0.0] m }}
+            body crank {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-0.5, 0.0, 0.0] m, frame tip at [0.5, 0.0, 0.0] m }}
+            body coupler {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-1.0, 0.0, 0.0] m, frame tip at [1.0, 0.0, 0.0] m }}
+            body rocker {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame root at [-1.0, 0.0, 0.0] m, frame tip at [1.0, 0.0, 0.0] m }}
+            joint motor: hinge from world to crank.root {{ axis: z, {start} }}
+            joint knee: hinge from crank.tip to coupler.root {{ axis: z }}
+            joint hip: hinge from world.far to rocker.root {{ axis: z{rocker} }}
+            joint close: hinge from coupler.tip to rocker.tip {{ axis: z }}
+            output crank_angle = motor.angle;
+            output rocker_angle = hip.angle;
+            output gap = norm(coupler.tip.position - rocker.tip.position);
+        }}"
+    ))
+}
+
+#[test]
+fn a_four_bar_starts_from_the_angle_of_its_crank_and_the_loop_is_closed() {
+    let scene = four_bar("start: 90 deg", "");
+    let (found, moved) = begun_as_declared(&scene);
+    assert_close(&found[..1], &[90f64.to_radians()], 1e-10, 0.0, "crank");
+    assert!(found[2] < 1e-9 && moved < 1e-9, "{found:?} {moved}");
+}
+
+/// The tips meet where circles of 2 m about (0, 1) and (2, 0) cross: (1, 1/2) ± √(4 − 5/4) (1, 2)/√5.
+#[test]
+fn a_four_bar_starts_on_either_branch_from_the_angle_of_its_rocker() {
+    let reach = (4.0f64 - 1.25).sqrt() / 5f64.sqrt();
+    for side in [1.0, -1.0] {
+        let tip = [1.0 + side * reach, 0.5 + 2.0 * side * reach];
+        let rocker = (tip[1]).atan2(tip[0] - 2.0);
+        let scene = four_bar("force: 0 N*m", &format!(", start: {rocker:?} rad"));
+        let model = Generic::<f64>::new(scene, &[]).expect("a scene");
+        let mut simulation = Simulation::new(&model, Options::rk4(1e-3)).expect("a start");
+        // Both angles, as far as they fit each other: the loop closes.
+        let both = [("motor.angle", 90f64.to_radians()), ("hip.angle", rocker)];
+        simulation.set_joints(&both).expect("angles that fit");
+        let (found, moved) = begun(simulation);
+        assert_close(&found[..2], &[both[0].1, rocker], 1e-9, 0.0, "angles");
+        assert!(found[2] < 1e-9 && moved < 1e-9, "{found:?} {moved}");
+    }
+}
+
+#[test]
+fn a_coordinate_that_others_decide_is_told_by_name() {
+    let scene = four_bar("start: 90 deg", ", start: 10 deg");
+    let model = Generic::<f64>::new(scene, &[]).expect("a scene");
+    let Err(error) = Simulation::new(&model, Options::rk4(1e-3)) else {
+        panic!("angles that do not fit each other");
+    };
+    assert!(
+        matches!(&error.cause, StepError::Unplaced { name, why }
+        if name == "close" && why.contains("stays open")),
+        "{error}"
+    );
+    let mut simulation = {
+        let scene = four_bar("start: 90 deg", "");
+        let model = Generic::<f64>::new(scene, &[]).expect("a scene");
+        Simulation::new(&model, Options::rk4(1e-3)).expect("a start")
+    };
+    // The declared angle of the crank gives way to the angle that is set.
+    simulation
+        .set_joints(&[("hip.angle", 1.75)])
+        .expect("a branch");
+    let (found, _) = begun(simulation);
+    assert_close(&found[1..2], &[1.75], 1e-9, 0.0, "rocker");
+    assert!((found[0] - 90f64.to_radians()).abs() > 1e-3 && found[2] < 1e-9);
+}
+
+#[test]
+fn bodies_and_points_start_where_they_are_put_and_as_they_move() {
+    let scene = read(
+        "model Thrown {
+            gravity: none;
+            param high = 10 m;
+            body capsule {
+                mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2,
+                start at [1.0 m, 0.0, high] rotated rpy(0.0, 0.0, 90 deg) velocity [1.0, 2.0, 3.0] m/s angular_velocity [0.0, 0.1, 0.2] rad/s,
+            }
+            point stone { mass: 1 kg, start at [4.0, 5.0, 6.0] m velocity [7.0, 8.0, 9.0] m/s }
+            joint fly: free from world to capsule.com;
+            output place = capsule.position;
+            output heading = capsule.x;
+            output speed = capsule.velocity;
+            output spin = capsule.omega_body;
+            output stone_place = stone.position;
+            output stone_speed = stone.velocity;
+        }",
+    );
+    let (found, moved) = begun_as_declared(&scene);
+    let wanted = [
+        1.0, 0.0, 10.0, 0.0, 1.0, 0.0, 1.0, 2.0, 3.0, 0.0, 0.1, 0.2, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0,
+    ];
+    assert_close(&found, &wanted, 1e-15, 1e-15, "outputs");
+    assert_eq!(moved, 0.0);
+}
+
+#[test]
+fn a_planar_scene_starts_at_its_angle() {
+    let planar = PENDULUM.replace("gravity:", "planar: xz; gravity:");
+    let (found, moved) = begun_as_declared(&read(&planar));
+    assert_close(&found, &[30f64.to_radians(), 0.5], 1e-15, 0.0, "planar");
+    assert!(moved < 1e-15);
+}
