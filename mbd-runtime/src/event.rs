@@ -7,7 +7,7 @@
 //! the end of a step only (a margin can leave and return inside it).
 
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{Direction, Float, Model};
+use mbd_scene::{Direction, Float, Layout, Model, Place, Scene};
 
 use crate::moving::moving;
 use crate::unilateral::{Mode, is_node_line, switches};
@@ -34,11 +34,13 @@ pub struct Occurrence {
 /// What is looked at inside a step.
 #[derive(Clone, Copy, Debug)]
 enum Watched {
-    /// A unilateral element; 1/K [m/N, for an angle 1/(N m)], and whether it ends at a `rate` node.
+    /// A unilateral element; 1/K [m/N, for an angle 1/(N m)], whether it ends at a `rate` node, and how far its margin must be passed at least to
+    /// count [m or rad].
     Element {
         element: usize,
         softness: f64,
         at_node: bool,
+        floor: f64,
     },
     /// A declared event: its index and its place in the guards.
     Declared {
@@ -54,10 +56,8 @@ pub(crate) struct Margins {
     watched: Vec<Watched>,
     /// Whether each declared event's guard is positive now.
     pub sides: Vec<bool>,
-    /// How far a line's margin must be passed to count, in this step [m].
-    pub tolerance: f64,
-    /// The smallest tolerance [m].
-    floor: f64,
+    /// How far a line's margin must be passed to count in this step, whatever its own tolerance [m].
+    resolved: f64,
     /// The longest C/K of a watched line [s].
     delay: f64,
     /// Where the state holds places and velocities along which elements stretch.
@@ -75,17 +75,59 @@ fn longest_delay<T: Float>(lines: &[LineNumbers<T>]) -> f64 {
     delays.fold(0.0, f64::max)
 }
 
+/// Between what an element acts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Acting {
+    /// Its places.
+    pub ends: [Place; 2],
+    /// Whether along a rotation.
+    pub angle: bool,
+    /// Whether it ends at an equilibrium point.
+    pub at_node: bool,
+    /// C/K [s].
+    pub delay: f64,
+}
+
+impl Acting {
+    fn new(scene: &Scene, layout: &Layout, element: usize, (at_node, delay): (bool, f64)) -> Self {
+        let stop = |element: usize| {
+            let stop = layout.stops.get(element.checked_sub(layout.lines.len())?)?;
+            let (joint, coordinate) = scene.coordinate(stop.joint, stop.coordinate)?;
+            Some(([joint.parent, joint.child], coordinate.is_angle()))
+        };
+        let line = scene.lines.get(element);
+        let line = line.map(|line| ([line.from, line.to], false));
+        let (ends, angle) = line
+            .or_else(|| stop(element))
+            .unwrap_or(([Place::World(0); 2], false));
+        Acting {
+            ends,
+            angle,
+            at_node,
+            delay,
+        }
+    }
+}
+
 impl Margins {
-    /// The margins of a model; none when nothing is to be located.
-    pub(crate) fn new<T: Float>(model: &dyn Model<T>, locate: bool, tolerance: f64) -> Self {
+    /// The margins of a model; none when nothing is to be located. `tolerance` says how far the margin of an element must be passed to count
+    /// [m or rad].
+    pub(crate) fn new<T: Float>(
+        model: &dyn Model<T>,
+        locate: bool,
+        tolerance: impl Fn(&Acting) -> f64,
+    ) -> Self {
         let (scene, layout) = (model.scene(), model.layout());
         let mut watched = Vec::new();
         for (element, numbers) in model.lines().iter().enumerate() {
             if locate && switches(model, element) {
+                let at_node = is_node_line(layout, element);
+                let delay = (numbers.damping / numbers.stiffness).to_f64();
                 watched.push(Watched::Element {
                     element,
                     softness: 1.0 / numbers.stiffness.to_f64(),
-                    at_node: is_node_line(layout, element),
+                    at_node,
+                    floor: tolerance(&Acting::new(scene, layout, element, (at_node, delay))),
                 });
             }
         }
@@ -117,8 +159,7 @@ impl Margins {
         Margins {
             watched,
             sides: vec![false; scene.events.len()],
-            tolerance,
-            floor: tolerance,
+            resolved: 0.0,
             delay: longest_delay(model.lines()),
             places,
             speeds,
@@ -152,8 +193,24 @@ impl Margins {
                 .map(|x| x.to_f64().abs());
             sizes.fold(0.0, f64::max)
         };
-        let resolved = largest(&self.places) + self.delay * largest(&self.speeds);
-        self.tolerance = self.floor.max(resolved);
+        self.resolved = largest(&self.places) + self.delay * largest(&self.speeds);
+    }
+
+    /// How far a margin must be passed to count, in this step [m or rad].
+    fn tolerance(&self, index: usize) -> f64 {
+        match self.watched.get(index) {
+            Some(Watched::Element { floor, .. }) => floor.max(self.resolved),
+            _ => 0.0,
+        }
+    }
+
+    /// The smallest of them among elements [m or rad].
+    pub(crate) fn finest(&self) -> f64 {
+        let floors = self.watched.iter().filter_map(|watched| match watched {
+            Watched::Element { floor, .. } => Some(floor.max(self.resolved)),
+            Watched::Declared { .. } => None,
+        });
+        floors.fold(f64::INFINITY, f64::min)
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -177,6 +234,7 @@ impl Margins {
                     element,
                     softness,
                     at_node,
+                    ..
                 } => {
                     let mode = modes.get(element).copied().unwrap_or(Mode::Slack);
                     let pull = guard(2 * element + 1) * softness;
@@ -192,11 +250,7 @@ impl Margins {
 
     /// Whether a watched margin is passed: by more than the tolerance for a line, at all for a declared event.
     pub(crate) fn passed(&self, index: usize, margin: f64) -> bool {
-        match self.watched.get(index) {
-            Some(Watched::Element { .. }) => margin < -self.tolerance,
-            Some(Watched::Declared { .. }) => margin < 0.0,
-            None => false,
-        }
+        index < self.watched.len() && margin < -self.tolerance(index)
     }
 
     /// The smallest margin among those in `chosen`.
@@ -221,7 +275,9 @@ impl Margins {
             } => {
                 let stretch = guards.get(2 * element)?.to_f64();
                 let pull = guards.get(2 * element + 1)?.to_f64() * softness;
-                let next = modes.get(element)?.next(stretch, pull, self.tolerance);
+                let next = modes
+                    .get(element)?
+                    .next(stretch, pull, self.tolerance(index));
                 Some(Happening::Switch(element, next))
             }
         }

@@ -39,6 +39,7 @@ mod parts;
 mod projection;
 mod simulation;
 mod slopes;
+mod stiffness;
 mod system;
 mod trajectory;
 mod unilateral;

@@ -234,7 +234,7 @@ impl<T: Float> Simulation<T> {
             (4.0 * f64::EPSILON * (self.time.abs() + step)).max(T::EPSILON.to_f64() * step);
         let resolved = POINT.max(rounding);
         let negligible = if self.only_elements() {
-            (1e-3 * self.margins.tolerance).min(1e-12)
+            (1e-3 * self.margins.finest()).min(1e-12)
         } else {
             0.0
         };
@@ -349,7 +349,7 @@ impl<T: Float> Simulation<T> {
                 continue;
             };
             // A margin that only hovers at zero in rounding is not falling.
-            let falls = now - then > 1e-3 * self.margins.tolerance.min(1e-10);
+            let falls = now - then > 1e-3 * self.margins.finest().min(1e-10);
             *chosen |= self.margins.is_element(index) && *then < 0.0 && falls;
         }
         self.inside.copy_from_slice(&self.state);

@@ -7,11 +7,11 @@
 //! without M (a turning body with a long lever shows the lever). Stages that agree to 1e-3 of k₁ say nothing: on a smooth motion k₂ − k₁ can vanish
 //! in the slow directions and leave any ratio, while an unstable run soon has differences as large as the rates themselves.
 
-use mbd_scene::laws::Numbers;
-use mbd_scene::{Float, Model, Part, Place, StopSlots};
+use mbd_scene::{Float, Model, Part};
 use serde::{Deserialize, Serialize};
 
 use crate::moving::{Moving, moving};
+use crate::stiffness::Stiffness;
 
 /// What hρ may not exceed often.
 const LIMIT: f64 = 2.5;
@@ -43,37 +43,22 @@ pub(crate) fn suggestion(step: f64, stiffness: f64) -> f64 {
 
 /// The weights of the norm above, one a coordinate of the state, from the mass matrix (dense, row by row).
 pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Vec<T> {
-    let (scene, layout) = (model.scene(), model.layout());
+    let layout = model.layout();
     let mass = |v: usize| mass_matrix.get(v * (layout.nv + 1)).copied().unwrap_or(0.0);
     // Its inertia, the mean of its moments; in a plane there is one.
     let inertia_of = |part: &Moving| {
         let own = part.speeds().skip(part.velocity.len());
         own.map(mass).sum::<f64>() / part.spin.len() as f64
     };
-    let coordinates = coordinates(model);
+    let stiffness = Stiffness::new(model);
     let mut frequency: f64 = 1.0;
     let mut lightest = f64::INFINITY;
     for owner in moving(layout) {
-        let lines = scene.lines.iter().zip(model.lines());
-        let attached = lines.filter(|(line, _)| owner.holds(line.from) || owner.holds(line.to));
-        let stiffness: f64 = attached
-            .map(|(line, numbers)| {
-                let slope = numbers.stiffness.to_f64();
-                line.kind.stiffest(&scene.tables, slope)
-            })
-            .sum();
         let (mass, inertia) = (mass(owner.speed), inertia_of(&owner));
-        let [pushing, turning] = coordinates.iter().fold([0.0; 2], |sum, acting| {
-            match (
-                acting.ends.iter().any(|end| owner.holds(*end)),
-                acting.angle,
-            ) {
-                (false, _) => sum,
-                (true, false) => [sum[0] + acting.stiffness, sum[1]],
-                (true, true) => [sum[0], sum[1] + acting.stiffness],
-            }
-        });
-        let rates = [(stiffness + pushing) / mass, turning / inertia];
+        let rates = [
+            stiffness.moving(&owner, false) / mass,
+            stiffness.turning(&owner, false) / inertia,
+        ];
         let fastest = rates.into_iter().filter(|rate| rate.is_finite());
         frequency = fastest.fold(frequency, f64::max);
         lightest = lightest.min(mass);
@@ -100,42 +85,4 @@ pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Ve
     let massless = if lightest.is_finite() { lightest } else { 1.0 };
     (0..layout.nz).for_each(|z| set(layout.nq + layout.nv + z, frequency * massless));
     weights
-}
-
-/// A joint coordinate with a spring or stops.
-struct Coordinate {
-    ends: [Place; 2],
-    angle: bool,
-    /// Of the spring and of one stop: only one is touched at a time [N/m or N m].
-    stiffness: f64,
-}
-
-fn coordinates<T: Float>(model: &dyn Model<T>) -> Vec<Coordinate> {
-    let (scene, lines) = (model.scene(), model.layout().lines.len());
-    let numbers = Numbers::new(scene, model.params());
-    let mut found = Vec::new();
-    for (index, (joint, entries)) in scene.joints.iter().zip(&numbers.forces).enumerate() {
-        for (forces, numbers) in joint.forces.iter().zip(entries) {
-            let Some((_, coordinate)) = scene.coordinate(index, forces.coordinate) else {
-                continue;
-            };
-            let stops = model
-                .layout()
-                .stops
-                .iter()
-                .zip(model.lines().iter().skip(lines));
-            let own =
-                |slots: &StopSlots| slots.joint == index && slots.coordinate == forces.coordinate;
-            let stop = stops
-                .filter(|(slots, _)| own(slots))
-                .map(|(_, numbers)| numbers.stiffness.to_f64())
-                .fold(0.0, f64::max);
-            found.push(Coordinate {
-                ends: [joint.parent, joint.child],
-                angle: coordinate.is_angle(),
-                stiffness: numbers.stiffness.map_or(0.0, |k| k.to_f64()) + stop,
-            });
-        }
-    }
-    found
 }

@@ -613,3 +613,46 @@ fn results_do_not_depend_on_where_the_origin_is() {
         "{steps_here:?} {steps_there:?}"
     );
 }
+
+/// The bob of a cord that goes taut at 1 m, dropped from 0.9 m below its end, until `until`: tensions of all steps, and the energy lost [J].
+fn dropped(stiffness: f64, damping: f64, rtol: f64, until: f64) -> (Vec<f64>, f64) {
+    let model = generic(bouncing(stiffness, damping));
+    let mut simulation = Simulation::new(&model, Options::tsit5(rtol)).unwrap();
+    let start = [0.0, 0.0, -0.9, 0.0, 0.0, 0.0];
+    simulation.set_state(0.0, &start).unwrap();
+    let mut trajectory = Trajectory::new(&model, Sampling::Steps, Content::ALL);
+    simulation
+        .record(until, &mut trajectory)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let energy = trajectory.column("energy.total").unwrap();
+    let lost = energy.first().unwrap() - energy.last().unwrap();
+    (trajectory.column("cord.tension").unwrap().to_vec(), lost)
+}
+
+#[test]
+fn stiff_lines_neither_push_nor_make_energy_at_loose_tolerances() {
+    // Between impacts the bob falls freely; an impact on K costs what the damping ratio ζ = C/(2 √(K m)) says, nothing without C.
+    for (stiffness, damping, rtol, until) in [
+        (1e9, 0.0, 1e-3, 2.0),
+        (1e9, 1e3, 1e-3, 2.0),
+        (1e11, 1e3, 1e-6, 0.5),
+        (1e5, 1e2, 1e-3, 5.0),
+        (1e6, 0.0, 1e-3, 2.0),
+    ] {
+        let (tensions, lost) = dropped(stiffness, damping, rtol, until);
+        let least = tensions.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(least >= 0.0, "K {stiffness:e}: {least:e} N");
+        // The fall of 0.1 m brings 0.98 J.
+        let largest = tensions.iter().copied().fold(0.0, f64::max);
+        let hardest = (2.0 * 9.81 * 0.1 * stiffness).sqrt() + 2.0 * 9.81;
+        assert!(largest < 1.01 * hardest, "K {stiffness:e}: {largest:e} N");
+        let (_, tight) = dropped(stiffness, damping, 1e-3 * rtol, until);
+        assert!(
+            (lost - tight).abs() < 3e-3,
+            "K {stiffness:e}: {lost} J, {tight} J"
+        );
+        if damping == 0.0 {
+            assert!(lost.abs() < 3e-3, "K {stiffness:e}: {lost} J");
+        }
+    }
+}

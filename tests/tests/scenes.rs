@@ -87,7 +87,8 @@ fn the_heavy_top_precesses_at_the_rate_of_the_closed_form() {
     let scene = (ready("heavy_top").scene)();
     let of_reference = &load("closed_form/closed_heavy_top_steady.json")["time_history"]["slow"];
     let rate = scene.consts.iter().find(|known| known.name == "PRECESSION");
-    let rate = rate.expect("a const").value;
+    let rate = rate.expect("a const").value.scalar();
+    let rate = rate.expect("one number");
     assert_close(
         &[rate],
         &numbers(&of_reference["precession_rate"]),
@@ -138,7 +139,7 @@ fn the_four_bar_turns_round_and_its_coupler_keeps_its_length() {
     let scene = (ready("four_bar").scene)();
     let length = |name: &str| {
         let known = scene.consts.iter().find(|known| known.name == name);
-        known.expect("a const").value
+        known.expect("a const").value.scalar().expect("one number")
     };
     let (crank, rocker) = (length("CRANK"), length("ROCKER"));
     let angles = |name: &str| {

@@ -50,6 +50,7 @@ fn write(scene: &Scene, formula: &Formula, level: u8) -> String {
         Formula::Param(index) => named(scene.params.get(*index).map(|p| &p.name)),
         Formula::Input(index) => named(scene.inputs.get(*index).map(|i| &i.name)),
         Formula::State(index) => named(scene.states.get(*index).map(|s| &s.name)),
+        Formula::Let(index) => named(scene.lets.get(*index).map(|l| &l.name)),
         Formula::Time => "time".to_owned(),
         Formula::Position(at) => format!("{}.position", place(scene, *at)),
         Formula::Velocity(at) => format!("{}.velocity", place(scene, *at)),
@@ -222,6 +223,9 @@ pub fn rewrite(scene: &mut Scene, change: &mut impl FnMut(&mut Formula)) {
             each(center, change);
             each(axis, change);
         }
+    }
+    for named in &mut scene.lets {
+        one(&mut named.value, change);
     }
     let frames = scene.bodies.iter_mut().flat_map(|body| &mut body.frames);
     for frame in frames.chain(&mut scene.world_frames) {

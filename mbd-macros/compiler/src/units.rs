@@ -1,6 +1,6 @@
 //! Units and dimensions: what a suffix such as `kN/m` means in SI.
 //!
-//! Exponents of mass, length and time are doubled so that √ stays whole. An angle has no dimension; `deg` is π/180.
+//! Exponents of mass, length, time and current are doubled so that √ stays whole. An angle has no dimension; `deg` is π/180.
 
 use mbd_scene::{Dimension, Unit};
 
@@ -10,6 +10,15 @@ pub const fn dimension(mass: i8, length: i8, time: i8) -> Dimension {
         mass: 2 * mass,
         length: 2 * length,
         time: 2 * time,
+        current: 0,
+    }
+}
+
+/// A dimension with an (not doubled) exponent of current.
+const fn electric(of: Dimension, current: i8) -> Dimension {
+    Dimension {
+        current: 2 * current,
+        ..of
     }
 }
 
@@ -46,6 +55,12 @@ const AREA: Dimension = dimension(0, 2, 0);
 const VOLUME: Dimension = dimension(0, 3, 0);
 /// 1/s²
 pub const ANGULAR_ACCELERATION: Dimension = dimension(0, 0, -2);
+const CURRENT: Dimension = electric(NONE, 1);
+const CHARGE: Dimension = electric(TIME, 1);
+const VOLTAGE: Dimension = electric(POWER, -1);
+const RESISTANCE: Dimension = electric(POWER, -2);
+const INDUCTANCE: Dimension = electric(TORQUE, -2);
+const CAPACITANCE: Dimension = electric(dimension(-1, -2, 4), 2);
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const POUND: f64 = 0.453_592_37;
@@ -83,6 +98,17 @@ const UNITS: &[(&str, f64, Dimension)] = &[
     ("MPa", 1e6, PRESSURE),
     ("bar", 1e5, PRESSURE),
     ("l", 1e-3, VOLUME),
+    ("A", 1.0, CURRENT),
+    ("mA", 1e-3, CURRENT),
+    ("V", 1.0, VOLTAGE),
+    ("mV", 1e-3, VOLTAGE),
+    ("kV", 1e3, VOLTAGE),
+    ("ohm", 1.0, RESISTANCE),
+    ("kohm", 1e3, RESISTANCE),
+    ("H", 1.0, INDUCTANCE),
+    ("mH", 1e-3, INDUCTANCE),
+    ("F", 1.0, CAPACITANCE),
+    ("uF", 1e-6, CAPACITANCE),
 ];
 
 /// Names people write for them.
@@ -124,6 +150,15 @@ const FOREIGN: &[(&str, &str)] = &[
     ("litre", "l"),
     ("ms2", "m/s^2"),
     ("mps", "m/s"),
+    ("ampere", "A"),
+    ("amperes", "A"),
+    ("amp", "A"),
+    ("amps", "A"),
+    ("volt", "V"),
+    ("volts", "V"),
+    ("ohms", "ohm"),
+    ("henry", "H"),
+    ("farad", "F"),
 ];
 
 /// Named dimensions: the word of an input, and its SI unit.
@@ -148,6 +183,12 @@ const QUANTITIES: &[(&str, &str, Dimension)] = &[
     ("density", "kg/m^3", DENSITY),
     ("area", "m^2", AREA),
     ("volume", "m^3", VOLUME),
+    ("current", "A", CURRENT),
+    ("charge", "A*s", CHARGE),
+    ("voltage", "V", VOLTAGE),
+    ("resistance", "ohm", RESISTANCE),
+    ("inductance", "H", INDUCTANCE),
+    ("capacitance", "F", CAPACITANCE),
 ];
 
 /// The words of all units.
@@ -237,6 +278,7 @@ pub fn si_text(dimension: Dimension) -> String {
         ("kg", dimension.mass),
         ("m", dimension.length),
         ("s", dimension.time),
+        ("A", dimension.current),
     ];
     let factor = |(word, doubled): &(&str, i8)| match doubled.abs() {
         2 => (*word).to_string(),
@@ -291,6 +333,7 @@ fn combine(a: Dimension, b: Dimension, with: impl Fn(i8, i8) -> Option<i8>) -> O
         mass: with(a.mass, b.mass)?,
         length: with(a.length, b.length)?,
         time: with(a.time, b.time)?,
+        current: with(a.current, b.current)?,
     })
 }
 
@@ -301,6 +344,7 @@ pub fn power(a: Dimension, n: i32) -> Option<Dimension> {
         mass: raise(a.mass)?,
         length: raise(a.length)?,
         time: raise(a.time)?,
+        current: raise(a.current)?,
     })
 }
 
@@ -311,6 +355,7 @@ pub fn root(a: Dimension) -> Option<Dimension> {
         mass: halve(a.mass)?,
         length: halve(a.length)?,
         time: halve(a.time)?,
+        current: halve(a.current)?,
     })
 }
 

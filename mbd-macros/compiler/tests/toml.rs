@@ -201,14 +201,14 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
             "* (link.tip.velocity",
             "* (link.tip.velocty",
             &[
-                "scene.toml:43:13: `link.tip` has no quantity `velocty`; did you mean `velocity`? known: position, velocity, x, y, z",
+                "scene.toml:43:13: `link.tip` has no quantity `velocty`; did you mean `velocity`? known: position, velocity, acceleration, x, y, z",
             ],
         ),
         (
             "[body.link]",
             "[bdy.link]",
             &[
-                "scene.toml:21:2: unknown item `bdy`; did you mean `body`? items here: coordinates, angular_velocity, planar, units, gravity, emit, verify, const, param, input, state, table, world, body, point, joint, line, spring, load, output, event",
+                "scene.toml:21:2: unknown item `bdy`; did you mean `body`? items here: coordinates, angular_velocity, planar, units, gravity, emit, verify, const, param, input, state, table, let, world, body, point, joint, line, spring, load, output, event",
             ],
         ),
         (

@@ -51,11 +51,11 @@ pub use scalar::{
 };
 pub use scene::{
     Body, Clamp, Constant, Coordinates, Difference, Direction, Event, Frame, Gravity, Inertia,
-    Input, Joint, Line, Load, LoadKind, NodeModel, Output, Parameter, Point, PointKind, Scene,
+    Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter, Point, PointKind, Scene,
     State, Triple,
 };
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
-    Field, Fields, Formula, FrameMotion, Function, Measure, Part, Place, Plane, Pose, Quantity,
-    Relative, RowSet, Rule, Table, Twist, Unit, Variable,
+    Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane, Pose,
+    Quantity, Relative, RowSet, Rule, Table, Twist, Unit, Variable,
 };

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::joints::{JointForces, JointLaw, Side};
 use crate::lines::LineKind;
-use crate::{AngularVelocity, Coordinate, Directions, Formula, Place, Plane, Table, Unit};
+use crate::{AngularVelocity, Coordinate, Directions, Fixed, Formula, Place, Plane, Table, Unit};
 
 /// Three scalar formulas: a vector known in components.
 pub type Triple = [Formula; 3];
@@ -36,6 +36,9 @@ pub struct Scene {
     /// First-order states of controllers, actuators, filters and the like, in declaration order.
     #[serde(default)]
     pub states: Vec<State>,
+    /// Named expressions, in declaration order. One may name others in any order, but not itself through them.
+    #[serde(default)]
+    pub lets: Vec<Let>,
     /// Frames of the world, fixed or moving as a function of time. Index 0 is the world itself: origin, axes, name `world`.
     pub world_frames: Vec<Frame>,
     /// Rigid bodies.
@@ -117,9 +120,45 @@ impl Scene {
             Formula::Const(index) => self
                 .consts
                 .get(*index)
-                .is_some_and(|constant| constant.value == 0.0),
+                .is_some_and(|constant| constant.value == Fixed::Scalar(0.0)),
             _ => false,
         }
+    }
+
+    /// Calls `visit` on a formula, on everything in it, and on everything in each `let` it names, once.
+    pub fn walk(&self, formula: &Formula, visit: &mut impl FnMut(&Formula)) {
+        let mut named = Vec::new();
+        formula.walk(&mut |part| {
+            visit(part);
+            named.extend(let_of(part));
+        });
+        let mut next = 0;
+        while let Some(&index) = named.get(next) {
+            next += 1;
+            let first = !named[..next - 1].contains(&index);
+            if let (true, Some(declared)) = (first, self.lets.get(index)) {
+                declared.value.walk(&mut |part| {
+                    visit(part);
+                    named.extend(let_of(part));
+                });
+            }
+        }
+    }
+
+    /// Whether anything in a formula or in a `let` it names satisfies `test`.
+    #[must_use]
+    pub fn contains(&self, formula: &Formula, test: impl Fn(&Formula) -> bool) -> bool {
+        let mut found = false;
+        self.walk(formula, &mut |part| found |= test(part));
+        found
+    }
+}
+
+/// The `let` that a formula is.
+fn let_of(formula: &Formula) -> Option<usize> {
+    match formula {
+        Formula::Let(index) => Some(*index),
+        _ => None,
     }
 }
 
@@ -168,7 +207,7 @@ pub enum Gravity {
     Field,
 }
 
-/// A number that folds into the code.
+/// A number or a vector that folds into the code.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Constant {
     /// Name.
@@ -176,8 +215,23 @@ pub struct Constant {
     /// Documentation.
     pub doc: String,
     /// Value [SI].
-    pub value: f64,
+    pub value: Fixed,
     /// Unit as declared.
+    pub unit: Unit,
+}
+
+/// A named expression: what it says is said once, wherever its name stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Let {
+    /// Name; repeated ones are `pull[0]`, `pull[1]`, ….
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// What it stands for.
+    pub value: Formula,
+    /// 1 or 3 components.
+    pub components: usize,
+    /// SI unit.
     pub unit: Unit,
 }
 
@@ -238,10 +292,10 @@ pub struct Frame {
 impl Frame {
     /// Whether it depends on time.
     #[must_use]
-    pub fn moves(&self) -> bool {
+    pub fn moves(&self, scene: &Scene) -> bool {
         let rows = self.rotation.iter().flatten().flatten();
         let mut all = self.position.iter().chain(rows);
-        all.any(|formula| formula.contains(|part| *part == Formula::Time))
+        all.any(|formula| scene.contains(formula, |part| *part == Formula::Time))
     }
 }
 

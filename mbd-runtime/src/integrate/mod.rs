@@ -3,6 +3,7 @@
 mod control;
 mod explicit;
 mod norm;
+mod resolution;
 mod rk4;
 mod tableau;
 mod tsit5;
@@ -13,6 +14,7 @@ pub(crate) use control::{Control, Verdict};
 pub(crate) use explicit::Explicit;
 pub(crate) use norm::ErrorNorm;
 pub use norm::Scales;
+pub(crate) use resolution::Resolution;
 pub(crate) use rk4::RK4;
 pub(crate) use tsit5::TSIT5;
 

@@ -9,7 +9,7 @@ use mbd_scene::{Float, Layout, Model, Part, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{body_name, node_name};
-use crate::moving::moving;
+use crate::moving::{Moving, moving};
 
 /// What counts as one unit of error before the relative tolerance is applied.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,7 +30,7 @@ pub struct Scales {
 }
 
 impl Default for Scales {
-    /// One metre, one radian, one metre a second, one radian a second, one joule, one SI unit.
+    /// One metre, one radian, one metre a second, one radian a second, one joule.
     fn default() -> Self {
         Scales {
             length: 1.0,
@@ -89,33 +89,38 @@ struct Block {
     at: Range<usize>,
     /// Whose they are.
     owner: Option<Part>,
+    /// What counts as one unit of error.
+    scale: f64,
 }
 
 /// The norm of one scene.
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorNorm {
     blocks: Vec<Block>,
-    scales: Scales,
-    /// Where the declared states start [SI].
-    starts: Vec<f64>,
     /// Relative tolerance.
     pub tolerance: f64,
     worst: usize,
 }
 
 impl ErrorNorm {
-    /// The norm of states of `length`: those of the layout, with integrals behind. `starts`: where the declared states start.
+    /// The norm of states of `length`: those of the layout, with integrals behind. `resolution` has the length [m] and the angle [rad] of a body or
+    /// point; `starts` are where the declared states start.
     pub(crate) fn new(
         layout: &Layout,
         length: usize,
-        starts: Vec<f64>,
-        scales: Scales,
-        tolerance: f64,
+        (scales, tolerance): (Scales, f64),
+        starts: impl Iterator<Item = f64>,
+        resolution: impl Fn(&Moving) -> [f64; 2],
     ) -> Self {
         let mut blocks = Vec::new();
-        let mut block = |kind, at: Range<usize>, owner| {
+        let mut block = |kind, at: Range<usize>, owner, scale| {
             if !at.is_empty() {
-                blocks.push(Block { kind, at, owner });
+                blocks.push(Block {
+                    kind,
+                    at,
+                    owner,
+                    scale,
+                });
             }
         };
         let attitude = match layout.directions.plane {
@@ -124,25 +129,26 @@ impl ErrorNorm {
         };
         for part in moving(layout) {
             let owner = Some(part.part);
-            block(Kind::Position, part.position, owner);
-            block(attitude, part.attitude, owner);
-            block(Kind::Velocity, part.velocity, owner);
-            block(Kind::AngularVelocity, part.spin, owner);
+            let [length, angle] = resolution(&part);
+            block(Kind::Position, part.position, owner, length);
+            block(attitude, part.attitude, owner, angle);
+            block(Kind::Velocity, part.velocity, owner, scales.speed);
+            block(Kind::AngularVelocity, part.spin, owner, scales.rate);
         }
         for node in &layout.nodes {
             if let Some(z) = node.z.map(|z| layout.nq + layout.nv + z) {
-                block(Kind::Position, z..z + 3, Some(Part::Point(node.point)));
+                let owner = Some(Part::Point(node.point));
+                block(Kind::Position, z..z + 3, owner, scales.length);
             }
         }
-        (0..layout.ns).for_each(|state| {
-            let at = layout.states() + state;
-            block(Kind::State(state), at..at + 1, None);
-        });
-        (layout.nx()..length).for_each(|at| block(Kind::Work, at..at + 1, None));
+        for (state, start) in starts.enumerate() {
+            let (at, start) = (layout.states() + state, start.abs());
+            let scale = if start > 0.0 { start } else { scales.state };
+            block(Kind::State(state), at..at + 1, None, scale);
+        }
+        (layout.nx()..length).for_each(|at| block(Kind::Work, at..at + 1, None, scales.energy));
         ErrorNorm {
             blocks,
-            scales,
-            starts,
             tolerance,
             worst: 0,
         }
@@ -152,8 +158,7 @@ impl ErrorNorm {
     pub(crate) fn measure<T: Float>(&mut self, error: &[T], old: &[T], new: &[T]) -> f64 {
         let mut largest = 0.0;
         for (index, block) in self.blocks.iter().enumerate() {
-            let size =
-                block.measure((&self.scales, &self.starts), error, old, new) / self.tolerance;
+            let size = block.measure(error, old, new) / self.tolerance;
             // A NaN must win over every number.
             if size > largest || size.is_nan() {
                 largest = size;
@@ -192,42 +197,26 @@ impl ErrorNorm {
 }
 
 impl Block {
-    fn measure<T: Float>(
-        &self,
-        (scales, starts): (&Scales, &[f64]),
-        error: &[T],
-        old: &[T],
-        new: &[T],
-    ) -> f64 {
+    fn measure<T: Float>(&self, error: &[T], old: &[T], new: &[T]) -> f64 {
         match self.kind {
-            Kind::Position => self.mean(error) / scales.length,
+            Kind::Position | Kind::Angle => self.mean(error) / self.scale,
             Kind::Rotation => {
                 let [old, error] = [old, error].map(|list| pick(list, self.at.start));
-                tangent(old, error) / scales.angle
+                tangent(old, error) / self.scale
             }
-            Kind::Angle => self.mean(error) / scales.angle,
-            Kind::Velocity => self.speed(scales.speed, error, old, new),
-            Kind::AngularVelocity => self.speed(scales.rate, error, old, new),
-            Kind::State(state) => {
-                let start = starts.get(state).map_or(0.0, |start| start.abs());
-                let scale = if start > 0.0 { start } else { scales.state };
-                self.against(scale, error, old, new)
+            Kind::Velocity | Kind::AngularVelocity => self.speed(error, old, new),
+            Kind::State(_) | Kind::Work => {
+                let [error, old, new] =
+                    [error, old, new].map(|list| pick::<T, 1>(list, self.at.start)[0].abs());
+                error / (self.scale + old.max(new))
             }
-            Kind::Work => self.against(scales.energy, error, old, new),
         }
     }
 
-    /// The error of one number against a scale and its own size.
-    fn against<T: Float>(&self, scale: f64, error: &[T], old: &[T], new: &[T]) -> f64 {
-        let [error, old, new] =
-            [error, old, new].map(|list| pick::<T, 1>(list, self.at.start)[0].abs());
-        error / (scale + old.max(new))
-    }
-
-    fn speed<T: Float>(&self, scale: f64, error: &[T], old: &[T], new: &[T]) -> f64 {
+    fn speed<T: Float>(&self, error: &[T], old: &[T], new: &[T]) -> f64 {
         // One size for all components: the norm must not depend on the axes.
         let size = |list: &[T]| self.square(list).sqrt();
-        self.mean(error) / (scale + size(old).max(size(new)))
+        self.mean(error) / (self.scale + size(old).max(size(new)))
     }
 
     /// Sum of the squares of its components.
@@ -276,7 +265,13 @@ mod tests {
             bodies: vec![Slots { q: 0, v: 0 }],
             ..Layout::default()
         };
-        ErrorNorm::new(&layout, 13, Vec::new(), Scales::default(), 1e-6)
+        ErrorNorm::new(
+            &layout,
+            13,
+            (Scales::default(), 1e-6),
+            [].into_iter(),
+            |_| [1.0; 2],
+        )
     }
 
     const STATE: [f64; 13] = [

@@ -11,7 +11,7 @@ use crate::chatter::Chatter;
 use crate::columns::{input_name, node_name, state_names};
 use crate::error::{RunError, StepError};
 use crate::event::Margins;
-use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Scales, TSIT5};
+use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Resolution, Scales, TSIT5};
 use crate::options::{Method, Options};
 use crate::system::{External, System, WORKS};
 use crate::watch::Watch;
@@ -34,6 +34,7 @@ impl<T: Float> Simulation<T> {
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
         system.projection.length = scales.length;
+        let resolution = Resolution::new(&*model, scales);
         let fixed = matches!(options.method, Method::Rk4 { .. });
         let length = system.length();
         let starts = starts(model.scene(), model.params());
@@ -42,17 +43,21 @@ impl<T: Float> Simulation<T> {
             Method::Tsit5 { rtol, max_step } => {
                 let method = Explicit::new(&TSIT5, length);
                 let control = Control::new(0.0, max_step, method.exponent);
-                let wide = starts.iter().map(|start| start.to_f64()).collect();
-                let norm = ErrorNorm::new(model.layout(), length, wide, scales, rtol);
+                let wide = starts.iter().map(|start| start.to_f64());
+                let norm = ErrorNorm::new(model.layout(), length, (scales, rtol), wide, |part| {
+                    resolution.of(part)
+                });
                 (method, Pace::Adaptive(control, norm), rtol)
             }
         };
-        let tolerance = options.guard_tolerance.unwrap_or(tolerance * scales.length);
-        let margins = Margins::new(
-            &*model,
-            options.locate,
-            tolerance.max(16.0 * T::EPSILON.to_f64() * scales.length),
-        );
+        let finest = 16.0 * T::EPSILON.to_f64() * scales.length;
+        let margins = Margins::new(&*model, options.locate, |acting| {
+            let by_itself = || tolerance * resolution.between(acting);
+            options
+                .guard_tolerance
+                .unwrap_or_else(by_itself)
+                .max(finest)
+        });
         let layout = model.layout();
         let room = [
             Quantity::Guards,

@@ -5,8 +5,7 @@ use std::fmt;
 use mbd_compiler::{nearest, read_number};
 use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
-    Frame, InputSource, JointForces, JointStart, Line, NodeModel, Part, PlacementError, Scene,
-    place,
+    InputSource, JointForces, JointStart, Line, NodeModel, Part, PlacementError, Scene, place,
 };
 use mbd_runtime::{Content, Generic, Layout, Name, Options, Sampling, Trajectory, state_names};
 use toml::{Table, Value};
@@ -192,7 +191,7 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
     options.locate = settings.locate.unwrap_or(true);
     // The balance of energy needs the work of what gives and takes it.
     let damped = |line: &Line| !scene.is_zero(&line.damping);
-    let moves = scene.world_frames.iter().any(Frame::moves);
+    let moves = scene.world_frames.iter().any(|frame| frame.moves(scene));
     let acts = |forces: &JointForces| {
         let springs_apart = [
             &forces.damping,

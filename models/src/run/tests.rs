@@ -14,6 +14,7 @@ fn unit(text: &str, factor: f64, mass: i8, length: i8, time: i8) -> Unit {
         mass: 2 * mass,
         length: 2 * length,
         time: 2 * time,
+        current: 0,
     };
     Unit {
         text: text.into(),

@@ -7,7 +7,7 @@ use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
 use crate::syntax::Item;
 
-/// Warns about consts, params, inputs, tables and frames that nothing uses; of a repetition one use is enough, and what an empty one would
+/// Warns about consts, params, inputs, tables, lets and frames that nothing uses; of a repetition one use is enough, and what an empty one would
 /// use with more members counts. After an error the use may be what was not understood.
 pub fn check_used(resolver: &mut Resolver<'_>) {
     if !resolver.whole || !resolver.messages.is_empty() {
@@ -68,6 +68,7 @@ fn name(resolver: &Resolver<'_>, named: Named) -> Option<String> {
         Named::Const(i) => scene.consts.get(i).map(|c| c.name.clone()),
         Named::Param(i) => scene.params.get(i).map(|p| p.name.clone()),
         Named::Input(i) => scene.inputs.get(i).map(|input| input.name.clone()),
+        Named::Let(i) => scene.lets.get(i).map(|named| named.name.clone()),
         Named::Table(i) => scene.tables.get(i).map(|table| table.name.clone()),
         Named::WorldFrame(i) => scene
             .world_frames

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use mbd_scene::{
-    AngularVelocity, Formula, Gravity, Layout, LoadKind, NodeModel, Place, PointKind, Quantity,
-    Scene, Triple,
+    AngularVelocity, Fixed, Formula, Gravity, Layout, LoadKind, NodeModel, Place, PointKind,
+    Quantity, Scene, Triple,
 };
 
 use super::context::{Context, unit_text};
@@ -385,22 +385,31 @@ fn folded(scene: &Scene) -> (Scene, bool) {
     (scene, differs)
 }
 
-/// The scene with every const turned into a param, and whether that changes a number of it.
+/// The scene with every const turned into a param, a vector into three, and whether that changes a number of it.
 fn live(scene: &Scene) -> (Scene, bool) {
     let (mut scene, mut differs) = (scene.clone(), false);
-    let first = scene.params.len();
+    let mut live = Vec::new();
     for constant in std::mem::take(&mut scene.consts) {
-        scene.params.push(mbd_scene::Parameter {
-            name: constant.name,
-            doc: constant.doc,
-            default: constant.value,
-            range: None,
-            unit: constant.unit,
+        let mut param = |default: f64| {
+            scene.params.push(mbd_scene::Parameter {
+                name: constant.name.clone(),
+                doc: constant.doc.clone(),
+                default,
+                range: None,
+                unit: constant.unit.clone(),
+            });
+            Formula::Param(scene.params.len() - 1)
+        };
+        live.push(match constant.value {
+            Fixed::Scalar(value) => param(value),
+            Fixed::Vector(parts) => Formula::Vector(parts.map(&mut param).to_vec()),
         });
     }
     crate::describe::rewrite(&mut scene, &mut |formula| {
-        if let Formula::Const(index) = formula {
-            *formula = Formula::Param(first + *index);
+        if let Formula::Const(index) = formula
+            && let Some(param) = live.get(*index)
+        {
+            *formula = param.clone();
             differs = true;
         }
     });

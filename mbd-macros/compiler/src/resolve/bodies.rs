@@ -178,7 +178,7 @@ impl Resolver<'_> {
                 for argument in arguments {
                     let typed = self.typed(argument, scope)?;
                     let row = self.fits(typed, "matrix", true, units::NONE)?;
-                    rows.push(fold::components(row));
+                    rows.push(fold::components(row, &self.scene));
                 }
                 rows.try_into().ok()?
             }
@@ -263,9 +263,10 @@ impl Resolver<'_> {
         let timed = |part: &Formula| *part == Formula::Time;
         let mut table = None;
         for formula in formulas {
-            formula.walk(&mut |part| {
+            let scene = &self.scene;
+            scene.walk(formula, &mut |part| {
                 if let Formula::Lookup(index, argument) = part
-                    && argument.iter().any(|argument| argument.contains(timed))
+                    && argument.iter().any(|of| scene.contains(of, timed))
                 {
                     table = Some(*index);
                 }

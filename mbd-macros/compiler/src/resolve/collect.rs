@@ -42,7 +42,8 @@ impl<'a> Resolver<'a> {
         self.collect(
             model,
             &[
-                "world", "body", "point", "joint", "line", "spring", "load", "output", "event",
+                "let", "world", "body", "point", "joint", "line", "spring", "load", "output",
+                "event",
             ],
         );
     }
@@ -231,6 +232,7 @@ impl<'a> Resolver<'a> {
             + self.scene.lines.len()
             + self.scene.joints.len()
             + self.scene.states.len()
+            + self.scene.lets.len()
     }
 
     /// How many things of a kind there are so far.
@@ -242,6 +244,7 @@ impl<'a> Resolver<'a> {
             "input" => scene.inputs.len(),
             "state" => scene.states.len(),
             "table" => scene.tables.len(),
+            "let" => scene.lets.len(),
             "body" => scene.bodies.len(),
             "point" => scene.points.len(),
             "joint" => scene.joints.len(),
@@ -314,6 +317,7 @@ fn named(word: &str, slot: usize) -> Named {
         "input" => Named::Input(slot),
         "state" => Named::State(slot),
         "table" => Named::Table(slot),
+        "let" => Named::Let(slot),
         "body" => Named::Body(slot),
         "point" => Named::Point(slot),
         "joint" => Named::Joint(slot),

@@ -3,7 +3,7 @@
 use mbd_scene::Formula;
 use mbd_scene::joints::Measured;
 
-use super::{Named, Resolver, Scope, Stage, Typed};
+use super::{Known, Named, Resolver, Scope, Stage, Typed};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
 use crate::syntax::expression::{self, Step};
@@ -73,6 +73,9 @@ impl Resolver<'_> {
         if self.bad.contains(&Named::Joint(joint)) {
             return None;
         }
+        if self.in_let() && self.known < Known::Joints {
+            return self.not_yet(owner);
+        }
         let declared = self.scene.joints.get(joint)?;
         let law = declared.law.clone();
         let driven: Vec<usize> = declared.motors().map(|(index, _)| index).collect();
@@ -121,6 +124,9 @@ impl Resolver<'_> {
         if let Some(index) = motors.iter().position(|motor| motor == word) {
             let here = step.word.at.into();
             let coordinate = measured.get(index)?;
+            if self.in_let() && self.known < Known::Motors {
+                return self.not_yet(&format!("{owner}.{word}"));
+            }
             if !driven.contains(&index) {
                 return self.fail(say::no_motor(here, owner, coordinate));
             }

@@ -115,6 +115,6 @@ impl Resolver<'_> {
     ) -> Option<[Formula; 3]> {
         let typed = self.value(value, scope)?;
         let formula = self.fits(typed, field, true, wanted)?;
-        Some(fold::components(formula))
+        Some(fold::components(formula, &self.scene))
     }
 }

@@ -1,46 +1,9 @@
 //! Arithmetic on formulas: what consists of numbers and consts becomes one number; a const that stands alone stays a const.
 
+use std::collections::BTreeMap;
+
+pub use mbd_scene::Fixed;
 use mbd_scene::{Formula, Function, Scene};
-
-/// A number or a vector of numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fixed {
-    /// One number.
-    Scalar(f64),
-    /// Three numbers.
-    Vector([f64; 3]),
-}
-
-impl Fixed {
-    fn scalar(self) -> Option<f64> {
-        match self {
-            Fixed::Scalar(value) => Some(value),
-            Fixed::Vector(_) => None,
-        }
-    }
-
-    fn vector(self) -> Option<[f64; 3]> {
-        match self {
-            Fixed::Vector(value) => Some(value),
-            Fixed::Scalar(_) => None,
-        }
-    }
-
-    fn formula(self) -> Formula {
-        match self {
-            Fixed::Scalar(value) => Formula::Number(value),
-            Fixed::Vector(parts) => Formula::Vector(parts.map(Formula::Number).to_vec()),
-        }
-    }
-
-    /// Whether every number is finite.
-    fn is_finite(self) -> bool {
-        match self {
-            Fixed::Scalar(value) => value.is_finite(),
-            Fixed::Vector(parts) => parts.iter().all(|part| part.is_finite()),
-        }
-    }
-}
 
 /// A function of its arguments, folded if they are all known. `None`: the result is not finite.
 pub fn apply(function: Function, arguments: Vec<Formula>, scene: &Scene) -> Option<Formula> {
@@ -55,52 +18,33 @@ pub fn apply(function: Function, arguments: Vec<Formula>, scene: &Scene) -> Opti
     }
 }
 
-/// A component of a vector, taken out of it where the vector is written in components.
-pub fn component(vector: Formula, axis: usize) -> Formula {
+/// A component of a vector, taken out of it where the vector is written in components or is a const.
+pub fn component(vector: Formula, axis: usize, scene: &Scene) -> Formula {
     match vector {
         Formula::Vector(parts) if axis < parts.len() => parts[axis].clone(),
+        Formula::Const(index) => {
+            let value = scene.consts.get(index).and_then(|c| c.value.vector());
+            let part = value.and_then(|parts| parts.get(axis).copied());
+            part.map_or(Formula::Component(vec![vector], axis), Formula::Number)
+        }
         vector => Formula::Component(vec![vector], axis),
     }
 }
 
 /// The three components of a vector.
-pub fn components(vector: Formula) -> [Formula; 3] {
-    [0, 1, 2].map(|axis| component(vector.clone(), axis))
+pub fn components(vector: Formula, scene: &Scene) -> [Formula; 3] {
+    [0, 1, 2].map(|axis| component(vector.clone(), axis, scene))
 }
 
 /// The value of a formula of numbers, consts and (with `defaults`) params at their defaults.
 pub fn known(formula: &Formula, scene: &Scene, defaults: bool) -> Option<Fixed> {
-    match formula {
-        Formula::Number(value) => Some(Fixed::Scalar(*value)),
-        Formula::Const(index) => scene.consts.get(*index).map(|c| Fixed::Scalar(c.value)),
-        Formula::Param(index) if defaults => {
-            scene.params.get(*index).map(|p| Fixed::Scalar(p.default))
-        }
-        Formula::Vector(parts) => {
-            let mut values = [0.0; 3];
-            for (value, part) in values.iter_mut().zip(parts) {
-                *value = known(part, scene, defaults)?.scalar()?;
-            }
-            (parts.len() == 3).then_some(Fixed::Vector(values))
-        }
-        Formula::Component(of, axis) if defaults => {
-            let vector = known(of.first()?, scene, defaults)?.vector()?;
-            vector.get(*axis).map(|value| Fixed::Scalar(*value))
-        }
-        Formula::Apply(function, arguments) if defaults => {
-            let values: Option<Vec<Fixed>> = arguments
-                .iter()
-                .map(|argument| known(argument, scene, defaults))
-                .collect();
-            compute(*function, &values?)
-        }
-        Formula::Lookup(table, argument) if defaults => {
-            let x = known(argument.first()?, scene, defaults)?.scalar()?;
-            let table = scene.tables.get(*table)?;
-            interpolate(&table.x, &table.y, x).map(Fixed::Scalar)
-        }
-        _ => None,
-    }
+    let known = Known {
+        scene,
+        defaults,
+        time: None,
+        lets: BTreeMap::new(),
+    };
+    { known }.of(formula)
 }
 
 /// The value of a scalar formula with all params at their defaults.
@@ -110,19 +54,65 @@ pub fn at_defaults(formula: &Formula, scene: &Scene) -> Option<f64> {
 
 /// The value of a scalar formula at a time [s], with all params at their defaults.
 pub fn at_time(formula: &Formula, scene: &Scene, time: f64) -> Option<f64> {
-    at_defaults(&with_time(formula, time), scene)
+    let known = Known {
+        scene,
+        defaults: true,
+        time: Some(time),
+        lets: BTreeMap::new(),
+    };
+    { known }.of(formula)?.scalar()
 }
 
-/// A formula with its time replaced by a number.
-fn with_time(formula: &Formula, time: f64) -> Formula {
-    let all = |parts: &[Formula]| parts.iter().map(|part| with_time(part, time)).collect();
-    match formula {
-        Formula::Time => Formula::Number(time),
-        Formula::Vector(parts) => Formula::Vector(all(parts)),
-        Formula::Component(parts, axis) => Formula::Component(all(parts), *axis),
-        Formula::Apply(function, parts) => Formula::Apply(*function, all(parts)),
-        Formula::Lookup(table, parts) => Formula::Lookup(*table, all(parts)),
-        other => other.clone(),
+/// What is known beforehand, and the values of the lets that were asked for.
+struct Known<'s> {
+    scene: &'s Scene,
+    defaults: bool,
+    time: Option<f64>,
+    lets: BTreeMap<usize, Option<Fixed>>,
+}
+
+impl Known<'_> {
+    fn of(&mut self, formula: &Formula) -> Option<Fixed> {
+        let scene = self.scene;
+        match formula {
+            Formula::Number(value) => Some(Fixed::Scalar(*value)),
+            Formula::Const(index) => scene.consts.get(*index).map(|c| c.value),
+            Formula::Param(index) if self.defaults => {
+                scene.params.get(*index).map(|p| Fixed::Scalar(p.default))
+            }
+            Formula::Time => self.time.map(Fixed::Scalar),
+            Formula::Let(index) => self.of_let(*index),
+            Formula::Vector(parts) => {
+                let mut values = [0.0; 3];
+                for (value, part) in values.iter_mut().zip(parts) {
+                    *value = self.of(part)?.scalar()?;
+                }
+                (parts.len() == 3).then_some(Fixed::Vector(values))
+            }
+            Formula::Component(of, axis) if self.defaults => {
+                let vector = self.of(of.first()?)?.vector()?;
+                vector.get(*axis).map(|value| Fixed::Scalar(*value))
+            }
+            Formula::Apply(function, arguments) if self.defaults => {
+                let values: Option<Vec<Fixed>> = arguments.iter().map(|a| self.of(a)).collect();
+                compute(*function, &values?)
+            }
+            Formula::Lookup(table, argument) if self.defaults => {
+                let x = self.of(argument.first()?)?.scalar()?;
+                let table = scene.tables.get(*table)?;
+                interpolate(&table.x, &table.y, x).map(Fixed::Scalar)
+            }
+            _ => None,
+        }
+    }
+
+    fn of_let(&mut self, index: usize) -> Option<Fixed> {
+        if let Some(value) = self.lets.get(&index) {
+            return *value;
+        }
+        let value = self.of(&self.scene.lets.get(index)?.value);
+        self.lets.insert(index, value);
+        value
     }
 }
 
@@ -248,7 +238,7 @@ mod tests {
             consts: vec![mbd_scene::Constant {
                 name: "A".into(),
                 doc: String::new(),
-                value: 3.0,
+                value: Fixed::Scalar(3.0),
                 unit: mbd_scene::Unit::default(),
             }],
             ..Scene::default()

@@ -140,7 +140,7 @@ impl Resolver<'_> {
             _ => false,
         };
         let mut culprit: Option<String> = None;
-        formula.walk(&mut |part| {
+        scene.walk(formula, &mut |part| {
             let found = match part {
                 Formula::Position(Place::Point(p)) | Formula::Velocity(Place::Point(p))
                     if is_node(&Place::Point(*p)) =>
@@ -166,7 +166,7 @@ impl Resolver<'_> {
     }
 
     /// The unit after `in`, with its place.
-    fn in_unit(&mut self, value: Option<Value<'_>>) -> Option<Option<(Unit, Region)>> {
+    pub fn in_unit(&mut self, value: Option<Value<'_>>) -> Option<Option<(Unit, Region)>> {
         let Some(value) = value else {
             return Some(None);
         };

@@ -407,7 +407,7 @@ impl Resolver<'_> {
             return self.fail(say::axis_wanted(at, field, &letter(default)));
         }
         let formula = self.fits(typed, field, true, units::NONE)?;
-        let components = fold::components(formula)
+        let components = fold::components(formula, &self.scene)
             .map(|part| fold::at_defaults(&part, &self.scene).unwrap_or(f64::NAN));
         match Axis::new(components) {
             Some(axis) => Some(axis),

@@ -4,7 +4,7 @@ use mbd_scene::{Clamp, Difference, Dimension, Formula, LineKind, NodeModel, Poin
 
 use super::fields::{Accept, Fields};
 use super::{Instance, Named, Resolver, Scope, Stage};
-use crate::lexeme::Bracket;
+use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;
 use crate::syntax::{Cursor, Item, Value, words};
 use crate::units;
@@ -139,6 +139,10 @@ impl Resolver<'_> {
                     .map(|table| (LineKind::Table(table), Formula::Number(0.0))),
             },
             None => {
+                if let Some((at, table)) = fields.value("stiffness").and_then(|v| self.as_table(v))
+                {
+                    return self.fail(say::table_as_stiffness(at, &table));
+                }
                 let field = ("stiffness", units::STIFFNESS, Accept::Positive);
                 let stiffness = self.line_number(&fields, item, &name, field, scope);
                 let kind = self.scene.lines.get(instance.slot)?.kind;
@@ -181,6 +185,14 @@ impl Resolver<'_> {
                 self.fail(say::no_field(at, kind, name, field, &unit))
             }
         }
+    }
+
+    /// The place and the name of a table that a value consists of.
+    fn as_table(&self, value: Value<'_>) -> Option<(Region, String)> {
+        let mut cursor = Cursor::new(value);
+        let word = cursor.word().filter(|_| cursor.at_end())?;
+        self.table(&word.text)?;
+        Some((word.at.into(), word.text))
     }
 
     /// The name of a table of forces over stretch that begins at zero and rises.

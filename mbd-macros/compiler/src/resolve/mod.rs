@@ -12,6 +12,7 @@ mod forces;
 mod functions;
 mod joint_forces;
 mod joints;
+mod lets;
 mod lines;
 mod names;
 mod numbers;
@@ -102,6 +103,14 @@ pub struct Resolver<'a> {
     pub functions: BTreeSet<String>,
     /// Items whose repetition is empty: they declare nothing.
     pub idle: Vec<&'a Item<'a>>,
+    /// What is known of each `let`.
+    lets: Vec<lets::Progress>,
+    /// How many lets are being resolved because another one names them.
+    nested: usize,
+    /// What a `let` names that is not known yet.
+    too_early: Option<String>,
+    /// How far resolving has come.
+    known: Known,
     /// Whether reading lost no item.
     pub whole: bool,
     /// Points whose model is declared.
@@ -114,6 +123,19 @@ pub struct Resolver<'a> {
     pub instead: Option<&'static str>,
 }
 
+/// How far resolving has come: what a `let` that is named now can be made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Known {
+    /// Consts, params, inputs and tables.
+    Numbers,
+    /// Also the names of all things.
+    Names,
+    /// Also the kinds of the joints, and so their coordinates.
+    Joints,
+    /// Also which coordinates have motors.
+    Motors,
+}
+
 /// Resolves a model as far as it goes.
 pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     let mut resolver = Resolver::new(model);
@@ -121,12 +143,16 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.collect_numbers(model);
     resolver.numbers();
     resolver.collect_things(model);
+    resolver.known = Known::Names;
     resolver.world_frames();
     resolver.bodies();
     resolver.points();
     resolver.lines();
     resolver.joints();
+    resolver.known = Known::Joints;
     resolver.along_joints();
+    resolver.known = Known::Motors;
+    resolver.lets();
     resolver.gravity(model);
     resolver.states();
     resolver.loads();
@@ -160,6 +186,10 @@ impl<'a> Resolver<'a> {
             later: BTreeSet::new(),
             functions: BTreeSet::new(),
             idle: Vec::new(),
+            lets: Vec::new(),
+            nested: 0,
+            too_early: None,
+            known: Known::Numbers,
             whole: true,
             chosen: BTreeSet::new(),
             si: false,

@@ -17,6 +17,8 @@ pub enum Named {
     State(usize),
     /// A table.
     Table(usize),
+    /// A named expression.
+    Let(usize),
     /// A frame of the world.
     WorldFrame(usize),
     /// A body.
@@ -38,6 +40,14 @@ pub enum Named {
 }
 
 impl Named {
+    /// Whether its name alone is a value.
+    pub fn is_value(self) -> bool {
+        matches!(
+            self,
+            Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::State(_) | Named::Let(_)
+        )
+    }
+
     /// The word for its kind.
     pub fn kind(self) -> &'static str {
         match self {
@@ -46,6 +56,7 @@ impl Named {
             Named::Input(_) => "input",
             Named::State(_) => "state",
             Named::Table(_) => "table",
+            Named::Let(_) => "let",
             Named::WorldFrame(_) | Named::Frame(..) => "frame",
             Named::Body(_) => "body",
             Named::Point(_) => "point",

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use mbd_scene::{
-    Constant, Dimension, Direction, Event, Formula, Input, Output, Parameter, State, Table, Unit,
+    Constant, Dimension, Direction, Event, Fixed, Formula, Input, Let, Output, Parameter, State,
+    Table, Unit,
 };
 
 use super::{Instance, Named, Resolver, Stage, Typed, fold};
@@ -49,7 +50,7 @@ impl Resolver<'_> {
             "const" => scene.consts.push(Constant {
                 name,
                 doc,
-                value: 0.0,
+                value: Fixed::Scalar(0.0),
                 unit,
             }),
             "param" => scene.params.push(Parameter {
@@ -87,6 +88,16 @@ impl Resolver<'_> {
                 components: 1,
                 unit,
             }),
+            "let" => {
+                self.lets.push(super::lets::Progress::default());
+                scene.lets.push(Let {
+                    name,
+                    doc,
+                    value: Formula::Number(0.0),
+                    components: 1,
+                    unit,
+                });
+            }
             _ => scene.events.push(Event {
                 name,
                 doc,
@@ -136,7 +147,7 @@ impl Resolver<'_> {
         }
         for (instance, _) in waiting {
             let name = self.scene.consts.get(instance.slot).map(|c| c.name.clone());
-            let report = say::circular(instance.item.name_at(), &name.unwrap_or_default());
+            let report = say::circular(instance.item.name_at(), "const", &name.unwrap_or_default());
             self.messages.push(report);
             self.bad.insert(Named::Const(instance.slot));
         }
@@ -173,7 +184,11 @@ impl Resolver<'_> {
     fn constant(&mut self, instance: &Instance<'_>, parsed: &Expression) -> Option<()> {
         let typed = self.typed(parsed, instance.scope(Stage::Constant))?;
         let unit = written_unit(parsed).unwrap_or_else(|| typed.unit());
-        let value = self.constant_value(typed)?;
+        let at = typed.at;
+        let value = match fold::known(&typed.formula, &self.scene, false) {
+            Some(value) => value,
+            None => return self.fail(say::not_constant(at, "this")),
+        };
         let entry = self.scene.consts.get_mut(instance.slot)?;
         entry.value = value;
         entry.unit = unit;
@@ -183,7 +198,7 @@ impl Resolver<'_> {
     /// The number of a constant scalar.
     fn constant_value(&mut self, typed: Typed) -> Option<f64> {
         if typed.vector {
-            return self.fail(say::scalar_wanted(typed.at, "a const or param"));
+            return self.fail(say::vector_param(typed.at));
         }
         match fold::known(&typed.formula, &self.scene, false) {
             Some(fold::Fixed::Scalar(value)) => Some(value),
@@ -392,10 +407,10 @@ impl Resolver<'_> {
     }
 }
 
-/// The unit of a value that is one number.
+/// The unit of a value that is one number, or one vector.
 pub fn written_unit(parsed: &Expression) -> Option<Unit> {
     match parsed {
-        Expression::Number { unit, .. } => unit.clone(),
+        Expression::Number { unit, .. } | Expression::Vector { unit, .. } => unit.clone(),
         Expression::Negative(inner, _) => written_unit(inner),
         _ => None,
     }

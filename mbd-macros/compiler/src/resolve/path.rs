@@ -10,26 +10,20 @@ use crate::syntax::expression::{self, Step};
 use crate::syntax::{Value, words};
 use crate::units;
 
-/// Whether a name stands for a value of its own.
-pub fn is_value(named: Named) -> bool {
-    matches!(
-        named,
-        Named::Const(_) | Named::Param(_) | Named::Input(_) | Named::State(_)
-    )
-}
-
 impl Resolver<'_> {
     /// A path inside an expression.
     pub fn path(&mut self, steps: &[Step], at: Region, scope: Scope<'_>) -> Option<Typed> {
         let typed = self.path_value(steps, at, scope)?;
         let quantity = |step: &Step| words::BODY_QUANTITIES.contains(&step.word.text.as_str());
         let has_frames = steps.first().is_some_and(|first| {
-            let body = |named| matches!(named, Named::Body(_));
-            first.word.text == "world"
-                || self
-                    .names
-                    .words_of(body)
-                    .contains(&first.word.text.as_str())
+            let word = first.word.text.as_str();
+            let members = self.names.get(word).map(|entry| &entry.members);
+            word == "world"
+                || match members {
+                    Some(Members::One(named)) => matches!(named, Named::Body(_)),
+                    Some(Members::Many(all)) => all.values().any(|n| matches!(n, Named::Body(_))),
+                    None => false,
+                }
         });
         // Behind the thing itself only frames are repeated.
         let extra = steps.iter().enumerate().skip(1).find(|(place, step)| {
@@ -74,9 +68,11 @@ impl Resolver<'_> {
         }
         match named {
             Named::Const(index) => {
-                let dimension = self.scene.consts.get(index)?.unit.dimension;
+                let declared = self.scene.consts.get(index)?;
+                let (vector, dimension) =
+                    (declared.value.vector().is_some(), declared.unit.dimension);
                 self.tail(
-                    self.declared(Formula::Const(index), false, dimension, here, named),
+                    self.declared(Formula::Const(index), vector, dimension, here, named),
                     rest,
                 )
             }
@@ -105,6 +101,15 @@ impl Resolver<'_> {
                 let state = Formula::State(index);
                 let state = self.declared(state, false, dimension, here, named);
                 self.tail(state, rest)
+            }
+            Named::Let(index) => {
+                self.named_expression(index, here, scope)?;
+                let named_here = self.scene.lets.get(index)?;
+                let (vector, dimension) = (named_here.components == 3, named_here.unit.dimension);
+                self.tail(
+                    self.declared(Formula::Let(index), vector, dimension, here, named),
+                    rest,
+                )
             }
             Named::Body(body) => self.body_quantity(body, rest, at, scope),
             Named::Point(point) => {
@@ -138,6 +143,7 @@ impl Resolver<'_> {
             Named::Param(i) => self.scene.params.get(i).map(|p| p.unit.text.clone()),
             Named::Input(i) => self.scene.inputs.get(i).map(|i| i.unit.text.clone()),
             Named::State(i) => self.scene.states.get(i).map(|s| s.unit.text.clone()),
+            Named::Let(i) => self.scene.lets.get(i).map(|l| l.unit.text.clone()),
             _ => None,
         };
         let text = text.unwrap_or_default();
@@ -193,7 +199,7 @@ impl Resolver<'_> {
         let word = &step.word.text;
         let at = step.word.at.into();
         if alone {
-            let mut known = self.names.words_of(is_value);
+            let mut known = self.names.words_of(Named::is_value);
             known.extend(["time", "pi"]);
             say::unknown_parameter(at, word, &known)
         } else {
@@ -206,6 +212,7 @@ impl Resolver<'_> {
                         | Named::Line(_)
                         | Named::Input(_)
                         | Named::State(_)
+                        | Named::Let(_)
                 )
             });
             say::unknown_thing(at, word, &known)

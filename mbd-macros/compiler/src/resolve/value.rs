@@ -2,8 +2,7 @@
 
 use mbd_scene::{Dimension, Formula, Function, Unit};
 
-use super::path::is_value;
-use super::{Resolver, fold};
+use super::{Named, Resolver, fold};
 use crate::lexeme::Region;
 use crate::messages::{Report, resolve as say};
 use crate::syntax::expression::{self, Expression};
@@ -11,7 +10,7 @@ use crate::syntax::{Value, Word};
 use crate::units;
 
 /// What an expression may depend on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// Numbers and consts.
     Constant,
@@ -172,7 +171,7 @@ impl Resolver<'_> {
             }
         });
         let open: String = open.collect();
-        let values = self.names.words_of(is_value);
+        let values = self.names.words_of(Named::is_value);
         let found = open
             .split_whitespace()
             .skip(1)
@@ -275,7 +274,7 @@ impl Resolver<'_> {
             _ => return self.fail(say::unknown_component(axis.at.into(), &axis.text)),
         };
         Some(Typed {
-            formula: fold::component(of.formula, index),
+            formula: fold::component(of.formula, index, &self.scene),
             vector: false,
             bare: None,
             at: of.at.to(axis.at.into()),

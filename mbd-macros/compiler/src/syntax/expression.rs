@@ -276,7 +276,11 @@ impl Parser {
     fn named(&mut self, cursor: &mut Cursor<'_>) -> Deep {
         let mut ahead = *cursor;
         let name = ahead.word();
-        if let (Some(name), Some(group)) = (name, ahead.group(Bracket::Round)) {
+        let called = ahead.group(Bracket::Round).filter(|group| {
+            // `if (a < b) { … }`: what is in brackets is the condition, or a part of it.
+            cursor.peek_word() != Some("if") || Cursor::new(*group).comma_separated().len() > 1
+        });
+        if let (Some(name), Some(group)) = (name, called) {
             *cursor = ahead;
             let (arguments, depth) = self.list(group)?;
             let at = Region::from(name.at).to(group.at);
@@ -308,7 +312,7 @@ impl Parser {
         let here = cursor.here();
         let name = cursor.word().ok_or_else(|| say::two_branches(here))?;
         self.enter(here)?;
-        let (condition, first) = self.comparison(cursor)?;
+        let (condition, first) = self.condition(cursor)?;
         let (this, second) = self.branch(cursor, here)?;
         if cursor.keyword("else").is_none() {
             return Err(say::two_branches(here));
@@ -329,6 +333,23 @@ impl Parser {
             },
             depth,
         ))
+    }
+
+    /// A comparison before a brace, in brackets or without.
+    fn condition(&mut self, cursor: &mut Cursor<'_>) -> Deep {
+        let mut ahead = *cursor;
+        let group = ahead.group(Bracket::Round).filter(|_| {
+            let next = ahead.peek().map(|lexeme| &lexeme.kind);
+            matches!(next, Some(Kind::Open(Bracket::Brace, _)))
+        });
+        let Some(group) = group else {
+            return self.comparison(cursor);
+        };
+        *cursor = ahead;
+        let mut inner = Cursor::new(group);
+        let condition = self.comparison(&mut inner)?;
+        inner.finish("an operator or `)`")?;
+        Ok(condition)
     }
 
     /// `{ value }`

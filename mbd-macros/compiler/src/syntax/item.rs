@@ -190,7 +190,11 @@ fn clause_value<'a>(
     let start = *cursor;
     let braces = (sign == "=" && spec.fields.is_none()) || !spec.named;
     while !ends(cursor, inside) {
-        if cursor.signs("..=").is_some() {
+        // Signs that hold a `=` which begins no value.
+        if ["..=", "==", "!=", "<=", ">="]
+            .iter()
+            .any(|signs| cursor.signs(signs).is_some())
+        {
             continue;
         }
         let brace = matches!(

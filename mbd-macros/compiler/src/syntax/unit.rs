@@ -160,5 +160,9 @@ fn whole_number(cursor: &mut Cursor<'_>) -> Result<i32, Report> {
 
 /// A dimension of sensible size.
 fn bounded(dimension: Option<Dimension>) -> Option<Dimension> {
-    dimension.filter(|d| [d.mass, d.length, d.time].iter().all(|e| e.abs() <= 40))
+    dimension.filter(|d| {
+        [d.mass, d.length, d.time, d.current]
+            .iter()
+            .all(|e| e.abs() <= 40)
+    })
 }

@@ -57,6 +57,7 @@ fn ranked(formula: &Formula, scene: &Scene) -> (String, Rank) {
         Formula::Param(i) => name(scene.params.get(*i).map(|p| &p.name)),
         Formula::Input(i) => name(scene.inputs.get(*i).map(|i| &i.name)),
         Formula::State(i) => name(scene.states.get(*i).map(|s| &s.name)),
+        Formula::Let(i) => name(scene.lets.get(*i).map(|l| &l.name)),
         Formula::Time => ("time".to_string(), 5),
         Formula::Position(at) => (format!("{}.position", owner(*at, scene)), 5),
         Formula::Velocity(at) => (format!("{}.velocity", owner(*at, scene)), 5),

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use mbd_scene::joints::{FORCE, MOTOR, NUMBERS, STOPS};
 use mbd_scene::{
-    AngularVelocity, Axis, Body, Clamp, Coordinates, Difference, Dimension, Direction, Formula,
-    Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, NodeModel, Output,
+    AngularVelocity, Axis, Body, Clamp, Coordinates, Difference, Dimension, Direction, Fixed,
+    Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, NodeModel, Output,
     PointKind, Scene, Unit,
 };
 
@@ -23,6 +23,7 @@ pub fn write_toml(scene: &Scene) -> String {
     numbers(&mut out, scene);
     bodies(&mut out, scene);
     connections(&mut out, scene);
+    lets(&mut out, scene);
     states(&mut out, scene);
     results(&mut out, scene);
     out
@@ -127,6 +128,25 @@ fn with_unit(value: f64, unit: &Unit) -> String {
     }
 }
 
+/// A const in the unit it was declared in.
+fn constant_value(value: Fixed, unit: &Unit) -> String {
+    let parts = match value {
+        Fixed::Scalar(value) => return with_unit(value, unit),
+        Fixed::Vector(parts) => parts,
+    };
+    let inside = |value: f64| {
+        let found = inverse(value, |x| x * unit.factor, value / unit.factor);
+        found.map(number)
+    };
+    let written: Option<Vec<String>> = parts.into_iter().map(inside).collect();
+    let (written, unit) = match written {
+        Some(written) => (written, unit.text.clone()),
+        None => (parts.map(number).to_vec(), units::si_text(unit.dimension)),
+    };
+    let vector = format!("[{}] {unit}", written.join(", "));
+    vector.trim_end().to_string()
+}
+
 /// The number near `guess` whose image is `value`.
 fn inverse(value: f64, image: impl Fn(f64) -> f64, guess: f64) -> Option<f64> {
     let (mut up, mut down) = (guess, guess);
@@ -145,7 +165,11 @@ fn numbers(out: &mut String, scene: &Scene) {
     for constant in &scene.consts {
         table(out, "const", &constant.name);
         doc(out, &constant.doc);
-        entry(out, "value", &with_unit(constant.value, &constant.unit));
+        entry(
+            out,
+            "value",
+            &constant_value(constant.value, &constant.unit),
+        );
     }
     for param in &scene.params {
         table(out, "param", &param.name);
@@ -416,6 +440,18 @@ fn results(out: &mut String, scene: &Scene) {
             Direction::Falls => "falls",
         };
         entry(out, direction, "0.0");
+    }
+}
+
+/// Named expressions. Those of a document may stand anywhere; here they follow what they are made of.
+fn lets(out: &mut String, scene: &Scene) {
+    for named in &scene.lets {
+        table(out, "let", &named.name);
+        doc(out, &named.doc);
+        entry(out, "value", &text(&named.value, scene));
+        if !named.unit.text.is_empty() {
+            entry(out, "in", &named.unit.text);
+        }
     }
 }
 

@@ -176,9 +176,9 @@ for ParachuteExternal<L> {
 /// | [`anchor_states`](Self::anchor_states) | 27 of 27 | 187 |
 /// | [`derivative`](Self::derivative) | 29 of 29 | 591 |
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
-/// | [`guards`](Self::guards) | 9 of 9 | 298 |
-/// | [`outputs`](Self::outputs) | 2 of 2 | 99 |
-/// | [`energy`](Self::energy) | 6 of 6 | 485 |
+/// | [`guards`](Self::guards) | 9 of 9 | 299 |
+/// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
+/// | [`energy`](Self::energy) | 6 of 6 | 489 |
 /// | [`mass_matrix`](Self::mass_matrix) | 16 of 144 | 0 |
 /// | [`bias_force`](Self::bias_force) | 12 of 12 | 57 |
 /// | [`forces`](Self::forces) | 12 of 12 | 460 |
@@ -254,7 +254,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections)\n  outputs: 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections)\n  energy: 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
         }
         /// Everything the caller supplies, in the order of `Layout::inputs`.
         pub fn inputs(
@@ -293,7 +293,7 @@ const _: () = {
         static DECLARED: ::std::sync::OnceLock<::mbd_runtime::__private::Declared> = ::std::sync::OnceLock::new();
         DECLARED
             .get_or_init(|| ::mbd_runtime::__private::Declared::unpacked(
-                "9 Parachute 94 Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point. 0 0 0 2 0 42828000000000.0 0 0.0 0 0.0 0 -3404590.0 2 5 L_LEG 0  2.1 1 m 1.0 0 2 0 3 RHO 0  0.014 6 kg/m^3 1.0 2 -6 0 3 7 riser_k 23 Stiffness of the riser. 60000.0 1 10000.0 200000.0 4 kN/m 1000.0 2 0 -4 5 m_cap 13 Capsule mass. 761.0 1 600.0 900.0 2 kg 1.0 2 0 0 4 cd_s 38 Drag coefficient times reference area. 82.0 1 60.0 100.0 3 m^2 1.0 0 4 0 1 4 wind 17 Wind, world axes. 3 3 m/s 1.0 0 2 -2 0 0 1 5 world 0 0.0 0 0.0 0 0.0 0 2 6 canopy 0  0 16.0 0 60.0 0 60.0 0 90.0 0 0.0 0 0.0 0 0.0 3 3 com 0 0.0 0 0.0 0 0.0 0 9 riser_end 0 0.0 0 0.0 0 -9.5 0 2 cp 0 0.0 0 0.0 0 1.57 0 7 capsule 0  2 1 0 300.0 0 310.0 0 420.0 0 -1.5 0 0.0 0 2.0 4 3 com 0 0.0 0 0.0 0 0.0 0 9 bridle[0] 0 0.55 0 0.0 0 1.23 0 9 bridle[1] 0 -0.2749999999999999 0 0.47631397208144133 0 1.23 0 9 bridle[2] 0 -0.27500000000000024 0 -0.47631397208144116 0 1.23 0 1 10 confluence 0  1 2 2 11 canopy_free 0  0 0 0 1 0 0 0 0 12 capsule_free 0  0 0 0 1 1 0 0 0 4 5 riser 0  0 1 0 1 2 0 0 10.0 2 0 0 600.0 6 leg[0] 0  0 1 1 1 2 0 1 0 0 47000.0 0 470.0 6 leg[1] 0  0 1 1 2 2 0 1 0 0 47000.0 0 470.0 6 leg[2] 0  0 1 1 3 2 0 1 0 0 47000.0 0 470.0 2 4 drag 0  1 0 2 0 20 2 2 20 2 2 20 2 2 0 -0.007 2 2 20 6 1 20 1 2 7 1 0 2 3 0 20 1 2 7 1 0 2 3 0 8 thruster 0  1 1 0 2 2 11 riser_force 21 Tension of the riser. 11 0 1 1 N 1.0 2 2 -4 4 tilt 0  20 16 2 8 1 1 0 2 8 0 0 2 1 3 rad 1.0 0 0 0 1 5 slack 0  11 0 0 ",
+                "9 Parachute 94 Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point. 0 0 0 2 0 42828000000000.0 0 0.0 0 0.0 0 -3404590.0 2 5 L_LEG 0  0 2.1 1 m 1.0 0 2 0 0 3 RHO 0  0 0.014 6 kg/m^3 1.0 2 -6 0 0 3 7 riser_k 23 Stiffness of the riser. 60000.0 1 10000.0 200000.0 4 kN/m 1000.0 2 0 -4 0 5 m_cap 13 Capsule mass. 761.0 1 600.0 900.0 2 kg 1.0 2 0 0 0 4 cd_s 38 Drag coefficient times reference area. 82.0 1 60.0 100.0 3 m^2 1.0 0 4 0 0 1 4 wind 17 Wind, world axes. 3 3 m/s 1.0 0 2 -2 0 0 0 0 1 5 world 0 0.0 0 0.0 0 0.0 0 2 6 canopy 0  0 16.0 0 60.0 0 60.0 0 90.0 0 0.0 0 0.0 0 0.0 3 3 com 0 0.0 0 0.0 0 0.0 0 9 riser_end 0 0.0 0 0.0 0 -9.5 0 2 cp 0 0.0 0 0.0 0 1.57 0 7 capsule 0  2 1 0 300.0 0 310.0 0 420.0 0 -1.5 0 0.0 0 2.0 4 3 com 0 0.0 0 0.0 0 0.0 0 9 bridle[0] 0 0.55 0 0.0 0 1.23 0 9 bridle[1] 0 -0.2749999999999999 0 0.47631397208144133 0 1.23 0 9 bridle[2] 0 -0.27500000000000024 0 -0.47631397208144116 0 1.23 0 1 10 confluence 0  1 2 2 11 canopy_free 0  0 0 0 1 0 0 0 0 12 capsule_free 0  0 0 0 1 1 0 0 0 4 5 riser 0  0 1 0 1 2 0 0 10.0 2 0 0 600.0 6 leg[0] 0  0 1 1 1 2 0 1 0 0 47000.0 0 470.0 6 leg[1] 0  0 1 1 2 2 0 1 0 0 47000.0 0 470.0 6 leg[2] 0  0 1 1 3 2 0 1 0 0 47000.0 0 470.0 2 4 drag 0  1 0 2 0 25 2 2 25 2 2 25 2 2 0 -0.007 2 2 25 6 1 25 1 2 7 1 0 2 3 0 25 1 2 7 1 0 2 3 0 8 thruster 0  1 1 0 2 2 11 riser_force 21 Tension of the riser. 11 0 1 1 N 1.0 2 2 -4 0 4 tilt 0  25 16 2 8 1 1 0 2 8 0 0 2 1 3 rad 1.0 0 0 0 0 1 5 slack 0  11 0 0 ",
                 "0 0 0 1 0 0 0 0 18446744073709551615 ",
             ))
     }
@@ -331,7 +331,7 @@ const _: () = {
         /// The declared outputs.
         ///
         /// 2 columns, each in its unit.
-        /// 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
+        /// 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections).
         #[must_use]
         #[inline]
         pub fn outputs(
@@ -351,7 +351,7 @@ const _: () = {
         /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
         ///
         /// 6 \[J, J, J, W, W, W\].
-        /// 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
+        /// 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections).
         #[must_use]
         #[inline]
         pub fn energy(
@@ -480,7 +480,7 @@ const _: () = {
         /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
         ///
         /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 1 events.
-        /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
+        /// 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
         #[doc(hidden)]
         #[must_use]
         #[inline]
@@ -524,7 +524,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 3;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 8552643962523926636;
+        pub const DECL_HASH: u64 = 9310404303011152732;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
             ("canopy.x", "m"),
@@ -647,7 +647,7 @@ const _: () = {
                         divs: 4,
                         sqrts: 4,
                         trigs: 0,
-                        selects: 11,
+                        selects: 12,
                     },
                 ),
                 (
@@ -658,7 +658,7 @@ const _: () = {
                         divs: 1,
                         sqrts: 2,
                         trigs: 1,
-                        selects: 8,
+                        selects: 9,
                     },
                 ),
                 (
@@ -669,7 +669,7 @@ const _: () = {
                         divs: 6,
                         sqrts: 7,
                         trigs: 0,
-                        selects: 36,
+                        selects: 40,
                     },
                 ),
                 (
@@ -1899,7 +1899,7 @@ const _: () = {
     }
     /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
     /// 4 lines × 2 [m, N], 0 stops × 2 [m, N or rad, N m], 1 events.
-    /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
+    /// 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
     #[inline(never)]
     fn guards<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2136,6 +2136,7 @@ const _: () = {
             + (leg_2_u_x * (confluence_wx - leg_2_v_x)
                 + leg_2_u_y * (confluence_wy - leg_2_v_y));
         let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+        let riser_t = riser_tension.max(zero);
         *out = [
             riser_stretch,
             riser_pull,
@@ -2145,12 +2146,12 @@ const _: () = {
             leg_1_pull,
             leg_2_stretch,
             leg_2_pull,
-            riser_tension,
+            riser_t,
         ];
     }
     /// The declared outputs.
     /// 2 columns, each in its unit.
-    /// 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
+    /// 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections).
     #[inline(never)]
     fn outputs<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2255,14 +2256,15 @@ const _: () = {
                 T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
             ),
         );
+        let riser_t = riser_tension.max(zero);
         let tilt_t = (capsule_r23 * capsule_r23 + capsule_r13 * capsule_r13)
             .sqrt()
             .atan2(capsule_r33);
-        *out = [riser_tension, tilt_t];
+        *out = [riser_t, tilt_t];
     }
     /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
     /// 6 [J, J, J, W, W, W].
-    /// 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
+    /// 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections).
     #[inline(never)]
     fn energy<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2541,6 +2543,7 @@ const _: () = {
             ),
         );
         let leg_1_t_4 = leg_1_stretch.max(zero);
+        let leg_1_t_5 = leg_1_rate * (leg_1_tension.max(zero) - c_47000 * leg_1_t_4);
         /// `leg[2]`: length and tension.
         let leg_2_arm_x = leg_0_scaled_capsule_r13
             + (c_7 * capsule_r11 + c_8 * capsule_r12);
@@ -2592,11 +2595,10 @@ const _: () = {
         let elastic = half * (riser_k * (riser_t * riser_t))
             + half * (c_47000 * (leg_0_t_2 * leg_0_t_2))
             + half * (c_47000 * (leg_1_t_4 * leg_1_t_4)) + leg_2_t_5;
-        let leg_2_t_6 = leg_2_rate * (leg_2_tension - c_47000 * leg_2_t_4);
-        let leg_2_t_7 = riser_rate * (riser_tension - riser_k * riser_t)
-            + leg_0_rate * (leg_0_tension - c_47000 * leg_0_t_2)
-            + leg_1_rate * (leg_1_tension - c_47000 * leg_1_t_4) + leg_2_t_6;
-        let damper_power = -leg_2_t_7;
+        let leg_2_t_6 = leg_2_rate * (leg_2_tension.max(zero) - c_47000 * leg_2_t_4);
+        let damper_power = -(riser_rate * (riser_tension.max(zero) - riser_k * riser_t)
+            + leg_0_rate * (leg_0_tension.max(zero) - c_47000 * leg_0_t_2) + leg_1_t_5
+            + leg_2_t_6);
         let leg_2_scaled_canopy_wy = c_1_57 * canopy_wy;
         let leg_2_scaled_canopy_wx = c_1_57 * canopy_wx;
         let leg_2_v_x_2 = canopy_vx

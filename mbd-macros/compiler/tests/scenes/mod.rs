@@ -182,7 +182,7 @@ pub fn parachute(model: NodeModel, angular_velocity: AngularVelocity) -> Scene {
         consts: vec![Constant {
             name: "RHO".into(),
             doc: String::new(),
-            value: 0.014,
+            value: mbd_scene::Fixed::Scalar(0.014),
             unit: Unit {
                 text: "kg/m^3".into(),
                 factor: 1.0,

@@ -147,6 +147,7 @@ impl Measured {
             mass: 2,
             length: 4 - value.length,
             time: -4,
+            current: 0,
         };
         match self {
             Measured::Value => value,

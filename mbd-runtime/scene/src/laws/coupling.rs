@@ -79,7 +79,8 @@ pub fn is_discontinuous(scene: &Scene, joint: &Joint) -> bool {
 
 /// m of (2) of several angles.
 fn measure(scene: &Scene, joint: &Joint) -> Option<f64> {
-    let live = |formula: &Formula| formula.contains(|part| matches!(part, Formula::Param(_)));
+    let live =
+        |formula: &Formula| scene.contains(formula, |part| matches!(part, Formula::Param(_)));
     let numbers = joint.law.numbers();
     let numbers = numbers.iter().map(|(_, formula)| match live(formula) {
         true => f64::NAN,

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::laws::body::BodyMotion;
-use crate::laws::formula::{Context, Value};
+use crate::laws::formula::{Context, Value, of_let};
 use crate::laws::line;
 use crate::laws::node;
 use crate::laws::numbers::{FrameNumbers, Numbers};
@@ -26,6 +26,8 @@ pub struct Evaluation<'a, S: Real> {
     pub ground: &'a [Option<FrameMotion<S>>],
     /// Per static or stepwise network the velocities of its nodes, once something asks for them.
     pub networks: &'a [OnceLock<Vec<Vector3<S>>>],
+    /// Per `let` its value, once something asks for it; empty where nothing asks twice.
+    pub lets: &'a [OnceLock<Value<S>>],
     /// The multipliers, where something asks for the effort of a motor; empty elsewhere.
     pub multipliers: &'a [S],
     /// Force and torque of every joint on its child, where something asks for them; empty elsewhere, and where no joint has rows.
@@ -251,6 +253,20 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         self.numbers.params.get(index).copied()
     }
 
+    fn named(&self, index: usize) -> Option<Value<S>> {
+        let declared = self.scene.lets.get(index)?;
+        let kept = self.lets.get(index);
+        if let Some(value) = kept.and_then(OnceLock::get) {
+            return Some(*value);
+        }
+        S::section(&declared.name);
+        let value = match of_let(index, self)? {
+            Value::Scalar(a) => Value::Scalar(a.label("value")),
+            Value::Vector(a) => Value::Vector(labelled(a, ["x", "y", "z"])),
+        };
+        Some(kept.map_or(value, |kept| *kept.get_or_init(|| value)))
+    }
+
     fn input(&self, index: usize) -> Option<Value<S>> {
         let at = self.layout.input_at(InputSource::Input(index))?;
         Some(match self.scene.inputs.get(index)?.components {
@@ -371,6 +387,11 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         };
         let length = motion.geometry.length;
         let stretch = length - element.numbers.free_length;
-        Some([motion.tension, length, stretch, rate])
+        // A mode lasts until its switch is located, where the pull has passed zero by the tolerance of that.
+        let tension = match element.kind.is_unilateral() {
+            true => motion.tension.max(S::zero()),
+            false => motion.tension,
+        };
+        Some([tension, length, stretch, rate])
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::{Formula, Function, Place, Real, Scene, Table, Triple};
+use crate::{Fixed, Formula, Function, Place, Real, Scene, Table, Triple};
 
 /// What the leaves of a formula are worth. Whatever a context does not know is NaN; the reader of a declaration has refused it before.
 pub trait Context<S: Real> {
@@ -10,6 +10,8 @@ pub trait Context<S: Real> {
     fn scene(&self) -> &Scene;
     /// A live parameter.
     fn param(&self, index: usize) -> Option<S>;
+    /// The value of a `let`: [`of_let`], or that kept from before.
+    fn named(&self, index: usize) -> Option<Value<S>>;
     /// Components of a declared input.
     fn input(&self, _index: usize) -> Option<Value<S>> {
         None
@@ -127,11 +129,8 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
     let line = |index: usize, item: usize| context.line(index).map(|numbers| Scalar(numbers[item]));
     let known = match formula {
         Formula::Number(x) => Some(Scalar(S::from_f64(*x))),
-        Formula::Const(i) => context
-            .scene()
-            .consts
-            .get(*i)
-            .map(|c| Scalar(S::from_f64(c.value))),
+        Formula::Const(i) => context.scene().consts.get(*i).map(|c| constant(c.value)),
+        Formula::Let(i) => context.named(*i),
         Formula::Param(i) => context.param(*i).map(Scalar),
         Formula::Input(i) => context.input(*i),
         Formula::State(i) => context.state(*i).map(Scalar),
@@ -195,6 +194,19 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
         }
     };
     known.unwrap_or_else(Value::unknown)
+}
+
+/// The value of a `let`, worked out.
+pub fn of_let<S: Real>(index: usize, context: &impl Context<S>) -> Option<Value<S>> {
+    let declared = context.scene().lets.get(index)?;
+    Some(value(&declared.value, context))
+}
+
+fn constant<S: Real>(value: Fixed) -> Value<S> {
+    match value {
+        Fixed::Scalar(a) => Scalar(S::from_f64(a)),
+        Fixed::Vector(parts) => Vector(Vector3::from(parts.map(S::from_f64))),
+    }
 }
 
 fn unary<S: Real>(function: Function, a: Value<S>) -> Option<Value<S>> {

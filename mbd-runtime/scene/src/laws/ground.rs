@@ -8,7 +8,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::laws::formula::{Context, scalar, triple};
+use crate::laws::formula::{Context, Value, of_let, scalar, triple};
 use crate::laws::numbers::Numbers;
 use crate::scalar::{OfTime, split};
 use crate::{Formula, Frame, FrameMotion, Jet, Real, Scene};
@@ -27,6 +27,10 @@ impl<S: Real> Context<OfTime<S>> for Course<'_, S> {
 
     fn param(&self, index: usize) -> Option<OfTime<S>> {
         self.params.get(index).copied().map(OfTime::still)
+    }
+
+    fn named(&self, index: usize) -> Option<Value<OfTime<S>>> {
+        of_let(index, self)
     }
 
     fn time(&self) -> Option<OfTime<S>> {
@@ -59,7 +63,7 @@ pub fn ground<S: Real>(
         time,
     };
     out.clear();
-    let moves = |frame: &Frame| frame.moves().then(|| motion(frame, &course));
+    let moves = |frame: &Frame| frame.moves(scene).then(|| motion(frame, &course));
     out.extend(scene.world_frames.iter().map(moves));
 }
 

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use crate::laws::body::BodyMotion;
 use crate::laws::evaluation::Evaluation;
+use crate::laws::formula::Value;
 use crate::laws::ground;
 use crate::laws::numbers::Numbers;
 use crate::{At, FrameMotion, Layout, Real, Scene};
@@ -16,6 +17,7 @@ pub struct Kinematics<S: Real> {
     motions: Vec<BodyMotion<S>>,
     ground: Vec<Option<FrameMotion<S>>>,
     networks: Vec<OnceLock<Vec<Vector3<S>>>>,
+    lets: Vec<OnceLock<Value<S>>>,
 }
 
 impl<S: Real> Kinematics<S> {
@@ -25,6 +27,7 @@ impl<S: Real> Kinematics<S> {
             motions: vec![BodyMotion::unknown(); layout.bodies.len()],
             ground: Vec::new(),
             networks: vec![OnceLock::new(); layout.networks.len()],
+            lets: vec![OnceLock::new(); layout.lets],
         }
     }
 
@@ -49,6 +52,7 @@ impl<S: Real> Kinematics<S> {
         }
         ground(scene, numbers, at.time, &mut self.ground);
         self.networks.fill(OnceLock::new());
+        self.lets.fill(OnceLock::new());
         Evaluation {
             scene,
             layout,
@@ -57,6 +61,7 @@ impl<S: Real> Kinematics<S> {
             motions: &self.motions,
             ground: &self.ground,
             networks: &self.networks,
+            lets: &self.lets,
             multipliers: &[],
             reactions: &[],
             accelerations: &[],

@@ -1,9 +1,11 @@
 //! The constants of a scene as numbers of one scalar: what stays the same while the state changes.
 
+use std::cell::OnceCell;
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::laws::coupling::Coupling;
-use crate::laws::formula::{Context, scalar, triple};
+use crate::laws::formula::{Context, Value, of_let, scalar, triple};
 use crate::scalar::algebra::{inverse, symmetric};
 use crate::{Formula, Frame, Gravity, JointForces, Plane, PointKind, Real, Scene};
 
@@ -144,6 +146,17 @@ pub struct Numbers<S> {
 struct Constants<'a, S> {
     scene: &'a Scene,
     params: &'a [S],
+    lets: Vec<OnceCell<Value<S>>>,
+}
+
+impl<'a, S: Real> Constants<'a, S> {
+    fn new(scene: &'a Scene, params: &'a [S]) -> Self {
+        Constants {
+            scene,
+            params,
+            lets: vec![OnceCell::new(); scene.lets.len()],
+        }
+    }
 }
 
 impl<S: Real> Context<S> for Constants<'_, S> {
@@ -154,11 +167,20 @@ impl<S: Real> Context<S> for Constants<'_, S> {
     fn param(&self, index: usize) -> Option<S> {
         self.params.get(index).copied()
     }
+
+    fn named(&self, index: usize) -> Option<Value<S>> {
+        let kept = self.lets.get(index)?;
+        if let Some(value) = kept.get() {
+            return Some(*value);
+        }
+        let value = of_let(index, self)?;
+        Some(*kept.get_or_init(|| value))
+    }
 }
 
 /// The value of a scalar formula that depends on params alone.
 pub fn constant<S: Real>(scene: &Scene, params: &[S], formula: &Formula) -> S {
-    scalar(formula, &Constants { scene, params })
+    scalar(formula, &Constants::new(scene, params))
 }
 
 /// Where the declared states start [SI], for `params` in declaration order.
@@ -181,12 +203,12 @@ impl<S: Real> Numbers<S> {
     /// Evaluates the constants of `scene` for `params` (SI, declaration order).
     #[must_use]
     pub fn new(scene: &Scene, params: &[S]) -> Self {
-        let constants = Constants { scene, params };
+        let constants = Constants::new(scene, params);
         let of = |formula: &Formula| scalar(formula, &constants);
         let frames = |frames: &[Frame]| {
             frames
                 .iter()
-                .map(|frame| match frame.moves() {
+                .map(|frame| match frame.moves(scene) {
                     true => FrameNumbers::unknown(),
                     false => FrameNumbers {
                         position: triple(&frame.position, &constants),

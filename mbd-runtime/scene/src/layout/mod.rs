@@ -59,6 +59,8 @@ pub struct Layout {
     pub columns: usize,
     /// Number of declared events.
     pub events: usize,
+    /// Number of named expressions.
+    pub lets: usize,
     /// Each joint's place among the rows.
     pub joints: Vec<JointSlots>,
     /// The stops of the joints, which follow the lines in [`At::hold`](crate::At::hold) and in the guards.

@@ -5,7 +5,7 @@ use crate::layout::{
     PointSlots, Slots, StopSlots,
 };
 use crate::scalar::Few;
-use crate::scene::{Frame, LoadKind, NodeModel, PointKind, Scene};
+use crate::scene::{LoadKind, NodeModel, PointKind, Scene};
 use crate::{Gravity, Part, Place, RowSet};
 
 impl Layout {
@@ -16,6 +16,7 @@ impl Layout {
             ns: scene.states.len(),
             directions: scene.directions(),
             events: scene.events.len(),
+            lets: scene.lets.len(),
             ..Layout::default()
         };
         layout.place_state(scene);
@@ -31,8 +32,8 @@ impl Layout {
         });
         layout.stops = stops.collect();
         layout.asked = [
-            Asked::by(scene.outputs.iter().map(|output| &output.value)),
-            Asked::by(scene.events.iter().map(|event| &event.guard)),
+            Asked::by(scene, scene.outputs.iter().map(|output| &output.value)),
+            Asked::by(scene, scene.events.iter().map(|event| &event.guard)),
         ];
         layout.columns = scene.outputs.iter().map(|output| output.components).sum();
         layout
@@ -76,7 +77,10 @@ impl Layout {
 
     fn place_rows(&mut self, scene: &Scene, laws: Vec<RowSet>) {
         let moving = |place: Place| match place {
-            Place::World(frame) => scene.world_frames.get(frame).is_some_and(Frame::moves),
+            Place::World(frame) => scene
+                .world_frames
+                .get(frame)
+                .is_some_and(|frame| frame.moves(scene)),
             _ => false,
         };
         for (joint, law) in scene.joints.iter().zip(laws) {

@@ -3,7 +3,7 @@
 use crate::joints::Side;
 use crate::rows::MOST_ENDS;
 use crate::scalar::Few;
-use crate::scene::NodeModel;
+use crate::scene::{NodeModel, Scene};
 use crate::{Formula, Part, Place, RowSet};
 
 /// A joint's place among the rows.
@@ -47,10 +47,10 @@ pub struct Asked {
 
 impl Asked {
     /// What some formulas ask for.
-    pub(crate) fn by<'f>(formulas: impl Iterator<Item = &'f Formula>) -> Self {
+    pub(crate) fn by<'f>(scene: &Scene, formulas: impl Iterator<Item = &'f Formula>) -> Self {
         let mut asked = Asked::default();
         for formula in formulas {
-            formula.walk(&mut |part| match part {
+            scene.walk(formula, &mut |part| match part {
                 Formula::MotorEffort(..) => asked.multipliers = true,
                 Formula::ReactionForce(_) | Formula::ReactionTorque(_) => asked.reactions = true,
                 Formula::Acceleration(_)

@@ -148,6 +148,7 @@ impl<'a> Configuration<'a> {
             motions: &self.motions,
             ground: &self.ground,
             networks: &[],
+            lets: &[],
             multipliers: &[],
             reactions: &[],
             accelerations: &[],

@@ -13,7 +13,7 @@ pub struct Unit {
     pub dimension: Dimension,
 }
 
-/// Exponents of mass, length and time, **doubled** so that square roots stay whole.
+/// Exponents of mass, length, time and electric current, **doubled** so that square roots stay whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Dimension {
     /// Twice the exponent of mass.
@@ -22,6 +22,8 @@ pub struct Dimension {
     pub length: i8,
     /// Twice the exponent of time.
     pub time: i8,
+    /// Twice the exponent of electric current.
+    pub current: i8,
 }
 
 /// A pure number or an angle [rad].
@@ -29,6 +31,7 @@ pub const ANGLE: Dimension = Dimension {
     mass: 0,
     length: 0,
     time: 0,
+    current: 0,
 };
 
 /// A dimension of length [m].
@@ -36,4 +39,5 @@ pub const LENGTH: Dimension = Dimension {
     mass: 0,
     length: 2,
     time: 0,
+    current: 0,
 };

@@ -148,12 +148,15 @@ pub enum Formula {
     Component(Vec<Formula>, usize),
     /// A function of its arguments.
     Apply(Function, Vec<Formula>),
+    /// A declared `let`: index into `Scene::lets`.
+    Let(usize),
     /// A table, linear between its rows and constant beyond them: index into `Scene::tables`; the list holds the one argument.
     Lookup(usize, Vec<Formula>),
 }
 
 impl Formula {
-    /// Calls `visit` on this formula and on everything in it.
+    /// Calls `visit` on this formula and on everything in it; of a `let` on its name alone
+    /// ([`Scene::walk`](crate::Scene::walk) goes into it).
     pub fn walk(&self, visit: &mut impl FnMut(&Formula)) {
         visit(self);
         match self {
@@ -166,13 +169,52 @@ impl Formula {
             _ => {}
         }
     }
+}
 
-    /// Whether anything in this formula satisfies `test`.
+/// One number or a vector of three, known before a run [SI].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Fixed {
+    /// One number.
+    Scalar(f64),
+    /// Three numbers, world components.
+    Vector([f64; 3]),
+}
+
+impl Fixed {
+    /// The number, if it is one.
     #[must_use]
-    pub fn contains(&self, test: impl Fn(&Formula) -> bool) -> bool {
-        let mut found = false;
-        self.walk(&mut |part| found |= test(part));
-        found
+    pub fn scalar(self) -> Option<f64> {
+        match self {
+            Fixed::Scalar(value) => Some(value),
+            Fixed::Vector(_) => None,
+        }
+    }
+
+    /// The vector, if it is one.
+    #[must_use]
+    pub fn vector(self) -> Option<[f64; 3]> {
+        match self {
+            Fixed::Vector(value) => Some(value),
+            Fixed::Scalar(_) => None,
+        }
+    }
+
+    /// As a formula of numbers.
+    #[must_use]
+    pub fn formula(self) -> Formula {
+        match self {
+            Fixed::Scalar(value) => Formula::Number(value),
+            Fixed::Vector(parts) => Formula::Vector(parts.map(Formula::Number).to_vec()),
+        }
+    }
+
+    /// Whether every number is finite.
+    #[must_use]
+    pub fn is_finite(self) -> bool {
+        match self {
+            Fixed::Scalar(value) => value.is_finite(),
+            Fixed::Vector(parts) => parts.iter().all(|part| part.is_finite()),
+        }
     }
 }
 

@@ -56,8 +56,45 @@ pub fn too_many(at: Region, most: usize, found: usize) -> Report {
     )
 }
 
-pub fn circular(at: Region, name: &str) -> Report {
-    Report::new(at, format!("const `{name}` depends on itself"))
+pub fn circular(at: Region, kind: &str, name: &str) -> Report {
+    Report::new(at, format!("{kind} `{name}` depends on itself"))
+}
+
+pub fn vector_param(at: Region) -> Report {
+    Report::new(
+        at,
+        "a param is one number, this is a vector: write a param for each component that varies, and a `let` such as `let wind = [wind_x, wind_y, 0.0];`",
+    )
+}
+
+/// What a `let` depends on, as it follows "not": of its name at a place where it cannot stand.
+pub fn let_of(name: &str, on: &str) -> String {
+    format!("the let `{name}`, which depends on `{on}`")
+}
+
+pub fn let_as_cause(at: Region, name: &str, on: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the let `{name}` depends on `{on}`, which answers to everything that acts, so nothing that acts can depend on it; it can stand in an `output` or an `event`"
+        ),
+    )
+}
+
+pub fn deep_let(at: Region, name: &str, most: usize) -> Report {
+    Report::new(
+        at,
+        format!(
+            "let `{name}` rests on too many others, one inside the other (at most {most} operations deep): name fewer of them in a row"
+        ),
+    )
+}
+
+pub fn let_in_si(at: Region, si: &str) -> Report {
+    Report::new(
+        at,
+        format!("a `let` holds its value in SI: write `in {si}`, or leave `in` out"),
+    )
 }
 
 pub fn empty_range(at: Region, name: &str) -> Report {
@@ -222,6 +259,15 @@ pub fn force_and_stiffness(at: Region, name: &str) -> Report {
     Report::new(
         at,
         format!("line `{name}` has a `force`, a table, and a `stiffness`: give one of them"),
+    )
+}
+
+pub fn table_as_stiffness(at: Region, table: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{table}` is a table; a line takes one of its force over its stretch: `force: {table}` in place of `stiffness`"
+        ),
     )
 }
 

@@ -1,0 +1,60 @@
+//! How finely positions and attitudes are resolved: what counts as one unit of error of each.
+
+use mbd_scene::{Float, Model};
+
+use super::Scales;
+use crate::event::Acting;
+use crate::moving::{Moving, moving};
+use crate::stiffness::Stiffness;
+
+/// What counts as one unit of error of the position [m] and of the attitude [rad] of each body and point: the scales of the run, and where lines and
+/// stops that act one way hold it, no more than the amplitude V/ω at which it swings on them at the speed scale V. An error of a position is an
+/// error K δ of their forces: so it is a part of the force V √(K m) of a stop at that speed, however stiff they are.
+#[derive(Debug)]
+pub(crate) struct Resolution {
+    scales: Scales,
+    sizes: Vec<(Moving, [f64; 2])>,
+}
+
+impl Resolution {
+    pub(crate) fn new<T: Float>(model: &dyn Model<T>, scales: Scales) -> Self {
+        let stiffness = Stiffness::new(model);
+        let size = |part: &Moving| {
+            let [moving, turning] = stiffness.rates(part);
+            [
+                scales.length.min(scales.speed / moving),
+                scales.angle.min(scales.rate / turning),
+            ]
+        };
+        Resolution {
+            scales,
+            sizes: moving(model.layout())
+                .map(|part| (part.clone(), size(&part)))
+                .collect(),
+        }
+    }
+
+    /// Of a body or a point: length [m] and angle [rad].
+    pub(crate) fn of(&self, part: &Moving) -> [f64; 2] {
+        let own = self.sizes.iter().find(|(other, _)| other.part == part.part);
+        own.map_or([self.scales.length, self.scales.angle], |(_, sizes)| *sizes)
+    }
+
+    /// Of the stretch of an element, or of its depth [m or rad]: that of the finer resolved of the two that it acts between, and what their velocities
+    /// add to K s + C ṡ, over K. A line at an equilibrium point, whose place follows from all its lines, is resolved as lengths are.
+    pub(crate) fn between(&self, acting: &Acting) -> f64 {
+        let (scale, rate) = match acting.angle {
+            true => (self.scales.angle, self.scales.rate),
+            false => (self.scales.length, self.scales.speed),
+        };
+        if acting.at_node {
+            return scale;
+        }
+        let held = self.sizes.iter();
+        let held = held.filter(|(part, _)| acting.ends.iter().any(|end| part.holds(*end)));
+        let finest = held
+            .map(|(_, sizes)| sizes[usize::from(acting.angle)])
+            .fold(scale, f64::min);
+        scale.min(finest + acting.delay * rate)
+    }
+}

@@ -1,0 +1,144 @@
+//! How stiffly lines, springs and stops hold a body or a point with mass: what the rates of a scene and the resolution of its forces follow from.
+
+use mbd_scene::laws::Numbers;
+use mbd_scene::{Float, Model, Part, Place, StopSlots};
+
+use crate::moving::Moving;
+
+/// Everything that acts between two places with a stiffness.
+pub(crate) struct Stiffness {
+    numbers: Numbers<f64>,
+    lines: Vec<Element>,
+    coordinates: Vec<Coordinate>,
+}
+
+/// A line or a spring.
+struct Element {
+    ends: [Place; 2],
+    unilateral: bool,
+    /// The largest slope of its force [N/m].
+    stiffness: f64,
+}
+
+/// A joint coordinate with a spring or stops.
+struct Coordinate {
+    ends: [Place; 2],
+    angle: bool,
+    /// Of the spring, and of one stop: only one is touched at a time [N/m or N m].
+    stiffness: [f64; 2],
+}
+
+impl Stiffness {
+    /// That of a model, for its parameters.
+    pub(crate) fn new<T: Float>(model: &dyn Model<T>) -> Self {
+        let scene = model.scene();
+        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
+        let numbers = Numbers::new(scene, &params);
+        let lines = scene.lines.iter().zip(model.lines());
+        let lines = lines.map(|(line, numbers)| Element {
+            ends: [line.from, line.to],
+            unilateral: line.kind.is_unilateral(),
+            stiffness: line
+                .kind
+                .stiffest(&scene.tables, numbers.stiffness.to_f64()),
+        });
+        Stiffness {
+            lines: lines.collect(),
+            coordinates: coordinates(model, &numbers),
+            numbers,
+        }
+    }
+
+    /// The stiffness against a translation: the sum over what holds it [N/m]. `unilateral`: of lines and stops alone.
+    pub(crate) fn moving(&self, owner: &Moving, unilateral: bool) -> f64 {
+        let lines = self.lines.iter().filter(|line| {
+            (line.unilateral || !unilateral) && line.ends.iter().any(|end| owner.holds(*end))
+        });
+        lines.map(|line| line.stiffness).sum::<f64>() + self.along(owner, false, unilateral)
+    }
+
+    /// The stiffness against a rotation, of joint coordinates [N m].
+    pub(crate) fn turning(&self, owner: &Moving, unilateral: bool) -> f64 {
+        self.along(owner, true, unilateral)
+    }
+
+    /// Of the joint coordinates that are angles, or are not.
+    fn along(&self, owner: &Moving, angle: bool, unilateral: bool) -> f64 {
+        let own = self.coordinates.iter().filter(|acting| {
+            acting.angle == angle && acting.ends.iter().any(|end| owner.holds(*end))
+        });
+        let skipped = usize::from(unilateral);
+        own.map(|acting| acting.stiffness.iter().skip(skipped).sum::<f64>())
+            .sum()
+    }
+
+    /// The fastest rates ω at which lines and stops that push or pull one way swing it [rad/s]: √(ΣK/m) along, and of a body √(ΣK/I) about its
+    /// centre of mass, where a line at a lever r counts as K r².
+    pub(crate) fn rates(&self, owner: &Moving) -> [f64; 2] {
+        let root = |stiffness: f64, inertia: f64| match stiffness > 0.0 {
+            true => (stiffness / inertia).sqrt(),
+            false => 0.0,
+        };
+        let moving = self.moving(owner, true);
+        match owner.part {
+            Part::Body(body) => self.numbers.bodies.get(body).map_or([0.0; 2], |body| {
+                let turning = self.turning(owner, true) + self.levers(owner);
+                let inertia = body.inertia.trace() / 3.0;
+                [root(moving, body.mass), root(turning, inertia)]
+            }),
+            Part::Point(point) => {
+                let mass = self
+                    .numbers
+                    .points
+                    .get(point)
+                    .map_or(0.0, |(mass, _)| *mass);
+                [root(moving, mass), 0.0]
+            }
+            Part::Joint(_) => [0.0; 2],
+        }
+    }
+
+    /// Σ K r² of the lines that pull only [N m].
+    fn levers(&self, owner: &Moving) -> f64 {
+        let lever = |end: Place| match end {
+            Place::Body(body, frame) if owner.holds(end) => {
+                let frame = self.numbers.bodies.get(body)?.frames.get(frame)?;
+                Some(frame.position.norm_squared())
+            }
+            _ => None,
+        };
+        let lines = self.lines.iter().filter(|line| line.unilateral);
+        let ends = lines.flat_map(|line| line.ends.map(|end| (end, line.stiffness)));
+        ends.filter_map(|(end, stiffness)| Some(stiffness * lever(end)?))
+            .sum()
+    }
+}
+
+fn coordinates<T: Float>(model: &dyn Model<T>, numbers: &Numbers<f64>) -> Vec<Coordinate> {
+    let (scene, lines) = (model.scene(), model.layout().lines.len());
+    let mut found = Vec::new();
+    for (index, (joint, entries)) in scene.joints.iter().zip(&numbers.forces).enumerate() {
+        for (forces, numbers) in joint.forces.iter().zip(entries) {
+            let Some((_, coordinate)) = scene.coordinate(index, forces.coordinate) else {
+                continue;
+            };
+            let stops = model
+                .layout()
+                .stops
+                .iter()
+                .zip(model.lines().iter().skip(lines));
+            let own =
+                |slots: &StopSlots| slots.joint == index && slots.coordinate == forces.coordinate;
+            let stop = stops
+                .filter(|(slots, _)| own(slots))
+                .map(|(_, numbers)| numbers.stiffness.to_f64())
+                .fold(0.0, f64::max);
+            found.push(Coordinate {
+                ends: [joint.parent, joint.child],
+                angle: coordinate.is_angle(),
+                stiffness: [numbers.stiffness.unwrap_or(0.0), stop],
+            });
+        }
+    }
+    found
+}
