@@ -133,11 +133,7 @@ fn what_new_users_write_is_accepted_or_answered() {
 /// Files of `users/wished` that wait for a part of the language, and the branch that brings it.
 const AWAITED: &[(&str, &str)] = &[
     ("w02_motor_input.mbd", "quantities"),
-    ("w03_reaction_out.mbd", "quantities"),
-    ("w04_state_var.mbd", "language"),
     ("w12_table2d.mbd", "language"),
-    ("w14_accel.mbd", "quantities"),
-    ("w15_frame_inertial.mbd", "quantities"),
 ];
 
 fn parachute() -> String {

@@ -237,7 +237,7 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
             "* (link.tip.velocity",
             "* (link.tip.velocty",
             &[
-                "scene.toml:43:13: `link.tip` has no quantity `velocty`; did you mean `velocity`? known: position, velocity, x, y, z",
+                "scene.toml:43:13: `link.tip` has no quantity `velocty`; did you mean `velocity`? known: position, velocity, acceleration, x, y, z",
             ],
         ),
         (

@@ -30,7 +30,7 @@ pub struct Scales {
 }
 
 impl Default for Scales {
-    /// One metre, one radian, one metre a second, one radian a second, one joule, one SI unit.
+    /// One metre, one radian, one metre a second, one radian a second, one joule.
     fn default() -> Self {
         Scales {
             length: 1.0,

@@ -214,7 +214,12 @@ impl Resolver<'_> {
                 | Formula::Apply(..) => Stage::Constant,
                 Formula::Param(_) | Formula::Lookup(..) => Stage::Fixed,
                 Formula::Time => Stage::Course,
-                Formula::MotorEffort(..) => Stage::Result,
+                Formula::MotorEffort(..)
+                | Formula::Acceleration(_)
+                | Formula::AngularAcceleration(_)
+                | Formula::CoordinateAcceleration(..)
+                | Formula::ReactionForce(_)
+                | Formula::ReactionTorque(_) => Stage::Result,
                 _ => Stage::Live,
             };
             if furthest.as_ref().is_none_or(|(known, _)| stage > *known) {
