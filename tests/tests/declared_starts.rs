@@ -110,7 +110,9 @@ fn other_params_leave_a_restored_state_where_it_is() {
     let mut first = new();
     first.run(0.25).expect("a swing");
     let mut second = new();
-    second.restore(&first.snapshot()).expect("of the same model");
+    second
+        .restore(&first.snapshot())
+        .expect("of the same model");
     second.set_params(&[0.25]).expect("within its range");
     assert_eq!(second.state(), first.state());
 }
