@@ -4,6 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::context::{Context, docs, unit_text};
+use super::coordinates::coordinates;
 use super::inputs::inputs;
 use super::literal::{number, whole};
 use super::parts::parts;
@@ -11,8 +12,9 @@ use super::parts::parts;
 /// Every companion type of a model.
 pub fn companions(context: &Context) -> TokenStream {
     let (params, state) = (params(context), state(context));
-    let (outputs, inputs) = (outputs(context), inputs(context));
-    quote!(#params #state #outputs #inputs)
+    let (outputs, coordinates) = (outputs(context), coordinates(context));
+    let inputs = inputs(context);
+    quote!(#params #state #outputs #coordinates #inputs)
 }
 
 fn params(context: &Context) -> TokenStream {

@@ -15,6 +15,11 @@ impl Layout {
             np: scene.params.len(),
             directions: scene.directions(),
             events: scene.events.len(),
+            measured: scene
+                .joints
+                .iter()
+                .map(|joint| joint.law.measured().count())
+                .sum(),
             lets: scene.lets.len(),
             ..Layout::default()
         };
