@@ -18,6 +18,10 @@
 //! One step of a run: `simulation` tries it (`integrate`: one tableau a method, checked when the crate is built) and puts it back on the joints (`projection`), looks for slack/taut switches and
 //! declared events inside it (`event`, `locate`), records it (`trajectory`) and commits state and memory together.
 
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/control.md")]
+struct ThePageAboutDriving;
+
 #[doc(hidden)]
 #[path = "private.rs"]
 pub mod __private;

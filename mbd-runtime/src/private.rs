@@ -114,6 +114,13 @@ pub fn fixed_mut<T, const N: usize>(slice: &mut [T]) -> Option<&mut [T; N]> {
     slice.try_into().ok()
 }
 
+/// The first numbers of a list; zero where it ends early.
+#[must_use]
+pub fn leading<T: Real, const N: usize>(numbers: &[T]) -> [T; N] {
+    let mut numbers = numbers.iter().copied();
+    std::array::from_fn(|_| numbers.next().unwrap_or_else(T::zero))
+}
+
 /// The state as coordinates, speeds and node positions, if it has the right length.
 #[inline]
 #[must_use]

@@ -4,9 +4,10 @@
 //! The numbers of a stage are those that are held ([`Simulation::set_inputs`](crate::Simulation::set_inputs), controllers at samples), changed by
 //! every function of time and state in the order in which they were given.
 
+use std::cell::RefCell;
 use std::marker::PhantomData;
 
-use mbd_scene::{Float, Layout, Model, Scene};
+use mbd_scene::{At, Float, Layout, Model, Quantity, Scene, Work};
 
 use crate::columns::input_name;
 use crate::error::{Source, StepError};
@@ -21,6 +22,8 @@ pub trait Inputs<T>: Sized {
     const MODEL: Option<(&'static str, [usize; 2])>;
     /// The state of the model, typed.
     type State;
+    /// Its joint coordinates and their rates, typed.
+    type Coordinates;
 
     /// They from their numbers; `None` for a list of another length.
     fn from_numbers(numbers: &[T]) -> Option<Self>;
@@ -30,11 +33,15 @@ pub trait Inputs<T>: Sized {
 
     /// A state from its numbers [q | v | z].
     fn state(numbers: &[T]) -> Self::State;
+
+    /// Joint coordinates and their rates from their numbers, in the order of [`Quantity::Coordinates`].
+    fn coordinates(numbers: &[T]) -> Self::Coordinates;
 }
 
 impl<T: Copy> Inputs<T> for Vec<T> {
     const MODEL: Option<(&'static str, [usize; 2])> = None;
     type State = Vec<T>;
+    type Coordinates = Vec<T>;
 
     fn from_numbers(numbers: &[T]) -> Option<Self> {
         Some(numbers.to_vec())
@@ -47,11 +54,16 @@ impl<T: Copy> Inputs<T> for Vec<T> {
     fn state(numbers: &[T]) -> Vec<T> {
         numbers.to_vec()
     }
+
+    fn coordinates(numbers: &[T]) -> Vec<T> {
+        numbers.to_vec()
+    }
 }
 
 impl<T: Copy, const N: usize> Inputs<T> for [T; N] {
     const MODEL: Option<(&'static str, [usize; 2])> = None;
     type State = Vec<T>;
+    type Coordinates = Vec<T>;
 
     fn from_numbers(numbers: &[T]) -> Option<Self> {
         numbers.try_into().ok()
@@ -64,14 +76,49 @@ impl<T: Copy, const N: usize> Inputs<T> for [T; N] {
     fn state(numbers: &[T]) -> Vec<T> {
         numbers.to_vec()
     }
+
+    fn coordinates(numbers: &[T]) -> Vec<T> {
+        numbers.to_vec()
+    }
 }
 
 /// When and where inputs are asked for, in numbers.
-pub struct Moment<'a, T> {
+pub struct Moment<'a, T: Float> {
     /// Time [s].
     pub(crate) time: f64,
     /// State x = [q | v | z].
     pub(crate) state: &'a [T],
+    pub(crate) gauge: RefCell<Gauge<'a, T>>,
+}
+
+/// What measures joint coordinates, when somebody asks for them.
+pub(crate) struct Gauge<'a, T: Float> {
+    pub model: &'a dyn Model<T>,
+    pub at: At<'a, T>,
+    pub work: &'a mut Work<T>,
+    /// Room for the numbers.
+    pub room: &'a mut [T],
+}
+
+/// Measures joint coordinates where a sample is taken.
+trait Measure<T> {
+    /// Hands the numbers of [`Quantity::Coordinates`] to `read`.
+    fn measure(&self, read: &mut dyn FnMut(&[T]));
+}
+
+impl<T: Float> Measure<T> for RefCell<Gauge<'_, T>> {
+    fn measure(&self, read: &mut dyn FnMut(&[T])) {
+        if let Ok(mut gauge) = self.try_borrow_mut() {
+            let Gauge {
+                model,
+                at,
+                work,
+                room,
+            } = &mut *gauge;
+            model.evaluate(Quantity::Coordinates, at, work, room);
+            read(room);
+        }
+    }
 }
 
 /// A function of time and state that changes numbers of inputs.
@@ -80,18 +127,20 @@ pub(crate) type Law<T> = Box<dyn FnMut(&Moment<'_, T>, &mut [T]) + Send>;
 /// What a controller sees: a time, and the state there.
 ///
 /// `I` are the inputs of the model, `CartInputs`; the sample of a model `Cart` has the name `CartSample`.
-pub struct Sample<'a, I, T = f64> {
+pub struct Sample<'a, I, T: Float = f64> {
     /// Time [s].
     pub time: f64,
-    moment: &'a Moment<'a, T>,
+    state: &'a [T],
+    gauge: &'a dyn Measure<T>,
     of: PhantomData<fn() -> I>,
 }
 
-impl<'a, I: Inputs<T>, T> Sample<'a, I, T> {
-    fn new(moment: &'a Moment<'a, T>) -> Self {
+impl<'a, I: Inputs<T>, T: Float> Sample<'a, I, T> {
+    fn new(moment: &'a Moment<'_, T>) -> Self {
         Sample {
             time: moment.time,
-            moment,
+            state: moment.state,
+            gauge: &moment.gauge,
             of: PhantomData,
         }
     }
@@ -99,13 +148,22 @@ impl<'a, I: Inputs<T>, T> Sample<'a, I, T> {
     /// The state, typed.
     #[must_use]
     pub fn state(&self) -> I::State {
-        I::state(self.moment.state)
+        I::state(self.state)
+    }
+
+    /// The joint coordinates and their rates, as the joints measure them: `sample.coordinates().pin_angle`. Computed when asked for.
+    #[must_use]
+    pub fn coordinates(&self) -> I::Coordinates {
+        let mut found = None;
+        self.gauge
+            .measure(&mut |numbers| found = Some(I::coordinates(numbers)));
+        found.unwrap_or_else(|| I::coordinates(&[]))
     }
 
     /// The state as the list x = [q | v | z].
     #[must_use]
     pub fn x(&self) -> &'a [T] {
-        self.moment.state
+        self.state
     }
 }
 
@@ -199,7 +257,7 @@ fn not_finite(scene: &Scene, layout: &Layout, time: f64, index: usize) -> StepEr
 }
 
 /// A controller that is called at even intervals.
-pub(crate) struct Sampler<T> {
+pub(crate) struct Sampler<T: Float> {
     /// The interval [s].
     pub period: f64,
     /// When the first sample is [s].
@@ -209,7 +267,7 @@ pub(crate) struct Sampler<T> {
     pub law: Law<T>,
 }
 
-impl<T> Sampler<T> {
+impl<T: Float> Sampler<T> {
     /// When the next sample is [s]: a product, so that rounding does not accumulate.
     pub fn instant(&self) -> f64 {
         self.from + self.next as f64 * self.period

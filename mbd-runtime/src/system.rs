@@ -1,5 +1,6 @@
 //! One stage: inputs, then equilibrium points, then the state derivative.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use mbd_scene::{Float, Model, Quantity, Scene, Work};
@@ -12,7 +13,7 @@ use crate::laws::Laws;
 use crate::list::largest;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::projection::Projection;
-use crate::supply::{Law, Moment, check_supplied};
+use crate::supply::{Gauge, Law, Moment, check_supplied};
 use crate::unilateral::Mode;
 use crate::watch;
 
@@ -95,6 +96,8 @@ pub(crate) struct System<T: Float> {
     angles: Option<[Vec<f64>; 2]>,
     /// Room for a quantity by the laws themselves.
     wide: Vec<f64>,
+    /// Room for joint coordinates.
+    measured: Vec<T>,
 }
 
 /// Whether a spring or a stop acts along an angle that jumps at half a turn.
@@ -149,6 +152,7 @@ impl<T: Float> System<T> {
             works,
             angles: has_jumping_angles(model.scene()).then(Default::default),
             wide: Vec::new(),
+            measured: vec![T::zero(); layout.len(Quantity::Coordinates)],
             model,
         }
     }
@@ -334,16 +338,36 @@ impl<T: Float> System<T> {
         self.unsupplied = false;
     }
 
+    /// What functions and controllers are shown at a time and a state.
+    pub(crate) fn moment<'a>(&'a mut self, time: f64, state: &'a [T]) -> Moment<'a, T> {
+        let at = self.nodes.at(T::from_f64(time), state, &self.held);
+        Moment {
+            time,
+            state,
+            gauge: RefCell::new(Gauge {
+                model: &*self.model,
+                at,
+                work: &mut self.work,
+                room: &mut self.measured,
+            }),
+        }
+    }
+
     /// The inputs of a stage. Without functions of time and state they are those that are held.
     pub(crate) fn supply(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
         if self.controls.is_empty() || self.inputs.is_empty() {
             return Ok(());
         }
         self.inputs.copy_from_slice(&self.held);
-        let moment = Moment { time, state };
-        for control in &mut self.controls {
-            control(&moment, &mut self.inputs);
+        let (mut inputs, mut controls) = (
+            std::mem::take(&mut self.inputs),
+            std::mem::take(&mut self.controls),
+        );
+        let moment = self.moment(time, state);
+        for control in &mut controls {
+            control(&moment, &mut inputs);
         }
+        (self.inputs, self.controls) = (inputs, controls);
         check_supplied(&*self.model, time, &self.inputs)
     }
 

@@ -371,6 +371,7 @@ fn quantity(what: Quantity) -> String {
         Quantity::Balance => "balance of the equilibrium points",
         Quantity::Guards => "guards of the events",
         Quantity::Outputs => "outputs",
+        Quantity::Coordinates => "joint coordinates",
         Quantity::Energy => "energy",
         Quantity::Momentum => "momentum",
         Quantity::MassMatrix => "mass matrix",

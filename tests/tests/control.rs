@@ -71,6 +71,29 @@ model! {
     }
 }
 
+model! {
+    /// Three links of a chain and a slider, driven by torques.
+    model Chain<T> {
+        units: si;
+        gravity: [0, 0, -9.81];
+        input torque[i in 0..3]: torque;
+        body link[i in 0..3] {
+            mass: 1,
+            inertia: diag(0.1, 0.1, 0.02),
+            frame root at [0, 0, 0.25],
+            frame tip at [0, 0, -0.25],
+        }
+        body sled { mass: 2, inertia: diag(0.1, 0.1, 0.1) }
+        joint rail: prismatic from world to sled.com { axis: [1, 0, 0] }
+        joint hook: hinge from sled.com to link[0].root { axis: [0, 1, 0], force: torque[0] }
+        joint pin[i in 0..2]: hinge from link[i].tip to link[i + 1].root { axis: [0, 1, 0], force: torque[i + 1] }
+        output bend[i in 0..2] = pin[i].angle;
+        output bend_rate[i in 0..2] = pin[i].angle_rate;
+        output slide = rail.slide;
+        output slide_rate = rail.slide_rate;
+    }
+}
+
 fn cart() -> Cart {
     Cart::new(CartParams::default()).expect("defaults")
 }
@@ -493,5 +516,70 @@ fn a_scene_that_is_not_compiled_is_driven_by_numbers() {
     }
     for (a, b) in slow.state().iter().zip(fast.state()) {
         assert!((a - b).abs() < 1e-12);
+    }
+}
+
+/// A controller is shown what the joints measure, as outputs are.
+#[test]
+fn joint_coordinates_at_a_sample_are_those_of_outputs() {
+    let chain: Chain = Chain::new(ChainParams::default()).expect("defaults");
+    let generic = Generic::<f64>::with_defaults(Chain::<f64>::scene()).expect("a scene");
+    let seen = Arc::new(std::sync::Mutex::new((Vec::new(), Vec::new())));
+    let mut run = Simulation::new(&chain, Options::rk4(1e-3)).expect("options");
+    let mut plain = Simulation::new(&generic, Options::rk4(1e-3)).expect("options");
+    let log = seen.clone();
+    run.control_every(0.05, move |sample, inputs: &mut ChainInputs| {
+        let joints = sample.coordinates();
+        for i in 0..2 {
+            inputs.torque[i + 1] = -joints.pin_angle[i] - 0.1 * joints.pin_angle_rate[i];
+        }
+        log.lock().expect("one thread").0.push([
+            joints.pin_angle[0],
+            joints.pin_angle[1],
+            joints.pin_angle_rate[0],
+            joints.pin_angle_rate[1],
+            joints.rail_slide,
+            joints.rail_slide_rate,
+        ]);
+    })
+    .expect("its inputs");
+    let log = seen.clone();
+    plain
+        .control_every(0.05, move |sample, inputs: &mut [f64; 3]| {
+            // In the order of the joints: rail, hook, pin[0], pin[1].
+            let joints = sample.coordinates();
+            for i in 0..2 {
+                inputs[i + 1] = -joints[4 + 2 * i] - 0.1 * joints[5 + 2 * i];
+            }
+            let log = &mut log.lock().expect("one thread").1;
+            log.push([4, 6, 5, 7, 0, 1].map(|place| joints[place]));
+        })
+        .expect("three numbers");
+    for run in [&mut run, &mut plain] {
+        run.set_joints(&[
+            ("hook.angle", 0.4),
+            ("pin[1].angle", -0.7),
+            ("rail.slide", 0.2),
+        ])
+        .expect("an open chain");
+        for tenth in 1..=10 {
+            let mut outputs = [0.0; 6];
+            run.evaluate(mbd_runtime::Quantity::Outputs, &mut outputs)
+                .expect("outputs");
+            run.run(0.05 * f64::from(tenth)).expect("it swings");
+            let seen = seen.lock().expect("one thread");
+            let found = seen.0.len().max(seen.1.len());
+            let last = if seen.1.is_empty() {
+                seen.0[found - 1]
+            } else {
+                *seen.1.last().expect("a sample")
+            };
+            for (a, b) in last.iter().zip(outputs) {
+                assert!((a - b).abs() < 1e-12, "{last:?} {outputs:?}");
+            }
+        }
+    }
+    for (a, b) in run.state().iter().zip(plain.state()) {
+        assert!((a - b).abs() < 1e-10, "{a} {b}");
     }
 }

@@ -1,6 +1,7 @@
 //! Generated code against the interpreter, to the bit, and against the laws on numbers, to rounding.
 
 #[allow(
+    dead_code,
     deprecated,
     reason = "random scenes declare frames and points they do not use"
 )]

@@ -154,7 +154,7 @@ pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
 
 /// The quantities to emit: all, or what a simulation needs and those that `emit: […]` names, by kind or by function.
 fn wanted(reading: &Reading, scene: &Scene, layout: &Layout) -> Vec<Quantity> {
-    let all = layout.quantities();
+    let mut all = layout.quantities();
     let Some(names) = &reading.options.emit else {
         return all;
     };
@@ -166,6 +166,7 @@ fn wanted(reading: &Reading, scene: &Scene, layout: &Layout) -> Vec<Quantity> {
                 | Quantity::Derivative
                 | Quantity::Balance
                 | Quantity::Guards
+                | Quantity::Coordinates
                 | Quantity::Constraint
                 | Quantity::ConstraintRate
                 | Quantity::ProjectionStep
@@ -180,6 +181,11 @@ fn wanted(reading: &Reading, scene: &Scene, layout: &Layout) -> Vec<Quantity> {
         true => layout.derivatives(),
         false => Vec::new(),
     };
+    // Of a scene without inputs nobody needs them unasked.
+    let coordinates = Quantity::Coordinates;
+    if !all.contains(&coordinates) && layout.len(coordinates) > 0 && asked(coordinates) {
+        all.push(coordinates);
+    }
     all.into_iter()
         .filter(|&what| needed(what) || asked(what))
         .chain(through_rows)

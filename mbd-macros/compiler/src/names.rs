@@ -121,6 +121,10 @@ pub fn result(scene: &Scene, layout: &Layout, what: Quantity, place: usize) -> O
             let joint = identifier(&scene.joints.get(place / 6)?.name);
             six(["force", "torque"]).map(|name| format!("{joint}_{name}"))
         }
+        Quantity::Coordinates => scene
+            .joint_coordinates()
+            .get(place)
+            .map(|name| identifier(name)),
         Quantity::Momentum => six(["momentum", "angular_momentum"]),
         Quantity::Energy => ENERGIES.get(place).map(|name| (*name).to_owned()),
         _ => None,

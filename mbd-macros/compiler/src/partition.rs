@@ -113,6 +113,7 @@ fn is_hot(program: &Program) -> bool {
                 | Quantity::Forces
                 | Quantity::Lines
                 | Quantity::Outputs
+                | Quantity::Coordinates
                 | Quantity::Constraint
                 | Quantity::ConstraintJacobian
                 | Quantity::ConstraintRate

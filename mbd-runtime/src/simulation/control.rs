@@ -4,7 +4,7 @@ use mbd_scene::Float;
 
 use super::{Pace, Simulation};
 use crate::error::{RunError, StepError};
-use crate::supply::{Law, Moment, Sampler, check_model, check_numbers, check_supplied};
+use crate::supply::{Law, Sampler, check_model, check_numbers, check_supplied};
 use crate::trajectory::resolution;
 
 impl<T: Float> Simulation<T> {
@@ -78,10 +78,11 @@ impl<T: Float> Simulation<T> {
         if self.samplers.iter().any(due) {
             self.given.copy_from_slice(&self.system.held);
             let state = self.state.get(..self.system.nx).unwrap_or_default();
+            let model = self.system.model.clone();
             for sampler in self.samplers.iter_mut().filter(|sampler| due(sampler)) {
                 let time = sampler.instant();
-                (sampler.law)(&Moment { time, state }, &mut self.given);
-                check_supplied(&*self.system.model, time, &self.given)?;
+                (sampler.law)(&self.system.moment(time, state), &mut self.given);
+                check_supplied(&*model, time, &self.given)?;
             }
             for sampler in self.samplers.iter_mut().filter(|sampler| due(sampler)) {
                 sampler.next += 1;

@@ -68,6 +68,25 @@ model! {
     }
 }
 
+model! {
+    /// An arm of seven links with a torque at each joint.
+    model Arm {
+        units: si;
+        gravity: [0, 0, -9.81];
+        emit: [derivative];
+        input torque[i in 0..7]: torque;
+        body link[i in 0..7] {
+            mass: 3.5 - 0.4 * i,
+            inertia: diag(0.03, 0.03, 0.01),
+            frame root at [0, 0, -0.15],
+            frame tip at [0, 0, 0.15],
+        }
+        joint base: hinge from world to link[0].root { axis: [0, 0, 1], force: torque[0] }
+        joint bend[i in 0..3]: hinge from link[2 * i].tip to link[2 * i + 1].root { axis: [0, 1, 0], force: torque[2 * i + 1] }
+        joint roll[i in 0..3]: hinge from link[2 * i + 1].tip to link[2 * i + 2].root { axis: [0, 0, 1], force: torque[2 * i + 2] }
+    }
+}
+
 fn silent(name: &str, run: &mut Simulation<f64>, until: f64) {
     run.start()
         .unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -130,5 +149,50 @@ fn a_machine_runs_without_asking_for_memory() {
             run.set_state(0.0, &start).expect("a state");
             silent(&format!("{kind}, {method}"), &mut run, 1.0);
         }
+    }
+}
+
+/// A control loop of 1 kHz, closed from outside and by controllers inside.
+#[test]
+fn an_arm_is_controlled_without_asking_for_memory() {
+    let arm = Arm::new(ArmParams::default()).expect("defaults");
+    for options in [Options::rk4(1e-3), Options::tsit5(1e-6)] {
+        let make = || {
+            let mut run = Simulation::new(&arm, options).expect("options that fit");
+            run.set_joints(&[("bend[0].angle", 0.3)]).expect("a start");
+            run
+        };
+        let mut held = make();
+        held.start().expect("a consistent start");
+        let count = allocations(|| {
+            for k in 0..200 {
+                let torque = std::array::from_fn(|i| 0.1 * (0.05 * f64::from(k)).sin() * i as f64);
+                held.set_inputs(&ArmInputs { torque }).expect("finite");
+                held.run(1e-3 * f64::from(k + 1)).expect("it moves");
+            }
+        });
+        assert_eq!(count, 0, "held");
+        let mut inside = make();
+        inside
+            .control(|sample, inputs: &mut ArmInputs| {
+                inputs.torque[0] -= 0.1 * sample.coordinates().base_angle_rate;
+            })
+            .expect("its inputs");
+        inside
+            .control_every(1e-3, |sample, inputs: &mut ArmInputs| {
+                let joints = sample.coordinates();
+                for i in 0..3 {
+                    inputs.torque[2 * i + 1] =
+                        -20.0 * joints.bend_angle[i] - joints.bend_angle_rate[i];
+                    inputs.torque[2 * i + 2] = -joints.roll_angle_rate[i];
+                }
+            })
+            .expect("its inputs");
+        inside.start().expect("a consistent start");
+        inside.run(1e-3).expect("the first sample");
+        let count = allocations(|| {
+            inside.run(0.2).expect("it moves");
+        });
+        assert_eq!(count, 0, "inside");
     }
 }

@@ -5,6 +5,7 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::context::{Context, docs, unit_text};
+use super::coordinates::has_coordinates;
 use super::literal::{ident, number, whole};
 
 /// One field: a thing, or those of a repetition.
@@ -132,6 +133,16 @@ pub fn inputs(context: &Context) -> TokenStream {
         "What the caller of `{model}` supplies, SI units. `default()` has the declared values; external loads and external gravity are zero."
     ));
     let gravity = gravity(context, &fields);
+    let (measured, read) = match has_coordinates(context) {
+        true => {
+            let coordinates = context.named("Coordinates");
+            (
+                quote!(#coordinates #used),
+                quote!(#coordinates::from_array(::mbd_runtime::__private::leading(numbers))),
+            )
+        }
+        false => (quote!(()), quote!(let _ = numbers;)),
+    };
     let (sample, sample_doc) = (
         context.named("Sample"),
         docs(&format!("What a controller of `{model}` sees.")),
@@ -176,6 +187,7 @@ pub fn inputs(context: &Context) -> TokenStream {
             const MODEL: ::core::option::Option<(&'static str, [usize; 2])> =
                 ::core::option::Option::Some((#model, [#nx, #count]));
             type State = #state #used;
+            type Coordinates = #measured;
             fn from_numbers(numbers: &[#t]) -> ::core::option::Option<Self> {
                 ::mbd_runtime::__private::fixed(numbers).copied().map(Self::from_array)
             }
@@ -184,6 +196,9 @@ pub fn inputs(context: &Context) -> TokenStream {
             }
             fn state(numbers: &[#t]) -> #state #used {
                 #state::from_slice(numbers).unwrap_or_else(#state::at_origin)
+            }
+            fn coordinates(numbers: &[#t]) -> Self::Coordinates {
+                #read
             }
         }
     }

@@ -6,6 +6,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::context::{Context, docs, unit_text};
+use super::coordinates::coordinates;
 use super::inputs::inputs;
 use super::literal::{number, whole};
 use super::parts::parts;
@@ -13,8 +14,9 @@ use super::parts::parts;
 /// Every companion type of a model.
 pub fn companions(context: &Context) -> TokenStream {
     let (params, state, start) = (params(context), state(context), start(context));
-    let (outputs, inputs) = (outputs(context), inputs(context));
-    quote!(#params #state #start #outputs #inputs)
+    let (outputs, coordinates) = (outputs(context), coordinates(context));
+    let inputs = inputs(context);
+    quote!(#params #state #start #outputs #coordinates #inputs)
 }
 
 fn params(context: &Context) -> TokenStream {

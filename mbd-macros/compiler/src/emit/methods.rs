@@ -251,6 +251,13 @@ fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
             let outputs = context.named("Outputs");
             (quote!(#outputs #used), quote!(#outputs::from_array(values)))
         }
+        Quantity::Coordinates => {
+            let coordinates = context.named("Coordinates");
+            (
+                quote!(#coordinates #used),
+                quote!(#coordinates::from_array(values)),
+            )
+        }
         Quantity::Energy => (
             quote!(::mbd_runtime::Energy<#t>),
             quote! {

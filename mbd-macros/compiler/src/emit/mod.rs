@@ -2,11 +2,12 @@
 //!
 //! - `function` writes one program as one function, `kernel` a long one as calls of kernels that many share, `terms` what they compute,
 //!   `naming` and `wording` name that.
-//! - `interface` writes parameters, state and outputs, `inputs` what the caller supplies, `methods` the typed methods, `model` the struct, `execution` the
+//! - `interface` writes parameters, state and outputs, `inputs` what the caller supplies, `coordinates` what joints measure, `methods` the typed methods, `model` the struct, `execution` the
 //!   trait.
 //! - `explain` says in words what was made.
 
 mod context;
+mod coordinates;
 mod execution;
 mod explain;
 mod function;

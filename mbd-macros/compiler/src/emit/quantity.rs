@@ -34,6 +34,7 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::Balance => "balance",
         Quantity::Guards => "guards",
         Quantity::Outputs => "outputs",
+        Quantity::Coordinates => "coordinates",
         Quantity::Energy => "energy",
         Quantity::Momentum => "momentum",
         Quantity::MassMatrix => "mass_matrix",
@@ -133,6 +134,10 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
         Quantity::Outputs => (
             "The declared outputs.",
             format!("{n} columns, each in its unit."),
+        ),
+        Quantity::Coordinates => (
+            "The joint coordinates and their rates, as joints measure them.",
+            format!("{n} [m, m/s or rad, rad/s].",),
         ),
         Quantity::Energy => (
             "Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.",

@@ -206,6 +206,7 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
         [29, 9],
     ));
     type State = ParachuteState<T>;
+    type Coordinates = ();
     fn from_numbers(numbers: &[T]) -> ::core::option::Option<Self> {
         ::mbd_runtime::__private::fixed(numbers).copied().map(Self::from_array)
     }
@@ -214,6 +215,9 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
     }
     fn state(numbers: &[T]) -> ParachuteState<T> {
         ParachuteState::from_slice(numbers).unwrap_or_else(ParachuteState::at_origin)
+    }
+    fn coordinates(numbers: &[T]) -> Self::Coordinates {
+        let _ = numbers;
     }
 }
 /// Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point.

@@ -145,6 +145,7 @@ pub fn evaluate<S: Real>(
         }
         Quantity::Guards => measured::guards(&evaluation, out),
         Quantity::Outputs => measured::outputs(&evaluation, out),
+        Quantity::Coordinates => measured::coordinates(&evaluation, out),
         Quantity::Energy => {
             let drives = forces::drive_power(&evaluation);
             let through_joints = if layout.joints.iter().any(|joint| joint.driven) {

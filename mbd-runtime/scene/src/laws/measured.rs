@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::Real;
+use crate::laws::formula::Context;
 use crate::laws::{evaluation::Evaluation, forces, formula, joint_forces, line};
 use crate::scalar::algebra::{elements, write};
 
@@ -59,6 +60,20 @@ pub fn outputs<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
             formula::Value::Vector(a) => write(out, column, &a),
         }
         column += output.components;
+    }
+}
+
+/// Value and rate of every joint coordinate.
+pub fn coordinates<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let joints = evaluation.scene.joints.iter().enumerate();
+    let coordinates = joints
+        .flat_map(|(joint, declared)| (0..declared.law.coordinates()).map(move |k| (joint, k)));
+    let values = coordinates.filter_map(|(joint, index)| {
+        let value = evaluation.coordinate(joint, index)?;
+        Some([value, evaluation.coordinate_rate(joint, index)?])
+    });
+    for (pair, value) in out.chunks_exact_mut(2).zip(values) {
+        pair.copy_from_slice(&value);
     }
 }
 

@@ -57,6 +57,8 @@ pub struct Layout {
     pub ni: usize,
     /// Number of output columns.
     pub columns: usize,
+    /// Number of measurable joint coordinates.
+    pub measured: usize,
     /// Number of declared events.
     pub events: usize,
     /// Number of named expressions.

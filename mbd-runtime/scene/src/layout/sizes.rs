@@ -20,6 +20,7 @@ impl Layout {
             Quantity::Balance => 3 * self.nodes.len(),
             Quantity::Guards => 2 * self.one_way() + self.events,
             Quantity::Outputs => self.columns,
+            Quantity::Coordinates => 2 * self.measured,
             Quantity::Energy => 6,
             Quantity::Momentum => 6,
             Quantity::MassMatrix => self.nv * self.nv,
@@ -120,7 +121,7 @@ impl Layout {
         all
     }
 
-    /// Every quantity this scene has a use for, in a fixed order. Not the derivatives of ẋ where joints have rows: through the factor of the
+    /// Every quantity this scene has a use for, in a fixed order. Joint coordinates are for controllers: of a scene with inputs. Not the derivatives of ẋ where joints have rows: through the factor of the
     /// rows they would take 187,000 operations for eight hinges. They are found from [`Layout::derivatives`] with the factor at hand.
     #[must_use]
     pub fn quantities(&self) -> Vec<Quantity> {
@@ -131,6 +132,7 @@ impl Layout {
             Quantity::Balance,
             Quantity::Guards,
             Quantity::Outputs,
+            Quantity::Coordinates,
             Quantity::Energy,
             Quantity::Momentum,
             Quantity::MassMatrix,
@@ -158,7 +160,8 @@ impl Layout {
             }
         }
         let through_factor = |what| matches!(what, Quantity::Partial(of, _) if self.nc > 0 && (of == Differentiated::Derivative || self.asks_efforts(of.quantity())));
-        all.retain(|&what| self.len(what) > 0 && !through_factor(what));
+        let undriven = |what| what == Quantity::Coordinates && self.ni == 0;
+        all.retain(|&what| self.len(what) > 0 && !through_factor(what) && !undriven(what));
         all
     }
 }

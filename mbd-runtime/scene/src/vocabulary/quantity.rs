@@ -24,6 +24,9 @@ pub enum Quantity {
     Guards,
     /// The declared outputs, component by component.
     Outputs,
+    /// Every measurable joint coordinate and its rate, in pairs: joint by joint, in the order of
+    /// [`Scene::joint_coordinates`](crate::Scene::joint_coordinates) [m, m/s or rad, rad/s].
+    Coordinates,
     /// Kinetic, gravitational and elastic energy [J], power of the loads and power of dampers and friction on the bodies and points
     /// [W] (≤ 0 for a damper), power that prescribed motions put in [W].
     Energy,
