@@ -221,6 +221,50 @@ fn a_four_bar_with_spring_has_the_matrices_and_frequency_of_its_closed_form() {
 }
 
 #[test]
+fn the_same_four_bar_declared_in_a_plane_has_the_same_matrices() {
+    let model = generic(read(
+        "model FourBar {
+            planar: xz;
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            input torque: torque;
+            world { frame pivot at [1.0, 0.0, 0.0] m }
+            body crank { mass: 0.6 kg, inertia: diag(0.0001, 0.0045, 0.0045) kg*m^2,
+                frame left at [-0.15, 0.0, 0.0] m, frame right at [0.15, 0.0, 0.0] m }
+            body coupler { mass: 1.8 kg, inertia: diag(0.0001, 0.1215, 0.1215) kg*m^2,
+                frame left at [-0.45, 0.0, 0.0] m, frame right at [0.45, 0.0, 0.0] m }
+            body rocker { mass: 1.4 kg, inertia: diag(0.0001, 0.057166666666666664, 0.057166666666666664) kg*m^2,
+                frame left at [-0.35, 0.0, 0.0] m, frame right at [0.35, 0.0, 0.0] m }
+            joint a: hinge from world to crank.left { axis: y,
+                stiffness: 5 N*m/rad, rest: -1.0471975511965979 rad, damping: 0.1 N*m*s, force: torque }
+            joint b: hinge from crank.right to coupler.left { axis: y }
+            joint c: hinge from world.pivot to rocker.left { axis: y }
+            joint d: hinge from coupler.right to rocker.right { axis: y }
+        }",
+    ));
+    let file = load("derivatives/linear_four_bar.json");
+    for point in list(&file["points"]) {
+        // Angles about y: against those of the reference.
+        let angles = ["coupler_angle", "rocker_angle"].map(|name| -numbers(&point[name])[0]);
+        let angles = [-field(point, "x0")[0], angles[0], angles[1]];
+        let own = &point["bodies"];
+        let (mut q, mut v) = (Vec::new(), Vec::new());
+        for body in 0..3 {
+            let [r, rdot, omega] =
+                ["r", "rdot", "omega_world"].map(|name| numbers(&own[name][body]));
+            q.extend([r[0], r[2], angles[body]]);
+            v.extend([rdot[0], rdot[2], omega[1]]);
+        }
+        q.extend(v);
+        let torque: Vec<f64> = field(point, "u0").iter().map(|torque| -torque).collect();
+        let space = linearise(&model, 0.0, &q, &torque).expect("linear");
+        assert_eq!(space.states[0].name, "a.angle");
+        let name = point["name"].as_str().expect("a name");
+        assert_matrix(&space.a, &point["A"], 1e-10, name);
+        assert_matrix(&space.b, &point["B"], 1e-10, name);
+    }
+}
+
+#[test]
 fn a_quarter_car_has_the_matrices_frequencies_and_damping_of_its_closed_form() {
     let model = generic(read(
         "model QuarterCar {
