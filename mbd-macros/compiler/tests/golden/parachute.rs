@@ -176,9 +176,9 @@ for ParachuteExternal<L> {
 /// | [`anchor_states`](Self::anchor_states) | 27 of 27 | 187 |
 /// | [`derivative`](Self::derivative) | 29 of 29 | 591 |
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
-/// | [`guards`](Self::guards) | 9 of 9 | 298 |
-/// | [`outputs`](Self::outputs) | 2 of 2 | 99 |
-/// | [`energy`](Self::energy) | 6 of 6 | 485 |
+/// | [`guards`](Self::guards) | 9 of 9 | 299 |
+/// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
+/// | [`energy`](Self::energy) | 6 of 6 | 489 |
 /// | [`mass_matrix`](Self::mass_matrix) | 16 of 144 | 0 |
 /// | [`bias_force`](Self::bias_force) | 12 of 12 | 57 |
 /// | [`forces`](Self::forces) | 12 of 12 | 460 |
@@ -254,7 +254,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections)\n  outputs: 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections)\n  energy: 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
         }
         /// Everything the caller supplies, in the order of `Layout::inputs`.
         pub fn inputs(
@@ -331,7 +331,7 @@ const _: () = {
         /// The declared outputs.
         ///
         /// 2 columns, each in its unit.
-        /// 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
+        /// 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections).
         #[must_use]
         #[inline]
         pub fn outputs(
@@ -351,7 +351,7 @@ const _: () = {
         /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
         ///
         /// 6 \[J, J, J, W, W, W\].
-        /// 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
+        /// 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections).
         #[must_use]
         #[inline]
         pub fn energy(
@@ -480,7 +480,7 @@ const _: () = {
         /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
         ///
         /// 4 lines × 2 \[m, N\], 0 stops × 2 \[m, N or rad, N m\], 1 events.
-        /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
+        /// 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
         #[doc(hidden)]
         #[must_use]
         #[inline]
@@ -647,7 +647,7 @@ const _: () = {
                         divs: 4,
                         sqrts: 4,
                         trigs: 0,
-                        selects: 11,
+                        selects: 12,
                     },
                 ),
                 (
@@ -658,7 +658,7 @@ const _: () = {
                         divs: 1,
                         sqrts: 2,
                         trigs: 1,
-                        selects: 8,
+                        selects: 9,
                     },
                 ),
                 (
@@ -669,7 +669,7 @@ const _: () = {
                         divs: 6,
                         sqrts: 7,
                         trigs: 0,
-                        selects: 36,
+                        selects: 40,
                     },
                 ),
                 (
@@ -1911,7 +1911,7 @@ const _: () = {
     }
     /// Guards: stretch `s = d − L0` and pull `K s + C ṡ` of each line, depth and pull of each stop, then the declared events.
     /// 4 lines × 2 [m, N], 0 stops × 2 [m, N or rad, N m], 1 events.
-    /// 298 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 11 selections).
+    /// 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections).
     #[inline(never)]
     fn guards<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2148,6 +2148,7 @@ const _: () = {
             + (leg_2_u_x * (confluence_wx - leg_2_v_x)
                 + leg_2_u_y * (confluence_wy - leg_2_v_y));
         let leg_2_pull = c_47000 * leg_2_stretch + c_470 * leg_2_rate;
+        let riser_t = riser_tension.max(zero);
         *out = [
             riser_stretch,
             riser_pull,
@@ -2157,12 +2158,12 @@ const _: () = {
             leg_1_pull,
             leg_2_stretch,
             leg_2_pull,
-            riser_tension,
+            riser_t,
         ];
     }
     /// The declared outputs.
     /// 2 columns, each in its unit.
-    /// 99 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 8 selections).
+    /// 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections).
     #[inline(never)]
     fn outputs<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2267,14 +2268,15 @@ const _: () = {
                 T::select(zero.lt(riser_stretch), riser_pull.max(zero), zero),
             ),
         );
+        let riser_t = riser_tension.max(zero);
         let tilt_t = (capsule_r23 * capsule_r23 + capsule_r13 * capsule_r13)
             .sqrt()
             .atan2(capsule_r33);
-        *out = [riser_tension, tilt_t];
+        *out = [riser_t, tilt_t];
     }
     /// Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.
     /// 6 [J, J, J, W, W, W].
-    /// 485 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 36 selections).
+    /// 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections).
     #[inline(never)]
     fn energy<T: ::mbd_runtime::Real>(
         q: &[T; 14],
@@ -2553,6 +2555,7 @@ const _: () = {
             ),
         );
         let leg_1_t_4 = leg_1_stretch.max(zero);
+        let leg_1_t_5 = leg_1_rate * (leg_1_tension.max(zero) - c_47000 * leg_1_t_4);
         /// `leg[2]`: length and tension.
         let leg_2_arm_x = leg_0_scaled_capsule_r13
             + (c_7 * capsule_r11 + c_8 * capsule_r12);
@@ -2604,11 +2607,10 @@ const _: () = {
         let elastic = half * (riser_k * (riser_t * riser_t))
             + half * (c_47000 * (leg_0_t_2 * leg_0_t_2))
             + half * (c_47000 * (leg_1_t_4 * leg_1_t_4)) + leg_2_t_5;
-        let leg_2_t_6 = leg_2_rate * (leg_2_tension - c_47000 * leg_2_t_4);
-        let leg_2_t_7 = riser_rate * (riser_tension - riser_k * riser_t)
-            + leg_0_rate * (leg_0_tension - c_47000 * leg_0_t_2)
-            + leg_1_rate * (leg_1_tension - c_47000 * leg_1_t_4) + leg_2_t_6;
-        let damper_power = -leg_2_t_7;
+        let leg_2_t_6 = leg_2_rate * (leg_2_tension.max(zero) - c_47000 * leg_2_t_4);
+        let damper_power = -(riser_rate * (riser_tension.max(zero) - riser_k * riser_t)
+            + leg_0_rate * (leg_0_tension.max(zero) - c_47000 * leg_0_t_2) + leg_1_t_5
+            + leg_2_t_6);
         let leg_2_scaled_canopy_wy = c_1_57 * canopy_wy;
         let leg_2_scaled_canopy_wx = c_1_57 * canopy_wx;
         let leg_2_v_x_2 = canopy_vx
