@@ -193,7 +193,7 @@ fn a_four_bar_with_spring_has_the_matrices_and_frequency_of_its_closed_form() {
         });
         scene.joints[0].forces.push(JointForces {
             stiffness: Some(5.0.into()),
-            rest: Some(1.0471975511965979.into()),
+            rest: Some(std::f64::consts::FRAC_PI_3.into()),
             damping: Some(0.1.into()),
             force: Some(Formula::Input(0)),
             ..JointForces::default()
@@ -445,7 +445,7 @@ fn small_deviations_of_a_run_follow_the_linear_system() {
     let mut scene = scene(&file["system"], AngularVelocity::Body);
     scene.joints[0].forces.push(JointForces {
         stiffness: Some(5.0.into()),
-        rest: Some(1.0471975511965979.into()),
+        rest: Some(std::f64::consts::FRAC_PI_3.into()),
         damping: Some(0.1.into()),
         ..JointForces::default()
     });
@@ -614,7 +614,7 @@ fn a_linkage_is_trimmed_on_its_loop_and_what_cannot_balance_is_named() {
     let mut scene = scene(&file["system"], AngularVelocity::Body);
     scene.joints[0].forces.push(JointForces {
         stiffness: Some(5.0.into()),
-        rest: Some(1.0471975511965979.into()),
+        rest: Some(std::f64::consts::FRAC_PI_3.into()),
         damping: Some(0.1.into()),
         ..JointForces::default()
     });
@@ -722,18 +722,12 @@ fn derivatives_of_emitted_code_are_those_of_the_interpreter_to_the_bit_and_of_th
             linear.parameter().values().to_vec(),
         ]
     });
-    for k in 0..3 {
-        let size = found[2][k]
-            .iter()
-            .fold(0.0_f64, |most, x| most.max(x.abs()));
-        assert_eq!(found[0][k], found[1][k], "generated and interpreted");
-        assert_close(
-            &found[0][k],
-            &found[2][k],
-            0.0,
-            1e-12 * size,
-            "generated and by the laws",
-        );
+    let [emitted, interpreted, by_laws] = &found;
+    for ((emitted, interpreted), by_laws) in emitted.iter().zip(interpreted).zip(by_laws) {
+        let size = by_laws.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        assert_eq!(emitted, interpreted, "generated and interpreted");
+        let what = "generated and by the laws";
+        assert_close(emitted, by_laws, 0.0, 1e-12 * size, what);
         assert!(size > 0.0);
     }
 }

@@ -197,7 +197,7 @@ impl Stage<'_> {
 
     /// A frame of the world, which may move [m].
     fn world_frame(&self, frame: usize, row: usize) -> Option<Vector3<f64>> {
-        if !self.scene.world_frames.get(frame)?.moves(&self.scene) {
+        if !self.scene.world_frames.get(frame)?.moves(self.scene) {
             return Some(self.numbers.world_frames.get(frame)?.position);
         }
         let time = *self.trajectory.times().get(row)?;
