@@ -459,7 +459,7 @@ impl Search {
             self.moment.shift(&moved);
         }
         // Rounding of large positions may leave more than a millionth of a micrometre.
-        if !(gap < 1e3 * CLOSED) {
+        if gap.is_nan() || gap >= 1e3 * CLOSED {
             return Err(TrimError::Open { gap });
         }
         self.chart.refresh(&mut self.moment)?;
@@ -535,8 +535,11 @@ impl Search {
         self.chart.refresh(&mut self.moment)?;
         let residual = self.residual(None)?;
         let space = StateSpace::in_chart(&mut self.moment, &self.chart)?;
-        let worst = residual.iamax();
-        if !(residual[worst].abs() <= STILL * scale.min(1e3)) {
+        let sizes = residual.iter().map(|x| x.abs()).enumerate();
+        let worst = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((worst, left)) = worst
+            && (left.is_nan() || left > STILL * scale.min(1e3))
+        {
             let name = match self.chart.minimal.get(worst) {
                 Some(one) => Name {
                     unit: format!("{}^2", one.rate.unit),

@@ -194,7 +194,7 @@ fn a_four_bar_with_spring_has_the_matrices_and_frequency_of_its_closed_form() {
         });
         scene.joints[0].forces.push(JointForces {
             stiffness: Some(5.0.into()),
-            rest: Some(1.0471975511965979.into()),
+            rest: Some(std::f64::consts::FRAC_PI_3.into()),
             damping: Some(0.1.into()),
             force: Some(Formula::Input(0)),
             ..JointForces::default()
@@ -218,6 +218,50 @@ fn a_four_bar_with_spring_has_the_matrices_and_frequency_of_its_closed_form() {
                 assert_eigenvalues(&space, &point["eigenvalues"], 1e-9, name);
             }
         }
+    }
+}
+
+#[test]
+fn the_same_four_bar_declared_in_a_plane_has_the_same_matrices() {
+    let model = generic(read(
+        "model FourBar {
+            planar: xz;
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            input torque: torque;
+            world { frame pivot at [1.0, 0.0, 0.0] m }
+            body crank { mass: 0.6 kg, inertia: diag(0.0001, 0.0045, 0.0045) kg*m^2,
+                frame left at [-0.15, 0.0, 0.0] m, frame right at [0.15, 0.0, 0.0] m }
+            body coupler { mass: 1.8 kg, inertia: diag(0.0001, 0.1215, 0.1215) kg*m^2,
+                frame left at [-0.45, 0.0, 0.0] m, frame right at [0.45, 0.0, 0.0] m }
+            body rocker { mass: 1.4 kg, inertia: diag(0.0001, 0.057166666666666664, 0.057166666666666664) kg*m^2,
+                frame left at [-0.35, 0.0, 0.0] m, frame right at [0.35, 0.0, 0.0] m }
+            joint a: hinge from world to crank.left { axis: y,
+                stiffness: 5 N*m/rad, rest: -1.0471975511965979 rad, damping: 0.1 N*m*s, force: torque }
+            joint b: hinge from crank.right to coupler.left { axis: y }
+            joint c: hinge from world.pivot to rocker.left { axis: y }
+            joint d: hinge from coupler.right to rocker.right { axis: y }
+        }",
+    ));
+    let file = load("derivatives/linear_four_bar.json");
+    for point in list(&file["points"]) {
+        // Angles about y: against those of the reference.
+        let angles = ["coupler_angle", "rocker_angle"].map(|name| -numbers(&point[name])[0]);
+        let angles = [-field(point, "x0")[0], angles[0], angles[1]];
+        let own = &point["bodies"];
+        let (mut q, mut v) = (Vec::new(), Vec::new());
+        for body in 0..3 {
+            let [r, rdot, omega] =
+                ["r", "rdot", "omega_world"].map(|name| numbers(&own[name][body]));
+            q.extend([r[0], r[2], angles[body]]);
+            v.extend([rdot[0], rdot[2], omega[1]]);
+        }
+        q.extend(v);
+        let torque: Vec<f64> = field(point, "u0").iter().map(|torque| -torque).collect();
+        let space = linearise(&model, 0.0, &q, &torque).expect("linear");
+        assert_eq!(space.states[0].name, "a.angle");
+        let name = point["name"].as_str().expect("a name");
+        assert_matrix(&space.a, &point["A"], 1e-10, name);
+        assert_matrix(&space.b, &point["B"], 1e-10, name);
     }
 }
 
@@ -404,7 +448,7 @@ fn small_deviations_of_a_run_follow_the_linear_system() {
     let mut scene = scene(&file["system"], AngularVelocity::Body);
     scene.joints[0].forces.push(JointForces {
         stiffness: Some(5.0.into()),
-        rest: Some(1.0471975511965979.into()),
+        rest: Some(std::f64::consts::FRAC_PI_3.into()),
         damping: Some(0.1.into()),
         ..JointForces::default()
     });
@@ -573,7 +617,7 @@ fn a_linkage_is_trimmed_on_its_loop_and_what_cannot_balance_is_named() {
     let mut scene = scene(&file["system"], AngularVelocity::Body);
     scene.joints[0].forces.push(JointForces {
         stiffness: Some(5.0.into()),
-        rest: Some(1.0471975511965979.into()),
+        rest: Some(std::f64::consts::FRAC_PI_3.into()),
         damping: Some(0.1.into()),
         ..JointForces::default()
     });
@@ -681,18 +725,12 @@ fn derivatives_of_emitted_code_are_those_of_the_interpreter_to_the_bit_and_of_th
             linear.parameter().values().to_vec(),
         ]
     });
-    for k in 0..3 {
-        let size = found[2][k]
-            .iter()
-            .fold(0.0_f64, |most, x| most.max(x.abs()));
-        assert_eq!(found[0][k], found[1][k], "generated and interpreted");
-        assert_close(
-            &found[0][k],
-            &found[2][k],
-            0.0,
-            1e-12 * size,
-            "generated and by the laws",
-        );
+    let [emitted, interpreted, by_laws] = &found;
+    for ((emitted, interpreted), by_laws) in emitted.iter().zip(interpreted).zip(by_laws) {
+        let size = by_laws.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        assert_eq!(emitted, interpreted, "generated and interpreted");
+        let what = "generated and by the laws";
+        assert_close(emitted, by_laws, 0.0, 1e-12 * size, what);
         assert!(size > 0.0);
     }
 }

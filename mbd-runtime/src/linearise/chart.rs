@@ -399,24 +399,32 @@ impl Basis {
 
     /// Takes the independent ones of the rows of the joints, those with most that is new first.
     fn take_rows(&mut self, rows: &DMatrix<f64>) -> Vec<usize> {
-        let mut open: Vec<(usize, DVector<f64>)> = (0..rows.nrows())
-            .map(|row| (row, &self.scale * rows.row(row).transpose()))
-            .collect();
+        let mut open: Vec<(usize, DVector<f64>, f64)> = Vec::new();
+        for row in 0..rows.nrows() {
+            let own = &self.scale * rows.row(row).transpose();
+            let whole = own.norm().max(f64::MIN_POSITIVE);
+            open.push((row, own, whole));
+        }
+        let part = |(_, left, whole): &(usize, DVector<f64>, f64)| left.norm() / whole;
         let mut kept = Vec::new();
-        while !open.is_empty() {
-            let parts = open
-                .iter()
-                .map(|(_, row)| self.new_in(row, self.directions.len()));
-            let parts: Vec<(DVector<f64>, f64)> = parts.collect();
-            let most = (0..parts.len()).max_by(|&a, &b| parts[a].1.total_cmp(&parts[b].1));
-            let Some(most) = most else { break };
-            let (left, part) = &parts[most];
-            if !(*part > REPEATS) {
-                self.passed = *part;
+        while let Some(most) =
+            (0..open.len()).max_by(|&a, &b| part(&open[a]).total_cmp(&part(&open[b])))
+        {
+            let new = part(&open[most]);
+            if new.is_nan() || new <= REPEATS {
+                self.passed = new;
                 break;
             }
-            self.directions.push(left / left.norm());
-            kept.push(open.remove(most).0);
+            let (row, left, _) = open.swap_remove(most);
+            // Once more, against the rounding of many subtractions.
+            let (left, _) = self.new_in(&left, self.directions.len());
+            let direction = &left / left.norm();
+            for (_, left, _) in &mut open {
+                let along = direction.dot(left);
+                left.axpy(-along, &direction, 1.0);
+            }
+            self.directions.push(direction);
+            kept.push(row);
         }
         self.held = kept.len();
         kept.sort_unstable();

@@ -217,7 +217,8 @@ impl StateSpace {
                     most
                 }
             });
-            if !(largest.norm_sqr() > 0.0) || !largest.norm_sqr().is_finite() {
+            let size = largest.norm_sqr();
+            if size == 0.0 || !size.is_finite() {
                 break;
             }
             shape = next.map(|x| x / largest);

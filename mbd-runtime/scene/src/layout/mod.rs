@@ -67,8 +67,6 @@ pub struct Layout {
     pub joints: Vec<JointSlots>,
     /// The stops of the joints, which follow the lines in [`At::hold`](crate::At::hold) and in the guards.
     pub stops: Vec<StopSlots>,
-    /// Number of measured coordinates of all joints.
-    pub measured: usize,
     /// Number of rows n_c of all joints.
     pub nc: usize,
     /// Which rows repeat others: those are left out of the system.

@@ -16,11 +16,6 @@ impl Layout {
             ns: scene.states.len(),
             directions: scene.directions(),
             events: scene.events.len(),
-            measured: scene
-                .joints
-                .iter()
-                .map(|joint| joint.law.measured().count())
-                .sum(),
             lets: scene.lets.len(),
             measured: scene
                 .joints
