@@ -7,6 +7,10 @@ use std::error::Error;
 use std::process::ExitCode;
 
 mod cart_pole;
+mod dc_motor;
+mod quadrotor;
+mod quarter_car;
+mod wind_turbine;
 
 /// What a scene's run gives.
 type Outcome = Result<(), Box<dyn Error>>;
@@ -14,11 +18,33 @@ type Outcome = Result<(), Box<dyn Error>>;
 /// A scene: its name, what it is, and what runs it.
 struct World(&'static str, &'static str, fn() -> Outcome);
 
-const WORLDS: &[World] = &[World(
-    "cart_pole",
-    "a pole on a cart, held upright by a sampled optimal controller",
-    cart_pole::run,
-)];
+const WORLDS: &[World] = &[
+    World(
+        "cart_pole",
+        "a pole on a cart, held upright by a sampled optimal controller",
+        cart_pole::run,
+    ),
+    World(
+        "dc_motor",
+        "a motor whose current is a state beside the mechanics",
+        dc_motor::run,
+    ),
+    World(
+        "quadrotor",
+        "four rotors and a load on a sling: hover, and how the load swings",
+        quadrotor::run,
+    ),
+    World(
+        "quarter_car",
+        "what of the road reaches the body of a car",
+        quarter_car::run,
+    ),
+    World(
+        "wind_turbine",
+        "a rotor at constant speed, braked by its generator",
+        wind_turbine::run,
+    ),
+];
 
 fn main() -> ExitCode {
     let Some(asked) = std::env::args().nth(1) else {
