@@ -7,9 +7,15 @@ use std::error::Error;
 use std::process::ExitCode;
 
 mod cart_pole;
+mod chain;
 mod dc_motor;
+mod double_wishbone;
+mod kite;
+mod mooring_line;
 mod quadrotor;
 mod quarter_car;
+mod stewart_platform;
+mod tower_crane;
 mod wind_turbine;
 
 /// What a scene's run gives.
@@ -25,9 +31,29 @@ const WORLDS: &[World] = &[
         cart_pole::run,
     ),
     World(
+        "chain",
+        "a hanging chain of twenty links and its swings",
+        chain::run,
+    ),
+    World(
         "dc_motor",
         "a motor whose current is a state beside the mechanics",
         dc_motor::run,
+    ),
+    World(
+        "double_wishbone",
+        "camber and track of a suspension over its travel",
+        double_wishbone::run,
+    ),
+    World(
+        "kite",
+        "a kite on bridles in a steady wind, at rest",
+        kite::run,
+    ),
+    World(
+        "mooring_line",
+        "a line of chain between an anchor and a moored platform",
+        mooring_line::run,
     ),
     World(
         "quadrotor",
@@ -38,6 +64,16 @@ const WORLDS: &[World] = &[
         "quarter_car",
         "what of the road reaches the body of a car",
         quarter_car::run,
+    ),
+    World(
+        "stewart_platform",
+        "a platform on six legs that follow its inverse kinematics",
+        stewart_platform::run,
+    ),
+    World(
+        "tower_crane",
+        "a load brought along the jib without sway",
+        tower_crane::run,
     ),
     World(
         "wind_turbine",
