@@ -1,7 +1,7 @@
 //! The equations of motion before they are solved, whose partial derivatives are local: each depends on one body and its neighbours.
 //!
 //! ```text
-//! r = [ N(q) v ; M v̇ + h − f − Φ_vᵀ λ ; ż ; Φ_v v̇ − γ ]          at given v̇ and λ                              (1)
+//! r = [ N(q) v ; M v̇ + h − f − Φ_vᵀ λ ; ż ; ṡ ; Φ_v v̇ − γ ]      at given v̇ and λ                              (1)
 //! K [∂v̇; ∂λ] = −[∂r_v; ∂r_c],   K = [M −Φ_vᵀ; Φ_v 0]             at fixed v̇ and λ on the right                 (2)
 //! ```
 //!
@@ -71,6 +71,7 @@ pub(super) fn residual<S: Real>(
             write(out, layout.nq + layout.nv + z, &velocity);
         }
     }
+    evaluation.write_state_rates(out);
     if layout.nc > 0 {
         constraints.leave_over(evaluation, out);
     }

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::laws::body::BodyMotion;
-use crate::laws::formula::{Context, Value, of_let};
+use crate::laws::formula::{self, Context, Value, of_let};
 use crate::laws::line;
 use crate::laws::node;
 use crate::laws::numbers::{FrameNumbers, Numbers};
@@ -225,6 +225,15 @@ impl<'a, S: Real> Evaluation<'a, S> {
             pull,
             tangent: element.tangent(geometry.stretch),
         })
+    }
+
+    /// Writes ṡ of the states that the scene declares into the rates of the whole state.
+    pub fn write_state_rates(&self, out: &mut [S]) {
+        let first = self.layout.states();
+        for (slot, state) in out.iter_mut().skip(first).zip(&self.scene.states) {
+            S::section(&state.name);
+            *slot = formula::scalar(&state.rate, self);
+        }
     }
 
     /// Rate of a line's length [m/s].
