@@ -51,9 +51,8 @@ fn pushed(model: &Quadrotor, velocity: f64) -> Result<Simulation<f64>, Box<dyn s
     state.set_cargo(cargo);
     let mut simulation = Simulation::new(model, Options::tsit5(1e-11))?;
     simulation.set_state(0.0, &state.to_vec())?;
-    simulation.set_inputs(&QuadrotorInputs::from_array(
-        hover.inputs.as_slice().try_into()?,
-    ))?;
+    let thrust = hover.inputs.as_slice().try_into()?;
+    simulation.set_inputs(&QuadrotorInputs { thrust })?;
     Ok(simulation)
 }
 

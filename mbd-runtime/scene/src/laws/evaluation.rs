@@ -389,15 +389,16 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         let motion = self.line_motion(index)?;
         let element = self.element(index)?;
         // A static or stepwise node has no rate of its own; the rate is that of the moving balance.
-        let own = self.layout.lines.get(index)?.effective.is_none() && element.damped;
-        let rate = match own && element.kind.is_unilateral() {
+        let located = self.layout.lines.get(index)?.effective.is_none();
+        let located = located && element.kind.is_unilateral();
+        let rate = match located && element.damped {
             true => motion.rate,
             false => self.rate(index, &motion.geometry.direction)?,
         };
         let length = motion.geometry.length;
         let stretch = length - element.numbers.free_length;
         // A mode lasts until its switch is located, where the pull has passed zero by the tolerance of that.
-        let tension = match element.kind.is_unilateral() {
+        let tension = match located {
             true => motion.tension.max(S::zero()),
             false => motion.tension,
         };
