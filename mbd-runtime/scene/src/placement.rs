@@ -14,10 +14,10 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use crate::evaluate::{Scratch, evaluate};
 use crate::laws::body::{BodyMotion, attitude_of};
 use crate::laws::ground::{course, ground};
-use crate::laws::numbers::Numbers;
+use crate::laws::numbers::{Numbers, start_of};
 use crate::{
-    AngularVelocity, Arguments, FrameMotion, Layout, Part, Place, PointSlots, Quantity, Relative,
-    Scene, Twist,
+    AngularVelocity, Arguments, Formula, FrameMotion, Layout, Part, Place, PointSlots, Quantity,
+    Relative, Scene, Twist,
 };
 
 /// Iterations that close the loops.
@@ -234,13 +234,25 @@ pub(crate) fn place_near(
     let mut all = given.to_vec();
     for (index, joint) in scene.joints.iter().enumerate() {
         for (coordinate, formula) in joint.motors() {
-            let course = course(formula, scene, &placement.numbers, time);
+            let course = match formula {
+                Formula::Vector(parts) => {
+                    let part = |index: usize| {
+                        let part = parts.get(index);
+                        part.map_or(f64::NAN, |part| start_of(scene, params, part))
+                    };
+                    [part(0), part(1)]
+                }
+                _ => {
+                    let course = course(formula, scene, &placement.numbers, time);
+                    [course.value, course.rate]
+                }
+            };
             all.retain(|start| (start.joint, start.coordinate) != (index, coordinate));
             all.push(JointStart {
                 joint: index,
                 coordinate,
-                value: Some(course.value),
-                rate: Some(course.rate),
+                value: Some(course[0]),
+                rate: Some(course[1]),
             });
         }
     }
@@ -462,7 +474,7 @@ impl Placement<'_> {
             time: self.time,
             state: state.to_vec(),
             nodes: vec![0.0; 3 * self.layout.nodes.len()],
-            inputs: vec![0.0; self.layout.ni],
+            inputs: self.layout.default_inputs(self.scene),
             ..Arguments::default()
         };
         evaluate(

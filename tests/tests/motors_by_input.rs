@@ -1,0 +1,163 @@
+//! Motors that follow inputs: three inputs, or a command behind a filter; a Stewart platform in position control.
+
+use mbd_runtime::{Options, Quantity, Simulation, model};
+use tests::agreement::{agrees, agrees_along};
+
+model! {
+    /// A slider that follows a command through a filter, and an arm on it that hangs free.
+    pub model Slider<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param tau = 50 ms in 1 ms ..= 1 s;
+        input wish: length = 0.1 m;
+        body cart { mass: 4.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
+        body arm { mass: 1.0 kg, inertia: diag(0.02, 0.02, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+        joint rail: prismatic from world to cart.com { axis: x, motor: wish, filter: tau }
+        joint pin: hinge from cart.com to arm.top { axis: y }
+        output lag = wish - rail.command;
+        output push = rail.motor_force;
+    }
+}
+
+model! {
+    /// A wheel on a shaft whose angle, rate and acceleration are inputs.
+    pub model Shaft {
+        gravity: none;
+        input angle: angle;
+        input rate: angular_rate;
+        input acceleration: angular_acceleration;
+        body wheel { mass: 2.0 kg, inertia: diag(0.3, 0.3, 0.5) kg*m^2 }
+        joint pin: hinge from world to wheel.com { axis: z, motor: [angle, rate, acceleration] }
+        output effort = pin.motor_torque;
+    }
+}
+
+/// Where the filter is after a step of one: 1 − (1 + t/τ) exp(−t/τ).
+fn response(time: f64) -> f64 {
+    1.0 - (1.0 + time) * (-time).exp()
+}
+
+#[test]
+fn a_command_is_followed_by_the_step_response_of_the_filter() {
+    let model = Slider::<f64>::new(SliderParams::default()).expect("defaults");
+    let options = Options {
+        work: true,
+        ..Options::tsit5(1e-11)
+    };
+    let mut run = Simulation::new(&model, options).expect("options that fit");
+    run.start().expect("a start");
+    let start = SliderState::from_slice(run.state()).expect("a state");
+    assert!(
+        (start.cart().position[0] - 0.1).abs() < 1e-15,
+        "at the default of the command"
+    );
+    let energy = |run: &mut Simulation<f64>| {
+        let mut out = [0.0; 6];
+        run.evaluate(Quantity::Energy, &mut out).expect("energies");
+        out[..3].iter().sum::<f64>()
+    };
+    let before = energy(&mut run);
+    run.set_inputs(&SliderInputs { wish: 0.6 })
+        .expect("a number");
+    for tenth in 1..=6 {
+        let t = 0.02 * f64::from(tenth);
+        run.run(t).expect("a smooth motion");
+        let x = SliderState::from_slice(run.state())
+            .expect("a state")
+            .cart();
+        let want = 0.1 + 0.5 * response(t / 0.05);
+        assert!(
+            (x.position[0] - want).abs() < 1e-9,
+            "{t} s: {} {want}",
+            x.position[0]
+        );
+        let rate = 0.5 * t / (0.05 * 0.05) * (-t / 0.05).exp();
+        assert!(
+            (x.velocity[0] - rate).abs() < 1e-8,
+            "{t} s: {} {rate}",
+            x.velocity[0]
+        );
+    }
+    let gained = energy(&mut run) - before;
+    let [_, _, drives] = *run.work().expect("asked for");
+    assert!(
+        drives > 0.1 && (gained - drives).abs() < 1e-7,
+        "{gained} J of {drives} J"
+    );
+}
+
+#[test]
+fn three_inputs_give_the_torque_of_their_acceleration() {
+    let model = Shaft::new(ShaftParams::default()).expect("defaults");
+    let options = Options {
+        work: true,
+        ..Options::tsit5(1e-10)
+    };
+    let mut run = Simulation::new(&model, options).expect("options that fit");
+    // φ = 3 t²/2 + sin t: two turns and more.
+    run.control(|now, inputs: &mut ShaftInputs| {
+        let t = now.time;
+        inputs.angle = 1.5 * t * t + t.sin();
+        inputs.rate = 3.0 * t + t.cos();
+        inputs.acceleration = 3.0 - t.sin();
+    })
+    .expect("inputs of this model");
+    run.start().expect("a start");
+    run.run(3.0).expect("a smooth motion");
+    let wheel = ShaftState::from_slice(run.state())
+        .expect("a state")
+        .wheel();
+    let want = 9.0 + 3.0_f64.cos();
+    assert!((wheel.angular_velocity[2] - want).abs() < 1e-9, "{want}");
+    let mut effort = [0.0];
+    run.evaluate(Quantity::Outputs, &mut effort)
+        .expect("outputs");
+    assert!(
+        (effort[0] - 0.5 * (3.0 - 3.0_f64.sin())).abs() < 1e-9,
+        "{effort:?}"
+    );
+    let [_, _, drives] = *run.work().expect("asked for");
+    let gained = 0.25 * (want * want - 1.0);
+    assert!(
+        (drives - gained).abs() < 1e-7,
+        "{drives} J against {gained} J"
+    );
+}
+
+#[test]
+fn a_motor_by_input_is_the_same_in_every_execution() {
+    let slider = Slider::<f64>::new(SliderParams::default()).expect("defaults");
+    agrees(&slider);
+    agrees(&Shaft::new(ShaftParams::default()).expect("defaults"));
+    let mut run = Simulation::new(&slider, Options::tsit5(1e-6)).expect("options");
+    run.start().expect("a start");
+    agrees_along(&slider, &run.state().to_vec(), (20, 1e-3), 1e-12);
+}
+
+#[test]
+fn a_filter_in_single_precision_follows_to_single_precision() {
+    let model = Slider::<f32>::new(SliderParams::default()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-4)).expect("options that fit");
+    run.start().expect("a start");
+    run.set_inputs(&SliderInputs { wish: 0.6_f32 })
+        .expect("a number");
+    run.run(0.1).expect("a smooth motion");
+    let x = SliderState::from_slice(run.state())
+        .expect("a state")
+        .cart();
+    let want = 0.1 + 0.5 * response(2.0);
+    assert!(
+        (f64::from(x.position[0]) - want).abs() < 1e-3,
+        "{}",
+        x.position[0]
+    );
+}
+
+#[test]
+fn a_command_that_is_no_number_stops_the_run_by_name() {
+    let model = Slider::<f64>::new(SliderParams::default()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-6)).expect("options that fit");
+    let refused = run
+        .set_inputs(&SliderInputs { wish: f64::NAN })
+        .expect_err("no number");
+    assert!(refused.to_string().contains("wish"), "{refused}");
+}
