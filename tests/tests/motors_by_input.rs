@@ -1,6 +1,6 @@
 //! Motors that follow inputs: three inputs, or a command behind a filter; a Stewart platform in position control.
 
-use mbd_runtime::{Options, Quantity, Simulation, model};
+use mbd_runtime::{Options, Quantity, Simulation, linearise, model};
 use tests::agreement::{agrees, agrees_along};
 
 model! {
@@ -15,6 +15,7 @@ model! {
         joint pin: hinge from cart.com to arm.top { axis: y }
         output lag = wish - rail.command;
         output push = rail.motor_force;
+        output place = cart.position.x;
     }
 }
 
@@ -28,6 +29,7 @@ model! {
         body wheel { mass: 2.0 kg, inertia: diag(0.3, 0.3, 0.5) kg*m^2 }
         joint pin: hinge from world to wheel.com { axis: z, motor: [angle, rate, acceleration] }
         output effort = pin.motor_torque;
+        output turned = pin.angle;
     }
 }
 
@@ -108,7 +110,7 @@ fn three_inputs_give_the_torque_of_their_acceleration() {
         .wheel();
     let want = 9.0 + 3.0_f64.cos();
     assert!((wheel.angular_velocity[2] - want).abs() < 1e-9, "{want}");
-    let mut effort = [0.0];
+    let mut effort = [0.0; 2];
     run.evaluate(Quantity::Outputs, &mut effort)
         .expect("outputs");
     assert!(
@@ -131,6 +133,47 @@ fn a_motor_by_input_is_the_same_in_every_execution() {
     let mut run = Simulation::new(&slider, Options::tsit5(1e-6)).expect("options");
     run.start().expect("a start");
     agrees_along(&slider, &run.state().to_vec(), (20, 1e-3), 1e-12);
+}
+
+#[test]
+fn a_linear_system_knows_what_motors_follow() {
+    let model = Slider::<f64>::new(SliderParams::default()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-6)).expect("options");
+    run.start().expect("a start");
+    let space = linearise(&model, 0.0, run.state(), &[0.1]).expect("regular rows");
+    let names: Vec<&str> = space.states.iter().map(|name| name.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "pin.angle",
+            "pin.angle_rate",
+            "rail.command",
+            "rail.command_rate"
+        ]
+    );
+    // 1 kg at 0.5 m with 0.02 kg m² of its own; the filter pushes its pivot.
+    let (inertia, tau) = (0.02 + 0.25, 0.05_f64);
+    let swing = 9.81 * 0.5 / inertia;
+    assert!((space.a[(1, 0)] + swing).abs() < 1e-9, "{}", space.a);
+    let push = 0.5 / inertia / (tau * tau);
+    assert!(
+        (space.b[(1, 0)].abs() - push).abs() < 1e-9 * push,
+        "{}",
+        space.b
+    );
+    assert!(
+        (space.a[(1, 2)] + space.b[(1, 0)]).abs() < 1e-9 * push,
+        "{}",
+        space.a
+    );
+    assert!((space.b[(3, 0)] - 400.0).abs() < 1e-9, "{}", space.b);
+    // The cart is where the command is.
+    assert!((space.c[(2, 2)] - 1.0).abs() < 1e-12, "{}", space.c);
+    let shaft = Shaft::new(ShaftParams::default()).expect("defaults");
+    let state = ShaftState::at_origin().to_vec();
+    let space = linearise(&shaft, 0.0, &state, &[0.0; 3]).expect("regular rows");
+    assert!((space.d[(1, 0)] - 1.0).abs() < 1e-12, "{}", space.d);
+    assert!((space.d[(0, 2)] - 0.5).abs() < 1e-12, "{}", space.d);
 }
 
 #[test]
