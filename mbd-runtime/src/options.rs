@@ -89,10 +89,12 @@ pub struct Options {
     pub work: bool,
     /// Whether a run stops on a declared event.
     pub stop_at_events: bool,
-    /// What one unit of error is; by itself [`Scales::of`] the model.
+    /// What one unit of error is; by itself [`Scales::of`] the model. Positions of what lines and stops hold are resolved by the amplitude V/ω at
+    /// which it swings on them at the speed scale V, ω² = ΣK/m, where that is less than the length scale.
     pub scales: Option<Scales>,
-    /// How far a line must pass its switch to count as switching [m]; by itself the error of each step as its stages show it at fixed steps, the relative tolerance times
-    /// the length scale in adaptive runs. It must exceed the error of a step.
+    /// How far a line or a stop must pass its switch to count as switching [m, rad]; by itself the error of each step as its stages show it at fixed
+    /// steps; in adaptive runs the relative tolerance times the amplitude V/ω at which what the line holds swings on it at the speed scale V, at
+    /// most the length scale: so a switch is found before its force is wrong by more than that part of V √(K m). It must exceed the error of a step.
     pub guard_tolerance: Option<f64>,
     /// How the run stays on its joints.
     pub stabilise: Stabilise,

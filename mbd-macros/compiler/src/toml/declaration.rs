@@ -140,6 +140,9 @@ impl Writer<'_> {
             match (inner, value.get_ref()) {
                 _ if clause(word) || word == "doc" => {}
                 (_, DeValue::Boolean(_)) => {}
+                (Some(inner), DeValue::Table(_)) if !inner.named => {
+                    fields.push(self.head(inner, "", value));
+                }
                 (Some(inner), DeValue::Table(table)) => {
                     let named = entries(table).into_iter();
                     fields
