@@ -546,7 +546,8 @@ mod tests {
              joint a: hinge from world to left.one {{ axis: y }}
              joint b: hinge from left.two to bar.one {{ axis: y }}
              joint c: hinge from bar.two to right.two {{ axis: y }}
-             joint close: hinge from world.far to right.one {{ axis: y }} }}",
+             joint close: hinge from world.far to right.one {{ axis: y }}
+             output pull = close.force; }}",
             link("left", 0.0, -0.5),
             link("bar", -1.0, 0.0),
             link("right", 0.0, -0.7)
@@ -556,6 +557,7 @@ mod tests {
         for part in [
             "freedoms (Grübler): 6·3 + 3·0 − 20 = -2; by the rank 17 of the rows: 1; loops: 1",
             "`close` repeats rows of `a`, `b`, `c`: 3 of 5",
+            "output `pull` asks for the reaction of `close`, which is not unique",
         ] {
             assert!(text.contains(part), "{text}");
         }

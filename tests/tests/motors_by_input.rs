@@ -12,7 +12,7 @@ model! {
         body cart { mass: 4.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
         body arm { mass: 1.0 kg, inertia: diag(0.02, 0.02, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
         joint rail: prismatic from world to cart.com { axis: x, motor: wish, filter: tau }
-        joint pin: hinge from cart.com to arm.top { axis: y }
+        joint pin: hinge from cart.com to arm.top { axis: y, start: 0 deg }
         output lag = wish - rail.command;
         output push = rail.motor_force;
         output place = cart.position.x;
@@ -23,11 +23,11 @@ model! {
     /// A wheel on a shaft whose angle, rate and acceleration are inputs.
     pub model Shaft {
         gravity: none;
-        input angle: angle;
-        input rate: angular_rate;
-        input acceleration: angular_acceleration;
+        input turn: angle;
+        input spin: angular_velocity;
+        input gain: angular_acceleration;
         body wheel { mass: 2.0 kg, inertia: diag(0.3, 0.3, 0.5) kg*m^2 }
-        joint pin: hinge from world to wheel.com { axis: z, motor: [angle, rate, acceleration] }
+        joint pin: hinge from world to wheel.com { axis: z, motor: [turn, spin, gain] }
         output effort = pin.motor_torque;
         output turned = pin.angle;
     }
@@ -80,7 +80,7 @@ fn a_command_is_followed_by_the_step_response_of_the_filter() {
         );
     }
     let gained = energy(&mut run) - before;
-    let [_, _, drives] = *run.work().expect("asked for");
+    let [_, _, drives] = run.work().expect("asked for");
     assert!(
         drives > 0.1 && (gained - drives).abs() < 1e-7,
         "{gained} J of {drives} J"
@@ -98,9 +98,9 @@ fn three_inputs_give_the_torque_of_their_acceleration() {
     // φ = 3 t²/2 + sin t: two turns and more.
     run.control(|now, inputs: &mut ShaftInputs| {
         let t = now.time;
-        inputs.angle = 1.5 * t * t + t.sin();
-        inputs.rate = 3.0 * t + t.cos();
-        inputs.acceleration = 3.0 - t.sin();
+        inputs.turn = 1.5 * t * t + t.sin();
+        inputs.spin = 3.0 * t + t.cos();
+        inputs.gain = 3.0 - t.sin();
     })
     .expect("inputs of this model");
     run.start().expect("a start");
@@ -117,7 +117,7 @@ fn three_inputs_give_the_torque_of_their_acceleration() {
         (effort[0] - 0.5 * (3.0 - 3.0_f64.sin())).abs() < 1e-9,
         "{effort:?}"
     );
-    let [_, _, drives] = *run.work().expect("asked for");
+    let [_, _, drives] = run.work().expect("asked for");
     let gained = 0.25 * (want * want - 1.0);
     assert!(
         (drives - gained).abs() < 1e-7,

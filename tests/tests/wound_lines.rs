@@ -9,8 +9,8 @@ model! {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         input speed: speed = 0 m/s;
         state paid = 5 m { rate: speed }
-        point load { mass: 2.0 kg }
-        spring rope from world to load { free_length: paid, stiffness: 1e7 N/m, damping: 2 kN*s/m }
+        point bob { mass: 2.0 kg }
+        spring rope from world to bob { free_length: paid, stiffness: 1e7 N/m, damping: 2 kN*s/m }
         output pull = rope.tension;
         output stretching = rope.stretch_rate;
     }
@@ -20,8 +20,9 @@ model! {
     /// The same with a length of time, on a body that turns about nothing.
     model Timed {
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        body load { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
-        line rope from world to load.com {
+        body bob { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
+        joint loose: free from world to bob.com;
+        line rope from world to bob.com {
             free_length: 5 m + 1 m * sin(0.4 rad/s * time), stiffness: 2e5 N/m, damping: 200 N*s/m,
         }
     }
@@ -31,10 +32,10 @@ model! {
     /// A winch above a mass: the rope is drawn in with a rate that is said beside it.
     model Hoist {
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        input length: length = 4 m;
-        input rate: speed;
-        point load { mass: 3.0 kg }
-        line rope from world to load { free_length: [length, rate], stiffness: 5 kN/m, damping: 300 N*s/m }
+        input paid: length = 4 m;
+        input paying: speed;
+        point bob { mass: 3.0 kg }
+        line rope from world to bob { free_length: [paid, paying], stiffness: 5 kN/m, damping: 300 N*s/m }
     }
 }
 
@@ -84,7 +85,7 @@ fn a_crane_swings_as_a_pendulum_of_varying_length() {
     let stretch = 2.0 * G * start.cos() / 1e7;
     let along = [start.sin(), 0.0, -start.cos()];
     let mut state = CraneState::at_origin();
-    state.set_load(mbd_runtime::PointState {
+    state.set_bob(mbd_runtime::PointState {
         position: along.map(|x| x * (l0 + stretch)),
         velocity: along.map(|x| x * speed),
     });
@@ -161,7 +162,7 @@ fn a_winch_that_lifts_a_mass_does_the_work_of_its_weight() {
     };
     run.control(move |now, inputs: &mut HoistInputs| {
         let [height, rate] = lift(now.time);
-        (inputs.length, inputs.rate) = (4.0 - height, -rate);
+        (inputs.paid, inputs.paying) = (4.0 - height, -rate);
     })
     .expect("inputs of this model");
     let hanging = 4.0 + 3.0 * G / 5000.0;
@@ -171,7 +172,7 @@ fn a_winch_that_lifts_a_mass_does_the_work_of_its_weight() {
     run.run(6.0).expect("a smooth motion");
     let height = run.state()[2] + hanging;
     assert!((height - 1.5).abs() < 1e-7, "{height}");
-    let [loads, lost, drives] = *run.work().expect("asked for");
+    let [loads, lost, drives] = run.work().expect("asked for");
     assert_eq!(loads, 0.0);
     let want = 3.0 * G * 1.5;
     assert!(
@@ -188,9 +189,9 @@ fn a_wound_line_is_the_same_in_every_execution() {
     agrees(&Timed::new(TimedParams::default()).expect("defaults"));
     agrees(&Hoist::new(HoistParams::default()).expect("defaults"));
     let mut state = CraneState::at_origin();
-    state.set_load(mbd_runtime::PointState {
+    state.set_bob(mbd_runtime::PointState {
         position: [1.0, 0.0, -4.8],
         velocity: [0.0; 3],
     });
-    agrees_along(&crane, &state.to_vec(), (20, 1e-3), 1e-12);
+    agrees_along(&crane, &state.to_vec(), (20, 1e-4), 1e-12);
 }
