@@ -14,7 +14,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use crate::evaluate::{Scratch, evaluate};
 use crate::laws::body::{BodyMotion, attitude_of};
 use crate::laws::ground::{course, ground};
-use crate::laws::numbers::{Numbers, start_of};
+use crate::laws::kinematics::Kinematics;
+use crate::laws::numbers::Numbers;
 use crate::{
     AngularVelocity, Arguments, Formula, FrameMotion, Layout, Part, Place, PointSlots, Quantity,
     Relative, Scene, Twist,
@@ -235,24 +236,22 @@ pub(crate) fn place_near(
     for (index, joint) in scene.joints.iter().enumerate() {
         for (coordinate, formula) in joint.motors() {
             let course = match formula {
-                Formula::Vector(parts) => {
-                    let part = |index: usize| {
-                        let part = parts.get(index);
-                        part.map_or(f64::NAN, |part| start_of(scene, params, part))
-                    };
-                    [part(0), part(1)]
+                // What motors follow is what the state and the defaults of the inputs say, as in the rows of (3).
+                Formula::Vector(_) => {
+                    let here = placement.here(state);
+                    let at = here.at();
+                    let mut kinematics = Kinematics::new(layout);
+                    let evaluation = kinematics.read(scene, layout, &placement.numbers, &at);
+                    evaluation.course(formula)
                 }
-                _ => {
-                    let course = course(formula, scene, &placement.numbers, time);
-                    [course.value, course.rate]
-                }
+                _ => course(formula, scene, &placement.numbers, time),
             };
             all.retain(|start| (start.joint, start.coordinate) != (index, coordinate));
             all.push(JointStart {
                 joint: index,
                 coordinate,
-                value: Some(course[0]),
-                rate: Some(course[1]),
+                value: Some(course.value),
+                rate: Some(course.rate),
             });
         }
     }
@@ -466,17 +465,22 @@ impl Placement<'_> {
         }
     }
 
-    /// Rows of all joints at these coordinates and speeds; nothing that a node decides.
-    fn rows(&mut self, what: Quantity, state: &mut [f64]) -> DVector<f64> {
-        self.walk(state);
-        let mut out = vec![0.0; self.layout.len(what)];
-        let place = Arguments {
+    /// A state with its time and the defaults of the inputs.
+    fn here(&self, state: &[f64]) -> Arguments<f64> {
+        Arguments {
             time: self.time,
             state: state.to_vec(),
             nodes: vec![0.0; 3 * self.layout.nodes.len()],
             inputs: self.layout.default_inputs(self.scene),
             ..Arguments::default()
-        };
+        }
+    }
+
+    /// Rows of all joints at these coordinates and speeds; nothing that a node decides.
+    fn rows(&mut self, what: Quantity, state: &mut [f64]) -> DVector<f64> {
+        self.walk(state);
+        let mut out = vec![0.0; self.layout.len(what)];
+        let place = self.here(state);
         evaluate(
             what,
             self.scene,
