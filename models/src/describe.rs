@@ -3,7 +3,7 @@
 use mbd_compiler::Equations;
 use mbd_runtime::scene::laws::{Numbers, starts};
 use mbd_runtime::scene::{
-    Clamp, Cost, Difference, Differentiated, Gravity, Layout, NodeModel, Place, PointKind,
+    Clamp, Cost, Difference, Differentiated, Formula, Gravity, Layout, NodeModel, Place, PointKind,
     Quantity, Scene, Variable,
 };
 
@@ -48,6 +48,7 @@ pub fn counts(scene: &Scene) -> Table {
         table.push([what.into(), number.into()]);
     }
     let told = layout.redundancy.sentences(scene);
+    let told = told.into_iter().chain(ambiguous(scene, &layout));
     let notes = [freedoms(scene, &layout)].into_iter().chain(told);
     let gravity = format!("gravity: {}", gravity(&scene.gravity));
     notes.chain([gravity]).fold(table, Table::note)
@@ -72,6 +73,31 @@ fn freedoms(scene: &Scene, layout: &Layout) -> String {
         text += &format!("; by the rank {rank} of the rows: {left}; loops: {loops}");
     }
     text
+}
+
+/// Outputs and events that ask for reactions of which there are many.
+#[must_use]
+pub fn ambiguous(scene: &Scene, layout: &Layout) -> Vec<String> {
+    let outputs = scene.outputs.iter();
+    let outputs = outputs.map(|output| ("output", &output.name, &output.value));
+    let events = scene.events.iter();
+    let events = events.map(|event| ("event", &event.name, &event.guard));
+    let mut told = Vec::new();
+    for (kind, name, formula) in outputs.chain(events) {
+        scene.walk(formula, &mut |part| {
+            if let Formula::ReactionForce(joint) | Formula::ReactionTorque(joint) = part
+                && !layout.redundancy.is_unique(*joint)
+                && let Some(joint) = scene.joints.get(*joint)
+            {
+                told.push(format!(
+                    "{kind} `{name}` asks for the reaction of `{}`, which is not unique: rows of joints repeat each other, and what it shows is one choice of many",
+                    joint.name
+                ));
+            }
+        });
+    }
+    told.dedup();
+    told
 }
 
 fn gravity(gravity: &Gravity) -> &'static str {
@@ -520,7 +546,8 @@ mod tests {
              joint a: hinge from world to left.one {{ axis: y }}
              joint b: hinge from left.two to bar.one {{ axis: y }}
              joint c: hinge from bar.two to right.two {{ axis: y }}
-             joint close: hinge from world.far to right.one {{ axis: y }} }}",
+             joint close: hinge from world.far to right.one {{ axis: y }}
+             output pull = close.force; }}",
             link("left", 0.0, -0.5),
             link("bar", -1.0, 0.0),
             link("right", 0.0, -0.7)
@@ -530,6 +557,7 @@ mod tests {
         for part in [
             "freedoms (Grübler): 6·3 + 3·0 − 20 = -2; by the rank 17 of the rows: 1; loops: 1",
             "`close` repeats rows of `a`, `b`, `c`: 3 of 5",
+            "output `pull` asks for the reaction of `close`, which is not unique",
         ] {
             assert!(text.contains(part), "{text}");
         }

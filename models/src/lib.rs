@@ -3,6 +3,7 @@
 pub mod describe;
 pub mod parachute;
 pub mod progress;
+pub mod quantities;
 pub mod report;
 pub mod run;
 pub mod scenes;

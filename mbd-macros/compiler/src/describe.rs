@@ -1,6 +1,6 @@
 //! Formulas as the user would write them, and formulas changed all over a scene.
 
-use mbd_scene::joints::{Coordinate, FORCE, JointForces, MOTOR, NUMBERS, STOPS};
+use mbd_scene::joints::{Coordinate, FILTER, FORCE, JointForces, MOTOR, NUMBERS, STOPS};
 use mbd_scene::{Formula, Function, Gravity, LoadKind, Place, PointKind, Scene, Triple};
 
 /// A place by its name, `capsule.bridle[0]`.
@@ -192,11 +192,18 @@ pub fn forces(scene: &Scene, coordinate: &Coordinate, forces: &JointForces) -> S
         let unit = STOPS.measured.unit(coordinate);
         parts.push(format!("stops = [{low}, {high}] {unit}"));
     }
-    for (field, formula) in [(&FORCE, &forces.force), (&MOTOR, &forces.motor)] {
+    let filter = forces.filter.as_ref();
+    let motor = filter
+        .map(|filter| &filter.command)
+        .or(forces.motor.as_ref());
+    for (field, formula) in [(&FORCE, forces.force.as_ref()), (&MOTOR, motor)] {
         if let Some(formula) = formula {
             let unit = field.measured.unit(coordinate);
             parts.push(format!("{} = {} {unit}", field.name, text(scene, formula)));
         }
+    }
+    if let Some(filter) = filter {
+        parts.push(format!("{FILTER} = {} s", text(scene, &filter.time)));
     }
     parts.join(", ")
 }

@@ -131,10 +131,7 @@ fn what_new_users_write_is_accepted_or_answered() {
 }
 
 /// Files of `users/wished` that wait for a part of the language, and the branch that brings it.
-const AWAITED: &[(&str, &str)] = &[
-    ("w02_motor_input.mbd", "quantities"),
-    ("w12_table2d.mbd", "language"),
-];
+const AWAITED: &[(&str, &str)] = &[("w12_table2d.mbd", "language")];
 
 fn parachute() -> String {
     let path = format!("{}/tests/pass/parachute.mbd", env!("CARGO_MANIFEST_DIR"));

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::joints::{JointForceField, NUMBERS, STOP_ORDER, STOPS, in_order};
-use crate::laws::{Numbers, constant};
+use crate::joints::{FILTER, JointForceField, NUMBERS, STOP_ORDER, STOPS, in_order};
+use crate::laws::{Numbers, constant, start_of};
 use crate::{Float, Formula, PointKind, Scene};
 
 /// A parameter value that cannot be run.
@@ -151,7 +151,7 @@ fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), Pa
     }
     check_along(scene, &numbers.params)?;
     for state in &scene.states {
-        let start = constant(scene, &numbers.params, &state.start);
+        let start = start_of(scene, &numbers.params, &state.start);
         demand(
             start.is_finite(),
             format!("{}.start", state.name),
@@ -196,6 +196,15 @@ fn check_along<T: Float>(scene: &Scene, params: &[T]) -> Result<(), ParamError> 
                 let what = format!("{}.{}.{}", joint.name, coordinate.name, field.name);
                 demand(rule.holds(value.to_f64()), what, value, rule.words())
             };
+            if let Some(filter) = &forces.filter {
+                let time = value(&filter.time);
+                demand(
+                    time.is_finite() && time > T::zero(),
+                    format!("{}.{}.{FILTER}", joint.name, coordinate.name),
+                    time,
+                    "positive [s]",
+                )?;
+            }
             for (field, formula) in NUMBERS.iter().zip(forces.numbers()) {
                 let needed = match field.name {
                     "friction_rate" => forces.friction.is_some(),

@@ -14,10 +14,11 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use crate::evaluate::{Scratch, evaluate};
 use crate::laws::body::{BodyMotion, attitude_of};
 use crate::laws::ground::{course, ground};
+use crate::laws::kinematics::Kinematics;
 use crate::laws::numbers::Numbers;
 use crate::{
-    AngularVelocity, Arguments, FrameMotion, Layout, Part, Place, PointSlots, Quantity, Relative,
-    Scene, Twist,
+    AngularVelocity, Arguments, Formula, FrameMotion, Layout, Part, Place, PointSlots, Quantity,
+    Relative, Scene, Twist,
 };
 
 /// Iterations that close the loops.
@@ -234,7 +235,17 @@ pub(crate) fn place_near(
     let mut all = given.to_vec();
     for (index, joint) in scene.joints.iter().enumerate() {
         for (coordinate, formula) in joint.motors() {
-            let course = course(formula, scene, &placement.numbers, time);
+            let course = match formula {
+                // What motors follow is what the state and the defaults of the inputs say, as in the rows of (3).
+                Formula::Vector(_) => {
+                    let here = placement.here(state);
+                    let at = here.at();
+                    let mut kinematics = Kinematics::new(layout);
+                    let evaluation = kinematics.read(scene, layout, &placement.numbers, &at);
+                    evaluation.course(formula)
+                }
+                _ => course(formula, scene, &placement.numbers, time),
+            };
             all.retain(|start| (start.joint, start.coordinate) != (index, coordinate));
             all.push(JointStart {
                 joint: index,
@@ -454,17 +465,22 @@ impl Placement<'_> {
         }
     }
 
+    /// A state with its time and the defaults of the inputs.
+    fn here(&self, state: &[f64]) -> Arguments<f64> {
+        Arguments {
+            time: self.time,
+            state: state.to_vec(),
+            nodes: vec![0.0; 3 * self.layout.nodes.len()],
+            inputs: self.layout.default_inputs(self.scene),
+            ..Arguments::default()
+        }
+    }
+
     /// Rows of all joints at these coordinates and speeds; nothing that a node decides.
     fn rows(&mut self, what: Quantity, state: &mut [f64]) -> DVector<f64> {
         self.walk(state);
         let mut out = vec![0.0; self.layout.len(what)];
-        let place = Arguments {
-            time: self.time,
-            state: state.to_vec(),
-            nodes: vec![0.0; 3 * self.layout.nodes.len()],
-            inputs: vec![0.0; self.layout.ni],
-            ..Arguments::default()
-        };
+        let place = self.here(state);
         evaluate(
             what,
             self.scene,

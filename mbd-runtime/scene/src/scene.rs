@@ -490,7 +490,7 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// The coordinates that motors drive: number of the coordinate and its course, a formula of time; in the order of their rows.
+    /// The coordinates that motors drive: number of the coordinate and its course ([`JointForces::motor`]); in the order of their rows.
     pub fn motors(&self) -> impl Iterator<Item = (usize, &Formula)> {
         let forces = self.forces.iter();
         forces.filter_map(|forces| Some((forces.coordinate, forces.motor.as_ref()?)))
@@ -510,12 +510,39 @@ pub struct Line {
     pub from: Place,
     /// Second end.
     pub to: Place,
-    /// Free length L0 [m], ≥ 0.
+    /// Free length L0 [m], ≥ 0: of consts and params, or where the line is wound of inputs, states and time; a [`Formula::Vector`] of two is the
+    /// free length and its rate [m/s].
     pub free_length: Formula,
     /// Stiffness K [N/m], > 0; the number 0 where the law follows a table.
     pub stiffness: Formula,
     /// Damping C [N s/m], ≥ 0; the number 0 when none is declared.
     pub damping: Formula,
+}
+
+impl Line {
+    /// The free length, and its rate where it is declared.
+    #[must_use]
+    pub fn free_length_and_rate(&self) -> (&Formula, Option<&Formula>) {
+        match &self.free_length {
+            Formula::Vector(parts) => match parts.as_slice() {
+                [length, rate] => (length, Some(rate)),
+                _ => (&self.free_length, None),
+            },
+            length => (length, None),
+        }
+    }
+
+    /// Whether the line is wound: its free length changes during a run.
+    #[must_use]
+    pub fn is_wound(&self, scene: &Scene) -> bool {
+        let changes =
+            |part: &Formula| matches!(part, Formula::Time | Formula::Input(_) | Formula::State(_));
+        match &self.free_length {
+            Formula::Number(_) | Formula::Const(_) | Formula::Param(_) => false,
+            Formula::Vector(_) => true,
+            length => scene.contains(length, changes),
+        }
+    }
 }
 
 /// A load on a body or a point.

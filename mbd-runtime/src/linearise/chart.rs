@@ -285,6 +285,46 @@ impl Chart {
         tangent
     }
 
+    /// What a unit of each of some numbers that motors follow is in the state at fixed coordinates and rates, n_x × their number, and in the moves
+    /// δπ: K δπ = [−∂Φ/∂s; 0], and (2) with −∂Φ̇/∂s beside −∂Φ̇/∂q δq. `by` are the derivatives of Φ and Φ̇ by these numbers.
+    pub(crate) fn followed(
+        &self,
+        moment: &mut Moment,
+        turns: &DMatrix<f64>,
+        by: [&DMatrix<f64>; 2],
+    ) -> [DMatrix<f64>; 2] {
+        let (nq, nv, nx) = {
+            let layout = moment.layout();
+            (layout.nq, layout.nv, layout.nx())
+        };
+        let [positions, rates] = by;
+        let count = positions.ncols();
+        let mut right = DMatrix::zeros(nv, count);
+        for (line, &row) in self.kept.iter().enumerate() {
+            right.row_mut(line).copy_from(&-positions.row(row));
+        }
+        let moves = &self.inverse * right;
+        let moved = turns * &moves;
+        let of_rows = moment.by_state(Quantity::ConstraintRate, &[]);
+        let of_rates = moment.by_state(Quantity::JointCoordinates, &[]);
+        let mut right = DMatrix::zeros(nv, count);
+        for (line, &row) in self.kept.iter().enumerate() {
+            let change = of_rows.view((row, 0), (1, nq)) * &moved + rates.row(row);
+            right.row_mut(line).copy_from(&-change);
+        }
+        for (line, one) in self.minimal.iter().enumerate() {
+            if let Source::Joint(number) = one.source {
+                let change = of_rates.view((3 * number + 1, 0), (1, nq)) * &moved;
+                right.row_mut(self.kept.len() + line).copy_from(&-change);
+            }
+        }
+        let mut state = DMatrix::zeros(nx, count);
+        state.view_mut((0, 0), (nq, count)).copy_from(&moved);
+        let speeds = &self.inverse * right;
+        state.view_mut((nq, 0), (nv, count)).copy_from(&speeds);
+        [state, moves]
+    }
+
     /// The values of the coordinates, of a turn zero, and their rates.
     pub(crate) fn values(&self, moment: &mut Moment) -> [DVector<f64>; 2] {
         let measured = moment.evaluate(Quantity::JointCoordinates, &[]);

@@ -90,11 +90,20 @@ impl Moment {
 
     /// ∂(quantity)/∂(state) at fixed nodes.
     pub(crate) fn by_state(&mut self, what: Quantity, rows: &[f64]) -> DMatrix<f64> {
+        self.by(what, Variable::State, rows)
+    }
+
+    /// Derivatives of a quantity by the inputs at fixed node unknowns.
+    pub(crate) fn by_input(&mut self, what: Quantity) -> DMatrix<f64> {
+        self.by(what, Variable::Input, &[])
+    }
+
+    fn by(&mut self, what: Quantity, variable: Variable, rows: &[f64]) -> DMatrix<f64> {
         let layout = &self.model.layout;
-        let (lines, columns) = (layout.len(what), layout.nx());
+        let (lines, columns) = (layout.len(what), layout.variables(variable));
         let mut out = vec![0.0; lines * columns];
         let at = self.system.nodes.at(self.time, &self.state, &self.inputs);
-        let (scene, of) = ((&*self.model.scene, &**layout), (what, Variable::State));
+        let (scene, of) = ((&*self.model.scene, &**layout), (what, variable));
         let at = At { rows, ..at };
         self.slopes
             .differentiate(scene, of, Effective::Fixed, &at, &mut out);

@@ -9,7 +9,7 @@
 //! Small deviations from the motion through that state, which need not be at rest. Every derivative is exact: (2) uses those of
 //! [`super`], through joints and nodes. Source: Kane and Levinson, Dynamics, on linearised equations; [derived] for loops.
 
-use mbd_scene::{Float, Model, Quantity};
+use mbd_scene::{Float, Formula, Joint, Model, Quantity, Scene};
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::LinearisationError;
@@ -93,24 +93,46 @@ impl StateSpace {
             (layout.nq, layout.nv, layout.nx())
         };
         let whole = dense(linear.state());
-        let by_input = dense(linear.input());
+        let mut by_input = dense(linear.input());
         let turns = whole.view((0, nq), (nq, nv)).into_owned();
-        let tangent = chart.tangent(moment, &turns);
+        let mut tangent = chart.tangent(moment, &turns);
+        let (n, rest) = (chart.len(), nx - nq - nv);
+        let mut followed = None;
+        if motors_follow(moment.scene()) {
+            let rows = [Quantity::Constraint, Quantity::ConstraintRate];
+            let by_state = rows.map(|what| moment.by_state(what, &[]));
+            let behind = by_state
+                .each_ref()
+                .map(|by| by.columns(nq + nv, rest).into_owned());
+            let [state, moves] = chart.followed(moment, &turns, behind.each_ref());
+            let mut own = tangent.columns_mut(2 * n, rest);
+            own += state;
+            let held = rows.map(|what| moment.by_input(what));
+            let [state, held] = chart.followed(moment, &turns, held.each_ref());
+            by_input += &whole * &state;
+            followed = Some((moves, state, held));
+        }
         let rates = &whole * &tangent;
         let speeds = moment.rates()?;
         let speeds = &speeds[nq..];
         let measured = moment.by_state(Quantity::JointCoordinates, &speeds[..nv]);
-        let (n, rest) = (chart.len(), nx - nq - nv);
         let (ns, nu) = (2 * n + rest, by_input.ncols());
         let (mut a, mut b) = (DMatrix::zeros(ns, ns), DMatrix::zeros(ns, nu));
         // Small moves of a unit of each s: none of the rates.
         let mut moves = DMatrix::zeros(nv, ns);
         moves.view_mut((0, 0), (nv, n)).copy_from(&chart.moves());
+        if let Some((behind, ..)) = &followed {
+            moves.view_mut((0, 2 * n), (nv, rest)).copy_from(behind);
+        }
         for (line, one) in chart.minimal.iter().enumerate() {
             a[(line, n + line)] = 1.0;
             let swept = chart.swept(moment, one, &moves);
             let mut own = a.row_mut(line);
             own += swept;
+            if let Some((_, _, held)) = &followed {
+                let swept = chart.swept(moment, one, held);
+                b.row_mut(line).copy_from(&swept);
+            }
             match one.source {
                 Source::Joint(number) => {
                     let along = chart.rows.row(chart.kept.len() + line);
@@ -119,6 +141,10 @@ impl StateSpace {
                     a.row_mut(n + line).copy_from(&(here + through));
                     let through = along * by_input.view((nq, 0), (nv, nu));
                     b.row_mut(n + line).copy_from(&through);
+                    if let Some((_, state, _)) = &followed {
+                        let mut own = b.row_mut(n + line);
+                        own += measured.row(3 * number + 2) * state;
+                    }
                 }
                 Source::Place { speed, .. } | Source::Turn { speed, .. } => {
                     a.row_mut(n + line).copy_from(&rates.row(nq + speed));
@@ -140,7 +166,12 @@ impl StateSpace {
         let behind = state_names(scene, layout).into_iter().skip(nq + nv);
         Ok(StateSpace {
             c: dense(linear.outputs_by_state()) * &tangent,
-            d: dense(linear.outputs_by_input()),
+            d: match &followed {
+                Some((_, state, _)) => {
+                    dense(linear.outputs_by_input()) + dense(linear.outputs_by_state()) * state
+                }
+                None => dense(linear.outputs_by_input()),
+            },
             states: coordinates.chain(their_rates).chain(behind).collect(),
             inputs: input_names(scene, layout),
             outputs: output_names(scene),
@@ -225,6 +256,12 @@ impl StateSpace {
         }
         shape.iter().map(|x| [x.re, x.im]).collect()
     }
+}
+
+/// Whether motors follow inputs or states.
+fn motors_follow(scene: &Scene) -> bool {
+    let mut motors = scene.joints.iter().flat_map(Joint::motors);
+    motors.any(|(_, course)| matches!(course, Formula::Vector(_)))
 }
 
 /// Names and units of the output columns.

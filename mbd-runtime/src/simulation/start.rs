@@ -280,8 +280,11 @@ pub(crate) fn declared_start<T: Float>(
             *qw = 1.0;
         }
     }
+    let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
+    let own = state.iter_mut().skip(layout.states());
+    own.zip(starts(scene, &params))
+        .for_each(|(state, start)| *state = start);
     if !scene.starts.is_empty() {
-        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
         declared_parts(scene, layout, &params, &mut state);
         place_declared(scene, layout, (&params, time), &[], &[], &mut state)
             .map_err(|error| misplaced(scene, error))?;

@@ -42,8 +42,8 @@ struct Cli {
 enum Command {
     /// Fly the parachute with every model of its confluence: report, figures, histories, summary (the default).
     Parachute(ParachuteArgs),
-    /// List the ready scenes.
-    List,
+    /// List the ready scenes, or what can be asked of a scene.
+    List(ListArgs),
     /// Run a scene: history, figures, report and summary.
     Run(RunArgs),
     /// Linearise a scene about its start or its rest: minimal coordinates, eigenvalues with frequency and damping.
@@ -54,6 +54,19 @@ enum Command {
     Expand(SceneArgs),
     /// Print a scene as TOML or as the text of a declaration, with the settings of its run.
     Convert(ConvertArgs),
+}
+
+/// What to list: the ready scenes, if nothing is said.
+#[derive(Args, Debug)]
+struct ListArgs {
+    #[command(subcommand)]
+    what: Option<Listed>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Listed {
+    /// What can be asked of a scene in outputs and events: names, units, meaning.
+    Quantities(SceneArgs),
 }
 
 /// A scene.
@@ -110,7 +123,13 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
     });
     match command {
         Command::Parachute(args) => parachute::parachute(&args),
-        Command::List => Ok(list::list()),
+        Command::List(ListArgs { what: None }) => Ok(list::list()),
+        Command::List(ListArgs {
+            what: Some(Listed::Quantities(args)),
+        }) => {
+            let file = SceneFile::find(&args.scene)?;
+            Ok(models::quantities::table(&file.scene).text())
+        }
         Command::Run(args) => run::run(&args),
         Command::Linearise(args) => linearise::linearise(&args),
         Command::Check(args) => check::check(&args),

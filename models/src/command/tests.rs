@@ -83,6 +83,21 @@ fn output_that_cannot_be_written_is_an_error_and_a_reader_who_left_is_none() {
 }
 
 #[test]
+fn the_quantities_of_a_scene_are_listed_with_units() {
+    let text = run(&["list", "quantities", "four_bar"]).unwrap();
+    for part in [
+        "rad/s^2",
+        "outputs, events",
+        ".force",
+        "_acceleration",
+        "m/s",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert_eq!(run(&["list", "quantities", "swnig"]).unwrap_err().code(), 1);
+}
+
+#[test]
 fn an_unknown_scene_is_a_usage_error_with_a_suggestion() {
     let error = run(&["run", "swnig"]).unwrap_err();
     assert_eq!(error.code(), 1);

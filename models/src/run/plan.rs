@@ -214,7 +214,9 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
         .iter()
         .flat_map(|joint| &joint.forces)
         .any(acts);
-    options.work = moves || driven || !scene.loads.is_empty() || scene.lines.iter().any(damped);
+    let wound = scene.lines.iter().any(|line| line.is_wound(scene));
+    options.work =
+        moves || driven || wound || !scene.loads.is_empty() || scene.lines.iter().any(damped);
     Ok(options)
 }
 

@@ -8,8 +8,10 @@ mod inertia;
 mod nodes;
 mod planar;
 mod unused;
+mod winding;
 
 pub use inertia::{WrongInertia, inertia};
+pub use winding::wound_by_themselves;
 
 use mbd_scene::{Place, PointKind};
 

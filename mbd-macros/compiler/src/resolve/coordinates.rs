@@ -82,6 +82,13 @@ impl Resolver<'_> {
         let measured: Vec<_> = law.measured().collect();
         let motors: Vec<String> = measured.iter().map(|c| law.motor_word(c)).collect();
         let driving = driven.iter().filter_map(|&index| motors.get(index));
+        let filters = declared.forces.iter().filter_map(|forces| {
+            let (filter, coordinate) = (forces.filter.as_ref()?, measured.get(forces.coordinate)?);
+            Some((filter.state, law.command_word(coordinate)))
+        });
+        let commands: Vec<(usize, String)> = filters
+            .flat_map(|(state, word)| [(state + 1, format!("{word}_rate")), (state, word)])
+            .collect();
         let second = |name: &str| format!("{name}_acceleration");
         let seconds: Vec<String> = measured.iter().map(|c| second(c.name)).collect();
         let known: Vec<&str> = measured
@@ -89,6 +96,7 @@ impl Resolver<'_> {
             .flat_map(|c| [c.name, c.rate])
             .chain(seconds.iter().map(String::as_str))
             .chain(driving.map(String::as_str))
+            .chain(commands.iter().map(|(_, word)| word.as_str()))
             .chain(words::JOINT_QUANTITIES.iter().copied())
             .collect();
         let Some((step, after)) = rest.split_first() else {
@@ -120,6 +128,18 @@ impl Resolver<'_> {
                 ..Typed::of(formula, false, dimension, at)
             };
             return self.tail(second, after);
+        }
+        if self.in_let() && self.known < Known::Motors && word.contains("command") {
+            return self.not_yet(&format!("{owner}.{word}"));
+        }
+        if let Some((state, _)) = commands.iter().find(|(_, command)| command == word) {
+            let dimension = self.scene.states.get(*state)?.unit.dimension;
+            let angle = i8::from(self.scene.states.get(*state)?.unit.text.starts_with("rad"));
+            let command = Typed {
+                angle,
+                ..Typed::of(Formula::State(*state), false, dimension, at)
+            };
+            return self.tail(command, after);
         }
         if let Some(index) = motors.iter().position(|motor| motor == word) {
             let here = step.word.at.into();

@@ -4,10 +4,12 @@
 use std::collections::BTreeMap;
 
 use mbd_scene::joints::{
-    Coordinate, FORCE, JointForceField, MOTOR, NUMBERS, START, START_RATE, STOPS, in_order,
+    CommandFilter, Coordinate, FILTER, FORCE, JointForceField, MOTOR, MOTOR_ACCELERATION,
+    MOTOR_RATE, NUMBERS, START, START_RATE, STOPS, in_order,
 };
-use mbd_scene::{CoordinateStart, Formula, JointForces, JointLaw};
+use mbd_scene::{CoordinateStart, Formula, Function, JointForces, JointLaw, State};
 
+use super::fields::Accept;
 use super::joints::Names;
 use super::{Instance, Named, Resolver, Scope, Stage, Typed, fold};
 use crate::lexeme::Bracket;
@@ -17,10 +19,14 @@ use crate::units;
 
 /// The keywords of the fields of a coordinate.
 fn field_words() -> impl Iterator<Item = &'static str> {
-    let fields = NUMBERS
-        .iter()
-        .chain([&STOPS, &FORCE, &MOTOR, &START, &START_RATE]);
-    fields.map(|field| field.name)
+    let names = |fields: &[&JointForceField]| -> Vec<&'static str> {
+        fields.iter().map(|field| field.name).collect()
+    };
+    let numbers = NUMBERS.iter().map(|field| field.name);
+    numbers
+        .chain(names(&[&STOPS, &FORCE, &MOTOR]))
+        .chain([FILTER])
+        .chain(names(&[&START, &START_RATE]))
 }
 
 /// The keywords that the coordinates of a joint bring: their fields and their own names; none without coordinates.
@@ -46,6 +52,8 @@ type Given<'i, 'a> = BTreeMap<&'static str, &'i Item<'a>>;
 struct Owner<'o> {
     /// The joint, or joint and coordinate where it has several.
     name: String,
+    /// What a filter makes of a command: `pin.command`, `sleeve.angle_command`.
+    command: String,
     coordinate: &'o Coordinate,
     scope: Scope<'o>,
 }
@@ -96,6 +104,7 @@ impl Resolver<'_> {
                     1 => name.clone(),
                     _ => format!("{name}.{}", coordinate.name),
                 },
+                command: format!("{name}.{}", law.command_word(coordinate)),
                 coordinate,
                 scope: instance.scope(Stage::Fixed),
             };
@@ -220,8 +229,17 @@ impl Resolver<'_> {
             whole &= forces.force.is_some();
         }
         if let Some(value) = given.get(MOTOR.name).and_then(|item| item.clause(":")) {
-            forces.motor = self.motor(value, owner);
-            whole &= forces.motor.is_some();
+            let filter = given.get(FILTER).copied();
+            let motor = self.motor(value, filter, owner);
+            whole &= motor.is_some();
+            if let Some((motor, filter)) = motor {
+                (forces.motor, forces.filter) = (Some(motor), filter);
+            }
+        } else if let Some(item) = given.get(FILTER) {
+            let (at, example) = (item.word.at.into(), "motor: command");
+            let report = say::needs_field(at, &owner.name, FILTER, example);
+            self.messages.push(report);
+            whole = false;
         }
         whole.then_some(forces)
     }
@@ -266,17 +284,105 @@ impl Resolver<'_> {
         Some(any.then_some(start))
     }
 
-    /// The course of a coordinate: a function of time with two derivatives, which may count turns.
-    fn motor(&mut self, value: Value<'_>, owner: &Owner<'_>) -> Option<Formula> {
+    /// The course of a coordinate, which may count turns: a function of time with two derivatives, the coordinate with its rate and its
+    /// acceleration, or a command behind a filter.
+    fn motor(
+        &mut self,
+        value: Value<'_>,
+        filter: Option<&Item<'_>>,
+        owner: &Owner<'_>,
+    ) -> Option<(Formula, Option<CommandFilter>)> {
         let scope = Scope {
-            stage: Stage::Course,
+            stage: Stage::Driven,
             ..owner.scope
         };
+        let mut cursor = Cursor::new(value);
+        if let Some(group) = cursor.group(Bracket::Square)
+            && cursor.at_end()
+        {
+            if let Some(filter) = filter {
+                let at = filter.word.at.into();
+                return self.fail(say::filter_and_rates(at, &owner.name));
+            }
+            let parts = Cursor::new(group).comma_separated();
+            if parts.len() != 3 {
+                return self.fail(say::motor_of_three(value.at, &owner.name, parts.len()));
+            }
+            let mut course = Vec::new();
+            for (part, field) in parts.iter().zip([&MOTOR, &MOTOR_RATE, &MOTOR_ACCELERATION]) {
+                let typed = self.value(*part, scope)?;
+                course.push(self.along_fits(typed, field, owner)?);
+            }
+            return Some((Formula::Vector(course), None));
+        }
         let typed = self.value(value, scope)?;
         let at = typed.at;
         let formula = self.along_fits(typed, &MOTOR, owner)?;
+        if let Some(item) = filter {
+            let time = item.clause(":")?;
+            let accept = Accept::Positive;
+            let scope = owner.scope;
+            let time = self.quantity(&owner.name, FILTER, time, units::TIME, accept, scope)?;
+            let (course, filter) = self.filtered(formula, time, owner);
+            return Some((course, Some(filter)));
+        }
+        let given = |part: &Formula| matches!(part, Formula::Input(_) | Formula::State(_));
+        if self.scene.contains(&formula, given) {
+            let text = match formula {
+                Formula::Input(_) | Formula::State(_) => {
+                    crate::describe::text(&self.scene, &formula)
+                }
+                _ => "command".to_owned(),
+            };
+            let units = [&MOTOR_RATE, &MOTOR_ACCELERATION]
+                .map(|field| field.measured.unit(owner.coordinate));
+            return self.fail(say::motor_without_rates(at, &owner.name, &text, units));
+        }
         self.two_derivatives(std::slice::from_ref(&formula), at)?;
-        Some(formula)
+        Some((formula, None))
+    }
+
+    /// Makes the two states of a filter; the course that they are, by the equations of [`CommandFilter`].
+    fn filtered(
+        &mut self,
+        command: Formula,
+        time: Formula,
+        owner: &Owner<'_>,
+    ) -> (Formula, CommandFilter) {
+        let state = self.scene.states.len();
+        let [now, rate] = [state, state + 1].map(Formula::State);
+        let apply = |function, a: &Formula, b: &Formula| {
+            Formula::Apply(function, vec![a.clone(), b.clone()])
+        };
+        let left = apply(Function::Sub, &command, &now);
+        let wanted = apply(Function::Div, &left, &time);
+        let twice = apply(Function::Mul, &Formula::Number(2.0), &rate);
+        let lacking = apply(Function::Sub, &wanted, &twice);
+        let curve = apply(Function::Div, &lacking, &time);
+        let unit = |field: &JointForceField| {
+            let text = field.measured.unit(owner.coordinate);
+            units::si(text, field.measured.of(owner.coordinate))
+        };
+        self.scene.states.push(State {
+            name: owner.command.clone(),
+            doc: format!("What the motor of `{}` follows.", owner.name),
+            start: command.clone(),
+            unit: unit(&MOTOR),
+            rate: rate.clone(),
+        });
+        self.scene.states.push(State {
+            name: format!("{}_rate", owner.command),
+            doc: format!("The rate of what the motor of `{}` follows.", owner.name),
+            start: Formula::Number(0.0),
+            unit: unit(&MOTOR_RATE),
+            rate: curve.clone(),
+        });
+        let filter = CommandFilter {
+            command,
+            time,
+            state,
+        };
+        (Formula::Vector(vec![now, rate, curve]), filter)
     }
 
     fn along_number(

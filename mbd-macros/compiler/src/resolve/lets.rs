@@ -75,7 +75,7 @@ impl Resolver<'_> {
         {
             return self.out_of_reach(&name, &on, at, scope);
         }
-        if scope.stage == Stage::Course && progress.length > LONGEST {
+        if [Stage::Course, Stage::Driven].contains(&scope.stage) && progress.length > LONGEST {
             return self.fail(say::deep_let(at, &name, DEEPEST));
         }
         Some(())
@@ -98,6 +98,7 @@ impl Resolver<'_> {
             Stage::Constant => say::not_constant(at, &what),
             Stage::Fixed => say::not_fixed(at, &what, self.instead),
             Stage::Course => say::not_prescribed(at, &what),
+            Stage::Driven => say::not_driven(at, &what),
             Stage::Live | Stage::Result => say::let_as_cause(at, name, on),
         })
     }
@@ -214,6 +215,7 @@ impl Resolver<'_> {
                 | Formula::Apply(..) => Stage::Constant,
                 Formula::Param(_) | Formula::Lookup(..) => Stage::Fixed,
                 Formula::Time => Stage::Course,
+                Formula::Input(_) | Formula::State(_) => Stage::Driven,
                 Formula::MotorEffort(..)
                 | Formula::Acceleration(_)
                 | Formula::AngularAcceleration(_)

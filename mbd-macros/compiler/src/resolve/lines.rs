@@ -1,6 +1,6 @@
 //! Points, lines and springs.
 
-use mbd_scene::{Clamp, Difference, Dimension, Formula, LineKind, NodeModel, PointKind};
+use mbd_scene::{Clamp, Difference, Dimension, Formula, LineKind, NodeModel, Place, PointKind};
 
 use super::fields::{Accept, Fields};
 use super::{Instance, Named, Resolver, Scope, Stage};
@@ -124,13 +124,13 @@ impl Resolver<'_> {
         let to = item.clause("to").and_then(|v| self.place(v, scope));
         let known = words::find(&item.word.text, false)?.fields?;
         let fields = self.fields(&item.block, known);
-        let length = self.line_number(
-            &fields,
-            item,
-            &name,
-            ("free_length", units::LENGTH, Accept::NotNegative),
-            scope,
-        );
+        let length = match fields.value("free_length") {
+            Some(value) => self.free_length(value, (&name, scope), [&from, &to]),
+            None => {
+                let field = ("free_length", units::LENGTH, Accept::NotNegative);
+                self.line_number(&fields, item, &name, field, scope)
+            }
+        };
         let law = match fields.get("force") {
             Some(force) => match fields.get("stiffness") {
                 Some(other) => self.fail(say::force_and_stiffness(other.word.at.into(), &name)),
@@ -165,6 +165,70 @@ impl Resolver<'_> {
         entry.damping = damping;
         (entry.from, entry.to) = (from?, to?);
         Some(())
+    }
+
+    /// Tells lines whose rate of winding depends on itself: through their tension, where they are damped, or their stretch rate.
+    pub fn windings(&mut self) {
+        for (line, through) in crate::check::wound_by_themselves(&self.scene) {
+            let lines = ["line", "spring"].map(|kind| self.of(kind));
+            let instance = lines
+                .iter()
+                .flatten()
+                .find(|instance| instance.slot == line);
+            let at = instance.map_or(self.head, |instance| instance.item.name_at());
+            if let Some(name) = self.scene.lines.get(line).map(|line| line.name.clone()) {
+                self.messages
+                    .push(say::wound_by_itself(at, &name, &through));
+            }
+        }
+    }
+
+    /// The free length: fixed, or of a line that is wound an expression of inputs, states and time, or that with its rate.
+    fn free_length(
+        &mut self,
+        value: Value<'_>,
+        (name, scope): (&str, Scope<'_>),
+        ends: [&Option<Place>; 2],
+    ) -> Option<Formula> {
+        const FIELD: &str = "free_length";
+        let driven = Scope {
+            stage: Stage::Driven,
+            ..scope
+        };
+        let mut cursor = Cursor::new(value);
+        let formula = if let Some(group) = cursor.group(Bracket::Square)
+            && cursor.at_end()
+        {
+            let parts = Cursor::new(group).comma_separated();
+            let [length, rate] = parts.as_slice() else {
+                return self.fail(say::length_and_rate(value.at, name, parts.len()));
+            };
+            let length = self.value(*length, driven)?;
+            let length = self.fits(length, FIELD, false, units::LENGTH)?;
+            let rate = self.value(*rate, driven)?;
+            let rate = self.fits(rate, "free_length rate", false, units::SPEED)?;
+            Formula::Vector(vec![length, rate])
+        } else {
+            let typed = self.value(value, driven)?;
+            let changes = |part: &Formula| {
+                matches!(part, Formula::Time | Formula::Input(_) | Formula::State(_))
+            };
+            if !self.scene.contains(&typed.formula, changes) {
+                let accept = Accept::NotNegative;
+                return self.quantity(name, FIELD, value, units::LENGTH, accept, scope);
+            }
+            self.fits(typed, FIELD, false, units::LENGTH)?
+        };
+        for end in ends.into_iter().flatten() {
+            if let Place::Point(point) = end
+                && let Some(point) = self.scene.points.get(*point)
+                && matches!(point.kind, PointKind::Node(_))
+            {
+                let report = say::wound_line_at_node(value.at, name, &point.name);
+                return self.fail(report);
+            }
+        }
+        Some(formula)
     }
 
     /// A number that every line or spring of its law has.

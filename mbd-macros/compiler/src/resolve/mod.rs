@@ -157,6 +157,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.part_starts();
     resolver.gravity(model);
     resolver.states();
+    resolver.windings();
     resolver.loads();
     resolver.outputs();
     resolver.events();

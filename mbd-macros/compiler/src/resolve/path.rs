@@ -44,7 +44,7 @@ impl Resolver<'_> {
             return self.tail(index, rest);
         }
         if word == "time" {
-            if scope.stage != Stage::Course {
+            if ![Stage::Course, Stage::Driven].contains(&scope.stage) {
                 self.live(scope, here, "time")?;
             }
             return self.tail(Typed::of(Formula::Time, false, units::TIME, here), rest);
@@ -87,7 +87,7 @@ impl Resolver<'_> {
                 )
             }
             Named::Input(index) => {
-                self.live(scope, at, &format!("the input `{word}`"))?;
+                self.driven(scope, at, &format!("the input `{word}`"))?;
                 let input = self.scene.inputs.get(index)?;
                 let (vector, dimension) = (input.components == 3, input.unit.dimension);
                 self.tail(
@@ -105,7 +105,7 @@ impl Resolver<'_> {
                 )
             }
             Named::State(index) => {
-                self.live(scope, at, &format!("the state `{word}`"))?;
+                self.driven(scope, at, &format!("the state `{word}`"))?;
                 let dimension = self.scene.states.get(index)?.unit.dimension;
                 let state = Formula::State(index);
                 let state = self.declared(state, false, dimension, here, named);
@@ -174,7 +174,16 @@ impl Resolver<'_> {
             Stage::Live | Stage::Result => Some(()),
             Stage::Fixed => self.fail(say::not_fixed(at, what, self.instead)),
             Stage::Course => self.fail(say::not_prescribed(at, what)),
+            Stage::Driven => self.fail(say::not_driven(at, what)),
             Stage::Constant => self.fail(say::not_constant(at, what)),
+        }
+    }
+
+    /// What changes during a run and does not depend on the motion at the same instant.
+    fn driven(&mut self, scope: Scope<'_>, at: Region, what: &str) -> Option<()> {
+        match scope.stage {
+            Stage::Driven => Some(()),
+            _ => self.live(scope, at, what),
         }
     }
 

@@ -18,6 +18,8 @@ pub enum Stage {
     Fixed,
     /// Also time: a motion prescribed before a run. It is differentiated twice.
     Course,
+    /// Also inputs and states: what a motor or a winch follows.
+    Driven,
     /// Everything in the scene.
     Live,
     /// Also what follows from the accelerations: the efforts of motors.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use mbd_scene::joints::{FORCE, MOTOR, NUMBERS, START, START_RATE, STOPS};
+use mbd_scene::joints::{FILTER, FORCE, MOTOR, NUMBERS, START, START_RATE, STOPS};
 use mbd_scene::{
     AngularVelocity, Axis, Body, Clamp, Coordinates, Difference, Dimension, Direction, Fixed,
     Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, NodeModel, Output,
@@ -431,11 +431,17 @@ fn forces(out: &mut String, index: usize, joint: &Joint, scene: &Scene) {
             let [low, high] = forces.stops.each_ref().map(place);
             entry(out, STOPS.name, &format!("[{low}, {high}]"));
         }
-        let formulas = [(&FORCE, &forces.force), (&MOTOR, &forces.motor)];
-        for (field, formula) in formulas {
+        let filter = forces.filter.as_ref();
+        let motor = filter
+            .map(|filter| &filter.command)
+            .or(forces.motor.as_ref());
+        for (field, formula) in [(&FORCE, forces.force.as_ref()), (&MOTOR, motor)] {
             if let Some(formula) = formula {
                 entry(out, field.name, &text(formula, scene));
             }
+        }
+        if let Some(filter) = filter {
+            entry(out, FILTER, &text(&filter.time, scene));
         }
     }
 }
@@ -459,7 +465,18 @@ fn write_line(out: &mut String, line: &Line, scene: &Scene) {
 }
 
 fn states(out: &mut String, scene: &Scene) {
-    for state in &scene.states {
+    let joints = scene.joints.iter().flat_map(|joint| &joint.forces);
+    let filters: Vec<usize> = joints
+        .filter_map(|forces| Some(forces.filter.as_ref()?.state))
+        .collect();
+    for (index, state) in scene.states.iter().enumerate() {
+        // Those of filters are made by their joints.
+        if filters
+            .iter()
+            .any(|&first| (first..first + 2).contains(&index))
+        {
+            continue;
+        }
         table(out, "state", &state.name);
         doc(out, &state.doc);
         entry(out, "kind", unit_word(&state.unit));

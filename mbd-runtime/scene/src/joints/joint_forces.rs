@@ -33,8 +33,26 @@ pub struct JointForces {
     pub stop_damping: Option<Formula>,
     /// A force on the coordinate [N or N m]: any quantity of the scene may stand in it.
     pub force: Option<Formula>,
-    /// The course of the coordinate as a function of time [m or rad]: a motor holds it to that.
+    /// The course of the coordinate, to which a motor holds it: a function of time [m or rad], or a [`Formula::Vector`] of the coordinate, its
+    /// rate and its acceleration, each of inputs, states and time.
     pub motor: Option<Formula>,
+    /// The filter through which the motor follows a command, where it does: then `motor` names the states of the filter.
+    pub filter: Option<CommandFilter>,
+}
+
+/// The critically damped filter of second order between a command and the course of a motor, two states of the scene:
+/// ċ = w, ẇ = (command − c)/τ² − 2 w/τ; the motor holds its coordinate to c, with the rate w and the acceleration ẇ.
+///
+/// Its response to a step is 1 − (1 + t/τ) exp(−t/τ).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CommandFilter {
+    /// What it follows [m or rad]: inputs, states and time.
+    pub command: Formula,
+    /// Its time τ [s], > 0.
+    pub time: Formula,
+    /// The state c, index into [`Scene::states`](crate::Scene::states); w is the next.
+    pub state: usize,
 }
 
 /// What a number of [`JointForces`] measures, by the coordinate it belongs to.
@@ -44,6 +62,8 @@ pub enum Measured {
     Value,
     /// Its rate.
     Rate,
+    /// Its second rate.
+    Acceleration,
     /// The generalised force on it.
     Force,
     /// Force over coordinate.
@@ -90,6 +110,17 @@ pub const STOPS: JointForceField = field(
 pub const FORCE: JointForceField = field("force", Measured::Force, Rule::Finite, None);
 /// The keyword of the motor.
 pub const MOTOR: JointForceField = field("motor", Measured::Value, Rule::Finite, None);
+/// The rate of the course of a motor, where it is given.
+pub const MOTOR_RATE: JointForceField = field("motor rate", Measured::Rate, Rule::Finite, None);
+/// The acceleration of the course of a motor, where it is given.
+pub const MOTOR_ACCELERATION: JointForceField = field(
+    "motor acceleration",
+    Measured::Acceleration,
+    Rule::Finite,
+    None,
+);
+/// The keyword of the time of the filter before a motor.
+pub const FILTER: &str = "filter";
 
 /// The keyword of where a coordinate starts.
 pub const START: JointForceField = field("start", Measured::Value, Rule::Finite, None);
@@ -157,6 +188,7 @@ impl Measured {
         match self {
             Measured::Value => value,
             Measured::Rate => coordinate.rate_dimension(),
+            Measured::Acceleration => Dimension { time: -4, ..value },
             Measured::Force => force,
             Measured::Stiffness => Dimension {
                 length: force.length - value.length,
@@ -180,6 +212,8 @@ impl Measured {
             (Measured::Value, true) => "rad",
             (Measured::Rate, false) => "m/s",
             (Measured::Rate, true) => "rad/s",
+            (Measured::Acceleration, false) => "m/s^2",
+            (Measured::Acceleration, true) => "rad/s^2",
             (Measured::Force, false) => "N",
             (Measured::Force, true) => "N*m",
             (Measured::Stiffness, false) => "N/m",
@@ -232,7 +266,10 @@ impl JointForces {
             stop_damping,
             force,
             motor,
+            filter,
         } = self;
+        let filter = filter.iter_mut();
+        let filter = filter.flat_map(|filter| [&mut filter.command, &mut filter.time]);
         [
             stiffness,
             rest,
@@ -248,6 +285,7 @@ impl JointForces {
         ]
         .into_iter()
         .flatten()
+        .chain(filter)
     }
 
     /// Whether nothing is declared.

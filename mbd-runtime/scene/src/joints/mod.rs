@@ -11,8 +11,8 @@ mod joint_forces;
 
 pub use carried::{Carried, Held};
 pub use joint_forces::{
-    FORCE, JointForceField, JointForces, MOTOR, Measured, NUMBERS, START, START_RATE, STOP_ORDER,
-    STOPS, Side, in_order,
+    CommandFilter, FILTER, FORCE, JointForceField, JointForces, MOTOR, MOTOR_ACCELERATION,
+    MOTOR_RATE, Measured, NUMBERS, START, START_RATE, STOP_ORDER, STOPS, Side, in_order,
 };
 
 use std::ops::Range;
@@ -283,6 +283,15 @@ impl JointLaw {
     pub fn attitude(&self) -> Option<Range<usize>> {
         let count = self.coordinates();
         (count > self.freedoms()).then(|| count - 4..count)
+    }
+
+    /// How the language calls what the filter of a motor makes of its command: `command`; `angle_command` among several coordinates.
+    #[must_use]
+    pub fn command_word(&self, coordinate: &Coordinate) -> String {
+        match self.measured().count() {
+            1 => "command".to_owned(),
+            _ => format!("{}_command", coordinate.name),
+        }
     }
 
     /// How the language calls the force or torque of a motor along a coordinate: `motor_torque`; `angle_motor_torque` among several.

@@ -40,6 +40,11 @@ pub fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S])
             continue;
         };
         elastic += line.energy(stretch);
+        let winding = match line.damped {
+            true => evaluation.rate_of_winding(index),
+            false => None,
+        };
+        let rate = winding.map_or(rate, |winding| rate - winding);
         if let Some(power) = line.damping_power(stretch, rate, tension) {
             damping -= power;
         }

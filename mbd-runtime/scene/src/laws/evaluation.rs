@@ -179,10 +179,14 @@ impl<'a, S: Real> Evaluation<'a, S> {
     /// A line with its law and its constants.
     pub fn element(&self, index: usize) -> Option<line::Element<'_, S>> {
         let declared = self.scene.lines.get(index)?;
+        let mut numbers = *self.numbers.lines.get(index)?;
+        if let Some(length) = self.wound(index) {
+            numbers.free_length = length;
+        }
         Some(line::Element {
             kind: declared.kind,
             tables: &self.scene.tables,
-            numbers: *self.numbers.lines.get(index)?,
+            numbers,
             damped: !self.scene.is_zero(&declared.damping),
         })
     }
@@ -215,9 +219,14 @@ impl<'a, S: Real> Evaluation<'a, S> {
         } else {
             S::zero()
         };
+        let winding = match element.damped {
+            true => self.rate_of_winding(index),
+            false => None,
+        };
+        let stretching = winding.map_or(rate, |winding| rate - winding);
         let hold = self.at.hold.get(index).copied()?;
-        let tension = element.tension(geometry.stretch, rate, hold);
-        let pull = element.pull(geometry.stretch, rate);
+        let tension = element.tension(geometry.stretch, stretching, hold);
+        let pull = element.pull(geometry.stretch, stretching);
         Some(LineMotion {
             geometry,
             rate,
@@ -403,5 +412,9 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
             false => motion.tension,
         };
         Some([tension, length, stretch, rate])
+    }
+
+    fn winding(&self, index: usize) -> Option<S> {
+        self.rate_of_winding(index)
     }
 }

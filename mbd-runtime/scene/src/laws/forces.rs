@@ -182,8 +182,9 @@ pub fn load_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
     power
 }
 
-/// Power that moving frames of the world put into the lines and the joint coordinates that end there [W]: the drive holds against the pull,
-/// T u·v at the `to` end, −T u·v at the `from` end; against the effort, −Q times the share of the frame in the rate.
+/// Power that moving frames of the world put into the lines and the joint coordinates that end there, and winches into their lines [W]: the
+/// drive holds against the pull, T u·v at the `to` end, −T u·v at the `from` end, −T L̇0 where the line is wound; against the effort, −Q times
+/// the share of the frame in the rate.
 pub fn drive_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
     let mut power = S::zero();
     for (index, line) in evaluation.scene.lines.iter().enumerate() {
@@ -192,7 +193,8 @@ pub fn drive_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
             _ => None,
         };
         let (from, to) = (velocity(line.from), velocity(line.to));
-        if from.is_none() && to.is_none() {
+        let winding = evaluation.rate_of_winding(index);
+        if from.is_none() && to.is_none() && winding.is_none() {
             continue;
         }
         let Some(motion) = evaluation.line_motion(index) else {
@@ -205,6 +207,9 @@ pub fn drive_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
         }
         if let Some(velocity) = from {
             power -= along(velocity);
+        }
+        if let Some(winding) = winding {
+            power -= motion.tension * winding;
         }
     }
     crate::laws::joint_forces::visit(evaluation, |acting| {

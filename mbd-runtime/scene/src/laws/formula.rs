@@ -72,9 +72,21 @@ pub trait Context<S: Real> {
     fn reaction(&self, _joint: usize) -> Option<[Vector3<S>; 2]> {
         None
     }
-    /// Tension [N], length [m], stretch [m] and stretch rate [m/s] of a line.
+    /// Tension [N], length [m], stretch [m] and rate of the length [m/s] of a line.
     fn line(&self, _line: usize) -> Option<[S; 4]> {
         None
+    }
+    /// Rate of the free length of a line that is wound [m/s].
+    fn winding(&self, _line: usize) -> Option<S> {
+        None
+    }
+    /// Rate of the stretch of a line, ḋ − L̇0 [m/s].
+    fn stretch_rate(&self, line: usize) -> Option<S> {
+        let [_, _, _, rate] = self.line(line)?;
+        Some(match self.winding(line) {
+            Some(winding) => rate - winding,
+            None => rate,
+        })
     }
 }
 
@@ -155,7 +167,7 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
         Formula::Tension(i) => line(*i, 0),
         Formula::Length(i) => line(*i, 1),
         Formula::Stretch(i) => line(*i, 2),
-        Formula::StretchRate(i) => line(*i, 3),
+        Formula::StretchRate(i) => context.stretch_rate(*i).map(Scalar),
         Formula::Coordinate(joint, index) => context.coordinate(*joint, *index).map(Scalar),
         Formula::CoordinateRate(joint, index) => {
             context.coordinate_rate(*joint, *index).map(Scalar)

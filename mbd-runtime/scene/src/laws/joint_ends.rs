@@ -3,11 +3,12 @@
 use nalgebra::Vector3;
 
 use crate::laws::evaluation::Evaluation;
+use crate::laws::formula;
 use crate::laws::kinematics::Kinematics;
 use crate::rows::{End, Ends, Rotation, Rows};
 use crate::{
-    AngularVelocity, At, Coordinate, Jet, Joint, Layout, Part, Place, PointSlots, Real, RowSet,
-    Scene,
+    AngularVelocity, At, Coordinate, Formula, Jet, Joint, Layout, Part, Place, PointSlots, Real,
+    RowSet, Scene,
 };
 
 impl<S: Real> Evaluation<'_, S> {
@@ -87,10 +88,24 @@ impl<S: Real> Evaluation<'_, S> {
     ) -> impl Iterator<Item = (Coordinate, Jet<S>)> + 'e {
         joint.motors().filter_map(|(index, course)| {
             let coordinate = joint.law.coordinate(index)?;
-            let course =
-                crate::laws::ground::course(course, self.scene, self.numbers, self.at.time);
-            Some((coordinate, course))
+            Some((coordinate, self.course(course)))
         })
+    }
+
+    /// The course of a motor: a function of time, or a coordinate with its rate and its acceleration, each of inputs, states and time.
+    pub(crate) fn course(&self, course: &Formula) -> Jet<S> {
+        let Formula::Vector(parts) = course else {
+            return crate::laws::ground::course(course, self.scene, self.numbers, self.at.time);
+        };
+        let part = |index: usize| match parts.get(index) {
+            Some(part) => formula::scalar(part, self),
+            None => S::from_f64(f64::NAN),
+        };
+        Jet {
+            value: part(0),
+            rate: part(1),
+            curve: part(2),
+        }
     }
 
     /// The end of a joint at a place; own components as asked.

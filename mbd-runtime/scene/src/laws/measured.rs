@@ -34,7 +34,9 @@ pub fn guards<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     let lines = evaluation.scene.lines.len();
     for index in 0..lines {
         if let Some(motion) = evaluation.line_motion(index) {
-            out[2 * index] = motion.geometry.length - evaluation.numbers.lines[index].free_length;
+            let wound = evaluation.wound(index);
+            let free = wound.unwrap_or(evaluation.numbers.lines[index].free_length);
+            out[2 * index] = motion.geometry.length - free;
             out[2 * index + 1] = motion.pull;
         }
     }
@@ -111,6 +113,9 @@ pub fn lines<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         };
         let block = line::stiffness(&motion.geometry, &motion.tangent, motion.tension);
         out[..4].copy_from_slice(&numbers);
+        if let Some(winding) = evaluation.rate_of_winding(index) {
+            out[3] -= winding;
+        }
         out[4..].copy_from_slice(&elements(&block));
     }
 }

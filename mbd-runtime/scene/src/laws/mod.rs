@@ -16,6 +16,7 @@ pub(crate) mod mass;
 pub(crate) mod measured;
 pub(crate) mod node;
 pub(crate) mod numbers;
+mod winding;
 
 pub use coupling::{Coupling, is_discontinuous};
 pub use formula::norm;
@@ -24,5 +25,5 @@ pub use joint_ends::{branch, out_of_plane};
 pub use node::{Pulled, balance};
 pub use numbers::{
     BodyNumbers, FrameNumbers, GravityNumbers, JointForceNumbers, LineNumbers, Numbers,
-    OblateNumbers, constant, starts,
+    OblateNumbers, constant, start_of, starts,
 };

@@ -128,7 +128,7 @@ pub struct Numbers<S> {
     pub bodies: Vec<BodyNumbers<S>>,
     /// Mass and its inverse of each point; zero for a node [kg, 1/kg].
     pub points: Vec<(S, S)>,
-    /// Per line, then per stop.
+    /// Per line, then per stop; the free length of a line that is wound as it is at the declared start.
     pub lines: Vec<LineNumbers<S>>,
     /// The world frames that stay where they are; NaN for one that moves.
     pub world_frames: Vec<FrameNumbers<S>>,
@@ -178,16 +178,56 @@ impl<S: Real> Context<S> for Constants<'_, S> {
     }
 }
 
+/// What inputs, states and time are worth at a declared start: defaults, starts, and zero.
+struct AtStart<'c, 'a, S>(&'c Constants<'a, S>);
+
+impl<S: Real> Context<S> for AtStart<'_, '_, S> {
+    fn scene(&self) -> &Scene {
+        self.0.scene
+    }
+
+    fn param(&self, index: usize) -> Option<S> {
+        self.0.param(index)
+    }
+
+    fn named(&self, index: usize) -> Option<Value<S>> {
+        of_let(index, self)
+    }
+
+    fn input(&self, index: usize) -> Option<Value<S>> {
+        let input = self.0.scene.inputs.get(index)?;
+        let [x, y, z] = input.default.map(S::from_f64);
+        Some(match input.components {
+            1 => Value::Scalar(x),
+            _ => Value::Vector(Vector3::new(x, y, z)),
+        })
+    }
+
+    fn state(&self, index: usize) -> Option<S> {
+        let state = self.0.scene.states.get(index)?;
+        Some(scalar(&state.start, self))
+    }
+
+    fn time(&self) -> Option<S> {
+        Some(S::zero())
+    }
+}
+
 /// The value of a scalar formula that depends on params alone.
 pub fn constant<S: Real>(scene: &Scene, params: &[S], formula: &Formula) -> S {
     scalar(formula, &Constants::new(scene, params))
+}
+
+/// The value of a scalar formula of params, inputs, states and time at a declared start.
+pub fn start_of<S: Real>(scene: &Scene, params: &[S], formula: &Formula) -> S {
+    scalar(formula, &AtStart(&Constants::new(scene, params)))
 }
 
 /// Where the declared states start [SI], for `params` in declaration order.
 pub fn starts<S: Real>(scene: &Scene, params: &[S]) -> Vec<S> {
     let states = scene.states.iter();
     states
-        .map(|state| constant(scene, params, &state.start))
+        .map(|state| start_of(scene, params, &state.start))
         .collect()
 }
 
@@ -256,7 +296,10 @@ impl<S: Real> Numbers<S> {
         let lines = scene.lines.iter().map(|line| LineNumbers {
             stiffness: line.kind.stiffness(&scene.tables, of(&line.stiffness)),
             damping: of(&line.damping),
-            free_length: of(&line.free_length),
+            free_length: match line.is_wound(scene) {
+                true => scalar(line.free_length_and_rate().0, &AtStart(&constants)),
+                false => of(&line.free_length),
+            },
         });
         let given = |formula: &Option<Formula>| formula.as_ref().map(of);
         let lines = lines.chain(scene.stops().map(|(_, forces, _)| LineNumbers {

@@ -1,4 +1,5 @@
-//! A motor: a coordinate of a joint that time prescribes, one more row of the joint.
+//! A motor: a coordinate of a joint that a course f prescribes, one more row of the joint. f, ḟ and f̈ are those of a function of time, or three
+//! quantities of inputs and states.
 //!
 //! ```text
 //! slide     Φ = a1·d − f(t)               Φ_t = −ḟ                    γ = γ(a1·d) + f̈                              [m]      (1)

@@ -123,7 +123,7 @@ pub enum Formula {
     Length(usize),
     /// Length minus free length of a line [m].
     Stretch(usize),
-    /// Rate of the length of a line [m/s].
+    /// Rate of the stretch of a line [m/s]: of its length, less that of its free length where it is wound.
     StretchRate(usize),
     /// A coordinate of a joint [m or rad]: joint, number of the coordinate.
     Coordinate(usize, usize),

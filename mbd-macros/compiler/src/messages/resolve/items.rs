@@ -246,6 +246,33 @@ pub fn no_field(at: Region, kind: &str, name: &str, field: &str, unit: &str) -> 
     )
 }
 
+pub fn length_and_rate(at: Region, name: &str, found: usize) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`free_length` of `{name}` takes two quantities in its brackets, the free length and its rate; these are {found}"
+        ),
+    )
+}
+
+pub fn wound_line_at_node(at: Region, name: &str, point: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the free length of `{name}` changes during a run, which a line that ends at the massless point `{point}` cannot do; give the point a `mass`, or wind a line that ends at bodies and the world"
+        ),
+    )
+}
+
+pub fn wound_by_itself(at: Region, name: &str, through: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{name}` is damped, so that its tension depends on the rate of its free length, and that on its tension, through the state `{through}`; leave out its `damping`, or let a state of its own follow the tension: `state felt = 0 N {{ rate: ({name}.tension - felt) / (10 ms) }}`"
+        ),
+    )
+}
+
 pub fn force_and_stiffness(at: Region, name: &str) -> Report {
     Report::new(
         at,

@@ -328,6 +328,35 @@ pub fn needs_field(at: Region, name: &str, field: &str, example: &str) -> Report
     )
 }
 
+/// A motor that follows what does not say its rates.
+pub fn motor_without_rates(at: Region, name: &str, text: &str, units: [&str; 2]) -> Report {
+    let [rate, acceleration] = units;
+    Report::new(
+        at,
+        format!(
+            "the motor of `{name}` needs the rate [{rate}] and the acceleration [{acceleration}] of what it follows: give them beside it, `motor: [{text}, rate, acceleration]`, or let it follow through a filter, `motor: {text}, filter: 20 ms`"
+        ),
+    )
+}
+
+pub fn motor_of_three(at: Region, name: &str, found: usize) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the motor of `{name}` takes three quantities in its brackets, the coordinate, its rate and its acceleration; these are {found}"
+        ),
+    )
+}
+
+pub fn filter_and_rates(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the motor of `{name}` has its rate and its acceleration given, a filter makes them itself: leave out `filter`, or write the first of the three alone"
+        ),
+    )
+}
+
 pub fn along_unit(
     at: Region,
     name: &str,

@@ -40,6 +40,15 @@ pub fn not_prescribed(at: Region, what: &str) -> Report {
     )
 }
 
+pub fn not_driven(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "what drives a motor or a winch can use numbers, consts, params, `time`, inputs and states, not {what}; what answers to the motion is a `force`, or a `state` with a `rate`"
+        ),
+    )
+}
+
 pub fn table_of_time(at: Region, table: &str) -> Report {
     Report::new(
         at,

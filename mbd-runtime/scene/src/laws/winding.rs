@@ -1,0 +1,83 @@
+//! The free length of a line that is wound in or paid out: an expression of inputs, states and time.
+//!
+//! ```text
+//! L̇0 = ∂L0/∂t + Σ ∂L0/∂s ṡ                       s: declared states, ṡ their declared rates; inputs are held      [m/s]      (1)
+//! s = d − L0,   ṡ = ḋ − L̇0                        what the damping of the line acts on                             [m/s]      (2)
+//! P = −T L̇0                                       power of the winch: positive where it winds in against a pull     [W]       (3)
+//! ```
+//!
+//! (3) closes the balance: the ends take −T ḋ, the elastic energy grows by f(s) ṡ, the damping loses (T − f) ṡ. Derived.
+
+use crate::laws::evaluation::Evaluation;
+use crate::laws::formula::{Context, Value, of_let, scalar};
+use crate::{Dual, Real, Scene};
+
+/// A number with its rate.
+type Moving<S> = Dual<S, 1>;
+
+/// What a free length depends on, with the rates of (1).
+struct Winding<'e, 'a, S: Real>(&'e Evaluation<'a, S>);
+
+impl<S: Real> Context<Moving<S>> for Winding<'_, '_, S> {
+    fn scene(&self) -> &Scene {
+        self.0.scene
+    }
+
+    fn param(&self, index: usize) -> Option<Moving<S>> {
+        self.0.param(index).map(Dual::constant)
+    }
+
+    fn named(&self, index: usize) -> Option<Value<Moving<S>>> {
+        of_let(index, self)
+    }
+
+    fn input(&self, index: usize) -> Option<Value<Moving<S>>> {
+        Some(match Context::input(self.0, index)? {
+            Value::Scalar(a) => Value::Scalar(Dual::constant(a)),
+            Value::Vector(a) => Value::Vector(a.map(Dual::constant)),
+        })
+    }
+
+    fn state(&self, index: usize) -> Option<Moving<S>> {
+        let value = self.0.state(index)?;
+        let rate = scalar(&self.0.scene.states.get(index)?.rate, self.0);
+        Some(Dual {
+            value,
+            slopes: [rate],
+        })
+    }
+
+    fn time(&self) -> Option<Moving<S>> {
+        Some(Dual::variable(self.0.at.time, 0))
+    }
+}
+
+impl<S: Real> Evaluation<'_, S> {
+    /// The free length of a line that is wound [m]; `None` of one that is not.
+    pub(crate) fn wound(&self, line: usize) -> Option<S> {
+        let declared = self.scene.lines.get(line)?;
+        if !declared.is_wound(self.scene) {
+            return None;
+        }
+        S::section(&declared.name);
+        let (length, _) = declared.free_length_and_rate();
+        Some(scalar(length, self).label("free_length"))
+    }
+
+    /// Its rate by (1), or as declared [m/s]; `None` of a line that is not wound.
+    pub(crate) fn rate_of_winding(&self, line: usize) -> Option<S> {
+        let declared = self.scene.lines.get(line)?;
+        if !declared.is_wound(self.scene) {
+            return None;
+        }
+        S::section(&declared.name);
+        let rate = match declared.free_length_and_rate() {
+            (_, Some(rate)) => scalar(rate, self),
+            (length, None) => {
+                let [rate] = scalar(length, &Winding(self)).slopes;
+                rate
+            }
+        };
+        Some(rate.label("winding"))
+    }
+}

@@ -1,0 +1,279 @@
+//! What can be asked of a scene in outputs and events, by name: for `mbd list quantities`.
+
+use mbd_runtime::scene::joints::Measured;
+use mbd_runtime::scene::{Body, Joint, PointKind, Scene};
+
+use crate::report::Table;
+
+/// Where a quantity may stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reach {
+    /// In loads, rates, forces along joints, outputs and events.
+    Everywhere,
+    /// In outputs and events alone: it follows from the accelerations.
+    Results,
+}
+
+/// Something that can be asked.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// How it is written.
+    pub name: String,
+    /// Its SI unit; empty for a pure number.
+    pub unit: String,
+    /// 1, or 3 for a vector.
+    pub components: usize,
+    /// What it is.
+    pub what: &'static str,
+    /// Where it may stand.
+    pub reach: Reach,
+}
+
+/// A quantity of one kind of thing: word, unit, components, what it is, where it may stand.
+type Known = (&'static str, &'static str, usize, &'static str, Reach);
+
+use Reach::{Everywhere, Results};
+
+const AXES: [Known; 3] = [
+    ("x", "", 3, "its x axis, world axes", Everywhere),
+    ("y", "", 3, "its y axis, world axes", Everywhere),
+    ("z", "", 3, "its z axis, world axes", Everywhere),
+];
+const PLACE: [Known; 3] = [
+    (
+        "position",
+        "m",
+        3,
+        "from the origin of the world",
+        Everywhere,
+    ),
+    ("velocity", "m/s", 3, "world axes", Everywhere),
+    (
+        "acceleration",
+        "m/s^2",
+        3,
+        "rate of the velocity: g in free fall",
+        Results,
+    ),
+];
+const BODY: [Known; 4] = [
+    ("mass", "kg", 1, "its mass", Everywhere),
+    (
+        "omega_body",
+        "rad/s",
+        3,
+        "angular velocity, own axes",
+        Everywhere,
+    ),
+    (
+        "omega_world",
+        "rad/s",
+        3,
+        "angular velocity, world axes",
+        Everywhere,
+    ),
+    (
+        "angular_acceleration",
+        "rad/s^2",
+        3,
+        "rate of the angular velocity, world axes",
+        Results,
+    ),
+];
+const LINE: [Known; 4] = [
+    (
+        "tension",
+        "N",
+        1,
+        "its pull, of a line never below zero",
+        Everywhere,
+    ),
+    ("length", "m", 1, "from end to end", Everywhere),
+    ("stretch", "m", 1, "length less free length", Everywhere),
+    ("stretch_rate", "m/s", 1, "rate of the stretch", Everywhere),
+];
+const JOINT: [Known; 2] = [
+    (
+        "force",
+        "N",
+        3,
+        "of the joint on its child, world axes",
+        Results,
+    ),
+    (
+        "torque",
+        "N*m",
+        3,
+        "of the joint on its child, about the origin of its frame there",
+        Results,
+    ),
+];
+
+/// Everything that can be asked of a scene, thing by thing in the order of the declaration.
+#[must_use]
+pub fn asked(scene: &Scene) -> Vec<Asked> {
+    let mut all = vec![of("time", ("", "s", 1, "time", Everywhere))];
+    for input in &scene.inputs {
+        let own = ("", "", input.components, "input", Everywhere);
+        all.push(Asked {
+            unit: input.unit.text.clone(),
+            ..of(&input.name, own)
+        });
+    }
+    for state in &scene.states {
+        all.push(Asked {
+            unit: state.unit.text.clone(),
+            ..of(&state.name, ("", "", 1, "state", Everywhere))
+        });
+    }
+    scene.bodies.iter().for_each(|body| of_body(&mut all, body));
+    for point in &scene.points {
+        let count = match point.kind {
+            PointKind::Mass(_) => 3,
+            PointKind::Node(_) => 2,
+        };
+        of_thing(&mut all, &point.name, &PLACE[..count]);
+    }
+    scene
+        .lines
+        .iter()
+        .for_each(|line| of_thing(&mut all, &line.name, &LINE));
+    scene
+        .joints
+        .iter()
+        .for_each(|joint| of_joint(&mut all, joint));
+    all
+}
+
+fn of(name: &str, (word, unit, components, what, reach): Known) -> Asked {
+    Asked {
+        name: match word {
+            "" => name.to_owned(),
+            word => format!("{name}.{word}"),
+        },
+        unit: unit.to_owned(),
+        components,
+        what,
+        reach,
+    }
+}
+
+fn of_thing(all: &mut Vec<Asked>, name: &str, known: &[Known]) {
+    all.extend(known.iter().map(|known| of(name, *known)));
+}
+
+fn of_body(all: &mut Vec<Asked>, body: &Body) {
+    of_thing(all, &body.name, &PLACE);
+    of_thing(all, &body.name, &AXES);
+    of_thing(all, &body.name, &BODY);
+    for frame in body.frames.iter().skip(1) {
+        let name = format!("{}.{}", body.name, frame.name);
+        of_thing(all, &name, &PLACE);
+        of_thing(all, &name, &AXES);
+    }
+}
+
+fn of_joint(all: &mut Vec<Asked>, joint: &Joint) {
+    for (index, coordinate) in joint.law.measured().enumerate() {
+        let unit = |measured: Measured| measured.unit(&coordinate).to_owned();
+        let mut add = |word: &str, measured: Measured, what: &'static str, reach: Reach| {
+            all.push(Asked {
+                unit: unit(measured),
+                ..of(&format!("{}.{word}", joint.name), ("", "", 1, what, reach))
+            });
+        };
+        add(
+            coordinate.name,
+            Measured::Value,
+            "joint coordinate",
+            Everywhere,
+        );
+        add(coordinate.rate, Measured::Rate, "its rate", Everywhere);
+        let second = format!("{}_acceleration", coordinate.name);
+        add(&second, Measured::Acceleration, "its second rate", Results);
+        if joint.motors().any(|(driven, _)| driven == index) {
+            let word = joint.law.motor_word(&coordinate);
+            let what = "effort of the motor along the coordinate";
+            add(&word, Measured::Force, what, Results);
+        }
+    }
+    of_thing(all, &joint.name, &JOINT);
+}
+
+/// The table of `mbd list quantities`.
+#[must_use]
+pub fn table(scene: &Scene) -> Table {
+    let title = format!("Quantities of {}", scene.name);
+    let mut table = Table::new(title)
+        .column("name", "")
+        .column("unit", "")
+        .column("components", "")
+        .column("what", "")
+        .column("stands in", "");
+    for one in asked(scene) {
+        let reach = match one.reach {
+            Everywhere => "everything",
+            Results => "outputs, events",
+        };
+        let unit = if one.unit.is_empty() { "1" } else { &one.unit };
+        table.push([
+            one.name.as_str().into(),
+            unit.into(),
+            one.components.into(),
+            one.what.into(),
+            reach.into(),
+        ]);
+    }
+    table.note(
+        "components of a vector: `.x`, `.y`, `.z`; `output NAME = expression;` makes a column"
+            .to_owned(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Reach, asked};
+
+    const DECLARATION: &str = "model All {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        input wish: angle;
+        input wind: [speed; 3];
+        state paid = 2 m { rate: 0.1 m/s }
+        body hub[i in 0..2] { mass: 2.0 kg, inertia: diag(0.2, 0.2, 0.2) kg*m^2, frame rim[k in 0..2] at [0.1 * k, 0, 0.1] m }
+        point bob { mass: 1.0 kg }
+        point knot { equilibrium: static }
+        joint pin[i in 0..2]: hinge from world to hub[i].com { axis: z, motor: wish, filter: 20 ms }
+        body sleeve { mass: 2.0 kg, inertia: diag(0.2, 0.2, 0.2) kg*m^2 }
+        joint tube: cylindrical from world to sleeve.com { axis: z, slide: { motor: 1 m/s * time }, angle: { motor: wish, filter: 10 ms } }
+        line rope from world to bob { free_length: paid, stiffness: 1 kN/m }
+        line upper from world to knot { free_length: 1 m, stiffness: 1 kN/m }
+        line lower from knot to bob { free_length: 1 m, stiffness: 1 kN/m }
+        load blow on bob = wind * 1 kg/s;
+    ";
+
+    #[test]
+    fn every_quantity_that_is_listed_can_be_asked_and_has_the_unit_that_is_listed() {
+        let read = |outputs: &str| mbd_compiler::read_text(&format!("{DECLARATION}{outputs}}}"));
+        let scene = read("").scene.expect("a scene");
+        let all = asked(&scene);
+        assert!(all.len() > 60, "{}", all.len());
+        let outputs: Vec<String> = all
+            .iter()
+            .enumerate()
+            .map(|(k, one)| format!("output asked{k} = {};\n", one.name))
+            .collect();
+        let reading = read(&outputs.concat());
+        let Some(scene) = reading.scene else {
+            panic!("{:?}", reading.errors)
+        };
+        for (output, one) in scene.outputs.iter().zip(&all) {
+            assert_eq!(output.components, one.components, "{}", one.name);
+            assert_eq!(output.unit.text, one.unit, "{}", one.name);
+        }
+        // What follows from the accelerations is refused where they depend on it.
+        let result = all.iter().find(|one| one.reach == Reach::Results);
+        let result = result.map(|one| one.name.clone()).expect("accelerations");
+        let load = format!("load wrong on bob = 1 kg * {result};\n");
+        assert!(read(&load).scene.is_none(), "{result}");
+    }
+}

@@ -1,0 +1,197 @@
+//! Lines that are wound: free lengths of inputs, states and time, against pendulums of varying length and the work of a winch.
+
+use mbd_runtime::{Options, Quantity, Simulation, model};
+use tests::agreement::{agrees, agrees_along};
+
+model! {
+    /// A load on a rope from a trolley at rest: the length is a state, wound at the speed of an input.
+    pub model Crane<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        input speed: speed = 0 m/s;
+        state paid = 5 m { rate: speed }
+        point bob { mass: 2.0 kg }
+        spring rope from world to bob { free_length: paid, stiffness: 1e7 N/m, damping: 2 kN*s/m }
+        output pull = rope.tension;
+        output stretching = rope.stretch_rate;
+    }
+}
+
+model! {
+    /// The same with a length of time, on a body that turns about nothing.
+    model Timed {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        body bob { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
+        joint loose: free from world to bob.com;
+        line rope from world to bob.com {
+            free_length: 5 m + 1 m * sin(0.4 rad/s * time), stiffness: 2e5 N/m, damping: 200 N*s/m,
+        }
+    }
+}
+
+model! {
+    /// A winch above a mass: the rope is drawn in with a rate that is said beside it.
+    model Hoist {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        input paid: length = 4 m;
+        input paying: speed;
+        point bob { mass: 3.0 kg }
+        line rope from world to bob { free_length: [paid, paying], stiffness: 5 kN/m, damping: 300 N*s/m }
+    }
+}
+
+const G: f64 = 9.81;
+
+/// θ and θ̇ of a pendulum of length l(t) by small Runge–Kutta steps: θ̈ = −(2 l̇ θ̇ + g sin θ)/l.
+fn pendulum(mut x: [f64; 2], end: f64, length: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
+    let steps = 20_000;
+    let h = end / f64::from(steps);
+    let rates = |t: f64, [angle, rate]: [f64; 2]| {
+        let [l, winding] = length(t);
+        [rate, -(2.0 * winding * rate + G * angle.sin()) / l]
+    };
+    let add = |x: [f64; 2], k: [f64; 2], by: f64| [x[0] + by * k[0], x[1] + by * k[1]];
+    for step in 0..steps {
+        let t = f64::from(step) * h;
+        let a = rates(t, x);
+        let b = rates(t + 0.5 * h, add(x, a, 0.5 * h));
+        let c = rates(t + 0.5 * h, add(x, b, 0.5 * h));
+        let d = rates(t + h, add(x, c, h));
+        for k in 0..2 {
+            x[k] += h / 6.0 * (a[k] + 2.0 * (b[k] + c[k]) + d[k]);
+        }
+    }
+    x
+}
+
+/// Sum of energies.
+fn energy(run: &mut Simulation<f64>) -> f64 {
+    let mut out = [0.0; 6];
+    run.evaluate(Quantity::Energy, &mut out).expect("energies");
+    out[..3].iter().sum()
+}
+
+#[test]
+fn a_crane_swings_as_a_pendulum_of_varying_length() {
+    let model = Crane::<f64>::new(CraneParams::default()).expect("defaults");
+    let speed = -0.8;
+    let options = Options {
+        work: true,
+        ..Options::tsit5(1e-9)
+    };
+    let mut run = Simulation::new(&model, options).expect("options that fit");
+    run.set_inputs(&CraneInputs { speed }).expect("numbers");
+    let (start, l0) = (0.3_f64, 5.0);
+    // The rope carries the weight along itself, and its end moves with the drum.
+    let stretch = 2.0 * G * start.cos() / 1e7;
+    let along = [start.sin(), 0.0, -start.cos()];
+    let mut state = CraneState::at_origin();
+    state.set_bob(mbd_runtime::PointState {
+        position: along.map(|x| x * (l0 + stretch)),
+        velocity: along.map(|x| x * speed),
+    });
+    run.set_state(0.0, &state.to_vec()).expect("a state");
+    run.start().expect("a start");
+    let before = energy(&mut run);
+    run.run(4.0).expect("a smooth motion");
+    let x = run.state();
+    let angle = x[0].atan2(-x[2]);
+    let [want, rate] = pendulum([start, 0.0], 4.0, |t| [l0 + speed * t, speed]);
+    assert!((angle - want).abs() < 2e-5, "{angle} against {want}");
+    let length = x[0].hypot(x[2]);
+    let turning = (x[0] * x[5] - x[2] * x[3]) / (length * length);
+    assert!(
+        (turning.abs() - rate.abs()).abs() < 1e-4,
+        "{turning} against {rate}"
+    );
+    let gained = energy(&mut run) - before;
+    let works = run.work().expect("asked for");
+    let error = gained - works.iter().sum::<f64>();
+    assert!(error.abs() < 1e-6 * gained.abs(), "{error:e} of {gained} J");
+}
+
+#[test]
+fn a_length_that_is_a_function_of_time_swings_alike_and_closes_the_balance() {
+    let model = Timed::new(TimedParams::default()).expect("defaults");
+    let options = Options {
+        work: true,
+        ..Options::tsit5(1e-9)
+    };
+    let mut run = Simulation::new(&model, options).expect("options that fit");
+    let (start, l0) = (-0.4_f64, 5.0);
+    let stretch = 2.0 * G * start.cos() / 2e5;
+    let along = [start.sin(), 0.0, -start.cos()];
+    let mut x = vec![0.0; 13];
+    for k in 0..3 {
+        x[k] = along[k] * (l0 + stretch);
+        x[7 + k] = along[k] * 0.4;
+    }
+    x[3] = 1.0;
+    run.set_state(0.0, &x).expect("a state");
+    run.start().expect("a start");
+    let before = energy(&mut run);
+    run.run(5.0).expect("a smooth motion");
+    let x = run.state();
+    let length = |t: f64| [l0 + (0.4 * t).sin(), 0.4 * (0.4 * t).cos()];
+    let [want, _] = pendulum([start, 0.0], 5.0, length);
+    let angle = x[0].atan2(-x[2]);
+    assert!((angle - want).abs() < 1e-3, "{angle} against {want}");
+    let gained = energy(&mut run) - before;
+    let works = run.work().expect("asked for");
+    let error = gained - works.iter().sum::<f64>();
+    assert!(
+        error.abs() < 1e-6 * gained.abs().max(1.0),
+        "{error:e} of {gained} J"
+    );
+}
+
+#[test]
+fn a_winch_that_lifts_a_mass_does_the_work_of_its_weight() {
+    let model = Hoist::new(HoistParams::default()).expect("defaults");
+    let options = Options {
+        work: true,
+        ..Options::tsit5(1e-9)
+    };
+    let mut run = Simulation::new(&model, options).expect("options that fit");
+    // From rest to rest in 2 s, 1.5 m up: h(τ) = 3 τ² − 2 τ³.
+    let lift = |t: f64| {
+        let s = (t / 2.0).clamp(0.0, 1.0);
+        [
+            1.5 * (3.0 - 2.0 * s) * s * s,
+            1.5 * 6.0 * s * (1.0 - s) / 2.0,
+        ]
+    };
+    run.control(move |now, inputs: &mut HoistInputs| {
+        let [height, rate] = lift(now.time);
+        (inputs.paid, inputs.paying) = (4.0 - height, -rate);
+    })
+    .expect("inputs of this model");
+    let hanging = 4.0 + 3.0 * G / 5000.0;
+    let mut x = vec![0.0; 6];
+    x[2] = -hanging;
+    run.set_state(0.0, &x).expect("a state");
+    run.run(6.0).expect("a smooth motion");
+    let height = run.state()[2] + hanging;
+    assert!((height - 1.5).abs() < 1e-7, "{height}");
+    let [loads, lost, drives] = run.work().expect("asked for");
+    assert_eq!(loads, 0.0);
+    let want = 3.0 * G * 1.5;
+    assert!(
+        (drives + lost - want).abs() < 1e-5 * want,
+        "{drives} and {lost} against {want}"
+    );
+    assert!(lost < 0.0 && lost > -0.05 * want, "{lost}");
+}
+
+#[test]
+fn a_wound_line_is_the_same_in_every_execution() {
+    let crane = Crane::<f64>::new(CraneParams::default()).expect("defaults");
+    agrees(&crane);
+    agrees(&Timed::new(TimedParams::default()).expect("defaults"));
+    agrees(&Hoist::new(HoistParams::default()).expect("defaults"));
+    let mut state = CraneState::at_origin();
+    state.set_bob(mbd_runtime::PointState {
+        position: [1.0, 0.0, -4.8],
+        velocity: [0.0; 3],
+    });
+    agrees_along(&crane, &state.to_vec(), (20, 1e-4), 1e-12);
+}
