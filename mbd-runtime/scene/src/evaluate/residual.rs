@@ -1,7 +1,7 @@
 //! The equations of motion before they are solved, whose partial derivatives are local: each depends on one body and its neighbours.
 //!
 //! ```text
-//! r = [ N(q) v ; M v̇ + h − f − Φ_vᵀ λ ; ż ; Φ_v v̇ − γ ]          at given v̇ and λ                              (1)
+//! r = [ N(q) v ; M v̇ + h − f − Φ_vᵀ λ ; ż ; ṡ ; Φ_v v̇ − γ ]      at given v̇ and λ                              (1)
 //! K [∂v̇; ∂λ] = −[∂r_v; ∂r_c],   K = [M −Φ_vᵀ; Φ_v 0]             at fixed v̇ and λ on the right                 (2)
 //! ```
 //!
@@ -13,6 +13,7 @@ use nalgebra::Vector3;
 use crate::elimination::Constraints;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
+use crate::laws::formula;
 use crate::laws::gravity::{body_gravity, point_gravity};
 use crate::scalar::algebra::{vector, write};
 use crate::{AngularVelocity, PointSlots, Real};
@@ -70,6 +71,10 @@ pub(super) fn residual<S: Real>(
             let velocity: Vector3<S> = vector(evaluation.at.nodes, 3 * index);
             write(out, layout.nq + layout.nv + z, &velocity);
         }
+    }
+    for (index, state) in evaluation.scene.states.iter().enumerate() {
+        S::section(&state.name);
+        out[layout.states() + index] = formula::scalar(&state.rate, evaluation);
     }
     if layout.nc > 0 {
         constraints.leave_over(evaluation, out);
