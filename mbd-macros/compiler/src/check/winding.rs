@@ -56,7 +56,7 @@ fn needed(scene: &Scene, line: usize) -> Vec<(usize, usize)> {
                 Formula::StretchRate(other) => *other,
                 Formula::Tension(other) => {
                     let other_line = scene.lines.get(*other);
-                    if !other_line.is_some_and(|line| !scene.is_zero(&line.damping)) {
+                    if other_line.is_none_or(|line| scene.is_zero(&line.damping)) {
                         return;
                     }
                     *other
