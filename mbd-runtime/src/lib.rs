@@ -130,8 +130,10 @@ pub use inverse::Efforts;
 pub use linearise::{Linearisation, LinearisationError, Matrix, StateSpace, Vibration};
 pub use trim::{Trim, TrimError, Trimmed, trim};
 
-// What generated code calls.
-#[doc(hidden)]
+/// What the matrices of [`StateSpace`] are made of, in this version.
+#[doc(no_inline)]
 pub use nalgebra;
+
+// What generated code calls.
 #[doc(hidden)]
 pub use serde;

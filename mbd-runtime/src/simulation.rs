@@ -22,7 +22,7 @@ mod control;
 mod drive;
 mod moved;
 mod snapshot;
-mod start;
+pub(crate) mod start;
 
 pub use moved::Moved;
 pub use snapshot::Snapshot;

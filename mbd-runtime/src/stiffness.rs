@@ -4,6 +4,7 @@ use mbd_scene::laws::Numbers;
 use mbd_scene::{Float, Model, Part, Place, StopSlots};
 
 use crate::moving::Moving;
+use crate::unilateral::is_node_line;
 
 /// Everything that acts between two places with a stiffness.
 pub(crate) struct Stiffness {
@@ -15,6 +16,7 @@ pub(crate) struct Stiffness {
 /// A line or a spring.
 struct Element {
     ends: [Place; 2],
+    /// Whether it pulls only, and ends at no equilibrium point: what such a point passes on is softer than each of its lines.
     unilateral: bool,
     /// The largest slope of its force [N/m].
     stiffness: f64,
@@ -35,9 +37,9 @@ impl Stiffness {
         let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
         let numbers = Numbers::new(scene, &params);
         let lines = scene.lines.iter().zip(model.lines());
-        let lines = lines.map(|(line, numbers)| Element {
+        let lines = lines.enumerate().map(|(index, (line, numbers))| Element {
             ends: [line.from, line.to],
-            unilateral: line.kind.is_unilateral(),
+            unilateral: line.kind.is_unilateral() && !is_node_line(model.layout(), index),
             stiffness: line
                 .kind
                 .stiffest(&scene.tables, numbers.stiffness.to_f64()),
@@ -49,7 +51,8 @@ impl Stiffness {
         }
     }
 
-    /// The stiffness against a translation: the sum over what holds it [N/m]. `unilateral`: of lines and stops alone.
+    /// The stiffness against a translation: the sum over what holds it [N/m]. `unilateral`: of stops alone, and of lines that pull only and
+    /// end at no equilibrium point.
     pub(crate) fn moving(&self, owner: &Moving, unilateral: bool) -> f64 {
         let lines = self.lines.iter().filter(|line| {
             (line.unilateral || !unilateral) && line.ends.iter().any(|end| owner.holds(*end))

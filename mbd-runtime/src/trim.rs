@@ -1,14 +1,14 @@
 //! Trim: a state and inputs at which nothing accelerates, with chosen coordinates, rates and inputs where they are wanted.
 //!
 //! ```text
-//! ρ(ξ, u, z) = [η̇ ; ż] = 0 at η = 0, or at the rates that are given                                              (1)
-//! (JᵀJ + μ diag JᵀJ) δ = −Jᵀ ρ,   J = [∂ρ/∂ξ  ∂ρ/∂u  ∂ρ/∂z] from A and B                                          (2)
+//! ρ(ξ, u, z) = [η̇ ; ż ; ṡ] = 0 at η = 0, or at the rates that are given                                              (1)
+//! (JᵀJ + μ diag JᵀJ) δ = −Jᵀ ρ,   J = [∂ρ/∂ξ  ∂ρ/∂u  ∂ρ/∂(z, s)] from A and B                                          (2)
 //! ```
 //!
 //! Damped least squares (Levenberg and Marquardt) with exact derivatives in minimal coordinates; after every step the joints are closed again by Newton
 //! steps that keep the coordinates where they are wanted. What (1) does not decide stays where the guess has it.
 
-use mbd_scene::{Model, Quantity};
+use mbd_scene::{Float, Model, Quantity};
 use nalgebra::{DMatrix, DVector, Quaternion, UnitQuaternion, Vector3};
 
 use crate::columns::Name;
@@ -16,6 +16,7 @@ use crate::compiled::Scalar;
 use crate::linearise::chart::{Chart, Source, input_names, known, with_unit};
 use crate::linearise::moment::Moment;
 use crate::linearise::{LinearisationError, StateSpace};
+use crate::simulation::start::declared_start;
 
 /// Steps at most.
 const ROUNDS: usize = 200;
@@ -53,7 +54,7 @@ pub struct Asked {
 /// A steady motion.
 #[derive(Clone, Debug)]
 pub struct Trimmed {
-    /// The state x = [q | v | z].
+    /// The state x = [q | v | z | s].
     pub state: Vec<f64>,
     /// The inputs, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
     pub inputs: Vec<f64>,
@@ -200,7 +201,7 @@ impl<T: Scalar> Trim<'_, T> {
         self
     }
 
-    /// The state to start from; else everything at the origin.
+    /// The state to start from; else the declared start of the scene.
     #[must_use]
     pub fn state(mut self, state: &[f64]) -> Self {
         self.asked.state = Some(state.to_vec());
@@ -214,7 +215,7 @@ impl<T: Scalar> Trim<'_, T> {
         self
     }
 
-    /// An input that stays as given, or where a free one begins; 0 else.
+    /// An input that stays as given, or where a free one begins; else its declared default, zero where there is none.
     #[must_use]
     pub fn input(mut self, name: &str, value: f64) -> Self {
         self.asked.inputs.push((name.to_owned(), value));
@@ -307,7 +308,8 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
             }
         })
     };
-    let mut given = asked.given.clone().unwrap_or_else(|| vec![0.0; layout.ni]);
+    let held = || layout.default_inputs(scene);
+    let mut given = asked.given.clone().unwrap_or_else(held);
     for (name, value) in &asked.inputs {
         // A list of another length is refused below.
         if let Some(slot) = given.get_mut(place_of(name)?) {
@@ -317,6 +319,10 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
     let free = asked.free.iter().map(|name| place_of(name));
     let free: Vec<usize> = free.collect::<Result<_, _>>()?;
     let state = asked.state.clone().unwrap_or_else(|| {
+        // Where the declared start cannot be taken, what is asked for may place the bodies.
+        if let Ok(start) = declared_start(model, asked.time) {
+            return start.into_iter().map(Float::to_f64).collect();
+        }
         let mut state = vec![0.0; layout.nx()];
         layout.quaternions().for_each(|at| state[at] = 1.0);
         state
@@ -416,7 +422,7 @@ impl Moment {
         if let Ok(starts) = starts {
             let mut placed = self.state.clone();
             // Where loops cannot be closed from these, Newton steps try from where the state is.
-            if mbd_scene::place(&scene, &layout, from, &starts, &[], &mut placed).is_ok() {
+            if mbd_scene::place_declared(&scene, &layout, from, &starts, &[], &mut placed).is_ok() {
                 self.state = placed;
             }
         }
@@ -515,9 +521,10 @@ impl Search {
                     && tried.norm() < residual.norm()
                     && let Ok(space) = StateSpace::in_chart(&mut self.moment, &self.chart)
                 {
-                    // Where lines go slack nothing leads back.
+                    // Where lines go slack nothing leads back; where everything is still, nothing has to.
                     let there = self.slopes(&space);
-                    if decisive(&there) >= decisive(&slopes) {
+                    let still = tried.amax() <= STILL * size(&there).min(1e3);
+                    if still || decisive(&there) >= decisive(&slopes) {
                         better = Some((tried, there));
                         continue;
                     }

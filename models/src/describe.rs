@@ -242,7 +242,7 @@ fn joints(scene: &Scene) -> Table {
 
 /// What acts along joint coordinates.
 fn along(scene: &Scene, numbers: &Numbers<f64>) -> Table {
-    let mut table = Table::new("JointForces joint coordinates")
+    let mut table = Table::new("Forces along joint coordinates")
         .column("coordinate", "")
         .column("unit", "")
         .column("stiffness", "")

@@ -692,7 +692,8 @@ mbd_runtime::model! {
         body rod { mass: rod_mass, inertia: diag(0.001, 0.05, 0.05) kg*m^2,
             frame big at [-0.3, 0.0, 0.0] m, frame small at [0.3, 0.0, 0.0] m }
         body block { mass: 1.2 kg, inertia: diag(0.01, 0.01, 0.01) kg*m^2 }
-        joint main: hinge from world to crank.axle { axis: y, damping: 0.05 N*m*s, force: torque }
+        joint main: hinge from world to crank.axle { axis: y, damping: 0.05 N*m*s, force: torque + 0.5 * lag }
+        state lag = 0 N*m { rate: (torque - lag) / (50 ms) }
         joint big_end: hinge from crank.pin to rod.big { axis: y }
         joint small_end: spherical from rod.small to block.com;
         joint guide: prismatic from world to block.com { axis: x, stiffness: 40 N/m, rest: 0.7 m }
@@ -777,4 +778,83 @@ fn derivatives_go_through_joints_and_nodes_together() {
         let size = want.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         assert_close(&got, &want, 0.0, 1e-10 * size, equilibrium);
     }
+}
+
+/// L di/dt = u − R i − k ω, J dω/dt = k i − b ω: a motor on a flywheel.
+const MOTOR: [f64; 5] = [2.0, 0.1, 0.5, 0.05, 0.02];
+
+#[test]
+fn a_motor_with_its_current_as_a_state_has_the_matrices_and_the_steady_speed_of_its_closed_form() {
+    let [r, l, k, j, b] = MOTOR;
+    // With a hinge the derivatives go through rows; a body that nothing holds turns about z by a couple.
+    let hinged =
+        "joint pin: hinge from world to rotor.com { axis: z, force: 0.5 * current, damping: 0.02 }";
+    let loose = "joint fly: free from world to rotor.com; load turn on rotor = [0, 0, 0.5 * current - 0.02 * rotor.omega_world.z] N*m;";
+    for (mechanics, speed, names) in [
+        (
+            hinged,
+            "pin.angle_rate",
+            ["pin.angle", "pin.angle_rate", "current"],
+        ),
+        (
+            loose,
+            "rotor.omega_world.z",
+            ["rotor.turn_z", "rotor.omega_body_z", "current"],
+        ),
+    ] {
+        let scene = read(&format!(
+            "model Motor {{
+                units: si;
+                gravity: none;
+                input u: number = 12;
+                body rotor {{ mass: 1, inertia: diag(0.05, 0.05, 0.05) }}
+                {mechanics}
+                state current = 0.3 {{ rate: (u - 2 * current - 0.5 * {speed}) / 0.1 }}
+                output heat = 2 * current^2;
+            }}"
+        ));
+        let model = generic(scene.clone());
+        let found = trim(&model).rate(names[0], 20.0).free_input("u").solve();
+        let found = found.expect("a constant speed");
+        // k i = b ω, u = R i + k ω.
+        let current = b * 20.0 / k;
+        let want = [current, r * current + k * 20.0];
+        let got = ["current", "u"].map(|name| found.value(name).expect("a name"));
+        assert_close(&got, &want, 0.0, 1e-12, "current and voltage");
+
+        let space = &found.space;
+        let at = names.map(|name| space.state(name).unwrap_or_else(|| panic!("{name}")));
+        let a = DMatrix::from_fn(3, 3, |row, column| space.a[(at[row], at[column])]);
+        let (resistance, drive) = (-r / l, k / j);
+        let want = [0.0, 1.0, 0.0, 0.0, -b / j, drive, 0.0, -k / l, resistance];
+        let want = DMatrix::from_row_slice(3, 3, &want);
+        assert!((&a - &want).amax() < 1e-12 * want.amax(), "{a}");
+        let by_input = at.map(|row| space.b[(row, 0)]);
+        assert_close(&by_input, &[0.0, 0.0, 1.0 / l], 1e-13, 0.0, "B");
+        let heat = space.c[(0, at[2])];
+        assert!((heat - 2.0 * r * current).abs() < 1e-12, "{heat}");
+
+        // At a held voltage the motor finds its speed by itself: nothing asks where it stands, only how fast.
+        let bare = linearise(&model, 0.0, &found.state, &found.inputs).expect("linear");
+        assert!(bare.accelerations.amax() < 1e-12, "{}", bare.accelerations);
+    }
+}
+
+#[test]
+fn a_trim_begins_at_the_declared_start_with_the_declared_inputs_and_settles_what_is_integrated() {
+    // A pendulum under a controller that integrates its error: at rest it carries the load and the integral holds the torque.
+    let text = "model Held {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        input aim: angle = 2.4 rad;
+        body arm { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+        joint pin: hinge from world to arm.top { axis: y, start: 2.3 rad,
+            force: 30 N*m * (aim - pin.angle) - 6 N*m*s * pin.angle_rate + 20 N*m/s * missed }
+        state missed = 0 rad*s { rate: aim - pin.angle }
+    }";
+    let model = generic(read(text));
+    let found = trim(&model).solve().expect("it rests");
+    let torque = 2.0 * 9.81 * 0.5 * 2.4_f64.sin();
+    let got = ["pin.angle", "missed"].map(|name| found.value(name).expect("a name"));
+    assert_close(&got, &[2.4, torque / 20.0], 1e-10, 0.0, "rest");
+    assert!(found.space.vibrations().iter().all(|one| one.real < 0.0));
 }

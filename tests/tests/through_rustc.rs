@@ -146,7 +146,7 @@ const NAMES: &str = "pub model Names<T> {
     param len = 1;
     input derivative: force;
     input f64: force;
-    input state: force;
+    input status: force;
     input params: force;
     input out: [force; 3];
     input self_: force;
@@ -163,7 +163,7 @@ const NAMES: &str = "pub model Names<T> {
     joint core: universal from body1.com to t.com { axes: [x, y] }
     joint Ok: free from world to Option.com;
     line mbd_runtime from world to Some { free_length: 1 m, stiffness: 1 N/m }
-    load energy on v at None = [derivative, f64, state] + [params, 0 N, self_] + out;
+    load energy on v at None = [derivative, f64, status] + [params, 0 N, self_] + out;
     load mass_matrix on v = [ln2(v.position.x), 0 N, 0 N];
     load bool on t: external;
     output usize = main.angle;

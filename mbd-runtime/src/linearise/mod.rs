@@ -33,7 +33,7 @@ use crate::slopes::{Effective, Slopes};
 
 /// Total derivatives at one state, with the room to compute them again.
 ///
-/// A = dẋ/dx, dẋ/du and dẋ/dθ of the state x = [q | v | z], the inputs u and the parameters θ, and the same of outputs and node unknowns; through the
+/// A = dẋ/dx, dẋ/du and dẋ/dθ of the state x = [q | v | z | s], the inputs u and the parameters θ, and the same of outputs and node unknowns; through the
 /// nodes and the rows of joints where there are any.
 ///
 /// ```

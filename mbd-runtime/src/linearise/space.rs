@@ -28,13 +28,13 @@ pub struct StateSpace {
     pub c: DMatrix<f64>,
     /// D, n_o × n_u.
     pub d: DMatrix<f64>,
-    /// Names and units of s: minimal coordinates, their rates, node positions.
+    /// Names and units of s: minimal coordinates, their rates, node positions, declared states.
     pub states: Vec<Name>,
     /// Names and units of u, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
     pub inputs: Vec<Name>,
     /// Names and units of the output columns.
     pub outputs: Vec<Name>,
-    /// What a unit of each s is in the state x = [q | v | z], n_x × n_s.
+    /// What a unit of each s is in the state x = [q | v | z | s], n_x × n_s.
     pub tangent: DMatrix<f64>,
     /// Accelerations of the coordinates at the state [m/s² or rad/s²], then ż: zero where the motion is steady.
     pub accelerations: DVector<f64>,

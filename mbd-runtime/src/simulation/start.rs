@@ -77,8 +77,6 @@ impl<T: Float> Simulation<T> {
         for (slot, value) in state.iter_mut().zip(start) {
             *slot = value;
         }
-        let own = state.iter_mut().skip(layout.states());
-        own.zip(starts).for_each(|(state, start)| *state = start);
         Ok(Simulation {
             system,
             method,
@@ -143,7 +141,8 @@ impl<T: Float> Simulation<T> {
 
     /// After other params the declared start is another one, unless a state has been set or run.
     pub(crate) fn start_again(&mut self) {
-        if !self.as_declared || self.system.model.scene().starts.is_empty() {
+        let scene = self.system.model.scene();
+        if !self.as_declared || (scene.starts.is_empty() && scene.states.is_empty()) {
             return;
         }
         if let Ok(start) = declared_start(&*self.system.model, self.time) {
@@ -269,8 +268,11 @@ impl<T: Float> Simulation<T> {
     }
 }
 
-/// The state at the declared start: what no start is declared of is at the world origin, at rest, unturned.
-fn declared_start<T: Float>(model: &dyn Model<T>, time: f64) -> Result<Vec<T>, StepError> {
+/// The state at the declared start: what no start is declared of is at the world origin, at rest, unturned; declared states where they begin.
+pub(crate) fn declared_start<T: Float>(
+    model: &dyn Model<T>,
+    time: f64,
+) -> Result<Vec<T>, StepError> {
     let (scene, layout) = (model.scene(), model.layout());
     let mut state = vec![0.0; layout.nx()];
     for qw in layout.quaternions() {
@@ -287,7 +289,11 @@ fn declared_start<T: Float>(model: &dyn Model<T>, time: f64) -> Result<Vec<T>, S
         place_declared(scene, layout, (&params, time), &[], &[], &mut state)
             .map_err(|error| misplaced(scene, error))?;
     }
-    Ok(state.into_iter().map(T::from_f64).collect())
+    let mut state: Vec<T> = state.into_iter().map(T::from_f64).collect();
+    let own = state.iter_mut().skip(layout.states());
+    own.zip(starts(scene, model.params()))
+        .for_each(|(state, start)| *state = start);
+    Ok(state)
 }
 
 fn misplaced(scene: &Scene, error: PlacementError) -> StepError {

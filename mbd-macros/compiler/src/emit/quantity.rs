@@ -194,10 +194,13 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
             ),
         ),
         Quantity::Residual => (
-            "Equations of motion before they are solved, at given `v̇` and `λ`: `q̇`, `M v̇ + h − f − Φ_vᵀ λ`, `ż`, `Φ_v v̇ − γ`.",
+            "Equations of motion before they are solved, at given `v̇` and `λ`: `q̇`, `M v̇ + h − f − Φ_vᵀ λ`, `ż`, `ṡ`, `Φ_v v̇ − γ`.",
             format!(
-                "{n} = [{} q̇ | {nv} [N, N m] | {} ż | {} [m/s² or 1/s²]].",
-                layout.nq, layout.nz, layout.nc
+                "{n} = [{} q̇ | {nv} [N, N m] | {} ż | {} ṡ | {} [m/s² or 1/s²]].",
+                layout.nq,
+                layout.nz,
+                layout.nx() - layout.states(),
+                layout.nc
             ),
         ),
         Quantity::JointCoordinates => (

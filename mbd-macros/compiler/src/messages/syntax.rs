@@ -294,6 +294,13 @@ pub fn equality(at: Region) -> Report {
     )
 }
 
+pub fn remainder(at: Region) -> Report {
+    Report::new(
+        at,
+        "there is no `%`: the remainder of a by b is `a - b * floor(a / b)`, and signs that alternate are `(-1)^i`",
+    )
+}
+
 pub fn function_behind(at: Region, path: &str, word: &str) -> Report {
     let known = words::translated(words::FOREIGN_FUNCTIONS, word).unwrap_or(word);
     let text = match known {

@@ -159,7 +159,12 @@ impl Parser {
     }
 
     fn product(&mut self, cursor: &mut Cursor<'_>) -> Deep {
-        self.chain(cursor, &['*', '/'], Self::negative)
+        let found = self.chain(cursor, &['*', '/'], Self::negative)?;
+        let here = cursor.here();
+        match cursor.sign('%') {
+            Some(_) => Err(say::remainder(here)),
+            None => Ok(found),
+        }
     }
 
     /// Operands of one rank, grouped from the left.

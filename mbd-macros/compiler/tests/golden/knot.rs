@@ -117,7 +117,7 @@ impl<T> KnotOutputs<T> {
 /// | [`derivative`](Self::derivative) | 6 of 6 | 24 |
 /// | [`balance`](Self::balance) | 3 of 3 | 84 |
 /// | [`guards`](Self::guards) | 8 of 8 | 43 |
-/// | [`outputs`](Self::outputs) | 1 of 1 | 13 |
+/// | [`outputs`](Self::outputs) | 1 of 1 | 12 |
 /// | [`mass_matrix`](Self::mass_matrix) | 3 of 9 | 0 |
 #[derive(Clone, Debug)]
 pub struct Knot<T = f64> {
@@ -191,7 +191,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Knot\n\nState x = [q | v | z]: 3 + 3 + 0; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: [0, 0, -9.81] m/s².\n\nPoint knot: node, static: Σ T u + W = 0 with T = K s₊, damping ignored.\nPoint bob: m = 2 kg, m p\u{308} = Σ T u + W + m g.\nLine left_stay from world.left to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine right_stay from world.right to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine back_stay from world.back to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine hanger from knot to bob: T = K s for s > 0, else 0; K = 2000 N/m, L0 = 0.5 m.\nOutput hanger_force = hanger.tension [N].\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  No body: no rotation, no quaternion.\n  No stretch rate of undamped lines: left_stay, right_stay, back_stay, hanger.\n\nOperations\n  once per set of params: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  equilibrium_knot: 220 operations (85 additions, 84 multiplications, 4 divisions, 4 roots, 0 trigonometric, 43 selections)\n  derivative: 24 operations (7 additions, 13 multiplications, 1 divisions, 1 roots, 0 trigonometric, 2 selections)\n  balance: 84 operations (29 additions, 39 multiplications, 4 divisions, 4 roots, 0 trigonometric, 8 selections)\n  guards: 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections)\n  outputs: 13 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 2 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n\nderivative: 24 operations as declared, 24 with every param a const, 24 with every const a param.\n"
+            "Knot\n\nState x = [q | v | z]: 3 + 3 + 0; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: [0, 0, -9.81] m/s².\n\nPoint knot: node, static: Σ T u + W = 0 with T = K s₊, damping ignored.\nPoint bob: m = 2 kg, m p\u{308} = Σ T u + W + m g.\nLine left_stay from world.left to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine right_stay from world.right to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine back_stay from world.back to knot: T = K s for s > 0, else 0; K = 1000 N/m, L0 = 0.6 m.\nLine hanger from knot to bob: T = K s for s > 0, else 0; K = 2000 N/m, L0 = 0.5 m.\nOutput hanger_force = hanger.tension [N].\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  No body: no rotation, no quaternion.\n  No stretch rate of undamped lines: left_stay, right_stay, back_stay, hanger.\n\nOperations\n  once per set of params: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  equilibrium_knot: 220 operations (85 additions, 84 multiplications, 4 divisions, 4 roots, 0 trigonometric, 43 selections)\n  derivative: 24 operations (7 additions, 13 multiplications, 1 divisions, 1 roots, 0 trigonometric, 2 selections)\n  balance: 84 operations (29 additions, 39 multiplications, 4 divisions, 4 roots, 0 trigonometric, 8 selections)\n  guards: 43 operations (24 additions, 15 multiplications, 0 divisions, 4 roots, 0 trigonometric, 0 selections)\n  outputs: 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n\nderivative: 24 operations as declared, 24 with every param a const, 24 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -232,7 +232,7 @@ const _: () = {
         /// The declared outputs.
         ///
         /// 1 columns, each in its unit.
-        /// 13 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 2 selections).
+        /// 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections).
         #[must_use]
         #[inline]
         pub fn outputs(
@@ -448,7 +448,7 @@ const _: () = {
                         divs: 0,
                         sqrts: 1,
                         trigs: 0,
-                        selects: 2,
+                        selects: 1,
                     },
                 ),
                 (
@@ -1112,7 +1112,7 @@ const _: () = {
     }
     /// The declared outputs.
     /// 1 columns, each in its unit.
-    /// 13 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 2 selections).
+    /// 12 operations (6 additions, 4 multiplications, 0 divisions, 1 roots, 0 trigonometric, 1 selections).
     #[inline(never)]
     fn outputs<T: ::mbd_runtime::Real>(
         q: &[T; 3],
@@ -1133,8 +1133,7 @@ const _: () = {
             .sqrt();
         let hanger_stretch = hanger_length - hanger_l;
         let hanger_tension = hanger_k * hanger_stretch.max(zero);
-        let hanger_t = hanger_tension.max(zero);
-        *out = [hanger_t];
+        *out = [hanger_tension];
     }
     /// Mass matrix `M` in `M v̇ + h = f`.
     /// 3×3 [kg, kg m²], row by row, structural non-zeros only.

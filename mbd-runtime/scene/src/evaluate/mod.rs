@@ -1,6 +1,5 @@
 //! What a model can be asked for, by running the laws on a scalar.
 
-mod coordinates;
 mod residual;
 mod with_multipliers;
 
@@ -13,7 +12,7 @@ use crate::laws::{
     energy,
     evaluation::Evaluation,
     forces::{self, AppliedForces},
-    formula, gravity, joint_forces,
+    gravity, joint_forces,
     kinematics::Kinematics,
     mass, measured, node,
     numbers::Numbers,
@@ -184,7 +183,7 @@ pub fn evaluate<S: Real>(
                 out,
             );
         }
-        Quantity::JointCoordinates => coordinates::coordinates(&evaluation, out),
+        Quantity::JointCoordinates => measured::joint_coordinates(&evaluation, out),
         Quantity::Factor => scratch.constraints.write_factor(&evaluation, out),
         Quantity::Solve => scratch.constraints.solve_by_factor(&evaluation, out),
         Quantity::Equilibrium(_)
@@ -265,10 +264,7 @@ fn derivative<S: Real>(
             );
         }
     }
-    for (index, state) in evaluation.scene.states.iter().enumerate() {
-        S::section(&state.name);
-        out[layout.states() + index] = formula::scalar(&state.rate, evaluation);
-    }
+    evaluation.write_state_rates(out);
 }
 
 /// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.

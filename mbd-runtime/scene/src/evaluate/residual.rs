@@ -13,7 +13,6 @@ use nalgebra::Vector3;
 use crate::elimination::Constraints;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
-use crate::laws::formula;
 use crate::laws::gravity::{body_gravity, point_gravity};
 use crate::scalar::algebra::{vector, write};
 use crate::{AngularVelocity, PointSlots, Real};
@@ -72,10 +71,7 @@ pub(super) fn residual<S: Real>(
             write(out, layout.nq + layout.nv + z, &velocity);
         }
     }
-    for (index, state) in evaluation.scene.states.iter().enumerate() {
-        S::section(&state.name);
-        out[layout.states() + index] = formula::scalar(&state.rate, evaluation);
-    }
+    evaluation.write_state_rates(out);
     if layout.nc > 0 {
         constraints.leave_over(evaluation, out);
     }

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::laws::body::BodyMotion;
-use crate::laws::formula::{Context, Value, of_let};
+use crate::laws::formula::{self, Context, Value, of_let};
 use crate::laws::line;
 use crate::laws::node;
 use crate::laws::numbers::{FrameNumbers, Numbers};
@@ -236,6 +236,15 @@ impl<'a, S: Real> Evaluation<'a, S> {
         })
     }
 
+    /// Writes ṡ of the states that the scene declares into the rates of the whole state.
+    pub fn write_state_rates(&self, out: &mut [S]) {
+        let first = self.layout.states();
+        for (slot, state) in out.iter_mut().skip(first).zip(&self.scene.states) {
+            S::section(&state.name);
+            *slot = formula::scalar(&state.rate, self);
+        }
+    }
+
     /// Rate of a line's length [m/s].
     pub fn rate(&self, index: usize, direction: &Vector3<S>) -> Option<S> {
         let declared = self.scene.lines.get(index)?;
@@ -389,15 +398,16 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
         let motion = self.line_motion(index)?;
         let element = self.element(index)?;
         // A static or stepwise node has no rate of its own; the rate is that of the moving balance.
-        let own = self.layout.lines.get(index)?.effective.is_none() && element.damped;
-        let rate = match own && element.kind.is_unilateral() {
+        let located = self.layout.lines.get(index)?.effective.is_none();
+        let located = located && element.kind.is_unilateral();
+        let rate = match located && element.damped {
             true => motion.rate,
             false => self.rate(index, &motion.geometry.direction)?,
         };
         let length = motion.geometry.length;
         let stretch = length - element.numbers.free_length;
         // A mode lasts until its switch is located, where the pull has passed zero by the tolerance of that.
-        let tension = match element.kind.is_unilateral() {
+        let tension = match located {
             true => motion.tension.max(S::zero()),
             false => motion.tension,
         };

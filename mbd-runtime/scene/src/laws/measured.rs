@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use crate::Real;
 use crate::laws::formula::Context;
 use crate::laws::{evaluation::Evaluation, forces, formula, joint_forces, line};
 use crate::scalar::algebra::{elements, write};
+use crate::{Real, Scene};
 
 /// Position and velocity of every anchor, and the load at every node.
 pub fn ends<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
@@ -67,15 +67,40 @@ pub fn outputs<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
 
 /// Value and rate of every joint coordinate.
 pub fn coordinates<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
-    let joints = evaluation.scene.joints.iter().enumerate();
-    let coordinates = joints
-        .flat_map(|(joint, declared)| (0..declared.law.coordinates()).map(move |k| (joint, k)));
-    let values = coordinates.filter_map(|(joint, index)| {
+    each_coordinate(evaluation.scene, out, |joint, index| {
         let value = evaluation.coordinate(joint, index)?;
         Some([value, evaluation.coordinate_rate(joint, index)?])
     });
-    for (pair, value) in out.chunks_exact_mut(2).zip(values) {
-        pair.copy_from_slice(&value);
+}
+
+/// Value, rate and acceleration of every joint coordinate, the latter for the v̇ of [`At::rows`](crate::At::rows), or for none where that is empty.
+pub fn joint_coordinates<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let given = Evaluation {
+        accelerations: evaluation.at.rows,
+        ..*evaluation
+    };
+    each_coordinate(given.scene, out, |joint, index| {
+        let value = given.coordinate(joint, index)?;
+        let rate = given.coordinate_rate(joint, index)?;
+        Some([value, rate, given.coordinate_acceleration(joint, index)?])
+    });
+}
+
+/// Writes N numbers of every measured coordinate, joint by joint; numbers that are not finite where a joint has an end on a point without mass.
+fn each_coordinate<S: Real, const N: usize>(
+    scene: &Scene,
+    out: &mut [S],
+    numbers: impl Fn(usize, usize) -> Option<[S; N]>,
+) {
+    let joints = scene.joints.iter().enumerate();
+    let coordinates = joints.flat_map(|(joint, declared)| {
+        let all = 0..declared.law.coordinates();
+        let measured = all.filter(|&index| declared.law.coordinate(index).is_some());
+        measured.map(move |index| (joint, index))
+    });
+    for (slot, (joint, index)) in out.chunks_exact_mut(N).zip(coordinates) {
+        let found = numbers(joint, index);
+        slot.copy_from_slice(&found.unwrap_or([S::from_f64(f64::NAN); N]));
     }
 }
 

@@ -65,7 +65,7 @@ pub enum Quantity {
     /// the rows are to depending on each other, as the smallest part that other rows leave to a row's pivot [1]; 1 for rows at right angles,
     /// sin² of the angle between two rows, rounding for dependent ones.
     ProjectionStep,
-    /// The equations of motion before they are solved, at the accelerations v̇ and multipliers λ of [`At::rows`]: ẋ = [q̇ | v̇ | ż] with
+    /// The equations of motion before they are solved, at the accelerations v̇ and multipliers λ of [`At::rows`]: ẋ = [q̇ | v̇ | ż | ṡ] with
     /// M v̇ + h − f − Φ_vᵀ λ [N, N m] in the place of v̇, then Φ_v v̇ − γ (n_c) [m/s² or 1/s²]. What is left out of the system because it
     /// repeats others has no row here: of each joint the rows that are in the system come first, and zeros fill up. What
     /// derivatives through rows are made of.
