@@ -127,7 +127,7 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
         Command::List(ListArgs {
             what: Some(Listed::Quantities(args)),
         }) => {
-            let file = SceneFile::find(&args.scene)?;
+            let file = scene_file::SceneFile::find(&args.scene)?;
             Ok(models::quantities::table(&file.scene).text())
         }
         Command::Run(args) => run::run(&args),
