@@ -28,6 +28,7 @@ pub mod __private;
 mod chatter;
 mod columns;
 mod compiled;
+mod displace;
 mod error;
 mod event;
 mod fallback;

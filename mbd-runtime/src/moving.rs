@@ -27,6 +27,16 @@ impl Moving {
         self.speed..self.speed + self.velocity.len() + self.spin.len()
     }
 
+    /// The numbers of its speeds along the axes.
+    pub fn moves(&self) -> Range<usize> {
+        self.speed..self.speed + self.velocity.len()
+    }
+
+    /// The numbers of its angular speeds.
+    pub fn turns(&self) -> Range<usize> {
+        self.moves().end..self.speeds().end
+    }
+
     /// Whether a place is on it.
     pub fn holds(&self, place: Place) -> bool {
         match place {

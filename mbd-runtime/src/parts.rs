@@ -38,7 +38,7 @@ pub struct PointState<T = f64, const D: usize = 3> {
 }
 
 impl<T: Real> BodyState<T> {
-    /// At rest and unturned, with its centre of mass here \[m\].
+    /// At rest, along the axes of the world, with its centre of mass here \[m\].
     #[must_use]
     pub fn at(position: [T; 3]) -> Self {
         BodyState {
@@ -51,7 +51,7 @@ impl<T: Real> BodyState<T> {
 }
 
 impl<T: Real> PlanarBodyState<T> {
-    /// At rest and unturned, with its centre of mass here \[m\].
+    /// At rest, along the axes of the world, with its centre of mass here \[m\].
     #[must_use]
     pub fn at(position: [T; 2]) -> Self {
         PlanarBodyState {

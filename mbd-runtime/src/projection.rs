@@ -10,14 +10,14 @@
 //! projected state; the error estimate is made of the stages alone and does not see the move.
 
 use mbd_scene::laws::{self, Numbers};
-use mbd_scene::{AngularVelocity, At, Float, Quantity, quaternion_rate};
-use nalgebra::Vector3;
+use mbd_scene::{At, Float, Quantity};
 
 use crate::columns::joint_name;
+use crate::displace::{displace, square};
 use crate::error::{Source, StepError};
 use crate::fallback::{Dependence, NEW, dependent};
 use crate::list::largest;
-use crate::moving::{Moving, moving};
+use crate::moving::moving;
 use crate::options::Stabilise;
 use crate::system::System;
 
@@ -288,28 +288,13 @@ impl<T: Float> System<T> {
     /// Moves positions by δ, shortened where it turns a body too far.
     fn displace(&self, state: &mut [T]) {
         let layout = self.model.layout();
-        let body_axes = self.model.scene().angular_velocity == AngularVelocity::Body;
+        let components = self.model.scene().angular_velocity;
         let shift = self.projection.moves();
-        let moves = |part: &Moving| {
-            let own = shift.get(part.speeds()).unwrap_or(&[]);
-            own.split_at(part.velocity.len().min(own.len()))
-        };
-        let turns = moving(layout).map(|part| square(moves(&part).1));
+        let turns = moving(layout).map(|part| square(shift.get(part.turns()).unwrap_or(&[])));
         let most = turns.fold(T::zero(), |a, b| a.max(b)).sqrt();
         let limit = T::from_f64(LARGEST_TURN);
         let share = if most > limit { limit / most } else { T::one() };
-        for part in moving(layout) {
-            let (moved, rotated) = moves(&part);
-            let position = state.get_mut(part.position.clone()).unwrap_or_default();
-            for (x, dx) in position.iter_mut().zip(moved) {
-                *x += share * *dx;
-            }
-            match (state.get_mut(part.attitude.clone()), rotated) {
-                (Some([angle]), [more]) => *angle += share * *more,
-                (Some(quaternion), turn) => rotate(quaternion, turn, share, body_axes),
-                (None, _) => {}
-            }
-        }
+        displace((layout, components), state, shift, share);
         self.normalise(state);
     }
 
@@ -472,47 +457,4 @@ fn extent<T: Float>(list: &[T]) -> f64 {
     Some(largest(list))
         .filter(|most| most.is_finite())
         .unwrap_or(0.0)
-}
-
-/// The sum of the squares.
-fn square<T: Float>(vector: &[T]) -> T {
-    vector.iter().fold(T::zero(), |sum, x| sum + *x * *x)
-}
-
-/// Turns a quaternion w x y z by `part` of a small turn, in body axes or in world axes.
-fn rotate<T: Float>(quaternion: &mut [T], turn: &[T], part: T, body_axes: bool) {
-    let (Ok(old), &[a, b, c]) = (<[T; 4]>::try_from(&*quaternion), turn) else {
-        return;
-    };
-    let half = T::from_f64(0.5) * part * square(turn).sqrt();
-    let (sine, cosine) = half.sin_cos();
-    let scale = if half > T::zero() {
-        part * sine / half
-    } else {
-        T::zero()
-    };
-    let moved = Vector3::new(a, b, c).map(|x| x * scale);
-    let more = quaternion_rate(old, &moved, body_axes);
-    for (to, (old, more)) in quaternion.iter_mut().zip(old.into_iter().zip(more)) {
-        *to = old * cosine + more;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::rotate;
-
-    #[test]
-    fn a_turn_in_body_axes_is_the_turned_one_in_world_axes() {
-        // A quarter turn about z carries body x onto world y.
-        let root = 0.5_f64.sqrt();
-        let mut body = [root, 0.0, 0.0, root];
-        let mut world = body;
-        rotate(&mut body, &[0.3, 0.0, 0.0], 1.0, true);
-        rotate(&mut world, &[0.0, 0.3, 0.0], 1.0, false);
-        for (a, b) in body.iter().zip(&world) {
-            assert!((a - b).abs() < 1e-15, "{body:?} {world:?}");
-        }
-        assert!((body.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-15);
-    }
 }

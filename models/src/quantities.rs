@@ -1,18 +1,11 @@
 //! What can be asked of a scene in outputs and events, by name: for `mbd list quantities`.
 
+use mbd_compiler::quantities::Reach::{self, Everywhere, Results};
+use mbd_compiler::quantities::{AXES, BODY, JOINT, LINE, PLACE, ThingQuantity};
 use mbd_runtime::scene::joints::Measured;
 use mbd_runtime::scene::{Body, Joint, PointKind, Scene};
 
 use crate::report::Table;
-
-/// Where a quantity may stand.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reach {
-    /// In loads, rates, forces along joints, outputs and events.
-    Everywhere,
-    /// In outputs and events alone: it follows from the accelerations.
-    Results,
-}
 
 /// Something that can be asked.
 #[derive(Clone, Debug)]
@@ -29,101 +22,23 @@ pub struct Asked {
     pub reach: Reach,
 }
 
-/// A quantity of one kind of thing: word, unit, components, what it is, where it may stand.
-type Known = (&'static str, &'static str, usize, &'static str, Reach);
-
-use Reach::{Everywhere, Results};
-
-const AXES: [Known; 3] = [
-    ("x", "", 3, "its x axis, world axes", Everywhere),
-    ("y", "", 3, "its y axis, world axes", Everywhere),
-    ("z", "", 3, "its z axis, world axes", Everywhere),
-];
-const PLACE: [Known; 3] = [
-    (
-        "position",
-        "m",
-        3,
-        "from the origin of the world",
-        Everywhere,
-    ),
-    ("velocity", "m/s", 3, "world axes", Everywhere),
-    (
-        "acceleration",
-        "m/s^2",
-        3,
-        "rate of the velocity: g in free fall",
-        Results,
-    ),
-];
-const BODY: [Known; 4] = [
-    ("mass", "kg", 1, "its mass", Everywhere),
-    (
-        "omega_body",
-        "rad/s",
-        3,
-        "angular velocity, own axes",
-        Everywhere,
-    ),
-    (
-        "omega_world",
-        "rad/s",
-        3,
-        "angular velocity, world axes",
-        Everywhere,
-    ),
-    (
-        "angular_acceleration",
-        "rad/s^2",
-        3,
-        "rate of the angular velocity, world axes",
-        Results,
-    ),
-];
-const LINE: [Known; 4] = [
-    (
-        "tension",
-        "N",
-        1,
-        "its pull, of a line never below zero",
-        Everywhere,
-    ),
-    ("length", "m", 1, "from end to end", Everywhere),
-    ("stretch", "m", 1, "length less free length", Everywhere),
-    ("stretch_rate", "m/s", 1, "rate of the stretch", Everywhere),
-];
-const JOINT: [Known; 2] = [
-    (
-        "force",
-        "N",
-        3,
-        "of the joint on its child, world axes",
-        Results,
-    ),
-    (
-        "torque",
-        "N*m",
-        3,
-        "of the joint on its child, about the origin of its frame there",
-        Results,
-    ),
-];
-
 /// Everything that can be asked of a scene, thing by thing in the order of the declaration.
 #[must_use]
 pub fn asked(scene: &Scene) -> Vec<Asked> {
-    let mut all = vec![of("time", ("", "s", 1, "time", Everywhere))];
+    let mut all = vec![Asked {
+        unit: "s".to_owned(),
+        ..number("time", 1, "time", Everywhere)
+    }];
     for input in &scene.inputs {
-        let own = ("", "", input.components, "input", Everywhere);
         all.push(Asked {
             unit: input.unit.text.clone(),
-            ..of(&input.name, own)
+            ..number(&input.name, input.components, "input", Everywhere)
         });
     }
     for state in &scene.states {
         all.push(Asked {
             unit: state.unit.text.clone(),
-            ..of(&state.name, ("", "", 1, "state", Everywhere))
+            ..number(&state.name, 1, "state", Everywhere)
         });
     }
     scene.bodies.iter().for_each(|body| of_body(&mut all, body));
@@ -145,21 +60,28 @@ pub fn asked(scene: &Scene) -> Vec<Asked> {
     all
 }
 
-fn of(name: &str, (word, unit, components, what, reach): Known) -> Asked {
+/// A quantity of a thing.
+fn of(thing: &str, known: &ThingQuantity) -> Asked {
+    let name = format!("{thing}.{}", known.word);
     Asked {
-        name: match word {
-            "" => name.to_owned(),
-            word => format!("{name}.{word}"),
-        },
-        unit: unit.to_owned(),
+        unit: known.unit.to_owned(),
+        ..number(&name, known.components, known.what, known.reach)
+    }
+}
+
+/// A quantity without a unit.
+fn number(name: &str, components: usize, what: &'static str, reach: Reach) -> Asked {
+    Asked {
+        name: name.to_owned(),
+        unit: String::new(),
         components,
         what,
         reach,
     }
 }
 
-fn of_thing(all: &mut Vec<Asked>, name: &str, known: &[Known]) {
-    all.extend(known.iter().map(|known| of(name, *known)));
+fn of_thing(all: &mut Vec<Asked>, name: &str, known: &[ThingQuantity]) {
+    all.extend(known.iter().map(|known| of(name, known)));
 }
 
 fn of_body(all: &mut Vec<Asked>, body: &Body) {
@@ -175,11 +97,10 @@ fn of_body(all: &mut Vec<Asked>, body: &Body) {
 
 fn of_joint(all: &mut Vec<Asked>, joint: &Joint) {
     for (index, coordinate) in joint.law.measured().enumerate() {
-        let unit = |measured: Measured| measured.unit(&coordinate).to_owned();
         let mut add = |word: &str, measured: Measured, what: &'static str, reach: Reach| {
             all.push(Asked {
-                unit: unit(measured),
-                ..of(&format!("{}.{word}", joint.name), ("", "", 1, what, reach))
+                unit: measured.unit(&coordinate).to_owned(),
+                ..number(&format!("{}.{word}", joint.name), 1, what, reach)
             });
         };
         add(

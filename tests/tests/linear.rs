@@ -81,6 +81,28 @@ fn assert_eigenvalues(space: &StateSpace, want: &Value, tolerance: f64, what: &s
     }
 }
 
+/// The linear system at a point of a reference, whose x0 are these coordinates: A, B and eigenvalues are those of the reference.
+fn assert_point(
+    model: &Generic<f64>,
+    point: &Value,
+    coordinates: [&str; 4],
+    tolerance: f64,
+) -> StateSpace {
+    let name = point["name"].as_str().expect("a name");
+    let (x, u) = (field(point, "x0"), field(point, "u0"));
+    let place: Vec<(&str, f64)> = coordinates.into_iter().zip(x).collect();
+    let at = placed(model, &u, &place);
+    let space = linearise(model, 0.0, &at, &u).expect("linear");
+    assert_system(&space, point, tolerance, name);
+    space
+}
+
+fn assert_system(space: &StateSpace, point: &Value, tolerance: f64, name: &str) {
+    assert_matrix(&space.a, &point["A"], 1e-10, name);
+    assert_matrix(&space.b, &point["B"], 1e-10, name);
+    assert_eigenvalues(space, &point["eigenvalues"], tolerance, name);
+}
+
 const DOUBLE_PENDULUM: &str = "model DoublePendulum {
     gravity: [0.0, 0.0, -9.81] m/s^2;
     input first: torque; input second: torque;
@@ -102,27 +124,16 @@ fn a_double_pendulum_has_the_matrices_and_frequencies_of_its_closed_form() {
         );
         let model = generic(read(&text));
         for point in list(&file["points"]) {
-            let name = point["name"].as_str().expect("a name");
-            let (x, u) = (field(point, "x0"), field(point, "u0"));
-            let place = [
-                ("shoulder.angle", x[0]),
-                ("elbow.angle", x[1]),
-                ("shoulder.angle_rate", x[2]),
-                ("elbow.angle_rate", x[3]),
-            ];
-            let at = placed(&model, &u, &place);
-            let space = linearise(&model, 0.0, &at, &u).expect("linear");
-            let names: Vec<&str> = space.states.iter().map(|s| s.name.as_str()).collect();
             let want = [
                 "shoulder.angle",
                 "elbow.angle",
                 "shoulder.angle_rate",
                 "elbow.angle_rate",
             ];
+            let space = assert_point(&model, point, want, 1e-9);
+            let names: Vec<&str> = space.states.iter().map(|s| s.name.as_str()).collect();
             assert_eq!(names, want);
-            assert_matrix(&space.a, &point["A"], 1e-10, name);
-            assert_matrix(&space.b, &point["B"], 1e-10, name);
-            assert_eigenvalues(&space, &point["eigenvalues"], 1e-9, name);
+            let name = point["name"].as_str().expect("a name");
             assert_close(
                 space.accelerations.as_slice(),
                 &field(point, "vdot"),
@@ -163,20 +174,14 @@ fn a_cart_with_a_pole_has_the_matrices_of_its_closed_form_upright_hanging_and_mo
     ));
     let file = load("derivatives/linear_cartpole.json");
     for point in list(&file["points"]) {
-        let name = point["name"].as_str().expect("a name");
-        let (x, u) = (field(point, "x0"), field(point, "u0"));
-        let place = [
-            ("track.slide", x[0]),
-            ("pin.angle", x[1]),
-            ("track.slide_rate", x[2]),
-            ("pin.angle_rate", x[3]),
-        ];
-        let at = placed(&model, &u, &place);
-        let space = linearise(&model, 0.0, &at, &u).expect("linear");
-        assert_matrix(&space.a, &point["A"], 1e-10, name);
-        assert_matrix(&space.b, &point["B"], 1e-10, name);
         // A double eigenvalue of zero is known to the root of rounding only.
-        assert_eigenvalues(&space, &point["eigenvalues"], 1e-6, name);
+        let coordinates = [
+            "track.slide",
+            "pin.angle",
+            "track.slide_rate",
+            "pin.angle_rate",
+        ];
+        assert_point(&model, point, coordinates, 1e-6);
     }
 }
 
@@ -207,9 +212,7 @@ fn a_four_bar_with_spring_has_the_matrices_and_frequency_of_its_closed_form() {
             let at = state(&scene, &bodies, &[]);
             let space = linearise(&model, 0.0, &at, &field(point, "u0")).expect("linear");
             assert_eq!(space.states[0].name, "hinge0.angle", "the crank");
-            assert_matrix(&space.a, &point["A"], 1e-10, name);
-            assert_matrix(&space.b, &point["B"], 1e-10, name);
-            assert_eigenvalues(&space, &point["eigenvalues"], 1e-9, name);
+            assert_system(&space, point, 1e-9, name);
             // The same motion in the angle of the rocker: the same eigenvalues.
             let space = linearise_along(&model, 0.0, &at, &field(point, "u0"), &["hinge2.angle"]);
             let space = space.expect("linear");

@@ -48,5 +48,6 @@ pub use reading::{Options, Reading, Spans, read_text, read_tokens};
 pub use resolve::Named;
 pub use solution::{Member, Solution};
 pub use strided::{Item, StridedRun};
+pub use syntax::quantities;
 #[cfg(feature = "toml")]
 pub use toml::{read_toml, toml_to_text, write_text, write_toml};

@@ -8,6 +8,7 @@ use mbd_scene::{At, Float, Layout, Model, Quantity, Scene, Variable, Work};
 use nalgebra::DMatrix;
 
 use super::{Linearisation, LinearisationError};
+use crate::displace::displace;
 use crate::generic::Generic;
 use crate::slopes::{Effective, Slopes};
 use crate::system::System;
@@ -69,6 +70,18 @@ impl Moment {
         self.system.hold(&self.inputs);
         let started = self.system.start(self.time, &mut self.state, guess);
         started.map_err(|cause| LinearisationError::Nodes(Box::new(cause)))
+    }
+
+    /// Moves bodies and points by δ in the components of the speeds.
+    pub(crate) fn displace(&mut self, moves: &[f64]) {
+        let components = self.scene().angular_velocity;
+        displace(
+            (&self.model.layout, components),
+            &mut self.state,
+            moves,
+            1.0,
+        );
+        self.system.normalise(&mut self.state);
     }
 
     pub(crate) fn scene(&self) -> &Scene {

@@ -27,7 +27,7 @@ impl Default for ParachuteArgs {
 /// What is about to happen, for someone who typed `mbd` alone.
 pub fn announced(args: &ParachuteArgs) -> String {
     format!(
-        "mbd: flying the parachute with every model of its confluence, about a minute, results in {}; `mbd --help` shows what else there is",
+        "mbd: flying the parachute with every model of its confluence, half a minute or less, results in {}; `mbd --help` shows what else there is",
         args.out.display()
     )
 }

@@ -48,7 +48,8 @@ pub fn implementation(context: &Context) -> TokenStream {
             Group::Factored,
         ] {
             if reads.reads(group) {
-                let (list, given) = (format_ident!("{}", group.name()), format_ident!("{}", group.argument()));
+                let list = format_ident!("{}", group.name());
+                let given = format_ident!("{}", group.argument());
                 names.push(quote!(#list));
                 values.push(quote!(::mbd_runtime::__private::fixed(at.#given)));
             }

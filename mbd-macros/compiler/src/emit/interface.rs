@@ -163,9 +163,9 @@ fn state(context: &Context) -> TokenStream {
         quote!(let (q, v, z) = ::mbd_runtime::__private::split::<#t, #nq, #nv, #nz>(x)?;)
     };
     let origin = docs(if layout.ns > 0 {
-        "Everything at the world origin, at rest, unturned; declared states where they start with the declared parameters."
+        "Everything at the world origin, at rest, along the axes of the world; declared states where they start with the declared parameters."
     } else {
-        "Everything at the world origin, at rest, unturned."
+        "Everything at the world origin, at rest, along the axes of the world."
     });
     let model = &context.scene().name;
     let meaning = match layout.directions.plane {

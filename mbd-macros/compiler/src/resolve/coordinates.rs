@@ -7,7 +7,7 @@ use super::{Known, Named, Resolver, Scope, Stage, Typed};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
 use crate::syntax::expression::{self, Step};
-use crate::syntax::{Value, words};
+use crate::syntax::{Value, quantities};
 use crate::units;
 
 impl Resolver<'_> {
@@ -97,12 +97,12 @@ impl Resolver<'_> {
             .chain(seconds.iter().map(String::as_str))
             .chain(driving.map(String::as_str))
             .chain(commands.iter().map(|(_, word)| word.as_str()))
-            .chain(words::JOINT_QUANTITIES.iter().copied())
+            .chain(quantities::JOINT_QUANTITIES.iter().copied())
             .collect();
         let Some((step, after)) = rest.split_first() else {
             return self.fail(say::without_quantity(at, owner, "joint", &known));
         };
-        if measured.is_empty() && !words::JOINT_QUANTITIES.contains(&step.word.text.as_str()) {
+        if measured.is_empty() && !quantities::JOINT_QUANTITIES.contains(&step.word.text.as_str()) {
             return self.fail(say::no_coordinates(at, owner, law.keyword()));
         }
         let word = step.word.text.as_str();

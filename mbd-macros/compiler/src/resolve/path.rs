@@ -7,14 +7,14 @@ use super::{Named, Resolver, Scope, Stage, Typed, fold};
 use crate::lexeme::Region;
 use crate::messages::{Report, resolve as say};
 use crate::syntax::expression::{self, Step};
-use crate::syntax::{Value, words};
+use crate::syntax::{Value, quantities};
 use crate::units;
 
 impl Resolver<'_> {
     /// A path inside an expression.
     pub fn path(&mut self, steps: &[Step], at: Region, scope: Scope<'_>) -> Option<Typed> {
         let typed = self.path_value(steps, at, scope)?;
-        let quantity = |step: &Step| words::BODY_QUANTITIES.contains(&step.word.text.as_str());
+        let quantity = |step: &Step| quantities::BODY_QUANTITIES.contains(&step.word.text.as_str());
         let has_frames = steps.first().is_some_and(|first| {
             let word = first.word.text.as_str();
             let members = self.names.get(word).map(|entry| &entry.members);
@@ -303,7 +303,7 @@ impl Resolver<'_> {
                 return Some((Place::World(index), after));
             }
         }
-        if words::FRAME_QUANTITIES.contains(&step.word.text.as_str()) {
+        if quantities::FRAME_QUANTITIES.contains(&step.word.text.as_str()) {
             return Some((Place::World(0), rest));
         }
         let frames: Vec<&str> = self.world.words().collect();
@@ -383,7 +383,7 @@ impl Resolver<'_> {
             let mass = self.scene.bodies.get(body)?.mass.clone();
             return self.tail(Typed::of(mass, false, units::MASS, at), after);
         }
-        if words::BODY_QUANTITIES.contains(&word) {
+        if quantities::BODY_QUANTITIES.contains(&word) {
             return self.frame_quantity(Place::Body(body, 0), owner, rest, at, scope);
         }
         if !self.frame_words(body).iter().any(|frame| frame == word) {
@@ -421,7 +421,7 @@ impl Resolver<'_> {
             "y" => (Formula::Axis(place, 1), units::NONE),
             "z" => (Formula::Axis(place, 2), units::NONE),
             word => {
-                let known = words::FRAME_QUANTITIES;
+                let known = quantities::FRAME_QUANTITIES;
                 let report = say::unknown_quantity(step.word.at.into(), owner, word, known);
                 return self.fail(report);
             }
@@ -438,7 +438,7 @@ impl Resolver<'_> {
         scope: Scope<'_>,
     ) -> Option<Typed> {
         let place = Place::Point(point);
-        let known = words::POINT_QUANTITIES;
+        let known = quantities::POINT_QUANTITIES;
         let Some((step, after)) = rest.split_first() else {
             return self.fail(say::without_quantity(at, owner, "point", known));
         };
@@ -477,7 +477,7 @@ impl Resolver<'_> {
         rest: &[Step],
         at: Region,
     ) -> Option<Typed> {
-        let known = words::LINE_QUANTITIES;
+        let known = quantities::LINE_QUANTITIES;
         let Some((step, after)) = rest.split_first() else {
             return self.fail(say::without_quantity(at, owner, "line", known));
         };

@@ -12,7 +12,7 @@ use crate::units;
 const IN_PLANE: f64 = 1e-9;
 
 /// The rows of a rotation that turns nothing.
-fn unturned() -> [Triple; 3] {
+fn along_the_world() -> [Triple; 3] {
     let number = |i: usize, j: usize| Formula::Number(if i == j { 1.0 } else { 0.0 });
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(i, j)))
 }
@@ -82,7 +82,7 @@ impl Resolver<'_> {
                 }
                 _ => {
                     let rows = self.rotation(value, scope)?;
-                    start.rotation = Some(rows.unwrap_or_else(unturned));
+                    start.rotation = Some(rows.unwrap_or_else(along_the_world));
                 }
             }
             self.stays_in_plane(&name, sign, value, &start)?;

@@ -4,6 +4,7 @@ pub mod cursor;
 pub mod expression;
 pub mod item;
 pub mod model;
+pub mod quantities;
 pub mod unit;
 pub mod words;
 

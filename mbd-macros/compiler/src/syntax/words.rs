@@ -1,5 +1,7 @@
 //! The vocabulary: every item with its clauses and fields, once. The text reader, the TOML reader and writer, and all messages use it.
 
+use super::quantities;
+
 /// An item of the language, or a setting.
 #[derive(Debug, PartialEq, Eq)]
 pub struct ItemWord {
@@ -520,9 +522,6 @@ pub const FOREIGN_QUANTITIES: Dictionary = &[
     ("moment", "torque"),
 ];
 
-/// What may be asked of every joint besides its coordinates.
-pub const JOINT_QUANTITIES: &[&str] = &["force", "torque"];
-
 /// Joints of other tools.
 pub const FOREIGN_JOINTS: Dictionary = &[
     ("revolute", "hinge"),
@@ -596,26 +595,6 @@ pub const FUNCTIONS: &[&str] = &[
     "angle",
     "polar",
 ];
-
-/// What may be asked of a body or one of its frames, of a point, of a line.
-pub const FRAME_QUANTITIES: &[&str] = &["position", "velocity", "acceleration", "x", "y", "z"];
-/// What may be asked of a body besides its frames.
-pub const BODY_QUANTITIES: &[&str] = &[
-    "position",
-    "velocity",
-    "acceleration",
-    "x",
-    "y",
-    "z",
-    "omega_body",
-    "omega_world",
-    "angular_acceleration",
-    "mass",
-];
-/// What may be asked of a point.
-pub const POINT_QUANTITIES: &[&str] = &["position", "velocity", "acceleration"];
-/// What may be asked of a line.
-pub const LINE_QUANTITIES: &[&str] = &["tension", "length", "stretch", "stretch_rate"];
 
 /// The quantities that `emit` knows.
 pub const EMITTED: &[&str] = &[
@@ -705,7 +684,7 @@ pub fn reserved(word: &str) -> Option<Reserved> {
 
 /// Whether a word cannot be the name of a frame: it is a quantity of bodies, or a keyword.
 pub fn reserved_frame(word: &str) -> bool {
-    BODY_QUANTITIES.contains(&word)
+    quantities::BODY_QUANTITIES.contains(&word)
         || ["com", "on", "at", "in", "from", "to", "rotated"].contains(&word)
         || word.starts_with("__")
         || word.starts_with("r#")
@@ -727,7 +706,11 @@ mod tests {
         all.extend(ITEMS.iter().map(|item| item.word));
         all.extend([FRAME.word, START.word]);
         all.extend([mbd_scene::joints::START_RATE.name]);
-        for list in [FUNCTIONS, BODY_QUANTITIES, LINE_QUANTITIES] {
+        for list in [
+            FUNCTIONS,
+            quantities::BODY_QUANTITIES,
+            quantities::LINE_QUANTITIES,
+        ] {
             all.extend(list);
         }
         all.extend(mbd_scene::joints::NUMBERS.iter().map(|field| field.name));

@@ -45,7 +45,7 @@ pub struct KnotState<T = f64> {
     pub v: ::mbd_runtime::nalgebra::SVector<T, 3>,
 }
 impl<T: ::mbd_runtime::Real> KnotState<T> {
-    /// Everything at the world origin, at rest, unturned.
+    /// Everything at the world origin, at rest, along the axes of the world.
     #[must_use]
     pub fn at_origin() -> Self {
         let mut state = KnotState {

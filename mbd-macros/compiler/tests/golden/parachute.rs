@@ -54,7 +54,7 @@ pub struct ParachuteState<T = f64> {
     pub z: ::mbd_runtime::nalgebra::SVector<T, 3>,
 }
 impl<T: ::mbd_runtime::Real> ParachuteState<T> {
-    /// Everything at the world origin, at rest, unturned.
+    /// Everything at the world origin, at rest, along the axes of the world.
     #[must_use]
     pub fn at_origin() -> Self {
         let mut state = ParachuteState {

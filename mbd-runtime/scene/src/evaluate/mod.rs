@@ -5,8 +5,6 @@ mod with_multipliers;
 
 pub use with_multipliers::evaluate_with_multipliers;
 
-use nalgebra::Vector3;
-
 use crate::elimination::Constraints;
 use crate::laws::{
     energy,
@@ -17,7 +15,7 @@ use crate::laws::{
     mass, measured, node,
     numbers::Numbers,
 };
-use crate::scalar::algebra::{vector, write};
+use crate::scalar::algebra::write;
 use crate::{At, Layout, PointSlots, Quantity, Real, Scene};
 
 /// Scratch of one evaluation: carries nothing from call to call.
@@ -224,9 +222,7 @@ fn derivative<S: Real>(
             &numbers.bodies[index],
             &assembly.bodies[index],
         );
-        directions.write_linear(out, slots.q, &motion.velocity);
-        let attitude = slots.q + directions.translations().len();
-        motion.write_attitude_rate(out, attitude, directions, components);
+        evaluation.write_body_rate(index, *slots, out);
         let at = layout.nq + slots.v;
         if let Some([acceleration, spin]) = constraints.body_acceleration(evaluation, index) {
             directions.write_linear(out, at, &acceleration);
@@ -243,8 +239,7 @@ fn derivative<S: Real>(
         if let PointSlots::Mass(slots) = slots {
             S::section(&evaluation.scene.points[index].name);
             let at = layout.nq + slots.v;
-            let velocity: Vector3<S> = directions.linear(evaluation.at.state, at);
-            directions.write_linear(out, slots.q, &velocity);
+            evaluation.write_point_rate(*slots, out);
             if let Some(acceleration) = constraints.point_acceleration(evaluation, index) {
                 directions.write_linear(out, at, &acceleration);
                 continue;
@@ -255,16 +250,7 @@ fn derivative<S: Real>(
             directions.write_linear(out, at, &acceleration);
         }
     }
-    for (index, node) in layout.nodes.iter().enumerate() {
-        if let Some(z) = node.z {
-            write(
-                out,
-                layout.nq + layout.nv + z,
-                &vector(evaluation.at.nodes, 3 * index),
-            );
-        }
-    }
-    evaluation.write_state_rates(out);
+    evaluation.write_other_rates(out);
 }
 
 /// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.

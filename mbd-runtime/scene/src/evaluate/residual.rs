@@ -14,7 +14,6 @@ use crate::elimination::Constraints;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::{body_gravity, point_gravity};
-use crate::scalar::algebra::{vector, write};
 use crate::{AngularVelocity, PointSlots, Real};
 
 /// Writes (1); numbers that are not finite where the list of v̇ and λ has another length.
@@ -34,9 +33,7 @@ pub(super) fn residual<S: Real>(
         S::section(&evaluation.scene.bodies[index].name);
         let (motion, body) = (&evaluation.motions[index], &numbers.bodies[index]);
         let ((force, torque), own) = (assembly.bodies[index], assembly.own[index]);
-        directions.write_linear(out, slots.q, &motion.velocity);
-        let attitude = slots.q + directions.translations().len();
-        motion.write_attitude_rate(out, attitude, directions, components);
+        evaluation.write_body_rate(index, *slots, out);
         let at = layout.nq + slots.v;
         let acceleration: Vector3<S> = directions.linear(given, slots.v);
         let fall = acceleration - body_gravity(evaluation, index);
@@ -56,8 +53,7 @@ pub(super) fn residual<S: Real>(
         if let PointSlots::Mass(slots) = slots {
             S::section(&evaluation.scene.points[index].name);
             let at = layout.nq + slots.v;
-            let velocity: Vector3<S> = directions.linear(evaluation.at.state, at);
-            directions.write_linear(out, slots.q, &velocity);
+            evaluation.write_point_rate(*slots, out);
             let acceleration: Vector3<S> = directions.linear(given, slots.v);
             let fall = acceleration - point_gravity(evaluation, index, slots.q);
             let mass = numbers.points[index].0;
@@ -65,13 +61,7 @@ pub(super) fn residual<S: Real>(
             directions.write_linear(out, at, &balance);
         }
     }
-    for (index, node) in layout.nodes.iter().enumerate() {
-        if let Some(z) = node.z {
-            let velocity: Vector3<S> = vector(evaluation.at.nodes, 3 * index);
-            write(out, layout.nq + layout.nv + z, &velocity);
-        }
-    }
-    evaluation.write_state_rates(out);
+    evaluation.write_other_rates(out);
     if layout.nc > 0 {
         constraints.leave_over(evaluation, out);
     }

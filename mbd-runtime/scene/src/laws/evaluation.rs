@@ -9,7 +9,8 @@ use crate::laws::formula::{self, Context, Value, of_let};
 use crate::laws::line;
 use crate::laws::node;
 use crate::laws::numbers::{FrameNumbers, Numbers};
-use crate::scalar::algebra::{labelled, vector};
+use crate::layout::Slots;
+use crate::scalar::algebra::{labelled, vector, write};
 use crate::{
     AngularVelocity, At, FrameMotion, InputSource, Layout, NodeModel, Part, Place, PointSlots,
     Real, Scene,
@@ -236,8 +237,30 @@ impl<'a, S: Real> Evaluation<'a, S> {
         })
     }
 
-    /// Writes ṡ of the states that the scene declares into the rates of the whole state.
-    pub fn write_state_rates(&self, out: &mut [S]) {
+    /// Writes q̇ = N(q) v of a body.
+    pub fn write_body_rate(&self, body: usize, slots: Slots, out: &mut [S]) {
+        let (directions, motion) = (self.layout.directions, &self.motions[body]);
+        directions.write_linear(out, slots.q, &motion.velocity);
+        let attitude = slots.q + directions.translations().len();
+        let components = self.scene.angular_velocity;
+        motion.write_attitude_rate(out, attitude, directions, components);
+    }
+
+    /// Writes q̇ = v of a point with mass.
+    pub fn write_point_rate(&self, slots: Slots, out: &mut [S]) {
+        let directions = self.layout.directions;
+        let velocity: Vector3<S> = directions.linear(self.at.state, self.layout.nq + slots.v);
+        directions.write_linear(out, slots.q, &velocity);
+    }
+
+    /// Writes ż, the velocities of the `rate` nodes, and ṡ of the states that the scene declares.
+    pub fn write_other_rates(&self, out: &mut [S]) {
+        let first = self.layout.nq + self.layout.nv;
+        for (index, node) in self.layout.nodes.iter().enumerate() {
+            if let Some(z) = node.z {
+                write(out, first + z, &vector(self.at.nodes, 3 * index));
+            }
+        }
         let first = self.layout.states();
         for (slot, state) in out.iter_mut().skip(first).zip(&self.scene.states) {
             S::section(&state.name);

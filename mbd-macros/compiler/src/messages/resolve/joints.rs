@@ -309,7 +309,7 @@ pub fn start_of_node(at: Region, name: &str) -> Report {
 pub fn point_has_no_axes(at: Region, name: &str, word: &str) -> Report {
     Report::new(
         at,
-        format!("point `{name}` has no axes that could be turned: leave `{word}` out"),
+        format!("point `{name}` has no axes that could be rotated: leave `{word}` out"),
     )
 }
 

@@ -4,7 +4,7 @@ use crate::lexeme::Region;
 use crate::messages::Report;
 use crate::messages::similar::{did_you_mean, nearest};
 use crate::messages::syntax::ended;
-use crate::syntax::words;
+use crate::syntax::{quantities, words};
 
 pub fn not_constant(at: Region, what: &str) -> Report {
     let instead = match what {
@@ -188,14 +188,14 @@ pub fn unknown_body_quantity(at: Region, owner: &str, word: &str, frames: &[Stri
     let known = frames
         .iter()
         .map(String::as_str)
-        .chain(words::BODY_QUANTITIES.iter().copied());
+        .chain(quantities::BODY_QUANTITIES.iter().copied());
     Report::new(
         at,
         format!(
             "body `{owner}` has no frame or quantity `{word}`{} its frames: {}; its quantities: {}",
             ended(translated_or_near(word, known)),
             frames.join(", "),
-            words::BODY_QUANTITIES.join(", ")
+            quantities::BODY_QUANTITIES.join(", ")
         ),
     )
 }

@@ -1,0 +1,271 @@
+//! Trim: a state and inputs at which nothing accelerates, with chosen coordinates, rates and inputs where they are wanted.
+//!
+//! ```text
+//! ρ(ξ, u, z) = [η̇ ; ż ; ṡ] = 0 at η = 0, or at the rates that are given                                              (1)
+//! (JᵀJ + μ diag JᵀJ) δ = −Jᵀ ρ,   J = [∂ρ/∂ξ  ∂ρ/∂u  ∂ρ/∂(z, s)] from A and B                                          (2)
+//! ```
+//!
+//! Damped least squares (Levenberg and Marquardt) with exact derivatives in minimal coordinates; after every step the joints are closed again by Newton
+//! steps that keep the coordinates where they are wanted. What (1) does not decide stays where the guess has it.
+
+mod search;
+
+use mbd_scene::Model;
+use nalgebra::DVector;
+
+use crate::columns::Name;
+use crate::compiled::Scalar;
+use crate::linearise::{LinearisationError, StateSpace};
+
+pub(crate) use search::find;
+
+/// What is looked for: see [`trim`].
+pub struct Trim<'m, T: Scalar> {
+    model: &'m dyn Model<T>,
+    asked: Asked,
+}
+
+/// Everything that a trim is asked with, whatever the scalar.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    pub(super) time: f64,
+    pub(super) state: Option<Vec<f64>>,
+    pub(super) nodes: Option<Vec<f64>>,
+    pub(super) given: Option<Vec<f64>>,
+    pub(super) inputs: Vec<(String, f64)>,
+    pub(super) free: Vec<String>,
+    pub(super) fixed: Vec<(String, Option<f64>)>,
+    pub(super) rates: Vec<(String, f64)>,
+    pub(super) guesses: Vec<(String, f64)>,
+}
+
+/// A steady motion.
+#[derive(Clone, Debug)]
+pub struct Trimmed {
+    /// The state x = [q | v | z | s].
+    pub state: Vec<f64>,
+    /// The inputs, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
+    pub inputs: Vec<f64>,
+    /// The node unknowns.
+    pub nodes: Vec<f64>,
+    /// The linear system there.
+    pub space: StateSpace,
+    /// Unknowns that nothing decides, by name: they stayed where the guess had them.
+    pub undecided: Vec<String>,
+    /// Steps taken.
+    pub iterations: usize,
+    pub(super) names: Vec<Name>,
+    pub(super) values: DVector<f64>,
+}
+
+/// Why there is no trim.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum TrimError {
+    /// Nothing that is free can take away all accelerations.
+    Unbalanced {
+        /// What is left most, a coordinate's name.
+        worst: String,
+        /// Its acceleration.
+        residual: f64,
+        /// Its unit.
+        unit: String,
+        /// How many unknowns were free, and how many accelerations were to vanish.
+        counts: [usize; 2],
+        /// The steps taken.
+        iterations: usize,
+    },
+    /// An input that there is not.
+    UnknownInput {
+        /// The name.
+        name: String,
+        /// Those that there are.
+        known: String,
+    },
+    /// The turn of a body in space cannot be set by a number: give it with the state, and hold it.
+    Turn {
+        /// The name.
+        name: String,
+    },
+    /// The joints cannot be closed with the coordinates where they are wanted.
+    Open {
+        /// What is left [m or 1].
+        gap: f64,
+    },
+    /// No derivatives, or a name that is not known.
+    Linearisation(
+        /// Why.
+        LinearisationError,
+    ),
+}
+
+impl std::fmt::Display for TrimError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            TrimError::Unbalanced {
+                worst,
+                residual,
+                unit,
+                counts: [unknowns, residuals],
+                iterations,
+            } => {
+                write!(
+                    f,
+                    "no balance found: `{worst}` keeps an acceleration of {residual:.3e} {unit} after {iterations} steps, with {unknowns} unknowns for {residuals} accelerations"
+                )?;
+                match unknowns < residuals {
+                    true => write!(f, ": fix fewer coordinates, or free an input"),
+                    false => write!(f, ": give a better guess, or fix less"),
+                }
+            }
+            TrimError::UnknownInput { name, known } if known.is_empty() => {
+                write!(f, "`{name}` is no input: this scene has none")
+            }
+            TrimError::UnknownInput { name, known } => {
+                write!(f, "`{name}` is no input of this scene; there are: {known}")
+            }
+            TrimError::Turn { name } => write!(
+                f,
+                "`{name}` is a turn in space, which no single number sets: give the attitude with `state`, and `hold` it"
+            ),
+            TrimError::Open { gap } => write!(
+                f,
+                "the joints stay open by {gap:.1e} with these coordinates: fix fewer of them, or others"
+            ),
+            TrimError::Linearisation(cause) => write!(f, "{cause}"),
+        }
+    }
+}
+
+impl std::error::Error for TrimError {}
+
+impl From<LinearisationError> for TrimError {
+    fn from(cause: LinearisationError) -> Self {
+        TrimError::Linearisation(cause)
+    }
+}
+
+/// Looks for a state, and inputs, at which nothing accelerates: `trim(&model).fix("lift.angle", 0.3).free_input("push").solve()`.
+///
+/// All rates are zero but those that [`Trim::rate`] gives, so that a motion at constant rates is one, too. Coordinates are named as in
+/// [`StateSpace::states`]: those of joints, `lift.angle`, positions, `buoy.x`, and turns of bodies, `drone.turn_x`. SI units throughout.
+///
+/// ```
+/// use mbd_runtime::{model, trim};
+///
+/// model! {
+///     /// A pendulum of 2 kg at 0.5 m below its pin, swung by a torque.
+///     model Arm {
+///         gravity: [0.0, 0.0, -9.81] m/s^2;
+///         emit: [derivative];
+///         input motor: torque;
+///         body arm { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+///         joint pin: hinge from world to arm.top { axis: y, force: motor }
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let arm = Arm::new(ArmParams::default())?;
+/// let held = trim(&arm).fix("pin.angle", 0.4).free_input("motor").solve()?;
+///
+/// // The torque that holds it: m g l sin θ.
+/// assert!((held.inputs[0] - 2.0 * 9.81 * 0.5 * 0.4_f64.sin()).abs() < 1e-9);
+/// # Ok(())
+/// # }
+/// ```
+#[must_use]
+pub fn trim<T: Scalar>(model: &(impl Model<T> + Sized)) -> Trim<'_, T> {
+    Trim {
+        model,
+        asked: Asked::default(),
+    }
+}
+
+impl<T: Scalar> Trim<'_, T> {
+    /// The time at which prescribed motions stand [s]; 0 else.
+    #[must_use]
+    pub fn at(mut self, time: f64) -> Self {
+        self.asked.time = time;
+        self
+    }
+
+    /// The state to start from; else the declared start of the scene.
+    #[must_use]
+    pub fn state(mut self, state: &[f64]) -> Self {
+        self.asked.state = Some(state.to_vec());
+        self
+    }
+
+    /// Where the nodes are searched from, 3 numbers each [m].
+    #[must_use]
+    pub fn nodes(mut self, guess: &[f64]) -> Self {
+        self.asked.nodes = Some(guess.to_vec());
+        self
+    }
+
+    /// An input that stays as given, or where a free one begins; else its declared default, zero where there is none.
+    #[must_use]
+    pub fn input(mut self, name: &str, value: f64) -> Self {
+        self.asked.inputs.push((name.to_owned(), value));
+        self
+    }
+
+    /// All inputs, in the order of [`Layout::inputs`](mbd_scene::Layout::inputs).
+    #[must_use]
+    pub fn all_inputs(mut self, values: &[f64]) -> Self {
+        self.asked.given = Some(values.to_vec());
+        self
+    }
+
+    /// An input that is looked for. A vector of inputs has components: `wind.x`.
+    #[must_use]
+    pub fn free_input(mut self, name: &str) -> Self {
+        self.asked.free.push(name.to_owned());
+        self
+    }
+
+    /// A coordinate that stays at a value.
+    #[must_use]
+    pub fn fix(mut self, name: &str, value: f64) -> Self {
+        self.asked.fixed.push((name.to_owned(), Some(value)));
+        self
+    }
+
+    /// A coordinate that stays where the guess has it.
+    #[must_use]
+    pub fn hold(mut self, name: &str) -> Self {
+        self.asked.fixed.push((name.to_owned(), None));
+        self
+    }
+
+    /// A coordinate that goes on at a constant rate: it stays where the guess has it, and its acceleration vanishes.
+    #[must_use]
+    pub fn rate(mut self, name: &str, rate: f64) -> Self {
+        self.asked.rates.push((name.to_owned(), rate));
+        self
+    }
+
+    /// Where a coordinate begins.
+    #[must_use]
+    pub fn guess(mut self, name: &str, value: f64) -> Self {
+        self.asked.guesses.push((name.to_owned(), value));
+        self
+    }
+
+    /// Looks for it.
+    ///
+    /// # Errors
+    /// [`TrimError`].
+    pub fn solve(&self) -> Result<Trimmed, TrimError> {
+        T::find_trim(self.model, &self.asked)
+    }
+}
+
+impl Trimmed {
+    /// The value of a coordinate, its rate, or an input, by name.
+    #[must_use]
+    pub fn value(&self, name: &str) -> Option<f64> {
+        let at = self.names.iter().position(|known| known.name == name)?;
+        self.values.get(at).copied()
+    }
+}
