@@ -137,6 +137,23 @@ step_errors! {
     }
     "start", format!("`{name}` {why}"), "give coordinates that do not decide each other, and at which the loops can close";
 
+    /// A motor follows inputs that contradict each other: its value does not change as its rate says, or its rate not as its acceleration says.
+    Command {
+        /// The coordinate of the motor: `rail.slide`.
+        motor: String,
+        /// When [s].
+        time: f64,
+        /// `value` or `rate`.
+        what: &'static str,
+        /// Its change [m, rad, or per second].
+        change: f64,
+        /// The change that its own rate tells.
+        expected: f64,
+    }
+    "command",
+    format!("the {what} that the motor of `{motor}` follows changes by {change:.3e} at {time} s where its own rate says {expected:.3e}"),
+    "give value, rate and acceleration as functions of time (`Simulation::control`), or let the motor follow one input through a filter: `motor: wish, filter: 20 ms`";
+
     /// A number that became infinite or NaN.
     NonFinite {
         /// When [s].

@@ -84,4 +84,23 @@ impl Laws {
             out,
         );
     }
+
+    /// Writes value, rate and acceleration of the motors that follow inputs.
+    pub(crate) fn commands<T: Float>(
+        &mut self,
+        model: &dyn Model<T>,
+        at: &At<'_, T>,
+        out: &mut Vec<[f64; 3]>,
+    ) {
+        self.arguments.read(at, |x| x.to_f64());
+        out.clear();
+        mbd_scene::commands(
+            model.scene(),
+            model.layout(),
+            &self.numbers,
+            &self.arguments.at(),
+            &mut self.scratch,
+            out,
+        );
+    }
 }

@@ -27,6 +27,7 @@ struct ThePageAboutDriving;
 pub mod __private;
 mod chatter;
 mod columns;
+mod commands;
 mod compiled;
 mod displace;
 mod error;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use mbd_scene::{Float, Model, Quantity, Scene, Work};
 
 use crate::columns::{line_name, node_name, state_names};
+use crate::commands::Commands;
 use crate::error::{Source, Statistics, StepError};
 use crate::fallback::Fallback;
 use crate::integrate::Rates;
@@ -92,6 +93,8 @@ pub(crate) struct System<T: Float> {
     laws: Option<Laws>,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
+    /// What motors that follow inputs were commanded.
+    commands: Option<Commands>,
     /// The angles with a spring or a stop at the last accepted step, and room for those of the next; `None` where there is no such angle.
     angles: Option<[Vec<f64>; 2]>,
     /// Room for a quantity by the laws themselves.
@@ -150,6 +153,7 @@ impl<T: Float> System<T> {
             fallback: Fallback::default(),
             laws: None,
             works,
+            commands: Commands::new(model.scene()),
             angles: has_jumping_angles(model.scene()).then(Default::default),
             wide: Vec::new(),
             measured: vec![T::zero(); layout.len(Quantity::Coordinates)],
@@ -262,6 +266,34 @@ impl<T: Float> System<T> {
             self.counters.angle_jumps = self.counters.angle_jumps.saturating_add(1);
         }
         std::mem::swap(last, now);
+    }
+
+    /// Looks at what motors are commanded at a state, `span` after the last accepted step [s]; at a start (`None`) takes it up.
+    ///
+    /// # Errors
+    /// Commands that do not go on from those of the last step.
+    pub(crate) fn follow_commands(
+        &mut self,
+        time: f64,
+        span: Option<f64>,
+        state: &[T],
+    ) -> Result<(), StepError> {
+        if self.commands.is_none() {
+            return Ok(());
+        }
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        let Some(commands) = &mut self.commands else {
+            return Ok(());
+        };
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        laws.commands(&*self.model, &at, &mut commands.now);
+        if let Some(span) = span {
+            commands.check::<T>(self.model.scene(), (time, span))?;
+        }
+        std::mem::swap(&mut commands.last, &mut commands.now);
+        Ok(())
     }
 
     /// The weights of the stability watch's norm.

@@ -1,6 +1,6 @@
 //! Motors that follow inputs: three inputs, or a command behind a filter; a Stewart platform in position control.
 
-use mbd_runtime::{Options, Quantity, Simulation, linearise, model};
+use mbd_runtime::{Options, Quantity, Simulation, StepError, linearise, model};
 use tests::agreement::{agrees, agrees_along};
 
 model! {
@@ -123,6 +123,71 @@ fn three_inputs_give_the_torque_of_their_acceleration() {
         (drives - gained).abs() < 1e-7,
         "{drives} J against {gained} J"
     );
+}
+
+/// The refusal of a run, and where it stands.
+fn refused(run: &mut Simulation<f64>, until: f64) -> (StepError, f64) {
+    let error = run
+        .run(until)
+        .expect_err("commands that contradict each other");
+    (error.cause, run.time())
+}
+
+#[test]
+fn commands_that_contradict_each_other_are_refused_before_a_body_is_carried_along() {
+    let model = Shaft::new(ShaftParams::default()).expect("defaults");
+    let angle = |run: &mut Simulation<f64>| {
+        let mut out = [0.0; 2];
+        run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+        out[1]
+    };
+    for options in [Options::rk4(0.01), Options::tsit5(1e-6)] {
+        let mut run = Simulation::new(&model, options).expect("options that fit");
+        run.run(0.5).expect("at rest");
+        // A jump of the angle, then one of the rate; what is taken back goes on.
+        for [turn, spin] in [[0.1, 0.0], [0.0, 0.3]] {
+            let jump = ShaftInputs {
+                turn,
+                spin,
+                ..ShaftInputs::default()
+            };
+            run.set_inputs(&jump).expect("numbers");
+            let (cause, time) = refused(&mut run, 1.0);
+            let told = cause.to_string();
+            assert!(
+                matches!(&cause, StepError::Command { motor, .. } if motor == "pin.angle"),
+                "{told}"
+            );
+            assert!(cause.advice().contains("filter: 20 ms"), "{told}");
+            assert_eq!((time, angle(&mut run)), (0.5, 0.0));
+        }
+        run.set_inputs(&ShaftInputs::default()).expect("numbers");
+        run.run(1.0).expect("at rest again");
+        // A rate that the held angle does not have.
+        let mut run = Simulation::new(&model, options).expect("options that fit");
+        run.set_inputs(&ShaftInputs {
+            spin: 0.3,
+            ..ShaftInputs::default()
+        })
+        .expect("numbers");
+        let (cause, time) = refused(&mut run, 1.0);
+        assert_eq!(time, 0.0, "{cause}");
+    }
+}
+
+#[test]
+fn smooth_commands_are_followed_at_six_steps_a_period() {
+    let model = Shaft::new(ShaftParams::default()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::rk4(1.0 / 6.0)).expect("options that fit");
+    run.control(|now, inputs: &mut ShaftInputs| {
+        let phase = std::f64::consts::TAU * now.time + 0.4;
+        let omega = std::f64::consts::TAU;
+        inputs.turn = 0.2 * phase.sin();
+        inputs.spin = 0.2 * omega * phase.cos();
+        inputs.gain = -0.2 * omega * omega * phase.sin();
+    })
+    .expect("inputs of this model");
+    run.run(5.0).expect("a smooth motion");
 }
 
 #[test]

@@ -27,7 +27,9 @@ mod scene;
 mod starts;
 mod vocabulary;
 
-pub use evaluate::{Scratch, evaluate, evaluate_with_multipliers, jumping_angles, sensitivity};
+pub use evaluate::{
+    Scratch, commands, evaluate, evaluate_with_multipliers, jumping_angles, sensitivity,
+};
 pub use fingerprint::fingerprint;
 pub use joints::{
     ConstantAngle, ConstantVelocity, Cylindrical, Distance, Free, Gear, Hinge, JointForces,

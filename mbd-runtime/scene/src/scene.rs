@@ -162,6 +162,22 @@ impl Scene {
         Some([name(from)?, name(to)?])
     }
 
+    /// The joint coordinates whose motors follow inputs without a filter between: joint, number of the coordinate.
+    pub fn commanded(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let input = |part: &Formula| matches!(part, Formula::Input(_));
+        let follows = move |course: &Formula| match course {
+            Formula::Vector(parts) => parts
+                .first()
+                .is_some_and(|value| self.contains(value, input)),
+            _ => false,
+        };
+        let joints = self.joints.iter().enumerate();
+        joints.flat_map(move |(joint, declared)| {
+            let motors = declared.motors().filter(move |(_, course)| follows(course));
+            motors.map(move |(index, _)| (joint, index))
+        })
+    }
+
     /// The places at which a joint sits: its parent and its child, and of a coupling those of the other joints that it couples.
     pub fn ends<'a>(&'a self, joint: &'a Joint) -> impl Iterator<Item = Place> + Clone + 'a {
         let others = joint.law.couples().iter().skip(1);

@@ -106,6 +106,8 @@ impl<T: Float> Simulation<T> {
         if !self.stale {
             return Ok(());
         }
+        self.system
+            .follow_commands(self.time, Some(0.0), &self.state)?;
         self.inside.copy_from_slice(self.method.first());
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;

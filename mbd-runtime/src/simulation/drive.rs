@@ -243,6 +243,8 @@ impl<T: Float> Simulation<T> {
 
     /// Takes the last attempt: state, memory and time move on together.
     fn take(&mut self, step: f64, end: f64) -> Result<(), StepError> {
+        self.system
+            .follow_commands(end, Some(step), self.method.next())?;
         self.method.accept(&mut self.state);
         self.time = end;
         let counters = &mut self.system.counters;

@@ -127,6 +127,8 @@ impl<T: Float> Simulation<T> {
             .begin(&mut self.system, self.time, 0.0, &self.state);
         self.system.fallback.commit();
         self.system.follow_angles(self.time, &self.state, true);
+        let commanded = self.system.follow_commands(self.time, None, &self.state);
+        commanded.map_err(|cause| self.failed(cause))?;
         let begun = begun.and_then(|()| self.begin_margins(&mut |_| ()));
         begun.map_err(|cause| self.failed(cause))
     }

@@ -264,6 +264,7 @@ impl<T: Float> Simulation<T> {
             );
         }
         self.system.follow_angles(self.time, &self.state, true);
+        self.system.follow_commands(self.time, None, &self.state)?;
         self.begin_margins(&mut |_| ())
     }
 }

@@ -269,3 +269,23 @@ pub fn jumping_angles<S: Real>(
         }
     });
 }
+
+/// Appends value, rate and acceleration of every motor whose value is an input, or depends on one: what the caller commands. In the order of
+/// [`Scene::commanded`].
+pub fn commands<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut Vec<[S; 3]>,
+) {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    for (joint, index) in scene.commanded() {
+        let motors = scene.joints[joint].motors();
+        for (_, course) in motors.filter(|(driven, _)| *driven == index) {
+            let course = evaluation.course(course);
+            out.push([course.value, course.rate, course.curve]);
+        }
+    }
+}
