@@ -33,7 +33,7 @@ pub struct Scene {
     pub params: Vec<Parameter>,
     /// Time-varying quantities that the caller supplies at each evaluation.
     pub inputs: Vec<Input>,
-    /// Tables, linear between their rows.
+    /// Tables.
     pub tables: Vec<Table>,
     /// Named expressions, in declaration order. One may name others in any order, but not itself through them.
     #[serde(default)]
