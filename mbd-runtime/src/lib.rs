@@ -48,6 +48,7 @@ pub mod node;
 mod options;
 mod parts;
 mod projection;
+mod rounding;
 mod simulation;
 mod slopes;
 mod stiffness;

@@ -9,7 +9,7 @@
 //! ε of the scalar, |p| the largest coordinate of a body, ΣK/m of what holds it, V and L the scales of the run. Source: derived, from a stretch
 //! d − L0 whose d comes from positions rounded to ε |p|.
 
-use mbd_scene::{Float, Gravity, Model, Part, Scene};
+use mbd_scene::{Float, Layout, Part};
 
 use crate::integrate::Scales;
 use crate::moving::{Moving, moving};
@@ -41,19 +41,20 @@ pub(crate) struct Hurt {
 
 impl Rounding {
     /// That of a model, whose joints reach `arm` far [m].
-    pub(crate) fn new<T: Float>(model: &dyn Model<T>, scales: Scales, arm: Option<f64>) -> Self {
-        let stiffness = Stiffness::new(model);
-        let parts = moving(model.layout()).map(|part| {
+    pub(crate) fn new(
+        layout: &Layout,
+        stiffness: &Stiffness,
+        scales: Scales,
+        arm: Option<f64>,
+    ) -> Self {
+        let parts = moving(layout).map(|part| {
             let rate = stiffness.moving(&part, false) / stiffness.mass(&part);
             (part, if rate.is_finite() { rate } else { 0.0 })
         });
-        let gravity = match &model.scene().gravity {
-            Gravity::Uniform { .. } => stiffness.gravity(),
-            _ => 0.0,
-        };
+        let own = scales.speed * scales.speed / scales.length;
         Rounding {
             parts: parts.collect(),
-            acceleration: gravity.max(scales.speed * scales.speed / scales.length),
+            acceleration: own.max(stiffness.gravity()),
             arm,
         }
     }
@@ -63,7 +64,8 @@ impl Rounding {
         let precision = T::EPSILON.to_f64();
         let largest = |list: &[T], range: std::ops::Range<usize>| {
             let own = list.get(range).unwrap_or_default();
-            own.iter().fold(0.0, |most: f64, x| most.max(x.to_f64().abs()))
+            own.iter()
+                .fold(0.0, |most: f64, x| most.max(x.to_f64().abs()))
         };
         let hurts = self.parts.iter().map(|(part, rate)| {
             let distance = largest(state, part.position.clone());
@@ -78,14 +80,4 @@ impl Rounding {
         });
         hurts.max_by(|a, b| a.share.total_cmp(&b.share))
     }
-}
-
-/// The name of a body or a point.
-pub(crate) fn part_name(scene: &Scene, part: Part) -> String {
-    let name = match part {
-        Part::Body(body) => scene.bodies.get(body).map(|body| &body.name),
-        Part::Point(point) => scene.points.get(point).map(|point| &point.name),
-        Part::Joint(joint) => scene.joints.get(joint).map(|joint| &joint.name),
-    };
-    name.cloned().unwrap_or_default()
 }

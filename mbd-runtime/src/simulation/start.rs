@@ -17,6 +17,8 @@ use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Resolution, Scales, TSIT5};
 use crate::options::{Method, Options};
+use crate::rounding::Rounding;
+use crate::stiffness::Stiffness;
 use crate::supply::Law;
 use crate::system::{System, WORKS};
 use crate::watch::Watch;
@@ -39,9 +41,12 @@ impl<T: Float> Simulation<T> {
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
         system.projection.length = scales.length;
-        let resolution = Resolution::new(&*model, scales);
+        let stiffness = Stiffness::new(&*model);
+        let resolution = Resolution::new(model.layout(), &stiffness, scales);
         let fixed = matches!(options.method, Method::Rk4 { .. });
         let length = system.length();
+        let arm = system.projection.any().then(|| system.reach());
+        let rounding = Rounding::new(model.layout(), &stiffness, scales, arm);
         let starts = starts(model.scene(), model.params());
         let (method, pace, tolerance) = match options.method {
             Method::Rk4 { step } => (Explicit::new(&RK4, length), Pace::Fixed(step), 1e-10),
@@ -100,6 +105,8 @@ impl<T: Float> Simulation<T> {
             balance: None,
             meter: Meter::Nothing,
             good: Snapshot::default(),
+            rounding,
+            rounded: 0.0,
             origin: 0.0,
             count: 0,
             options,
@@ -270,7 +277,8 @@ impl<T: Float> Simulation<T> {
         self.system.follow_commands(self.time, None, &self.state)?;
         self.begin_margins(&mut |_| ())?;
         self.begin_balance();
-        Ok(())
+        self.rounded = 0.0;
+        self.watch_rounding()
     }
 }
 
