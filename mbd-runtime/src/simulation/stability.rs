@@ -128,7 +128,7 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         };
         // The step to be taken is not counted yet.
-        let seldom = (self.system.counters.steps + 1) % SELDOM == 0;
+        let seldom = (self.system.counters.steps + 1).is_multiple_of(SELDOM);
         if self.meter == Meter::Laws && !seldom {
             return Ok(());
         }
@@ -196,7 +196,7 @@ impl<T: Float> Simulation<T> {
     /// # Errors
     /// Positions so far from the origin that forces have no digits left.
     pub(super) fn look_back(&mut self) -> Result<(), StepError> {
-        if self.system.counters.steps % OFTEN == 0 {
+        if self.system.counters.steps.is_multiple_of(OFTEN) {
             self.watch_rounding()?;
         }
         self.remember_good();
@@ -234,7 +234,7 @@ impl<T: Float> Simulation<T> {
         } else {
             OFTEN
         };
-        if !self.watched || self.system.counters.steps % every != 0 {
+        if !self.watched || !self.system.counters.steps.is_multiple_of(every) {
             return;
         }
         if self.is_calm() {
