@@ -17,6 +17,10 @@ pub struct Statistics {
     pub redone: u64,
     /// Evaluations of the state derivative, over all accepted and rejected steps.
     pub rhs: u64,
+    /// Derivatives of the rates by the state, by methods that solve with them.
+    pub jacobians: u64,
+    /// Factors of the matrices of these methods.
+    pub factors: u64,
     /// Solves of the equilibrium points.
     pub node_solves: u64,
     /// Newton iterations in those solves.
@@ -64,6 +68,13 @@ pub enum Source {
     Node(String),
     /// The rows of a joint, by name: what prescribes its motion has no value.
     Joint(String),
+    /// A derivative that a stiff method asks for.
+    Jacobian {
+        /// Of the rate of this coordinate of the state, by its column name.
+        rate: String,
+        /// By this coordinate, or by `time`.
+        by: String,
+    },
 }
 
 /// Why a step shrank below what time can resolve.
@@ -327,6 +338,10 @@ impl fmt::Display for Source {
             Source::State(name) => write!(f, "the rate of `{name}` is not a finite number"),
             Source::Node(name) => write!(f, "the point `{name}` is not at a finite place"),
             Source::Joint(name) => write!(f, "the rows of joint `{name}` are not finite numbers"),
+            Source::Jacobian { rate, by } => write!(
+                f,
+                "the derivative of the rate of `{rate}` by `{by}` is not a finite number"
+            ),
         }
     }
 }
@@ -336,6 +351,7 @@ impl Source {
         match self {
             Source::Load(name) => format!("look at what `{name}` returns at this time and state"),
             Source::Joint(_) => "look for a time at which its motor, or a frame of the world that moves it, has no value".into(),
+            Source::Jacobian { .. } => "look for a root or a norm that is zero here, or take a method without derivatives: `vern7`, `tsit5`".into(),
             Source::State(_) | Source::Node(_) => "take a smaller step; if it stays, look for a division by zero or a root of a negative number in a load".into(),
         }
     }

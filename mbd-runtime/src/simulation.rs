@@ -10,7 +10,7 @@ use mbd_scene::{Float, Model, ParamError, Quantity};
 use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
-use crate::integrate::{Control, ErrorNorm, Explicit};
+use crate::integrate::{Control, ErrorNorm, Stepper};
 use crate::node::NodeMemory;
 use crate::options::Options;
 use crate::supply::Sampler;
@@ -83,7 +83,7 @@ enum Pace {
 /// ```
 pub struct Simulation<T: Float> {
     pub(crate) system: System<T>,
-    pub(crate) method: Explicit<T>,
+    pub(crate) method: Stepper<T>,
     pub(crate) state: Vec<T>,
     pub(crate) time: f64,
     pub(crate) margins: Margins,

@@ -278,7 +278,7 @@ impl<T: Float> Simulation<T> {
                 break;
             }
             let theta = ((due - self.time) / step).min(1.0);
-            self.inside_state(theta, step);
+            self.inside_state(theta, step)?;
             if theta < 1.0 {
                 self.system.stay(due, &mut self.inside)?;
             }
@@ -308,14 +308,17 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Puts the state at `theta` of the attempted step into `inside`.
-    pub(crate) fn inside_state(&mut self, theta: f64, step: f64) {
+    pub(crate) fn inside_state(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
         if theta >= 1.0 {
             self.inside.copy_from_slice(self.method.next());
         } else {
+            let (time, state) = (self.time, &self.state);
+            self.method.complete(&mut self.system, time, step, state)?;
             self.method
-                .interpolate(theta, step, &self.state, &mut self.inside);
+                .interpolate(theta, step, state, &mut self.inside);
             self.system.normalise(&mut self.inside);
         }
+        Ok(())
     }
 
     /// Notes a located event.
