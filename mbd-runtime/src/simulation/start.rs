@@ -9,7 +9,8 @@ use mbd_scene::{
 };
 
 use super::moved::moved;
-use super::{Pace, Simulation};
+use super::stability::Meter;
+use super::{Pace, Simulation, Snapshot};
 use crate::chatter::Chatter;
 use crate::columns::{input_name, node_name, state_names};
 use crate::error::{RunError, StepError};
@@ -111,6 +112,9 @@ impl<T: Float> Simulation<T> {
             watch: Watch::default(),
             watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(&*model).is_none(),
+            balance: None,
+            meter: Meter::Nothing,
+            good: Snapshot::default(),
             origin: 0.0,
             count: 0,
             options,
@@ -239,7 +243,6 @@ impl<T: Float> Simulation<T> {
         self.as_declared = false;
         self.origin = self.time;
         self.count = 0;
-        self.watch = Watch::default();
         self.chatter = Chatter::new();
         self.stalled = f64::NAN;
         let started = self.consistent_start();
@@ -272,7 +275,7 @@ impl<T: Float> Simulation<T> {
         assembled?;
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
-        self.watch_weights = self.system.watch_weights(self.time, &self.state)?;
+        self.begin_watch()?;
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
         self.system
@@ -290,7 +293,9 @@ impl<T: Float> Simulation<T> {
         }
         self.system.follow_angles(self.time, &self.state, true);
         self.system.follow_commands(self.time, None, &self.state)?;
-        self.begin_margins(&mut |_| ())
+        self.begin_margins(&mut |_| ())?;
+        self.begin_balance();
+        Ok(())
     }
 }
 
