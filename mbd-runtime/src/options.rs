@@ -35,11 +35,19 @@ pub enum Method {
         /// The largest step [s]; infinite for none.
         max_step: f64,
     },
+    /// Tsit5 from a tolerance of 1e-5 up, Vern7 below, and Rodas5P where the scene is stiff, as long as it is: fifteen of twenty steps at the limit of
+    /// stability. Inputs are held, as for Rodas5P.
+    Auto {
+        /// Relative tolerance; absolute tolerances are this times [`Options::scales`].
+        rtol: f64,
+        /// The largest step [s]; infinite for none.
+        max_step: f64,
+    },
 }
 
 impl Method {
     /// The words of the adaptive methods, as [`Method::adaptive`] reads them.
-    pub const ADAPTIVE: [&str; 3] = ["tsit5", "vern7", "rodas5p"];
+    pub const ADAPTIVE: [&str; 4] = ["tsit5", "vern7", "rodas5p", "auto"];
 
     /// The adaptive method of a word, without a largest step; `None` of another word.
     #[must_use]
@@ -49,6 +57,7 @@ impl Method {
             "tsit5" => Method::Tsit5 { rtol, max_step },
             "vern7" => Method::Vern7 { rtol, max_step },
             "rodas5p" => Method::Rodas5P { rtol, max_step },
+            "auto" => Method::Auto { rtol, max_step },
             _ => return None,
         })
     }
@@ -60,7 +69,8 @@ impl Method {
             Method::Rk4 { .. } => {}
             Method::Tsit5 { max_step, .. }
             | Method::Vern7 { max_step, .. }
-            | Method::Rodas5P { max_step, .. } => *max_step = largest,
+            | Method::Rodas5P { max_step, .. }
+            | Method::Auto { max_step, .. } => *max_step = largest,
         }
         self
     }
@@ -73,6 +83,7 @@ impl Method {
             Method::Tsit5 { .. } => "tsit5",
             Method::Vern7 { .. } => "vern7",
             Method::Rodas5P { .. } => "rodas5p",
+            Method::Auto { .. } => "auto",
         }
     }
 
@@ -84,6 +95,7 @@ impl Method {
             Method::Tsit5 { .. } => "Tsit5",
             Method::Vern7 { .. } => "Vern7",
             Method::Rodas5P { .. } => "Rodas5P",
+            Method::Auto { .. } => "Auto",
         }
     }
 
@@ -96,6 +108,11 @@ impl Method {
         }
     }
 
+    /// Whether it solves with derivatives of the rates, at least now and then.
+    pub(crate) fn needs_derivatives(&self) -> bool {
+        matches!(self, Method::Rodas5P { .. } | Method::Auto { .. })
+    }
+
     /// Relative tolerance and largest step [s] of an adaptive method.
     #[must_use]
     pub fn tolerance(&self) -> Option<[f64; 2]> {
@@ -103,7 +120,8 @@ impl Method {
             Method::Rk4 { .. } => None,
             Method::Tsit5 { rtol, max_step }
             | Method::Vern7 { rtol, max_step }
-            | Method::Rodas5P { rtol, max_step } => Some([*rtol, *max_step]),
+            | Method::Rodas5P { rtol, max_step }
+            | Method::Auto { rtol, max_step } => Some([*rtol, *max_step]),
         }
     }
 }
@@ -233,6 +251,18 @@ impl Options {
     pub fn rodas5p(rtol: f64) -> Self {
         Options {
             method: Method::Rodas5P {
+                rtol,
+                max_step: f64::INFINITY,
+            },
+            ..Options::tsit5(rtol)
+        }
+    }
+
+    /// Adaptive steps at a relative tolerance with the method that the scene needs at the time: switches located.
+    #[must_use]
+    pub fn auto(rtol: f64) -> Self {
+        Options {
+            method: Method::Auto {
                 rtol,
                 max_step: f64::INFINITY,
             },

@@ -11,7 +11,7 @@ use crate::balance::Balance;
 use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
-use crate::integrate::{Control, ErrorNorm, Stepper};
+use crate::integrate::{Control, ErrorNorm, Stepper, Stiffness};
 use crate::node::NodeMemory;
 use crate::options::Options;
 use crate::supply::Sampler;
@@ -25,6 +25,7 @@ mod moved;
 mod snapshot;
 mod stability;
 pub(crate) mod start;
+mod stiffness;
 
 pub use moved::Moved;
 pub use snapshot::Snapshot;
@@ -108,6 +109,7 @@ pub struct Simulation<T: Float> {
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,
+    stiffness: Stiffness,
     watch: Watch,
     watch_weights: Vec<T>,
     /// Whether the stability watch runs.

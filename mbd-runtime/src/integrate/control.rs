@@ -49,6 +49,12 @@ impl Control {
         }
     }
 
+    /// Goes on with the steps of another method.
+    pub(crate) fn retune(&mut self, [exponent, memory]: [f64; 2]) {
+        (self.exponent, self.memory) = (exponent, memory);
+        self.previous = 1.0;
+    }
+
     /// Judges a trial of size `tried` with error `error`, and sets the step to try next. `smallest` is what time resolves here.
     pub(crate) fn judge(&mut self, tried: f64, error: f64, smallest: f64) -> Verdict {
         if error <= 1.0 {

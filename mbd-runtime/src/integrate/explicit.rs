@@ -7,6 +7,9 @@ use super::tableau::Tableau;
 use crate::error::StepError;
 use crate::list::weighted_squares;
 
+/// Rounding units of rates below which two of them agree.
+const ROUNDING: f64 = 1e4;
+
 /// A method with the storage of its stages. The rates at the new state are the last stage of a step and the first of the next.
 #[derive(Clone, Debug)]
 pub(crate) struct Explicit<T> {
@@ -186,6 +189,47 @@ impl<T: Float> Explicit<T> {
         } else {
             0.0
         }
+    }
+
+    /// h |f(a) − f(b)| / |a − b| of the two stages of the last attempt that are at the same time; zero where these agree to rounding.
+    /// |k|² = Σ weight k². [`Explicit::differences`] is f(b) − f(a) afterwards.
+    pub(crate) fn rate(&mut self, weights: &[T]) -> f64 {
+        let [one, other] = self.alike;
+        let (Some((_, a)), Some((_, b))) = (self.rows.get(one), self.rows.get(other)) else {
+            return 0.0;
+        };
+        // (b − a)/h.
+        self.trial.fill(T::zero());
+        let stages = self.stages.chunks_exact(self.length.max(1));
+        for ((index, weight), stage) in b.iter().enumerate().zip(stages) {
+            let weight = *weight - a.get(index).copied().unwrap_or_default();
+            for (sum, rate) in self.trial.iter_mut().zip(stage) {
+                *sum += weight * *rate;
+            }
+        }
+        let [_, between] = weighted_squares(weights, &self.trial, &self.trial);
+        let stage = |stage: usize| {
+            let first = stage * self.length;
+            let own = self.stages.get(first..first + self.length);
+            own.unwrap_or_default()
+        };
+        let [apart, size] = weighted_squares(weights, stage(one), stage(other));
+        let ends = stage(one).iter().zip(stage(other));
+        for (slot, (a, b)) in self.trial.iter_mut().zip(ends) {
+            *slot = *b - *a;
+        }
+        let (apart, size, between) = (apart.to_f64(), size.to_f64(), between.to_f64());
+        let rounding = ROUNDING * T::EPSILON.to_f64();
+        if between > 0.0 && apart > rounding * rounding * size {
+            (apart / between).sqrt()
+        } else {
+            0.0
+        }
+    }
+
+    /// What [`Explicit::rate`] left.
+    pub(crate) fn differences(&self) -> &[T] {
+        &self.trial
     }
 
     /// The rates at the start of the step, to be changed.

@@ -9,6 +9,7 @@ mod rodas5p;
 mod rosenbrock;
 mod shifted;
 mod stepper;
+mod stiffness;
 mod tableau;
 mod trees;
 mod tsit5;
@@ -26,6 +27,7 @@ pub(crate) use rodas5p::RODAS5P;
 pub(crate) use rosenbrock::Rosenbrock;
 pub(crate) use shifted::Attached;
 pub(crate) use stepper::Stepper;
+pub(crate) use stiffness::Stiffness;
 pub(crate) use tsit5::TSIT5;
 pub(crate) use vern7::VERN7;
 

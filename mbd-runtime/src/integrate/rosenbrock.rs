@@ -18,6 +18,7 @@ use mbd_scene::Float;
 
 use super::Rates;
 use super::shifted::{Attached, Shifted};
+use super::stiffness::fastest;
 use super::trees::{Weights, same, weighted};
 use crate::error::StepError;
 
@@ -200,6 +201,7 @@ pub(crate) struct Rosenbrock<T> {
     first: Vec<T>,
     last: Vec<T>,
     trial: Vec<T>,
+    room: Vec<T>,
     next: Vec<T>,
 }
 
@@ -234,6 +236,7 @@ impl<T: Float> Rosenbrock<T> {
             first: room(),
             last: room(),
             trial: room(),
+            room: room(),
             next: room(),
         }
     }
@@ -337,6 +340,11 @@ impl<T: Float> Rosenbrock<T> {
             t * (*end + left * sum)
         });
         add(weights, &self.stages, out);
+    }
+
+    /// The largest rate of the system at the start of the last attempt, as powers of its Jacobian show it. |x|² = Σ weight x².
+    pub(crate) fn fastest(&mut self, weights: &[T]) -> f64 {
+        fastest(&self.by_state, weights, &mut self.trial, &mut self.room)
     }
 
     /// The rates at the start of the step, to be changed.

@@ -123,6 +123,58 @@ impl<T: Float> Stepper<T> {
         method.map_or(0.0, |method| method.stiffness(weights, negligible))
     }
 
+    /// Whether the linearly implicit method makes the steps.
+    pub(crate) fn is_stiff(&self) -> bool {
+        self.stiff
+    }
+
+    /// Whether there are two methods.
+    pub(crate) fn has_both(&self) -> bool {
+        self.explicit.is_some() && self.implicit.is_some()
+    }
+
+    /// Goes on with the other method from the accepted state.
+    pub(crate) fn change(&mut self) {
+        let (Some(explicit), Some(implicit)) = (&mut self.explicit, &mut self.implicit) else {
+            return;
+        };
+        if self.stiff {
+            explicit.first_mut().copy_from_slice(implicit.first());
+        } else {
+            implicit.take_over(explicit.first());
+        }
+        self.stiff = !self.stiff;
+    }
+
+    /// Takes the method that a run was on.
+    pub(crate) fn resume(&mut self, stiff: bool) {
+        self.stiff = stiff;
+    }
+
+    /// |hλ| on the negative real axis up to which the explicit method is stable; infinite without one.
+    pub(crate) fn limit(&self) -> f64 {
+        self.explicit
+            .as_ref()
+            .map_or(f64::INFINITY, |method| method.stable)
+    }
+
+    /// Step times the largest rate of the system in the last attempt, over the limit of the explicit method.
+    pub(crate) fn part_of_limit(&mut self, step: f64, weights: &[T]) -> f64 {
+        let limit = self.limit();
+        let rho = match (&mut self.explicit, &mut self.implicit) {
+            (Some(method), _) if !self.stiff => method.rate(weights),
+            (Some(_), Some(method)) => step * method.fastest(weights),
+            _ => 0.0,
+        };
+        rho / limit
+    }
+
+    /// How the rates of two stages at the same time differ, after [`Stepper::part_of_limit`] of an explicit method.
+    pub(crate) fn differences(&self) -> &[T] {
+        let method = self.explicit.as_ref();
+        method.map_or(&[], Explicit::differences)
+    }
+
     /// The rates at the start of the step, to be changed.
     pub(crate) fn first_mut(&mut self) -> &mut [T] {
         if self.stiff {

@@ -90,7 +90,11 @@ impl<T: Float> Simulation<T> {
         let mut trials: u64 = 0;
         while until - self.time > resolution(self.time) {
             if trials >= self.options.max_steps {
-                return Err(StepError::TooManySteps { steps: trials });
+                let stiff = self.stiff();
+                return Err(StepError::TooManySteps {
+                    steps: trials,
+                    stiff,
+                });
             }
             trials += 1;
             let seen = self.events.len();
@@ -121,6 +125,7 @@ impl<T: Float> Simulation<T> {
         }
         let Some(found) = self.find_event(step)? else {
             self.watch_step(step)?;
+            let changes = self.sees_stiffness(step);
             self.record_inside(step, trajectory)?;
             self.count += 1;
             let end = match self.pace {
@@ -129,6 +134,9 @@ impl<T: Float> Simulation<T> {
                 Pace::Adaptive(..) => self.time + step,
             };
             self.take(step, end)?;
+            if changes {
+                self.change_method();
+            }
             self.record_step(trajectory)?;
             if lands && until.is_finite() {
                 self.regrid();
@@ -244,6 +252,9 @@ impl<T: Float> Simulation<T> {
         self.time = end;
         let counters = &mut self.system.counters;
         counters.steps = counters.steps.saturating_add(1);
+        if self.method.is_stiff() {
+            counters.stiff_steps = counters.stiff_steps.saturating_add(1);
+        }
         let projected = self.system.project(&mut self.state);
         let begun = match projected {
             true => self.method.begin(&mut self.system, end, step, &self.state),

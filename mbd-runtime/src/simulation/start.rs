@@ -17,13 +17,16 @@ use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{
     Attached, Control, ErrorNorm, Explicit, RK4, RODAS5P, Resolution, Rosenbrock, Scales, Stepper,
-    TSIT5, VERN7,
+    Stiffness, TSIT5, VERN7,
 };
 use crate::moving::moving;
 use crate::options::{Method, Options, Stabilise};
 use crate::supply::Law;
 use crate::system::{System, WORKS};
 use crate::watch::Watch;
+
+/// The tolerance from which on `Auto` begins with Tsit5, below with Vern7.
+const LOOSE: f64 = 1e-5;
 
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::new`] and [`Simulation::with_loads`] do.
@@ -38,6 +41,9 @@ impl<T: Float> Simulation<T> {
         };
         options.check(T::EPSILON.to_f64()).map_err(refuse)?;
         offered(&*model, &options).map_err(refuse)?;
+        if !controls.is_empty() {
+            differentiable(&options).map_err(refuse)?;
+        }
         let scales = options.scales.unwrap_or_else(|| Scales::of(&*model));
         let mut system = System::new(model.clone(), controls, options.work);
         system.frozen(options.locate);
@@ -52,8 +58,10 @@ impl<T: Float> Simulation<T> {
             Method::Tsit5 { .. } => Some(Explicit::new(&TSIT5, length)),
             Method::Vern7 { .. } => Some(Explicit::new(&VERN7, length)),
             Method::Rodas5P { .. } => None,
+            Method::Auto { rtol, .. } if rtol >= LOOSE => Some(Explicit::new(&TSIT5, length)),
+            Method::Auto { .. } => Some(Explicit::new(&VERN7, length)),
         };
-        let implicit = matches!(options.method, Method::Rodas5P { .. }).then(|| {
+        let implicit = options.method.needs_derivatives().then(|| {
             system.provide_derivatives();
             let behind = length - system.nx;
             Rosenbrock::new(&RODAS5P, length, attached(model.layout()), behind)
@@ -109,6 +117,7 @@ impl<T: Float> Simulation<T> {
             noisy: fixed && options.guard_tolerance.is_none(),
             stalled: f64::NAN,
             pace,
+            stiffness: Stiffness::default(),
             watch: Watch::default(),
             watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(&*model).is_none(),
@@ -244,6 +253,7 @@ impl<T: Float> Simulation<T> {
         self.origin = self.time;
         self.count = 0;
         self.chatter = Chatter::new();
+        self.stiffness = Stiffness::default();
         self.stalled = f64::NAN;
         let started = self.consistent_start();
         started.map_err(|cause| {
@@ -345,7 +355,7 @@ fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), Step
                 .into(),
         });
     }
-    let implicit = matches!(options.method, Method::Rodas5P { .. });
+    let implicit = options.method.needs_derivatives();
     if implicit && matches!(options.stabilise, Stabilise::Baumgarte { .. }) {
         return Err(StepError::Unsupported {
             what: format!("{} with Stabilise::Baumgarte", options.method.name()),
@@ -353,6 +363,20 @@ fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), Step
         });
     }
     Ok(())
+}
+
+/// Refuses inputs that are functions of time and state to a method that solves with derivatives of the rates.
+pub(super) fn differentiable(options: &Options) -> Result<(), StepError> {
+    if !options.method.needs_derivatives() {
+        return Ok(());
+    }
+    Err(StepError::Unsupported {
+        what: format!(
+            "{} with inputs that are functions of time and state, which have no derivatives,",
+            options.method.name()
+        ),
+        instead: "hold inputs (`set_inputs`), sample them (`control_every`), declare what they follow in the model, or take an explicit method".into(),
+    })
 }
 
 /// The coordinates of a scene, each with its speeds.

@@ -19,7 +19,7 @@ pub struct RunArgs {
     /// Folder for history, figures, report and summary [default: out/NAME of a ready scene, out/PATH of a file without its extension].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// The integrator: rk4 (fixed steps), tsit5, vern7 (tight tolerances) [default: rk4 with --dt, else tsit5].
+    /// The integrator: rk4 (fixed steps), tsit5, vern7 (tight tolerances), rodas5p (stiff), auto [default: rk4 with --dt, else tsit5].
     #[arg(long, value_name = "METHOD")]
     method: Option<String>,
     /// Fixed step of RK4, with unit (`0.01s`, `5 ms`) or in seconds [default: 0.001 s if an equilibrium point is stepwise].

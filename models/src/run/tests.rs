@@ -180,7 +180,7 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
     fails("[run]\nuntil = 1\nstep = 1\ntolerance = 1", "either a step");
     fails(
         "[run]\nuntil = 1\nmethod = \"ver7\"",
-        "`method`: there is no method `ver7`; did you mean `vern7`? There are: rk4, tsit5, vern7",
+        "`method`: there is no method `ver7`; did you mean `vern7`? There are: rk4, tsit5, vern7, rodas5p, auto",
     );
     fails(
         "[run]\nuntil = 1\nmethod = \"vern7\"\nstep = 1",
