@@ -123,7 +123,7 @@ pub use system::{External, NoLoads};
 
 // What it leaves.
 pub use columns::{Name, state_names};
-pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError};
+pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Stiff};
 pub use event::{Happening, Occurrence};
 pub use node::NodeMemory;
 pub use trajectory::{Content, Sampling, Trajectory};

@@ -38,9 +38,15 @@ impl<T: Float> Simulation<T> {
     /// Begins to watch a run at its start.
     pub(super) fn begin_watch(&mut self) -> Result<(), StepError> {
         self.watch = Watch::default();
-        self.watch_weights = match self.pace {
-            Pace::Fixed(step) => self.system.watch_weights(self.time, &self.state, step)?,
-            Pace::Adaptive(..) => vec![T::zero(); self.system.nx],
+        self.watch_weights = match &self.pace {
+            Pace::Fixed(step) => self.system.watch_weights(self.time, &self.state, *step)?,
+            Pace::Adaptive(_, norm) => {
+                let (time, state) = (self.time, &self.state);
+                let mut weights = self.system.watch_weights(time, state, norm.seconds())?;
+                let layout = self.system.model.layout();
+                norm.weigh_states(&mut weights, layout.nq..layout.nq + layout.nv);
+                weights
+            }
         };
         Ok(())
     }
@@ -180,7 +186,7 @@ impl<T: Float> Simulation<T> {
 
     /// The power inside the attempted step [W].
     fn power_inside(&mut self, theta: f64, step: f64) -> Option<f64> {
-        self.inside_state(theta, step);
+        self.inside_state(theta, step).ok()?;
         let span = theta * step;
         let time = self.time + span;
         self.system.look(time, span, &self.inside).ok()?;
