@@ -58,17 +58,30 @@ impl Variant<'_> {
     /// # Errors
     /// A run that does not reach its end, or an unknown column.
     pub fn error(&self, question: &Question, options: Options) -> Result<Deviation, TradeError> {
-        question.check()?;
         let other = options
             .finer()
             .unwrap_or_else(|| options.tightened(1.0 / TENTH));
+        self.against(question, options, other)
+    }
+
+    /// How far a run with these options is from one with others.
+    ///
+    /// # Errors
+    /// As [`Variant::error`].
+    pub fn against(
+        &self,
+        question: &Question,
+        options: Options,
+        others: Options,
+    ) -> Result<Deviation, TradeError> {
+        question.check()?;
         let answer = |options: Options| {
             self.answer(question, options).map_err(|why| match why {
                 Unanswered::Run(error) => TradeError::NoReference(Box::new(error)),
                 Unanswered::Column(known) => TradeError::Column(question.column.clone(), known),
             })
         };
-        let (one, other) = (answer(options)?, answer(other)?);
+        let (one, other) = (answer(options)?, answer(others)?);
         Ok(Deviation::between(&one.values, &other.values))
     }
 

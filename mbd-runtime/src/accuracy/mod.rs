@@ -121,6 +121,12 @@ impl<'a> Variant<'a> {
         }
     }
 
+    /// The name for tables.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// The answer of a run with these options, its counters, and how long it took.
     fn answer(&self, question: &Question, options: Options) -> Result<Answer, Unanswered> {
         let clock = Instant::now();
