@@ -59,8 +59,8 @@ impl<T: Float> Elimination<T> {
             factor,
             own: own.collect(),
             ends: Matrix::new(layout.len(Quantity::AnchorStates), layout.nx()),
-            right: DMatrix::zeros(0, 0),
-            change: DMatrix::zeros(0, 0),
+            right: DMatrix::zeros(3 * network.nodes.len(), layout.nx()),
+            change: DMatrix::zeros(3 * network.nodes.len(), layout.nx()),
             free,
         })
     }
