@@ -277,6 +277,19 @@ step_errors! {
     format!("the fixed step {step_size:.3e} s is too long: {what}, at {time:.6} s"),
     format!("take a fixed step of at most {suggestion:.3e} s, or an adaptive method");
 
+    /// Positions are so far from the world origin that what they differ by has no digits left.
+    FarFromOrigin {
+        /// The body or the point.
+        part: String,
+        /// Its largest coordinate [m].
+        distance: f64,
+        /// What rounding makes of what accelerates it, or of an arm of its joints.
+        share: f64,
+    }
+    "lost_digits",
+    format!("`{part}` is {distance:.1e} m from the world origin, where rounding of positions alone makes {:.0} % of its forces", 100.0 * share.min(1.0)),
+    "put the world origin near what moves (`gravity: point_mass` takes the place of its planet as `center`), or run in double precision";
+
     /// The step budget of one call is used up.
     TooManySteps {
         /// The budget.

@@ -14,6 +14,7 @@ use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Stepper, Stiffness};
 use crate::node::NodeMemory;
 use crate::options::Options;
+use crate::rounding::Rounding;
 use crate::supply::Sampler;
 use crate::system::System;
 use crate::unilateral::{Mode, report};
@@ -118,6 +119,10 @@ pub struct Simulation<T: Float> {
     balance: Option<Balance>,
     /// How the energy is read.
     meter: Meter,
+    /// What rounding of positions makes of forces.
+    rounding: Rounding,
+    /// The most that it made so far, as a part of what matters.
+    rounded: f64,
     /// The last good state, for fixed steps that turn out too long.
     good: Snapshot<T>,
     /// Fixed steps count from here, so that time does not accumulate rounding.

@@ -141,8 +141,7 @@ impl<T: Float> Simulation<T> {
             if lands && until.is_finite() {
                 self.regrid();
             }
-            self.remember_good();
-            return Ok(());
+            return self.look_back();
         };
         if found.step > 0.0 {
             self.watch_step(found.step)?;

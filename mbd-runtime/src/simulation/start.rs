@@ -21,6 +21,8 @@ use crate::integrate::{
 };
 use crate::moving::moving;
 use crate::options::{Method, Options, Stabilise};
+use crate::rounding::Rounding;
+use crate::stiffness;
 use crate::supply::Law;
 use crate::system::{System, WORKS};
 use crate::watch::Watch;
@@ -49,9 +51,12 @@ impl<T: Float> Simulation<T> {
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
         system.projection.length = scales.length;
-        let resolution = Resolution::new(&*model, scales);
+        let stiffness = stiffness::Stiffness::new(&*model);
+        let resolution = Resolution::new(model.layout(), &stiffness, scales);
         let fixed = options.method.fixed_step().is_some();
         let length = system.length();
+        let arm = system.projection.any().then(|| system.reach());
+        let rounding = Rounding::new(model.layout(), &stiffness, scales, arm);
         let starts = starts(model.scene(), model.params());
         let explicit = match options.method {
             Method::Rk4 { .. } => Some(Explicit::new(&RK4, length)),
@@ -124,6 +129,8 @@ impl<T: Float> Simulation<T> {
             balance: None,
             meter: Meter::Nothing,
             good: Snapshot::default(),
+            rounding,
+            rounded: 0.0,
             origin: 0.0,
             count: 0,
             options,
@@ -307,7 +314,8 @@ impl<T: Float> Simulation<T> {
         self.system.follow_commands(self.time, None, &self.state)?;
         self.begin_margins(&mut |_| ())?;
         self.begin_balance();
-        Ok(())
+        self.rounded = 0.0;
+        self.watch_rounding()
     }
 }
 

@@ -69,14 +69,13 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
         .out
         .clone()
         .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
-    let table =
-        publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&folder, &error))?;
+    let table = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
     let warning = warning(&scene, &plan, &outcome);
     let told = if args.json {
         if let Some(warning) = warning {
             eprintln!("{warning}");
         }
-        summary_json(&scene, &plan, &outcome).map_err(|error| unwritten(&folder, &error))?
+        summary_json(&scene, &plan, &outcome).map_err(|error| unwritten(&error))?
     } else {
         let remarks = remarks.iter().chain(&warning);
         let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
@@ -160,8 +159,8 @@ pub(super) fn folder_name(given: &Path) -> PathBuf {
     short
 }
 
-fn unwritten(folder: &Path, error: &std::io::Error) -> Failure {
-    Failure::Usage(format!("cannot write into {}: {error}", folder.display()))
+fn unwritten(error: &std::io::Error) -> Failure {
+    Failure::Usage(format!("cannot write {error}"))
 }
 
 fn written(outcome: &Outcome, folder: &Path) -> String {
