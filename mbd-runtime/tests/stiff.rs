@@ -82,12 +82,12 @@ fn even_steps(step: f64) -> Options {
         energy: 1e6,
         state: 1e6,
     };
-    let method = Method::adaptive("rodas5p", 0.1).expect("an adaptive method");
+    let method = Method::adaptive("rodas5p", 0.01).expect("an adaptive method");
     Options {
         method: method.with_largest_step(step),
         scales: Some(scales),
         work: true,
-        ..Options::rodas5p(0.1)
+        ..Options::rodas5p(0.01)
     }
 }
 
