@@ -53,6 +53,12 @@ pub(crate) struct Slopes {
 }
 
 impl Slopes {
+    /// Room for the longest of some quantities.
+    pub(crate) fn reserve(&mut self, layout: &Layout, quantities: &[Quantity]) {
+        let lengths = quantities.iter().map(|&what| layout.len(what));
+        self.out.reserve(lengths.max().unwrap_or(0));
+    }
+
     pub(crate) fn new<T: Float>(scene: &Scene, layout: &Layout, params: &[T]) -> Self {
         let params: Vec<Slope> = params.iter().map(|&x| constant(x)).collect();
         Slopes {

@@ -5,19 +5,19 @@ use std::sync::Arc;
 
 use mbd_scene::{Float, Model, Quantity, Scene, Work};
 
-use crate::columns::{line_name, node_name, state_names};
+use crate::columns::{line_name, node_name};
 use crate::commands::Commands;
 use crate::error::{Source, Statistics, StepError};
 use crate::fallback::Fallback;
-use crate::integrate::Rates;
 use crate::laws::Laws;
-use crate::linearise::{Jacobian, LinearisationError};
-use crate::list::largest;
+use crate::linearise::Jacobian;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::projection::Projection;
 use crate::supply::{Gauge, Law, Moment, check_supplied};
 use crate::unilateral::Mode;
 use crate::watch;
+
+mod rates;
 
 /// Inputs, external loads and external gravity of a scene that is not compiled, in the order of `Layout::inputs`, as functions of time and state.
 ///
@@ -490,130 +490,5 @@ impl<T: Float> System<T> {
             lost_digits: self.fallback.lost_digits,
             ..self.counters
         }
-    }
-
-    /// A derivative of the rates that is not finite: the first of them, by name.
-    #[cold]
-    fn no_slope(&self, time: f64, by_state: &[T], by_time: &[T]) -> StepError {
-        let names = state_names(self.model.scene(), self.model.layout());
-        let name = |index: usize| {
-            let name = names.get(index);
-            name.map_or_else(|| "work".to_owned(), |name| name.name.clone())
-        };
-        let columns = by_time.len().max(1);
-        let fault = by_state.iter().position(|x| !x.is_finite());
-        let (rate, by) = match (fault, by_time.iter().position(|x| !x.is_finite())) {
-            (Some(at), _) => (name(at / columns), name(at % columns)),
-            (None, Some(at)) => (name(at), "time".to_owned()),
-            (None, None) => ("the state".to_owned(), "the state".to_owned()),
-        };
-        StepError::NonFinite {
-            time,
-            source: Source::Jacobian { rate, by },
-        }
-    }
-
-    #[cold]
-    fn not_finite(&self, time: f64, index: usize) -> StepError {
-        let names = state_names(self.model.scene(), self.model.layout());
-        let name = names
-            .into_iter()
-            .nth(index)
-            .map_or_else(|| "work".into(), |name| name.name);
-        StepError::NonFinite {
-            time,
-            source: Source::State(name),
-        }
-    }
-}
-
-impl<T: Float> Rates<T> for System<T> {
-    fn rates(&mut self, time: f64, span: f64, state: &[T], out: &mut [T]) -> Result<(), StepError> {
-        let state = state.get(..self.nx).unwrap_or_default();
-        self.supply(time, state)?;
-        let stage = stage(&*self.model, time, state, &self.inputs);
-        let (t, span) = (stage.time, T::from_f64(span));
-        let solved = self
-            .nodes
-            .solve_stage(stage, span, &self.memory, &mut self.work);
-        solved.map_err(|error| self.node_error(time, error))?;
-        self.counters.rhs = self.counters.rhs.saturating_add(1);
-        let at = self.nodes.at(t, state, &self.inputs);
-        let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
-        self.model
-            .evaluate(Quantity::Derivative, &at, &mut self.work, derivative);
-        self.accelerate(time, state, derivative)?;
-        self.pull_back(time, state, derivative)?;
-        if !works.is_empty() {
-            self.read_energy(time, state);
-            for (work, power) in works.iter_mut().zip(self.energy.iter().skip(3)) {
-                *work = *power;
-            }
-        }
-        if largest(out).is_finite() {
-            return Ok(());
-        }
-        let fault = out.iter().position(|x| !x.is_finite());
-        Err(self
-            .unsolvable(time, state)
-            .unwrap_or_else(|| self.not_finite(time, fault.unwrap_or_default())))
-    }
-
-    fn rates_inside(
-        &mut self,
-        time: f64,
-        span: f64,
-        state: &[T],
-        out: &mut [T],
-    ) -> Result<(), StepError> {
-        // The nodes of the end of the step stay where they are, and its rows as they were picked.
-        std::mem::swap(&mut self.nodes, &mut self.probe);
-        let end = self.fallback.leave_end();
-        let found = self.rates(time, span, state, out);
-        self.fallback.come_back(end);
-        std::mem::swap(&mut self.nodes, &mut self.probe);
-        found
-    }
-
-    fn differentiate(
-        &mut self,
-        time: f64,
-        state: &[T],
-        by_state: &mut [T],
-        by_time: &mut [T],
-    ) -> Result<(), StepError> {
-        let state = state.get(..self.nx).unwrap_or_default();
-        self.supply(time, state)?;
-        let Some(jacobian) = &mut self.jacobian else {
-            return Ok(());
-        };
-        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
-        self.counters.jacobians = self.counters.jacobians.saturating_add(1);
-        let found = jacobian.evaluate(&*self.model, &at, &mut self.work, (by_state, by_time));
-        match found {
-            Ok(()) if largest(by_state).is_finite() && largest(by_time).is_finite() => Ok(()),
-            Err(LinearisationError::DependentRows { .. }) => Err(self.singular(time, state)),
-            _ => Err(self.no_slope(time, by_state, by_time)),
-        }
-    }
-
-    fn factored(&mut self) {
-        self.counters.factors = self.counters.factors.saturating_add(1);
-    }
-
-    fn enter(&mut self) {
-        self.fallback.enter();
-    }
-
-    fn project_end(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
-        self.drift = self.normalise(state);
-        self.fallback.margin = f64::NAN;
-        self.stay(time, state)?;
-        if self.projection.any() {
-            let state = state.get(..self.nx).unwrap_or_default();
-            self.measure(time, state);
-            self.pick(time, state);
-        }
-        Ok(())
     }
 }

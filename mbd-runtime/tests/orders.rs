@@ -124,7 +124,7 @@ fn even_steps(options: Options, step: f64) -> Options {
         energy: 1e6,
         state: 1e6,
     };
-    let method = Method::adaptive(options.method.word(), 0.1).expect("an adaptive method");
+    let method = Method::adaptive(options.method.word(), 0.01).expect("an adaptive method");
     Options {
         method: method.with_largest_step(step),
         scales: Some(large),
@@ -136,7 +136,7 @@ fn even_steps(options: Options, step: f64) -> Options {
 #[test]
 fn a_bouncing_mass_keeps_the_order_of_vern7_across_located_switches() {
     let errors: Vec<f64> = (0..4)
-        .map(|k| bouncing_error(even_steps(Options::vern7(0.1), 8e-3 / f64::from(1 << k))))
+        .map(|k| bouncing_error(even_steps(Options::vern7(0.01), 8e-3 / f64::from(1 << k))))
         .collect();
     let orders = orders(&errors);
     println!("{errors:?} {orders:?}");

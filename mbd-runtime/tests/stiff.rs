@@ -2,7 +2,7 @@
 
 mod support;
 
-use mbd_runtime::scene::PointKind;
+use mbd_runtime::scene::{NodeModel, PointKind};
 use mbd_runtime::{
     Generic, Method, Model, Options, Scales, Simulation, Source, Stabilise, StepError, model,
 };
@@ -82,12 +82,12 @@ fn even_steps(step: f64) -> Options {
         energy: 1e6,
         state: 1e6,
     };
-    let method = Method::adaptive("rodas5p", 0.1).expect("an adaptive method");
+    let method = Method::adaptive("rodas5p", 0.01).expect("an adaptive method");
     Options {
         method: method.with_largest_step(step),
         scales: Some(scales),
         work: true,
-        ..Options::rodas5p(0.1)
+        ..Options::rodas5p(0.01)
     }
 }
 
@@ -116,17 +116,7 @@ fn errors(model: &(impl Model<f64> + ?Sized), step: f64, halvings: u32, until: f
     let exact = end(model, Options::vern7(1e-13), until);
     let steps = (0..halvings).map(|k| step / f64::from(1 << k));
     steps
-        .map(|step| {
-            let got = end(model, even_steps(step), until);
-            println!(
-                "{:?}",
-                got.iter()
-                    .zip(&exact)
-                    .map(|(a, b)| a - b)
-                    .collect::<Vec<f64>>()
-            );
-            largest_difference(&got, &exact)
-        })
+        .map(|step| largest_difference(&end(model, even_steps(step), until), &exact))
         .collect()
 }
 
@@ -159,6 +149,47 @@ fn the_stiff_method_is_of_order_five_through_joints() {
         end(&generic, even_steps(0.01), 1.0),
     ];
     assert!(largest_difference(&a, &b) < 1e-10);
+}
+
+#[test]
+fn the_stiff_method_is_of_order_five_through_nodes() {
+    for (name, node) in [
+        ("case3_mass_0p1kg", NodeModel::Rate),
+        ("case3_eq_C0", NodeModel::Static),
+    ] {
+        let file = reference(&format!("parachute/{name}.json"));
+        let node = PointKind::Node(node);
+        let model = generic(parachute(&file, node.clone()));
+        let mut run = Simulation::new(&model, Options::vern7(1e-10)).unwrap();
+        run.set_state(0.0, &parachute_state(&file, node)).unwrap();
+        run.set_nodes(&floats(&file["node_x"][0])).unwrap();
+        // Taut, and no switch meanwhile.
+        run.run(5.0).unwrap_or_else(|error| panic!("{error}"));
+        let (start, nodes) = (run.state().to_vec(), run.nodes().to_vec());
+        let fly = |options: Options| {
+            let options = Options {
+                work: false,
+                ..options
+            };
+            let mut run = Simulation::new(&model, options).unwrap();
+            run.set_state(5.0, &start).unwrap();
+            if model.layout().nz == 0 {
+                run.set_nodes(&nodes).unwrap();
+            }
+            run.run(5.8).unwrap_or_else(|error| panic!("{error}"));
+            println!("{:?}", run.statistics());
+            run.state().to_vec()
+        };
+        let exact = fly(Options::vern7(1e-13));
+        let errors =
+            [4e-2, 2e-2, 1e-2, 5e-3].map(|step| largest_difference(&fly(even_steps(step)), &exact));
+        let orders = orders(&errors);
+        println!("{name}: {errors:?} {orders:?}");
+        assert!(
+            orders[2] > 4.8 || errors[2] < 1e-10,
+            "{name}: {errors:?} {orders:?}"
+        );
+    }
 }
 
 #[test]

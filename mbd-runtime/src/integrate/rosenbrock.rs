@@ -105,7 +105,7 @@ impl<const S: usize, const D: usize> Tableau<S, D> {
             "the embedded step misses an order condition"
         );
         // θ (m + (1 − θ)(d_1 + θ (d_2 + …))) by powers of θ; trees never look beyond the seventh.
-        assert!(D + 1 <= POWERS, "an interpolant of a low degree");
+        assert!(D < POWERS, "an interpolant of a low degree");
         let mut powers = [[0.0; POWERS]; S];
         let dense = product(&self.dense, &gamma);
         let mut j = 0;
@@ -259,6 +259,23 @@ impl<T: Float> Rosenbrock<T> {
         self.first.copy_from_slice(first);
     }
 
+    /// A at the start of a step, where the rates were evaluated last; nothing to do where it is known.
+    pub(crate) fn differentiate(
+        &mut self,
+        system: &mut impl Rates<T>,
+        time: f64,
+        state: &[T],
+    ) -> Result<(), StepError> {
+        if self.known {
+            return Ok(());
+        }
+        system.differentiate(time, state, &mut self.by_state, &mut self.by_time)?;
+        self.matrix.along_units(state, &mut self.by_state);
+        self.matrix.forget();
+        self.known = true;
+        Ok(())
+    }
+
     /// Tries a step from `state` by (1) and (2); the result is [`Rosenbrock::next`], and `state` is untouched.
     pub(crate) fn attempt(
         &mut self,
@@ -268,12 +285,7 @@ impl<T: Float> Rosenbrock<T> {
         state: &[T],
     ) -> Result<(), StepError> {
         system.enter();
-        if !self.known {
-            system.differentiate(time, state, &mut self.by_state, &mut self.by_time)?;
-            self.matrix.along_units(state, &mut self.by_state);
-            self.matrix.forget();
-            self.known = true;
-        }
+        self.differentiate(system, time, state)?;
         let h = T::from_f64(step);
         let shift = T::from_f64(1.0 / (self.gamma * step));
         if self.matrix.factor(shift, &self.by_state) {

@@ -62,6 +62,23 @@ impl<T: Float> Stepper<T> {
         current!(self, as_mut, method => method.begin(system, time, span, state), or Ok(()))
     }
 
+    /// Derivatives at a start, so that those of later steps find their room.
+    pub(crate) fn prepare(
+        &mut self,
+        system: &mut impl Rates<T>,
+        time: f64,
+        state: &[T],
+    ) -> Result<(), StepError> {
+        let Some(implicit) = &mut self.implicit else {
+            return Ok(());
+        };
+        match implicit.differentiate(system, time, state) {
+            // An explicit method has no use for them yet.
+            Err(_) if !self.stiff => Ok(()),
+            done => done,
+        }
+    }
+
     /// Tries a step from `state`; the result is [`Stepper::next`], and `state` is untouched.
     pub(crate) fn attempt(
         &mut self,

@@ -47,12 +47,13 @@ impl<T: Float> Total<T> {
 
 /// The room of one run.
 #[derive(Debug)]
-pub(crate) struct Jacobian<T> {
+pub(crate) struct Jacobian<T: Float> {
     state: Total<T>,
     /// `None` where the scene says nothing of time.
     time: Option<Total<T>>,
     node: Total<T>,
     rows: ThroughRows<T>,
+    networks: Vec<Elimination<T>>,
     /// Whether the model has partial derivatives of its own.
     own: bool,
     laws: Option<Box<Witness>>,
@@ -69,7 +70,11 @@ impl<T: Float> Jacobian<T> {
             time: timed.then(|| total(By::Time)),
             node: total(Variable::Node.into()),
             rows: ThroughRows::new(model.layout()),
-            laws: (timed || works || !own).then(|| Box::new(Witness::new(model))),
+            networks: (0..model.layout().networks.len())
+                .filter_map(|network| Elimination::new(model, network))
+                .collect(),
+            laws: (timed || works || !own || !model.layout().networks.is_empty())
+                .then(|| Box::new(Witness::new(model))),
             own,
         }
     }
@@ -138,12 +143,14 @@ impl<T: Float> Jacobian<T> {
 
     /// Adds what comes through the nodes.
     fn through_nodes(&mut self, model: &dyn Model<T>, at: &At<'_, T>) {
-        for network in 0..model.layout().networks.len() {
-            let Some(elimination) = Elimination::new(model, network, &self.node.balance) else {
-                continue;
-            };
+        for elimination in &mut self.networks {
+            elimination.read(model, &self.node.balance);
+            let laws = self
+                .laws
+                .get_or_insert_with(|| Box::new(Witness::new(model)));
             for total in [&mut self.state].into_iter().chain(self.time.as_mut()) {
-                elimination.solve(model, at, total.by, &total.balance, &mut total.node);
+                let (balance, node) = (&total.balance, &mut total.node);
+                elimination.solve((model, &mut laws.slopes), at, total.by, balance, node);
             }
         }
         for total in [&mut self.state].into_iter().chain(self.time.as_mut()) {

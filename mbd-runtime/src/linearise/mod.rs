@@ -291,15 +291,18 @@ impl<T: Float> Linearisation<T> {
             self.through_rows(model, at, work)?;
         }
         for network in 0..self.layout.networks.len() {
-            let Some(elimination) = Elimination::new(model, network, &self.by_node.balance) else {
+            let Some(mut elimination) = Elimination::new(model, network) else {
                 continue;
             };
+            elimination.read(model, &self.by_node.balance);
+            let slopes = &mut Slopes::new(model.scene(), model.layout(), model.params());
             for (by, total) in [
                 (Variable::State, &mut self.states),
                 (Variable::Parameter, &mut self.parameters),
                 (Variable::Input, &mut self.inputs),
             ] {
-                elimination.solve(model, at, by, &total.partials.balance, &mut total.node);
+                let (balance, node) = (&total.partials.balance, &mut total.node);
+                elimination.solve((model, slopes), at, by, balance, node);
             }
         }
         self.states.complete(&self.by_node);

@@ -8,19 +8,29 @@
 //! G_x is the partial derivative of the balance Σ T u + W at fixed y; H or D is −G_y. For D of full rank the second term vanishes.
 
 use mbd_scene::{At, Float, LineEnd, Model, Network, NodeModel, Quantity, TINY, Variable};
-use nalgebra::{Cholesky, DMatrix, Dyn, Matrix3, Vector3};
+use nalgebra::{Cholesky, DMatrix, DMatrixViewMut, Dyn, Matrix3, Vector3};
 
 use super::matrix::Matrix;
 use crate::node::{RateNode, inverse, own_anchors, projection, spanned, triple};
 use crate::slopes::{By, Effective, Slopes};
 
-/// The balance of one network, ready to solve.
-pub(super) struct Elimination<'a, T: Float> {
-    network: &'a Network,
+/// The balance of one network, with room to solve it again and again.
+#[derive(Debug)]
+pub(super) struct Elimination<T: Float> {
+    /// The network, by number.
+    index: usize,
     factor: Factor<T>,
+    /// Per node the anchors of its own.
+    own: Vec<Vec<usize>>,
+    /// ∂(anchors and loads of the nodes).
+    ends: Matrix<T>,
+    right: DMatrix<f64>,
+    change: DMatrix<f64>,
+    free: FreeMotion<T>,
 }
 
 /// −G_y of a network.
+#[derive(Debug)]
 enum Factor<T: Float> {
     /// H + r 1 of a static or stepwise network, factored in `f64` (`None` where it is not a number), r, and whether some node hangs on r alone.
     Stiffness(Option<Cholesky<f64, Dyn>>, f64, bool),
@@ -28,93 +38,128 @@ enum Factor<T: Float> {
     Damping([(T, Vector3<T>); 3], usize),
 }
 
-impl<'a, T: Float> Elimination<'a, T> {
-    /// Reads the block of G_y that belongs to a network.
-    pub fn new(model: &'a dyn Model<T>, network: usize, by_node: &Matrix<T>) -> Option<Self> {
-        let network = model.layout().networks.get(network)?;
-        let size = 3 * network.nodes.len();
-        let element = |row, column| -by_node.at(slot(network, row), slot(network, column));
-        let factor = if network.model == NodeModel::Rate && size == 3 {
-            let (directions, rank) = spanned(&Matrix3::from_fn(element));
-            Factor::Damping(directions, rank)
-        } else {
-            let mut h = DMatrix::from_fn(size, size, |row, column| element(row, column).to_f64());
-            let regular = 4.5 * T::EPSILON.to_f64() * h.trace() + 1e-30;
-            let hangs = (0..size).step_by(3).any(|first| {
-                let own: f64 = (first..first + 3).map(|k| h[(k, k)]).sum();
-                own <= 1e3 * regular
-            });
-            (0..size).for_each(|k| h[(k, k)] += regular);
-            Factor::Stiffness(h.cholesky(), regular, hangs)
+impl<T: Float> Elimination<T> {
+    /// Room for a network of a model.
+    pub fn new(model: &dyn Model<T>, index: usize) -> Option<Self> {
+        let layout = model.layout();
+        let network = layout.networks.get(index)?;
+        let own = network.nodes.iter();
+        let own = own.map(|&node| own_anchors(layout, &network.anchors, node));
+        let free = FreeMotion {
+            rate: RateNode::new(network.lines.len()),
+            legs: Vec::with_capacity(network.lines.len()),
+            z: usize::MAX,
         };
-        Some(Elimination { network, factor })
+        let factor = match network.model == NodeModel::Rate && network.nodes.len() == 1 {
+            true => Factor::Damping([(T::zero(), Vector3::zeros()); 3], 3),
+            false => Factor::Stiffness(None, 0.0, false),
+        };
+        Some(Elimination {
+            index,
+            factor,
+            own: own.collect(),
+            ends: Matrix::new(layout.len(Quantity::AnchorStates), layout.nx()),
+            right: DMatrix::zeros(3 * network.nodes.len(), layout.nx()),
+            change: DMatrix::zeros(3 * network.nodes.len(), layout.nx()),
+            free,
+        })
+    }
+
+    /// Reads the block of G_y that belongs to the network.
+    pub fn read(&mut self, model: &dyn Model<T>, by_node: &Matrix<T>) {
+        let Some(network) = model.layout().networks.get(self.index) else {
+            return;
+        };
+        let element = |row, column| -by_node.at(slot(network, row), slot(network, column));
+        let size = 3 * network.nodes.len();
+        match &mut self.factor {
+            Factor::Damping(directions, rank) => {
+                (*directions, *rank) = spanned(&Matrix3::from_fn(element));
+            }
+            Factor::Stiffness(factor, regular, hangs) => {
+                let room = factor.take().map(Cholesky::unpack_dirty);
+                let mut h = room.unwrap_or_else(|| DMatrix::zeros(size, size));
+                for column in 0..size {
+                    for row in 0..size {
+                        h[(row, column)] = element(row, column).to_f64();
+                    }
+                }
+                *regular = 4.5 * T::EPSILON.to_f64() * h.trace() + 1e-30;
+                *hangs = (0..size).step_by(3).any(|first| {
+                    let own: f64 = (first..first + 3).map(|k| h[(k, k)]).sum();
+                    own <= 1e3 * *regular
+                });
+                (0..size).for_each(|k| h[(k, k)] += *regular);
+                *factor = Cholesky::new(h);
+            }
+        }
     }
 
     /// Writes the rows of ∂y that belong to the network.
     pub fn solve(
-        &self,
-        model: &dyn Model<T>,
+        &mut self,
+        (model, slopes): (&dyn Model<T>, &mut Slopes),
         at: &At<'_, T>,
         by: impl Into<By>,
         balance: &Matrix<T>,
         out: &mut Matrix<T>,
     ) {
+        let Some(network) = model.layout().networks.get(self.index) else {
+            return;
+        };
         let by = by.into();
-        let (size, columns) = (3 * self.network.nodes.len(), out.columns());
-        let mut right = DMatrix::from_fn(size, columns, |row, column| {
-            balance.at(slot(self.network, row), column)
-        });
+        let (size, columns) = (3 * network.nodes.len(), out.columns());
+        let given = |row: usize, column: usize| balance.at(slot(network, row), column);
         match &self.factor {
             Factor::Stiffness(factor, regular, hangs) => {
-                let mut wide = right.map(|x| x.to_f64());
+                let mut right = first_columns(&mut self.right, size, columns);
+                for column in 0..columns {
+                    for row in 0..size {
+                        right[(row, column)] = given(row, column).to_f64();
+                    }
+                }
                 if *hangs {
-                    let ends = ends(model, at, by, columns);
-                    self.add_means(model, &ends, *regular, &mut wide);
+                    differentiate_ends((model, slopes), at, by, &mut self.ends, columns);
+                    add_means(&self.own, &self.ends, *regular, &mut right);
                 }
                 match factor {
                     Some(factor) => {
-                        factor.solve_mut(&mut wide);
+                        factor.solve_mut(&mut right);
                         if !hangs {
                             // Nothing hangs on r: one refinement takes it out again, (H + r 1) δ = b − H ∂p = r ∂p.
-                            wide += factor.solve(&(&wide * *regular));
+                            let mut change = first_columns(&mut self.change, size, columns);
+                            change.copy_from(&right);
+                            change *= *regular;
+                            factor.solve_mut(&mut change);
+                            right += &change;
                         }
                     }
-                    None => wide.fill(f64::NAN),
+                    None => right.fill(f64::NAN),
                 }
-                right = wide.map(T::from_f64);
+                for row in 0..size {
+                    let target = out.row_mut(slot(network, row)).iter_mut();
+                    for (to, from) in target.zip(right.row(row).iter()) {
+                        *to = T::from_f64(*from);
+                    }
+                }
             }
             Factor::Damping(directions, rank) => {
                 let (spanned, missing) = directions.split_at(*rank);
-                let free = (!missing.is_empty())
-                    .then(|| FreeMotion::new(model, at, by, self.network, spanned))
-                    .flatten()
-                    .map(|free| (free, ends(model, at, by, columns)));
-                for mut column in right.column_iter_mut().enumerate() {
-                    let given = Vector3::from_fn(|k, _| column.1[k]);
-                    let mut found = inverse(spanned, &given);
-                    if let Some((free, ends)) = &free {
-                        found += projection(missing, &free.motion(ends, column.0));
-                    }
-                    column.1.copy_from(&found);
+                let free = !missing.is_empty() && self.free.read(model, at, network, spanned);
+                if free {
+                    differentiate_ends((model, slopes), at, by, &mut self.ends, columns);
                 }
-            }
-        }
-        for (row, values) in right.row_iter().enumerate() {
-            let target = out.row_mut(slot(self.network, row)).iter_mut();
-            target.zip(values.iter()).for_each(|(to, from)| *to = *from);
-        }
-    }
-
-    /// Adds r ∂p̄ of the anchors of each node.
-    fn add_means(&self, model: &dyn Model<T>, ends: &Matrix<T>, r: f64, right: &mut DMatrix<f64>) {
-        for (local, &node) in self.network.nodes.iter().enumerate() {
-            let anchors = own_anchors(model.layout(), &self.network.anchors, node);
-            let share = r / anchors.len().max(1) as f64;
-            for (mut column, index) in right.column_iter_mut().zip(0..) {
-                for anchor in &anchors {
-                    let moved = column_of(ends, 6 * anchor, index);
-                    for k in 0..3 {
-                        column[3 * local + k] += share * moved[k].to_f64();
+                for column in 0..columns {
+                    let mut found = inverse(spanned, &Vector3::from_fn(|k, _| given(k, column)));
+                    if free {
+                        let own = (by == By::Variable(Variable::State)).then_some(column);
+                        let motion = self.free.motion(&self.ends, column, own);
+                        found += projection(missing, &motion);
+                    }
+                    for (row, x) in found.iter().enumerate() {
+                        if let Some(to) = out.row_mut(slot(network, row)).get_mut(column) {
+                            *to = *x;
+                        }
                     }
                 }
             }
@@ -122,14 +167,50 @@ impl<'a, T: Float> Elimination<'a, T> {
     }
 }
 
+/// The first columns of a matrix that grows where it has fewer; whatever the elements are.
+fn first_columns(
+    matrix: &mut DMatrix<f64>,
+    rows: usize,
+    columns: usize,
+) -> DMatrixViewMut<'_, f64> {
+    if matrix.nrows() != rows || matrix.ncols() < columns {
+        *matrix = DMatrix::zeros(rows, columns);
+    }
+    matrix.columns_mut(0, columns)
+}
+
+/// Adds r ∂p̄ of the anchors of each node.
+fn add_means<T: Float>(
+    own: &[Vec<usize>],
+    ends: &Matrix<T>,
+    r: f64,
+    right: &mut DMatrixViewMut<'_, f64>,
+) {
+    for (local, anchors) in own.iter().enumerate() {
+        let share = r / anchors.len().max(1) as f64;
+        for (mut column, index) in right.column_iter_mut().zip(0..) {
+            for anchor in anchors {
+                let moved = column_of(ends, 6 * anchor, index);
+                for k in 0..3 {
+                    column[3 * local + k] += share * moved[k].to_f64();
+                }
+            }
+        }
+    }
+}
+
 /// ∂(anchors and loads of the nodes).
-fn ends<T: Float>(model: &dyn Model<T>, at: &At<'_, T>, by: By, columns: usize) -> Matrix<T> {
+fn differentiate_ends<T: Float>(
+    (model, slopes): (&dyn Model<T>, &mut Slopes),
+    at: &At<'_, T>,
+    by: By,
+    ends: &mut Matrix<T>,
+    columns: usize,
+) {
     let scene = (model.scene(), model.layout());
-    let mut ends = Matrix::new(scene.1.len(Quantity::AnchorStates), columns);
-    let mut slopes = Slopes::new(scene.0, scene.1, model.params());
+    ends.reshape(scene.1.len(Quantity::AnchorStates), columns);
     let of = (Quantity::AnchorStates, by);
     slopes.differentiate(scene, of, Effective::Fixed, at, &mut ends.values);
-    ends
 }
 
 /// Row of a network's balance among all nodes.
@@ -143,12 +224,15 @@ fn column_of<T: Float>(matrix: &Matrix<T>, row: usize, column: usize) -> Vector3
 }
 
 /// How a rate node moves in the directions its lines do not span.
+#[derive(Debug)]
 struct FreeMotion<T: Float> {
+    rate: RateNode<T>,
     legs: Vec<FreeLeg<T>>,
     /// Column of the node's position, for derivatives by the state.
-    z: Option<usize>,
+    z: usize,
 }
 
+#[derive(Debug)]
 struct FreeLeg<T: Float> {
     anchor: usize,
     weight: T,
@@ -158,61 +242,70 @@ struct FreeLeg<T: Float> {
 }
 
 impl<T: Float> FreeMotion<T> {
-    fn new(
+    /// Reads the lines of a node; false where they are not those of a single node.
+    fn read(
+        &mut self,
         model: &dyn Model<T>,
         at: &At<'_, T>,
-        by: By,
         network: &Network,
         spanned: &[(T, Vector3<T>)],
-    ) -> Option<Self> {
+    ) -> bool {
+        self.read_lines(model, at, network, spanned).is_some()
+    }
+
+    fn read_lines(
+        &mut self,
+        model: &dyn Model<T>,
+        at: &At<'_, T>,
+        network: &Network,
+        spanned: &[(T, Vector3<T>)],
+    ) -> Option<()> {
         let layout = model.layout();
         let &node = network.nodes.first()?;
-        let z = layout.nq + layout.nv + layout.nodes.get(node)?.z?;
-        let mut anchors = Vec::new();
-        let mut rate = RateNode::new(network.lines.len());
+        self.z = layout.nq + layout.nv + layout.nodes.get(node)?.z?;
+        let rate = &mut self.rate;
+        let anchor = |line: usize| match layout.lines.get(line)?.ends {
+            [LineEnd::Anchor(anchor), _] | [_, LineEnd::Anchor(anchor)] => Some(anchor),
+            _ => None,
+        };
         for (index, &line) in network.lines.iter().enumerate() {
-            let ends = layout.lines.get(line)?.ends;
-            let ([LineEnd::Anchor(anchor), _] | [_, LineEnd::Anchor(anchor)]) = ends else {
-                return None;
-            };
+            let anchor = anchor(line)?;
             let [place, velocity] = [0, 3].map(|k| triple(at.ends, 6 * anchor + k));
             rate.set_leg(index, place, velocity, *model.lines().get(line)?);
             let active = at.hold.get(line).is_some_and(|hold| *hold > T::zero());
             rate.set_mode(index, active, active);
-            anchors.push(anchor);
         }
-        rate.place(triple(at.state, z), Vector3::zeros());
+        rate.place(triple(at.state, self.z), Vector3::zeros());
         let velocity = triple(at.nodes, 3 * node);
         rate.set_velocity(velocity);
-        let weights = rate.weights();
-        let carried = rate.legs().iter().zip(&weights);
-        let carried = carried.map(|(leg, weight)| leg.velocity.map(|x| *weight * x));
+        let carried = rate.legs().iter().zip(rate.weights());
+        let carried = carried.map(|(leg, weight)| leg.velocity.map(|x| weight * x));
         let rotated = inverse(
             spanned,
             &carried.fold(velocity, |rest, carried| rest - carried),
         );
-        let legs = anchors.into_iter().zip(rate.legs().iter().zip(weights));
-        let legs = legs.map(|(anchor, (leg, weight))| FreeLeg {
-            anchor,
-            weight,
-            direction: leg.direction,
-            turning: match leg.active {
-                true => {
-                    let length = leg.length.max(T::from_f64(TINY));
-                    leg.numbers.damping * leg.direction.dot(&rotated) / length
-                }
-                false => T::zero(),
-            },
-        });
-        Some(FreeMotion {
-            legs: legs.collect(),
-            z: (by == By::Variable(Variable::State)).then_some(z),
-        })
+        self.legs.clear();
+        let lines = network.lines.iter();
+        for ((leg, weight), &line) in rate.legs().iter().zip(rate.weights()).zip(lines) {
+            self.legs.push(FreeLeg {
+                anchor: anchor(line)?,
+                weight,
+                direction: leg.direction,
+                turning: match leg.active {
+                    true => {
+                        let length = leg.length.max(T::from_f64(TINY));
+                        leg.numbers.damping * leg.direction.dot(&rotated) / length
+                    }
+                    false => T::zero(),
+                },
+            });
+        }
+        Some(())
     }
 
-    /// ∂V + ∂D D⁺ (w − V), to be projected on the missing directions.
-    fn motion(&self, ends: &Matrix<T>, column: usize) -> Vector3<T> {
-        let own = self.z.and_then(|z| column.checked_sub(z));
+    /// ∂V + ∂D D⁺ (w − V), to be projected on the missing directions; `own` is the column of the state.
+    fn motion(&self, ends: &Matrix<T>, column: usize, own: Option<usize>) -> Vector3<T> {
+        let own = own.and_then(|column| column.checked_sub(self.z));
         let mut sum = Vector3::zeros();
         for leg in &self.legs {
             sum += column_of(ends, 6 * leg.anchor + 3, column).map(|x| leg.weight * x);

@@ -33,15 +33,26 @@ pub(crate) struct ThroughRows<T> {
 #[derive(Debug)]
 pub(crate) struct Witness {
     laws: Laws,
-    slopes: Slopes,
+    pub(super) slopes: Slopes,
     wide: Vec<f64>,
 }
 
 impl Witness {
     pub(crate) fn new<T: Float>(model: &dyn Model<T>) -> Self {
+        let mut slopes = Slopes::new(model.scene(), model.layout(), model.params());
+        slopes.reserve(
+            model.layout(),
+            &[
+                Quantity::Derivative,
+                Quantity::Residual,
+                Quantity::Energy,
+                Quantity::Balance,
+                Quantity::AnchorStates,
+            ],
+        );
         Witness {
             laws: Laws::new(model),
-            slopes: Slopes::new(model.scene(), model.layout(), model.params()),
+            slopes,
             wide: Vec::new(),
         }
     }

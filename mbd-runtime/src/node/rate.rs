@@ -414,16 +414,16 @@ impl<T: Float> RateNode<T> {
     }
 
     /// The part of each line in the motion that its lines do not span: T/d by rule 4, or equal parts where nothing pulls; their sum is 1.
-    pub(crate) fn weights(&self) -> Vec<T> {
+    pub(crate) fn weights(&self) -> impl Iterator<Item = T> + '_ {
         let (total, _) = self.carrying();
         let rounding = self.rounding();
         let equal = T::one() / T::from_f64(self.legs.len().max(1) as f64);
-        let weight = |leg: &Leg<T>| match (total > T::zero(), leg.pulls(rounding)) {
+        let weight = move |leg: &Leg<T>| match (total > T::zero(), leg.pulls(rounding)) {
             (true, true) => leg.pull / leg.length / total,
             (true, false) => T::zero(),
             (false, _) => equal,
         };
-        self.legs.iter().map(weight).collect()
+        self.legs.iter().map(weight)
     }
 
     /// Where the node belongs by rule 4: its orthogonal projection on the line or the plane through the carrying anchors; `None` elsewhere.

@@ -295,6 +295,8 @@ impl<T: Float> Simulation<T> {
         self.begin_watch()?;
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
+        self.method
+            .prepare(&mut self.system, self.time, &self.state)?;
         self.system
             .check_conditioning(self.time, &self.state, self.method.first_mut())?;
         if let Pace::Adaptive(control, norm) = &mut self.pace {

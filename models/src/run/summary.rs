@@ -27,6 +27,10 @@ struct Summary<'a> {
     steps: u64,
     rejected: u64,
     rhs: u64,
+    jacobians: u64,
+    factors: u64,
+    stiff_steps: u64,
+    method_changes: u64,
     rhs_per_s: f64,
     node_solves: u64,
     newton_mean: f64,
@@ -108,6 +112,10 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
         steps: statistics.steps,
         rejected: statistics.rejected,
         rhs: statistics.rhs,
+        jacobians: statistics.jacobians,
+        factors: statistics.factors,
+        stiff_steps: statistics.stiff_steps,
+        method_changes: statistics.method_changes,
         rhs_per_s: per_second(statistics.rhs as f64),
         node_solves: statistics.node_solves,
         newton_mean: statistics.node_iterations_mean(),
@@ -178,6 +186,18 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
         ("rejected steps", Cell::Count(statistics.rejected)),
         ("right-hand sides", Cell::Count(statistics.rhs)),
     ];
+    if statistics.factors > 0 {
+        rows.push(("Jacobians", Cell::Count(statistics.jacobians)));
+        rows.push(("factors", Cell::Count(statistics.factors)));
+        rows.push((
+            "steps of the stiff method",
+            Cell::Count(statistics.stiff_steps),
+        ));
+        rows.push((
+            "changes of the method",
+            Cell::Count(statistics.method_changes),
+        ));
+    }
     if !layout.nodes.is_empty() {
         let mean = statistics.node_iterations_mean();
         let most = Cell::Count(statistics.node_iterations_max);

@@ -121,11 +121,17 @@ fn a_parachute_flies_without_asking_for_memory() {
     let mass = ParachuteMass::new(Default::default()).expect("defaults");
     fly("mass, rk4", &mass, Options::rk4(5e-5));
     fly("mass, tsit5", &mass, Options::tsit5(1e-6));
+    fly("mass, vern7", &mass, Options::vern7(1e-6));
+    fly("mass, rodas5p", &mass, Options::rodas5p(1e-6));
+    fly("mass, auto", &mass, Options::auto(1e-6));
     let rate = ParachuteRate::new(Default::default()).expect("defaults");
     fly("rate, rk4", &rate, Options::rk4(5e-3));
     fly("rate, tsit5", &rate, Options::tsit5(1e-6));
+    fly("rate, vern7", &rate, Options::vern7(1e-8));
+    fly("rate, rodas5p", &rate, Options::rodas5p(1e-6));
     let fixed = ParachuteStatic::new(Default::default()).expect("defaults");
     fly("static, rk4", &fixed, Options::rk4(1e-3));
+    fly("static, rodas5p", &fixed, Options::rodas5p(1e-5));
     let stepwise = ParachuteStepwise::new(Default::default()).expect("defaults");
     fly("stepwise, rk4", &stepwise, Options::rk4(5e-3));
 }
@@ -144,7 +150,13 @@ fn a_machine_runs_without_asking_for_memory() {
     let generic = Generic::<f64>::with_defaults(machine.scene().clone()).expect("a scene");
     let both: [(&str, &dyn Model<f64>); 2] = [("generated", &machine), ("generic", &generic)];
     for (kind, model) in both {
-        for (method, options) in [("rk4", Options::rk4(1e-3)), ("tsit5", Options::tsit5(1e-7))] {
+        for (method, options) in [
+            ("rk4", Options::rk4(1e-3)),
+            ("tsit5", Options::tsit5(1e-7)),
+            ("vern7", Options::vern7(1e-9)),
+            ("rodas5p", Options::rodas5p(1e-6)),
+            ("auto", Options::auto(1e-9)),
+        ] {
             let mut run = Simulation::new(model, options).expect("options that fit");
             run.set_state(0.0, &start).expect("a state");
             silent(&format!("{kind}, {method}"), &mut run, 1.0);
