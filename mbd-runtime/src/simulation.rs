@@ -7,12 +7,14 @@ use std::sync::Arc;
 
 use mbd_scene::{Float, Model, ParamError, Quantity};
 
+use crate::balance::Balance;
 use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
-use crate::integrate::{Control, ErrorNorm, Explicit};
+use crate::integrate::{Control, ErrorNorm, Stepper, Stiffness};
 use crate::node::NodeMemory;
 use crate::options::Options;
+use crate::rounding::Rounding;
 use crate::supply::Sampler;
 use crate::system::System;
 use crate::unilateral::{Mode, report};
@@ -22,10 +24,13 @@ mod control;
 mod drive;
 mod moved;
 mod snapshot;
+mod stability;
 pub(crate) mod start;
+mod stiffness;
 
 pub use moved::Moved;
 pub use snapshot::Snapshot;
+use stability::Meter;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +88,7 @@ enum Pace {
 /// ```
 pub struct Simulation<T: Float> {
     pub(crate) system: System<T>,
-    pub(crate) method: Explicit<T>,
+    pub(crate) method: Stepper<T>,
     pub(crate) state: Vec<T>,
     pub(crate) time: f64,
     pub(crate) margins: Margins,
@@ -105,10 +110,21 @@ pub struct Simulation<T: Float> {
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,
+    stiffness: Stiffness,
     watch: Watch,
     watch_weights: Vec<T>,
     /// Whether the stability watch runs.
     watched: bool,
+    /// The balance of energy, where this run can tell it.
+    balance: Option<Balance>,
+    /// How the energy is read.
+    meter: Meter,
+    /// What rounding of positions makes of forces.
+    rounding: Rounding,
+    /// The most that it made so far, as a part of what matters.
+    rounded: f64,
+    /// The last good state, for fixed steps that turn out too long.
+    good: Snapshot<T>,
     /// Fixed steps count from here, so that time does not accumulate rounding.
     origin: f64,
     count: u64,

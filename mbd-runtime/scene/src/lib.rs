@@ -61,5 +61,5 @@ pub use starts::{declared_parts, place_declared};
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
     Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane, Pose,
-    Quantity, Relative, RowSet, Rule, Table, Twist, Unit, Variable,
+    Quantity, Relative, RowSet, Rule, SecondArgument, Table, Twist, Unit, Variable,
 };

@@ -33,7 +33,7 @@ pub struct Scene {
     pub params: Vec<Parameter>,
     /// Time-varying quantities that the caller supplies at each evaluation.
     pub inputs: Vec<Input>,
-    /// Tables, linear between their rows.
+    /// Tables.
     pub tables: Vec<Table>,
     /// Named expressions, in declaration order. One may name others in any order, but not itself through them.
     #[serde(default)]
@@ -160,6 +160,26 @@ impl Scene {
             Some(format!("{}.{}", joint.name, coordinate.name))
         };
         Some([name(from)?, name(to)?])
+    }
+
+    /// Whether anything but motion, gravity and springs gives or takes energy: loads, dampers, friction, motors, winches, frames that move.
+    #[must_use]
+    pub fn exchanges_energy(&self) -> bool {
+        let acts = |forces: &JointForces| {
+            let springs_apart = [
+                &forces.damping,
+                &forces.friction,
+                &forces.stop_damping,
+                &forces.force,
+                &forces.motor,
+            ];
+            springs_apart.iter().any(|field| field.is_some())
+        };
+        let gives = |line: &Line| !self.is_zero(&line.damping) || line.is_wound(self);
+        !self.loads.is_empty()
+            || self.lines.iter().any(gives)
+            || self.joints.iter().flat_map(|joint| &joint.forces).any(acts)
+            || self.world_frames.iter().any(|frame| frame.moves(self))
     }
 
     /// The joint coordinates whose motors follow inputs without a filter between: joint, number of the coordinate.

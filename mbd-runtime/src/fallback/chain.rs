@@ -88,19 +88,47 @@ impl Fallback {
         self.at_end = false;
     }
 
+    /// Stages inside the step come after that at its end; returns what [`Fallback::come_back`] takes.
+    pub(crate) fn leave_end(&mut self) -> (bool, f64, [bool; 2]) {
+        let left = (self.at_end, self.margin, [self.anew, self.regularised]);
+        self.at_end = false;
+        left
+    }
+
+    /// The stages inside the step are evaluated.
+    pub(crate) fn come_back(
+        &mut self,
+        (at_end, margin, [anew, regularised]): (bool, f64, [bool; 2]),
+    ) {
+        (self.at_end, self.margin) = (at_end, margin);
+        (self.anew, self.regularised) = (anew, regularised);
+    }
+
     /// The trial step is taken.
     pub(crate) fn commit(&mut self) {
         self.now.clone_from(&self.next);
         self.at_end = false;
     }
 
-    /// What the step to come is solved with.
-    pub(crate) fn saved(&self) -> SavedStrategy {
-        SavedStrategy {
-            held: self.now.clone(),
-            base: self.base,
-            lasting: self.lasting,
-        }
+    /// Writes what the step to come is solved with, in the room that is there.
+    pub(crate) fn save(&self, to: &mut SavedStrategy) {
+        let Held {
+            strategy,
+            rows,
+            whole_step,
+            size,
+            near,
+        } = &self.now;
+        to.held.rows.clone_from(rows);
+        to.held = Held {
+            rows: std::mem::take(&mut to.held.rows),
+            strategy: *strategy,
+            whole_step: *whole_step,
+            size: *size,
+            near: *near,
+        };
+        to.base = self.base;
+        to.lasting = self.lasting;
     }
 
     /// Takes up what another run held, for the stage at its last step; [`Fallback::commit`] follows.

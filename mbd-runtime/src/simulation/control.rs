@@ -2,6 +2,7 @@
 
 use mbd_scene::Float;
 
+use super::start::differentiable;
 use super::{Pace, Simulation};
 use crate::error::{RunError, StepError};
 use crate::supply::{Law, Sampler, check_model, check_numbers, check_supplied};
@@ -47,7 +48,8 @@ impl<T: Float> Simulation<T> {
                         value: period,
                     })
                 }
-                _ => Ok(()),
+                Some(_) => Ok(()),
+                None => differentiable(&self.options),
             }
         });
         checked.map_err(|cause| self.failed(cause))?;
@@ -112,6 +114,7 @@ impl<T: Float> Simulation<T> {
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
         self.limit_pace();
+        self.rebase();
         self.begin_noting()?;
         self.stale = false;
         Ok(())

@@ -7,7 +7,6 @@ use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
 use crate::integrate::Verdict;
 use crate::trajectory::{Trajectory, resolution};
-use crate::watch::{NEGLIGIBLE, suggestion};
 
 /// A step beyond this says nothing about a scene [s].
 const LONGEST: f64 = 1e9;
@@ -18,8 +17,10 @@ impl<T: Float> Simulation<T> {
         self.enter()?;
         let steps = self.system.counters.steps;
         while self.system.counters.steps == steps {
-            let taken = self.advance(f64::INFINITY, &mut None);
-            taken.map_err(|cause| self.failed(cause))?;
+            if let Err(cause) = self.advance(f64::INFINITY, &mut None) {
+                self.go_back(&cause, &mut None)?;
+                return Err(self.failed(cause));
+            }
         }
         Ok(())
     }
@@ -57,6 +58,9 @@ impl<T: Float> Simulation<T> {
         self.enter()?;
         self.chatter.window = 1e-3 * (until - self.time);
         let outcome = self.drive_steps(until, &mut trajectory, go_on);
+        if let Err(cause) = &outcome {
+            self.go_back(cause, &mut trajectory)?;
+        }
         if let Some(trajectory) = trajectory {
             trajectory.statistics = self.system.statistics();
         }
@@ -86,7 +90,11 @@ impl<T: Float> Simulation<T> {
         let mut trials: u64 = 0;
         while until - self.time > resolution(self.time) {
             if trials >= self.options.max_steps {
-                return Err(StepError::TooManySteps { steps: trials });
+                let stiff = self.stiff();
+                return Err(StepError::TooManySteps {
+                    steps: trials,
+                    stiff,
+                });
             }
             trials += 1;
             let seen = self.events.len();
@@ -117,6 +125,7 @@ impl<T: Float> Simulation<T> {
         }
         let Some(found) = self.find_event(step)? else {
             self.watch_step(step)?;
+            let changes = self.sees_stiffness(step);
             self.record_inside(step, trajectory)?;
             self.count += 1;
             let end = match self.pace {
@@ -125,19 +134,24 @@ impl<T: Float> Simulation<T> {
                 Pace::Adaptive(..) => self.time + step,
             };
             self.take(step, end)?;
+            if changes {
+                self.change_method();
+            }
             self.record_step(trajectory)?;
             if lands && until.is_finite() {
                 self.regrid();
             }
-            return Ok(());
+            return self.look_back();
         };
         if found.step > 0.0 {
+            self.watch_step(found.step)?;
             self.record_inside(found.step, trajectory)?;
             self.take(found.step, self.time + found.step)?;
         }
         self.regrid();
         let before = self.events.len();
         self.happen()?;
+        self.rebase();
         self.record_step(trajectory)?;
         if let Some(trajectory) = trajectory {
             for occurrence in self.events.get(before..).unwrap_or(&[]) {
@@ -177,7 +191,10 @@ impl<T: Float> Simulation<T> {
         }
         let tried = self.make_step(step);
         let Pace::Adaptive(control, norm) = &mut self.pace else {
-            return tried.map(|()| true);
+            return match tried {
+                Ok(()) => Ok(true),
+                Err(cause) => Err(self.blame(step, cause)),
+            };
         };
         let (verdict, failure) = match tried {
             Ok(()) => {
@@ -226,21 +243,6 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    fn watch_step(&mut self, step: f64) -> Result<(), StepError> {
-        if !self.watched {
-            return Ok(());
-        }
-        let stiffness = self.method.stiffness(&self.watch_weights, NEGLIGIBLE);
-        if self.watch.sees(stiffness) {
-            return Err(StepError::UnstableStep {
-                step_size: step,
-                rho: stiffness,
-                suggestion: suggestion(step, stiffness),
-            });
-        }
-        Ok(())
-    }
-
     /// Takes the last attempt: state, memory and time move on together.
     fn take(&mut self, step: f64, end: f64) -> Result<(), StepError> {
         self.system
@@ -249,13 +251,15 @@ impl<T: Float> Simulation<T> {
         self.time = end;
         let counters = &mut self.system.counters;
         counters.steps = counters.steps.saturating_add(1);
+        if self.method.is_stiff() {
+            counters.stiff_steps = counters.stiff_steps.saturating_add(1);
+        }
         let projected = self.system.project(&mut self.state);
         let begun = match projected {
             true => self.method.begin(&mut self.system, end, step, &self.state),
             false => Ok(()),
         };
         self.system.commit(step);
-        self.system.follow_angles(end, &self.state, false);
         begun?;
         if projected {
             self.begin_noting()?;
@@ -278,7 +282,7 @@ impl<T: Float> Simulation<T> {
                 break;
             }
             let theta = ((due - self.time) / step).min(1.0);
-            self.inside_state(theta, step);
+            self.inside_state(theta, step)?;
             if theta < 1.0 {
                 self.system.stay(due, &mut self.inside)?;
             }
@@ -308,14 +312,17 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Puts the state at `theta` of the attempted step into `inside`.
-    pub(crate) fn inside_state(&mut self, theta: f64, step: f64) {
+    pub(crate) fn inside_state(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
         if theta >= 1.0 {
             self.inside.copy_from_slice(self.method.next());
         } else {
+            let (time, state) = (self.time, &self.state);
+            self.method.complete(&mut self.system, time, step, state)?;
             self.method
-                .interpolate(theta, step, &self.state, &mut self.inside);
+                .interpolate(theta, step, state, &mut self.inside);
             self.system.normalise(&mut self.inside);
         }
+        Ok(())
     }
 
     /// Notes a located event.

@@ -10,8 +10,10 @@ mod cart_pole;
 mod chain;
 mod dc_motor;
 mod double_wishbone;
+mod hoisting_crane;
 mod kite;
 mod mooring_line;
+mod motion_base;
 mod quadrotor;
 mod quarter_car;
 mod stewart_platform;
@@ -46,6 +48,11 @@ const WORLDS: &[World] = &[
         double_wishbone::run,
     ),
     World(
+        "hoisting_crane",
+        "a load that swings while its rope is drawn in and let out",
+        hoisting_crane::run,
+    ),
+    World(
         "kite",
         "a kite on bridles in a steady wind, at rest",
         kite::run,
@@ -54,6 +61,11 @@ const WORLDS: &[World] = &[
         "mooring_line",
         "a line of chain between an anchor and a moored platform",
         mooring_line::run,
+    ),
+    World(
+        "motion_base",
+        "a cabin on six legs, brought to its place by a sampled controller",
+        motion_base::run,
     ),
     World(
         "quadrotor",

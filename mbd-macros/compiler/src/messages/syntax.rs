@@ -91,11 +91,12 @@ pub fn after_model(at: Region) -> Report {
     )
 }
 
-pub fn marks_joint(at: Region) -> Report {
-    Report::new(
-        at,
-        "`loop` marks a joint that closes a loop: `loop joint NAME: …`",
-    )
+pub fn marks_another(at: Region, mark: &str, marked: &ItemWord) -> Report {
+    let what = match marked.word {
+        "joint" => "a joint that closes a loop: `loop joint NAME: …`",
+        _ => "a table without kinks: `smooth table NAME = …`",
+    };
+    Report::new(at, format!("`{mark}` marks {what}"))
 }
 
 pub fn unknown_item(at: Region, word: &str) -> Report {

@@ -274,7 +274,7 @@ impl Resolver<'_> {
         }
         match table.and_then(|index| self.scene.tables.get(index)) {
             Some(table) => {
-                let report = say::table_of_time(at, &table.name);
+                let report = say::table_of_time(at, &table.name, table.smooth);
                 self.fail(report)
             }
             None => Some(()),

@@ -97,10 +97,14 @@ impl Known<'_> {
                 let values: Option<Vec<Fixed>> = arguments.iter().map(|a| self.of(a)).collect();
                 compute(*function, &values?)
             }
-            Formula::Lookup(table, argument) if self.defaults => {
-                let x = self.of(argument.first()?)?.scalar()?;
+            Formula::Lookup(table, arguments) if self.defaults => {
+                let mut at = [0.0; 2];
+                for (value, argument) in at.iter_mut().zip(arguments) {
+                    *value = self.of(argument)?.scalar()?;
+                }
                 let table = scene.tables.get(*table)?;
-                interpolate(&table.x, &table.y, x).map(Fixed::Scalar)
+                let value = table.at(at.get(..arguments.len())?);
+                Some(Fixed::Scalar(value))
             }
             _ => None,
         }
@@ -114,16 +118,6 @@ impl Known<'_> {
         self.lets.insert(index, value);
         value
     }
-}
-
-fn interpolate(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
-    let after = x.partition_point(|&x| x <= at);
-    let (first, last) = (*y.first()?, *y.last()?);
-    let (Some(low), Some(high)) = (after.checked_sub(1), x.get(after).map(|_| after)) else {
-        return Some(if after == 0 { first } else { last });
-    };
-    let (x0, x1, y0, y1) = (*x.get(low)?, *x.get(high)?, *y.get(low)?, *y.get(high)?);
-    Some(y0 + (at - x0) / (x1 - x0) * (y1 - y0))
 }
 
 /// A function of known values; `None` for shapes it does not take.

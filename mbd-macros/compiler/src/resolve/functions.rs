@@ -1,9 +1,8 @@
-//! Functions in expressions: their arguments, shapes and dimensions; tables.
+//! Functions in expressions: their arguments, shapes and dimensions.
 
-use mbd_scene::{Dimension, Formula, Function, Unit};
+use mbd_scene::{Dimension, Formula, Function};
 
-use super::value::angle_of;
-use super::{Named, Resolver, Scope, Stage, Typed};
+use super::{Named, Resolver, Scope, Typed};
 use crate::lexeme::Region;
 use crate::messages::resolve as say;
 use crate::syntax::expression::Expression;
@@ -31,8 +30,7 @@ impl Resolver<'_> {
             if self.bad.contains(&Named::Table(found)) {
                 return None;
             }
-            let [argument] = self.arguments(typed, name, at)?;
-            return self.lookup(found, argument, at, scope);
+            return self.lookup(found, typed, at, scope);
         }
         match name.text.as_str() {
             "norm" => {
@@ -268,44 +266,6 @@ impl Resolver<'_> {
             vector: true,
             dimension: r.dimension.or(h.dimension),
             angle: 0,
-            bare: None,
-            at,
-        })
-    }
-
-    fn lookup(
-        &mut self,
-        table: usize,
-        argument: Typed,
-        at: Region,
-        scope: Scope<'_>,
-    ) -> Option<Typed> {
-        if scope.stage == Stage::Constant {
-            return self.fail(say::not_constant(at, "a table"));
-        }
-        let declared = self.scene.tables.get(table)?.clone();
-        if argument.vector {
-            return self.fail(say::scalar_wanted(argument.at, "the argument of a table"));
-        }
-        let bare = |unit: &Unit| self.si && unit.text.is_empty();
-        let (any_argument, any_value) = (bare(&declared.x_unit), bare(&declared.y_unit));
-        if let Some(found) = argument.dimension
-            && found != declared.x_unit.dimension
-            && !any_argument
-        {
-            let wanted = declared.x_unit.dimension;
-            return self.fail(say::argument_dimension(
-                argument.at,
-                &declared.name,
-                wanted,
-                found,
-            ));
-        }
-        Some(Typed {
-            formula: Formula::Lookup(table, vec![argument.formula]),
-            vector: false,
-            dimension: (!any_value).then_some(declared.y_unit.dimension),
-            angle: angle_of(&declared.y_unit),
             bare: None,
             at,
         })

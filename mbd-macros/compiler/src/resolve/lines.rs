@@ -286,6 +286,10 @@ impl Resolver<'_> {
             .windows(2)
             .all(|pair| matches!(pair, [low, high] if low < high));
         let begins = table.x.first() == Some(&0.0) && table.y.first() == Some(&0.0);
+        if table.smooth || table.second.is_some() {
+            let report = say::force_table_kind(value.at, line, &word.text, table.smooth);
+            return self.fail(report);
+        }
         if found != [units::LENGTH, units::FORCE] {
             return self.fail(say::force_table_dimensions(
                 value.at, line, &word.text, found,

@@ -21,6 +21,7 @@ mod repeat;
 mod settings;
 mod starts;
 mod states;
+mod tables;
 mod value;
 
 use std::collections::{BTreeMap, BTreeSet};

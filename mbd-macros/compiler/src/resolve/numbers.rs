@@ -1,4 +1,4 @@
-//! Numbers of the declaration: consts, params, inputs and tables.
+//! Numbers of the declaration: consts, params and inputs.
 
 use std::collections::BTreeSet;
 
@@ -80,6 +80,8 @@ impl Resolver<'_> {
                 y: vec![0.0],
                 x_unit: unit.clone(),
                 y_unit: unit,
+                second: None,
+                smooth: false,
             }),
             "output" => scene.outputs.push(Output {
                 name,
@@ -196,7 +198,7 @@ impl Resolver<'_> {
     }
 
     /// The number of a constant scalar.
-    fn constant_value(&mut self, typed: Typed) -> Option<f64> {
+    pub fn constant_value(&mut self, typed: Typed) -> Option<f64> {
         if typed.vector {
             return self.fail(say::vector_param(typed.at));
         }
@@ -370,76 +372,6 @@ impl Resolver<'_> {
             return self.fail(say::input_in_si(at, unit.dimension));
         }
         Some(unit)
-    }
-
-    /// `{ 0 km: 0.0145 kg/m^3, 10 km: 0.006 kg/m^3 }`
-    fn fill_table(&mut self, instance: &Instance<'_>) -> Option<()> {
-        let value = instance.item.clause("=")?;
-        let mut cursor = Cursor::new(value);
-        let Some(group) = cursor.group(Bracket::Brace) else {
-            return self.fail(cursor.expected("`{ argument: value, … }`"));
-        };
-        if let Err(report) = cursor.finish("`;`") {
-            return self.fail(report);
-        }
-        let rows = Cursor::new(group).comma_separated();
-        if rows.len() < 2 {
-            return self.fail(say::short_table(group.at));
-        }
-        let mut columns: [(Vec<f64>, Option<Unit>); 2] = [(Vec::new(), None), (Vec::new(), None)];
-        let mut good = true;
-        for row in rows {
-            good &= self.table_row(row, instance, &mut columns).is_some();
-        }
-        if !good {
-            return None;
-        }
-        let [(x, x_unit), (y, y_unit)] = columns;
-        let pure = || units::si("", units::NONE);
-        let entry = self.scene.tables.get_mut(instance.slot)?;
-        entry.x = x;
-        entry.y = y;
-        entry.x_unit = x_unit.unwrap_or_else(pure);
-        entry.y_unit = y_unit.unwrap_or_else(pure);
-        Some(())
-    }
-
-    fn table_row(
-        &mut self,
-        row: Value<'_>,
-        instance: &Instance<'_>,
-        columns: &mut [(Vec<f64>, Option<Unit>); 2],
-    ) -> Option<()> {
-        let mut cursor = Cursor::new(row);
-        for (column, (values, unit)) in columns.iter_mut().enumerate() {
-            let parsed = match expression::prefix(&mut cursor) {
-                Ok(parsed) => parsed,
-                Err(report) => return self.fail(report),
-            };
-            if column == 0 && cursor.sign(':').is_none() {
-                return self.fail(cursor.expected("`:` and the value at this argument"));
-            }
-            let typed = self.typed(&parsed, instance.scope(Stage::Constant))?;
-            let (at, dimension) = (typed.at, typed.dimension);
-            let this = written_unit(&parsed).unwrap_or_else(|| typed.unit());
-            let value = self.constant_value(typed)?;
-            if column == 0 && values.last().is_some_and(|&last| value <= last) {
-                return self.fail(say::table_order(at));
-            }
-            match (unit.as_ref(), dimension) {
-                (Some(known), Some(found)) if known.dimension != found => {
-                    let wanted = known.dimension;
-                    return self.fail(say::table_dimension(at, wanted, found));
-                }
-                (None, Some(_)) => *unit = Some(this),
-                _ => {}
-            }
-            values.push(value);
-        }
-        match cursor.finish("`,`") {
-            Ok(()) => Some(()),
-            Err(report) => self.fail(report),
-        }
     }
 }
 

@@ -124,7 +124,11 @@ impl Resolver<'_> {
                 self.live(scope, at, &format!("the motion of `{word}`"))?;
                 self.joint_quantity(joint, word, rest, at, scope)
             }
-            Named::Table(_) => self.fail(say::table_without_argument(here, word)),
+            Named::Table(index) => {
+                let table = self.scene.tables.get(index);
+                let arguments = table.map_or(1, |table| table.arguments());
+                self.fail(say::table_without_argument(here, word, arguments))
+            }
             other => self.fail(say::not_a_quantity(here, word, other.kind())),
         }
     }

@@ -43,9 +43,9 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
         };
         let spec = words::find(&word.text, inside);
         if spec.is_none() && !inside {
-            messages.push(match word.text.as_str() {
-                "loop" => say::marks_joint(word.at.into()),
-                text => say::unknown_item(word.at.into(), text),
+            messages.push(match words::marked_by(&word.text) {
+                Some(marked) => say::marks_another(word.at.into(), &word.text, marked),
+                None => say::unknown_item(word.at.into(), &word.text),
             });
             items.push(lost(&cursor, word));
             recover(&mut cursor, inside);
@@ -75,11 +75,15 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
     }
 }
 
-/// Takes `loop` before a joint.
+/// Takes the word that marks an item: `loop` before a joint.
 fn mark(cursor: &mut Cursor<'_>, inside: bool) -> Option<At> {
+    let marked = cursor.peek_word().and_then(words::marked_by)?;
     let next = cursor.ahead(1).map(|lexeme| &lexeme.kind);
-    let joint = matches!(next, Some(Kind::Word(word)) if word == "joint");
-    (joint && !inside).then(|| cursor.keyword("loop")).flatten()
+    let fits = matches!(next, Some(Kind::Word(word)) if word == marked.word);
+    (fits && !inside)
+        .then(|| cursor.take())
+        .flatten()
+        .map(|lexeme| lexeme.at)
 }
 
 /// An item with an unknown keyword: its name may be used elsewhere.

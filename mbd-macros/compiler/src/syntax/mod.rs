@@ -56,7 +56,7 @@ pub struct Given<'a> {
 pub struct Item<'a> {
     /// Its documentation.
     pub doc: String,
-    /// The word `loop` before it.
+    /// The word that marks it, before the keyword: `loop joint`, `smooth table`.
     pub marked: Option<At>,
     /// The keyword, or the name of the field.
     pub word: Word,

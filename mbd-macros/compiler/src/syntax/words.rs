@@ -11,6 +11,8 @@ pub struct ItemWord {
     pub named: bool,
     /// Whether the name may be repeated: `leg[i in 0..3]`.
     pub repeats: bool,
+    /// The word that may stand before the keyword; in TOML a key that is `true` or `false`.
+    pub mark: Option<&'static str>,
     /// What stands outside the braces, in order: the sign or word before each value.
     pub clauses: &'static [Clause],
     /// The fields between the braces; `None`: no braces.
@@ -53,6 +55,7 @@ const fn setting(word: &'static str, form: &'static str) -> ItemWord {
         word,
         named: false,
         repeats: false,
+        mark: None,
         clauses: VALUE,
         fields: None,
         form,
@@ -69,6 +72,7 @@ const fn item(
         word,
         named: true,
         repeats: false,
+        mark: None,
         clauses,
         fields,
         form,
@@ -78,6 +82,13 @@ const fn item(
 const fn repeated(item: ItemWord) -> ItemWord {
     ItemWord {
         repeats: true,
+        ..item
+    }
+}
+
+const fn marked(mark: &'static str, item: ItemWord) -> ItemWord {
+    ItemWord {
+        mark: Some(mark),
         ..item
     }
 }
@@ -99,6 +110,7 @@ pub const START: ItemWord = ItemWord {
     word: "start",
     named: false,
     repeats: false,
+    mark: None,
     clauses: &[
         may(":", "value"),
         may("at", "at"),
@@ -122,6 +134,7 @@ pub const ITEMS: &[ItemWord] = &[
         word: "verify",
         named: false,
         repeats: false,
+        mark: None,
         clauses: &[],
         fields: None,
         form: "verify;",
@@ -145,11 +158,14 @@ pub const ITEMS: &[ItemWord] = &[
         Some(&["rate"]),
         "state NAME = 0 A { rate: expression }",
     )),
-    item(
-        "table",
-        &[needs("=", "value")],
-        None,
-        "table NAME = { 0 km: 0.0145 kg/m^3, 10 km: 0.006 kg/m^3 };",
+    marked(
+        "smooth",
+        item(
+            "table",
+            &[needs("=", "value")],
+            None,
+            "table NAME = { 0 km: 0.0145 kg/m^3, 10 km: 0.006 kg/m^3 };",
+        ),
     ),
     repeated(item(
         "let",
@@ -161,6 +177,7 @@ pub const ITEMS: &[ItemWord] = &[
         word: "world",
         named: false,
         repeats: false,
+        mark: None,
         clauses: &[],
         fields: Some(&["frame"]),
         form: "world { frame NAME at [x, y, z] m }",
@@ -177,13 +194,16 @@ pub const ITEMS: &[ItemWord] = &[
         Some(&["mass", "equilibrium", "start"]),
         "point NAME;",
     )),
-    repeated(item(
-        "joint",
-        &[needs(":", "kind"), needs("from", "from"), needs("to", "to")],
-        // The joint's own law says which: see `resolve/joints.rs`.
-        Some(&[]),
-        "joint NAME: hinge from world to body.frame { axis: y }",
-    )),
+    marked(
+        "loop",
+        repeated(item(
+            "joint",
+            &[needs(":", "kind"), needs("from", "from"), needs("to", "to")],
+            // The joint's own law says which: see `resolve/joints.rs`.
+            Some(&[]),
+            "joint NAME: hinge from world to body.frame { axis: y }",
+        )),
+    ),
     repeated(item(
         "line",
         ENDS,
@@ -239,6 +259,11 @@ pub fn find(word: &str, inside: bool) -> Option<&'static ItemWord> {
     } else {
         ITEMS.iter().find(|item| item.word == word)
     }
+}
+
+/// The item that this word may mark.
+pub fn marked_by(word: &str) -> Option<&'static ItemWord> {
+    ITEMS.iter().find(|item| item.mark == Some(word))
 }
 
 /// Whether a word begins an item that has a name and stands outside the braces of every other.

@@ -90,11 +90,16 @@ impl Writer<'_> {
             _ => &empty,
         };
         self.doc(table.get("doc").map(|doc| self.value(doc)), indent);
-        let marked = table.get("loop").map(Spanned::get_ref);
-        let mark = match marked {
-            Some(DeValue::Boolean(true)) => "loop ",
-            _ => "",
+        let marked = |mark: &&str| {
+            matches!(
+                table.get(*mark).map(Spanned::get_ref),
+                Some(DeValue::Boolean(true))
+            )
         };
+        let mark = spec
+            .mark
+            .filter(marked)
+            .map_or(String::new(), |mark| format!("{mark} "));
         let head = self.head(spec, name, value);
         let fields = self.fields(spec, table);
         let _ = match fields.is_empty() {

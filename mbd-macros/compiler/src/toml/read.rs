@@ -56,7 +56,7 @@ struct Draft {
     clauses: Vec<(&'static str, Piece)>,
     block: Vec<Draft>,
     spec: Option<&'static ItemWord>,
-    /// `loop = true`
+    /// `loop = true`, `smooth = true`
     marked: Option<At>,
     /// Whether one of its values could not be read.
     broken: bool,
@@ -210,9 +210,7 @@ impl<'t> Reader<'t> {
                 }
                 (None, Some(inner), _) => self.messages.push(say_toml::table(at.into(), inner)),
                 (None, None, _) if word == "doc" => item.doc = self.doc(value),
-                (None, None, DeValue::Boolean(marked))
-                    if spec.word == "joint" && word == "loop" =>
-                {
+                (None, None, DeValue::Boolean(marked)) if spec.mark == Some(word) => {
                     item.marked = marked.then_some(at);
                 }
                 // The fields of a joint coordinate.

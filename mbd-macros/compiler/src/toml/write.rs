@@ -201,19 +201,33 @@ fn numbers(out: &mut String, scene: &Scene) {
     for declared in &scene.tables {
         table(out, "table", &declared.name);
         doc(out, &declared.doc);
-        let rows: Vec<String> = declared
-            .x
-            .iter()
-            .zip(&declared.y)
-            .map(|(x, y)| {
-                format!(
-                    "{}: {}",
-                    with_unit(*x, &declared.x_unit),
-                    with_unit(*y, &declared.y_unit)
-                )
-            })
-            .collect();
-        entry(out, "value", &format!("{{ {} }}", rows.join(", ")));
+        if declared.smooth {
+            let _ = writeln!(out, "smooth = true");
+        }
+        entry(
+            out,
+            "value",
+            &format!("{{ {} }}", rows(declared).join(", ")),
+        );
+    }
+}
+
+/// The rows of a table.
+fn rows(table: &mbd_scene::Table) -> Vec<String> {
+    let row = |argument: String, i, j| {
+        let value = with_unit(table.entry(i, j), &table.y_unit);
+        format!("{argument}: {value}")
+    };
+    let first = table.x.iter().map(|x| with_unit(*x, &table.x_unit));
+    match &table.second {
+        None => first.enumerate().map(|(i, x)| row(x, i, 0)).collect(),
+        Some(second) => {
+            let pairs = first.enumerate().flat_map(|(i, x)| {
+                let numbers = second.z.iter().enumerate();
+                numbers.map(move |(j, z)| (i, j, format!("({x}, {})", with_unit(*z, &second.unit))))
+            });
+            pairs.map(|(i, j, both)| row(both, i, j)).collect()
+        }
     }
 }
 

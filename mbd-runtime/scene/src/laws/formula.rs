@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::{Fixed, Formula, Function, Place, Real, Scene, Table, Triple};
+use crate::{Fixed, Formula, Function, Place, Real, Scene, Triple};
 
 /// What the leaves of a formula are worth. Whatever a context does not know is NaN; the reader of a declaration has refused it before.
 pub trait Context<S: Real> {
@@ -198,9 +198,13 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
             }
             _ => None,
         },
-        Formula::Lookup(table, argument) => {
-            match (context.scene().tables.get(*table), argument.as_slice()) {
-                (Some(table), [x]) => Some(Scalar(lookup(table, scalar(x, context)))),
+        Formula::Lookup(table, arguments) => {
+            match (context.scene().tables.get(*table), arguments.as_slice()) {
+                (Some(table), [x]) => Some(Scalar(table.at(&[scalar(x, context)]))),
+                (Some(table), [x, z]) => {
+                    let at = [scalar(x, context), scalar(z, context)];
+                    Some(Scalar(table.at(&at)))
+                }
                 _ => None,
             }
         }
@@ -294,15 +298,4 @@ fn power<S: Real>(a: Value<S>, exponent: f64) -> Option<Value<S>> {
     } else {
         result
     }))
-}
-
-/// y₀ + Σ slope_k · (clamp(x, x_k, x_{k+1}) − x_k): linear between rows, constant beyond them, no branch.
-fn lookup<S: Real>(table: &Table, x: S) -> S {
-    let mut y = S::from_f64(table.y.first().copied().unwrap_or(f64::NAN));
-    for (xs, ys) in table.x.windows(2).zip(table.y.windows(2)) {
-        let (low, high) = (S::from_f64(xs[0]), S::from_f64(xs[1]));
-        let slope = S::from_f64((ys[1] - ys[0]) / (xs[1] - xs[0]));
-        y += slope * (x.max(low).min(high) - low);
-    }
-    y
 }

@@ -16,6 +16,7 @@ pub(crate) mod mass;
 pub(crate) mod measured;
 pub(crate) mod node;
 pub(crate) mod numbers;
+mod table;
 mod winding;
 
 pub use coupling::{Coupling, is_discontinuous};

@@ -150,7 +150,7 @@ pub enum Formula {
     Apply(Function, Vec<Formula>),
     /// A declared `let`: index into `Scene::lets`.
     Let(usize),
-    /// A table, linear between its rows and constant beyond them: index into `Scene::tables`; the list holds the one argument.
+    /// A table: index into `Scene::tables`; the list holds its arguments, one or two.
     Lookup(usize, Vec<Formula>),
 }
 

@@ -28,4 +28,4 @@ pub use part::Part;
 pub use plane::{Directions, Plane};
 pub use quantity::{Arguments, At, Differentiated, Quantity, Variable};
 pub use row_set::RowSet;
-pub use table::Table;
+pub use table::{SecondArgument, Table};

@@ -163,25 +163,6 @@ pub fn input_in_si(at: Region, dimension: Dimension) -> Report {
     Report::new(at, format!("an input is given in SI: write `{unit}`"))
 }
 
-pub fn short_table(at: Region) -> Report {
-    Report::new(at, "a table has at least 2 rows `argument: value`")
-}
-
-pub fn table_order(at: Region) -> Report {
-    Report::new(at, "the arguments of a table must increase from row to row")
-}
-
-pub fn table_dimension(at: Region, wanted: Dimension, found: Dimension) -> Report {
-    Report::new(
-        at,
-        format!(
-            "a column of a table holds one kind of quantity: above it is {}, this is {}",
-            described(wanted),
-            described(found)
-        ),
-    )
-}
-
 pub fn unknown_field(at: Region, word: &str, known: &[&str]) -> Report {
     let ours = words::translated(words::FOREIGN_FIELDS, word).filter(|ours| known.contains(ours));
     if let Some(answer) = words::translated(words::EXPECTED_FIELDS, word) {
@@ -277,40 +258,6 @@ pub fn force_and_stiffness(at: Region, name: &str) -> Report {
     Report::new(
         at,
         format!("line `{name}` has a `force`, a table, and a `stiffness`: give one of them"),
-    )
-}
-
-pub fn table_as_stiffness(at: Region, table: &str) -> Report {
-    Report::new(
-        at,
-        format!(
-            "`{table}` is a table; a line takes one of its force over its stretch: `force: {table}` in place of `stiffness`"
-        ),
-    )
-}
-
-pub fn force_table_dimensions(
-    at: Region,
-    line: &str,
-    table: &str,
-    [x, y]: [Dimension; 2],
-) -> Report {
-    Report::new(
-        at,
-        format!(
-            "the force of line `{line}` is a table of forces over stretch, `table {table} = {{ 0 m: 0 N, 0.5 m: 200 N }}`; `{table}` holds {} over {}",
-            described(y),
-            described(x)
-        ),
-    )
-}
-
-pub fn force_table_rows(at: Region, line: &str, table: &str) -> Report {
-    Report::new(
-        at,
-        format!(
-            "the table `{table}` gives the force of line `{line}`: it begins with `0 m: 0 N`, and its forces rise from row to row"
-        ),
     )
 }
 

@@ -3,9 +3,11 @@
 mod items;
 mod joints;
 mod names;
+mod tables;
 mod values;
 
 pub use items::*;
 pub use joints::*;
 pub use names::*;
+pub use tables::*;
 pub use values::*;

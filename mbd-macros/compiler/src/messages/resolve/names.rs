@@ -49,22 +49,6 @@ pub fn not_driven(at: Region, what: &str) -> Report {
     )
 }
 
-pub fn table_of_time(at: Region, table: &str) -> Report {
-    Report::new(
-        at,
-        format!(
-            "a prescribed motion has a velocity and an acceleration, and the table `{table}` has corners: write it with functions such as sin, exp or powers of `time`"
-        ),
-    )
-}
-
-pub fn table_without_argument(at: Region, word: &str) -> Report {
-    Report::new(
-        at,
-        format!("`{word}` is a table: give it its argument, `{word}(…)`"),
-    )
-}
-
 pub fn not_a_quantity(at: Region, word: &str, kind: &str) -> Report {
     Report::new(
         at,

@@ -182,17 +182,6 @@ pub fn argument_count(at: Region, function: &str, wanted: usize, found: usize) -
     )
 }
 
-pub fn argument_dimension(at: Region, table: &str, wanted: Dimension, found: Dimension) -> Report {
-    Report::new(
-        at,
-        format!(
-            "table `{table}` is over {}, this is {}",
-            described(wanted),
-            described(found)
-        ),
-    )
-}
-
 pub fn needs_unit(at: Region, field: &str, wanted: Dimension, text: &str) -> Report {
     let unit = si_text(wanted);
     let kind = units::name(wanted).map_or(unit.clone(), |name| format!("{name} ({unit})"));
