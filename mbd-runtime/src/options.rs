@@ -1,9 +1,14 @@
 //! How a simulation runs.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::StepError;
 use crate::integrate::Scales;
+
+/// The loosest relative tolerance: at 0.1 errors were 400 times the tolerance.
+const LOOSEST: f64 = 0.01;
 
 /// The integrator and its step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -126,6 +131,15 @@ impl Method {
     }
 }
 
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.fixed_step(), self.tolerance()) {
+            (_, Some([rtol, _])) => write!(f, "{} {rtol:e}", self.name()),
+            (step, None) => write!(f, "{} {:.3e} s", self.name(), step.unwrap_or(f64::NAN)),
+        }
+    }
+}
+
 /// How a run stays on its joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Stabilise {
@@ -207,14 +221,17 @@ pub struct Options {
 }
 
 impl Options {
-    /// Fixed steps of RK4 [s]: switches located, stability watched.
+    /// Steps of a method: switches located, fixed steps watched.
     #[must_use]
-    pub fn rk4(step: f64) -> Self {
+    pub fn of(method: Method) -> Self {
         Options {
-            method: Method::Rk4 { step },
+            method,
             locate: true,
             watch: true,
-            max_steps: 10_000_000,
+            max_steps: match method.fixed_step() {
+                Some(_) => 10_000_000,
+                None => 1_000_000,
+            },
             work: false,
             stop_at_events: false,
             scales: None,
@@ -223,53 +240,38 @@ impl Options {
         }
     }
 
-    /// Adaptive steps at a relative tolerance: switches located.
+    /// Fixed steps of RK4 [s].
+    #[must_use]
+    pub fn rk4(step: f64) -> Self {
+        Options::of(Method::Rk4 { step })
+    }
+
+    /// Adaptive steps at a relative tolerance.
     #[must_use]
     pub fn tsit5(rtol: f64) -> Self {
-        Options {
-            method: Method::Tsit5 {
-                rtol,
-                max_step: f64::INFINITY,
-            },
-            max_steps: 1_000_000,
-            ..Options::rk4(0.0)
-        }
+        let max_step = f64::INFINITY;
+        Options::of(Method::Tsit5 { rtol, max_step })
     }
 
-    /// Adaptive steps at a tight relative tolerance: switches located.
+    /// Adaptive steps at a tight relative tolerance.
     #[must_use]
     pub fn vern7(rtol: f64) -> Self {
-        Options {
-            method: Method::Vern7 {
-                rtol,
-                max_step: f64::INFINITY,
-            },
-            ..Options::tsit5(rtol)
-        }
+        let max_step = f64::INFINITY;
+        Options::of(Method::Vern7 { rtol, max_step })
     }
 
-    /// Adaptive steps of a stiff method at a relative tolerance: switches located.
+    /// Adaptive steps of a stiff method at a relative tolerance.
     #[must_use]
     pub fn rodas5p(rtol: f64) -> Self {
-        Options {
-            method: Method::Rodas5P {
-                rtol,
-                max_step: f64::INFINITY,
-            },
-            ..Options::tsit5(rtol)
-        }
+        let max_step = f64::INFINITY;
+        Options::of(Method::Rodas5P { rtol, max_step })
     }
 
-    /// Adaptive steps at a relative tolerance with the method that the scene needs at the time: switches located.
+    /// Adaptive steps at a relative tolerance with the method that the scene needs at the time.
     #[must_use]
     pub fn auto(rtol: f64) -> Self {
-        Options {
-            method: Method::Auto {
-                rtol,
-                max_step: f64::INFINITY,
-            },
-            ..Options::tsit5(rtol)
-        }
+        let max_step = f64::INFINITY;
+        Options::of(Method::Auto { rtol, max_step })
     }
 
     /// Refuses numbers that cannot be used with states of a scalar whose rounding unit is `epsilon`.
@@ -290,15 +292,19 @@ impl Options {
         if let Some([rtol, max_step]) = self.method.tolerance() {
             positive("max_step", max_step, false)?;
             positive("rtol", rtol, true)?;
-            // Above this nothing is resolved.
-            if rtol > 0.1 {
-                return positive("rtol", -rtol, true);
+            if rtol > LOOSEST {
+                return Err(StepError::InvalidInput {
+                    slot: format!("rtol (at most {LOOSEST}: above it nothing is resolved)"),
+                    value: rtol,
+                });
             }
             // Below, the scalar cannot hold the answer: a run in `f32` would go on rejecting rounding.
             let finest = 8.0 * epsilon;
             if epsilon > f64::EPSILON && rtol < finest {
-                let slot = format!("rtol (states in f32 hold {finest:.0e}; run in f64)");
-                return positive(&slot, -rtol, true);
+                return Err(StepError::InvalidInput {
+                    slot: format!("rtol (states in f32 hold {finest:.0e}; run in f64)"),
+                    value: rtol,
+                });
             }
         }
         if let Stabilise::Baumgarte { alpha } = self.stabilise {
