@@ -66,6 +66,24 @@ impl Laws {
         );
     }
 
+    /// Writes the diagonal of the mass matrix.
+    pub(crate) fn masses<T: Float>(
+        &mut self,
+        model: &dyn Model<T>,
+        at: &At<'_, T>,
+        out: &mut [f64],
+    ) {
+        self.arguments.read(at, |x| x.to_f64());
+        mbd_scene::masses(
+            model.scene(),
+            model.layout(),
+            &self.numbers,
+            &self.arguments.at(),
+            &mut self.scratch,
+            out,
+        );
+    }
+
     /// Writes the angles in (−π, π] that something acts along which jumps with them.
     pub(crate) fn jumping_angles<T: Float>(
         &mut self,

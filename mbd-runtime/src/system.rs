@@ -326,11 +326,13 @@ impl<T: Float> System<T> {
         state: &[T],
         step: f64,
     ) -> Result<Vec<T>, StepError> {
-        let mut mass = vec![0.0; self.model.layout().len(Quantity::MassMatrix)];
+        let mut masses = vec![0.0; self.model.layout().nv];
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
-        self.by_laws(Quantity::MassMatrix, time, state, &mut mass);
-        Ok(watch::weights(&*self.model, &mass, step))
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        laws.masses(&*self.model, &at, &mut masses);
+        Ok(watch::weights(&*self.model, &masses, step))
     }
 
     /// Whether the modes of elements are kept between located events, or decided at every stage.

@@ -97,10 +97,10 @@ impl fmt::Display for Instability {
     }
 }
 
-/// The weights of the norm above for steps of a size [s], one a coordinate of the state, from the mass matrix (dense, row by row).
-pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64], step: f64) -> Vec<T> {
+/// The weights of the norm above for steps of a size [s], one a coordinate of the state, from the diagonal of the mass matrix.
+pub(crate) fn weights<T: Float>(model: &dyn Model<T>, masses: &[f64], step: f64) -> Vec<T> {
     let layout = model.layout();
-    let mass = |v: usize| mass_matrix.get(v * (layout.nv + 1)).copied().unwrap_or(0.0);
+    let mass = |v: usize| masses.get(v).copied().unwrap_or(0.0);
     // Its inertia, the mean of its moments; in a plane there is one.
     let inertia_of = |part: &Moving| {
         let own = part.speeds().skip(part.velocity.len());

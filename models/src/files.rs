@@ -12,7 +12,7 @@ pub fn make_folder(folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder).map_err(|error| named(folder, &error))
 }
 
-/// Writes a file whole or not at all: beside its place first, renamed when everything has reached the disk.
+/// Writes a file whole or not at all: beside its place first, renamed when everything is written.
 ///
 /// # Errors
 /// It cannot be written, or `write` fails; the error names the file. Nothing is left of it then, and a file that was there before stays.
@@ -53,8 +53,7 @@ pub fn remove(path: &Path) -> io::Result<()> {
 fn write_part(part: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut to = BufWriter::new(File::create(part)?);
     write(&mut to)?;
-    // A full disk may only show when the pages are written.
-    to.into_inner()?.sync_all()
+    to.into_inner()?.flush()
 }
 
 fn named(path: &Path, error: &io::Error) -> io::Error {

@@ -4,11 +4,11 @@
 use mbd_compiler::Interpreted;
 use mbd_runtime::node::{History, effective};
 use mbd_runtime::{Generic, Model, Options, Quantity, Simulation};
-use mbd_scene::laws::LineNumbers;
-use mbd_scene::{Clamp, Difference, Scene};
+use mbd_scene::laws::{LineNumbers, Numbers};
+use mbd_scene::{Clamp, Difference, Scene, Scratch};
 use nalgebra::Vector3;
 use tests::declared::read;
-use tests::instant::{Instant, value};
+use tests::instant::{Instant, random_instant, value};
 use tests::random::Random;
 
 /// The scene executed by the laws on numbers and by the program that is compiled from them.
@@ -287,4 +287,45 @@ fn a_stepwise_line_remembers_the_positive_part_of_its_stretch_only() {
         }
     }
     assert!(slack_memories > 500, "{slack_memories}");
+}
+
+#[test]
+fn the_masses_are_the_diagonal_of_the_mass_matrix() {
+    for plane in ["", "planar: xz;"] {
+        for components in ["body", "world"] {
+            let inertia = match plane {
+                "" => {
+                    "full { xx: 2.0, yy: 2.5, zz: 3.0, xy: 0.1, xz: -0.2, yz: 0.15 } kg*m^2 (matrix elements)"
+                }
+                _ => "diag(2.0, 2.5, 3.0) kg*m^2",
+            };
+            let scene = read(&format!(
+                "model Masses {{
+                    gravity: none;
+                    {plane}
+                    angular_velocity: {components};
+                    point stone {{ mass: 0.5 kg }}
+                    body ship {{ mass: 7.0 kg, inertia: {inertia} }}
+                    body boat {{ mass: 3.0 kg, inertia: {inertia} }}
+                    joint ship_free: free from world to ship.com;
+                    joint boat_free: free from world to boat.com;
+                }}"
+            ));
+            let layout = mbd_scene::Layout::new(&scene);
+            let instant = random_instant(&scene, &mut Random::new(74));
+            let mut masses = vec![0.0; layout.nv];
+            mbd_scene::masses(
+                &scene,
+                &layout,
+                &Numbers::new(&scene, &[]),
+                &instant.at(),
+                &mut Scratch::new(&layout),
+                &mut masses,
+            );
+            let model = Generic::with_defaults(scene).expect("a scene without parameters");
+            let matrix = value(&model, Quantity::MassMatrix, &instant);
+            let diagonal: Vec<f64> = matrix.iter().step_by(layout.nv + 1).copied().collect();
+            assert_eq!(masses, diagonal, "{plane} {components}");
+        }
+    }
 }

@@ -28,7 +28,7 @@ mod starts;
 mod vocabulary;
 
 pub use evaluate::{
-    Scratch, commands, evaluate, evaluate_with_multipliers, jumping_angles, sensitivity,
+    Scratch, commands, evaluate, evaluate_with_multipliers, jumping_angles, masses, sensitivity,
 };
 pub use fingerprint::fingerprint;
 pub use joints::{

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! u points from the node to the anchor, v is the anchor's velocity, world axes. All velocities are taken relative to the mean v̄ of the
-//! node's anchors, which costs no digits when everything falls together. Rules (R1–R5):
+//! node's anchors, which costs no digits when everything falls together. Rules (R1–R6):
 //! 1. The active set starts from the last one; lines with T < 0 leave, taut lines with a positive bracket enter.
 //! 2. D of full rank (λ_min > 1e-6 λ_max): one Cholesky.
 //! 3. Rank missing and nothing pulls: w = v̄ + D⁺ (…): no force hangs on the missing directions.
@@ -14,7 +14,7 @@
 //!    the plane through the carrying anchors ([`RateNode::projected`]).
 //! 5. Independent taut lines without force that pull the node into such a line or plane: it is put there ([`RateNode::crossing`]).
 //! 6. No active set is consistent because lines are as good as in one line or plane but not there yet: the balance of the limit
-//!    ([`RateNode::limit`]).
+//!    (`RateNode::limit`).
 //!
 //! Rule 6. A time ε later the node has moved by ε w and its anchors by ε v, and every line has turned: Σ T (u + ε u̇) + W = 0 with
 //! u̇ = (1 − u uᵀ)(v − w)/d. With the elastic tensions K s in the small term,
@@ -23,10 +23,12 @@
 //! (D + ε G) w = Σ_A (K s + C u·v) u + W + ε Σ_taut (K s/d) N (1 − u uᵀ) N v,       G = Σ_taut (K s/d) N (1 − u uᵀ) N
 //! ```
 //!
-//! in the missing directions (N projects on them) is the minimum of Φ + ε/2 wᵀ G w − …, strictly convex wherever a line is stretched: one w and one
-//! set of forces. Where no line damps, w is that of rule 4, and it pulls the node into the line or plane within a few ε, 1e-4 of the
-//! shortest C/K. The forces leave ε G (w − V) open, across that plane only. A direction that lines damp with less than 1e-6 of the
-//! largest damping counts as missing, so w never exceeds 1e3 times what the damped lines allow one by one.
+//! with N the projection on the missing directions. It is the minimum of a strictly convex function, so there is one w and one set of forces. Where
+//! no line damps, w is that of rule 4, with the elastic tensions as weights, and it pulls the node into the line or plane within a few ε, 1e-4 of
+//! the shortest C/K. The forces leave ε G (w − V) open, across that plane only: at most 0.53 % of the sum of the pulls in 20,000 random
+//! problems, 26 of which came here (`tests/tests/nodes/models.rs`). Derivatives are those of rule 4. A direction that lines damp with less
+//! than 1e-6 of the largest damping counts as missing, so that w stays below 1e3 times what the lines allow one by one. Between rules 2 and 4
+//! w is not continuous there: the velocity of the singular approach ends, and the tensions begin.
 //!
 //! Rejected: a dashpot on the node. It makes D regular and the forces wrong.
 

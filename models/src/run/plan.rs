@@ -68,8 +68,8 @@ fn wrong(setting: impl Into<String>, text: impl Into<String>) -> PlanError {
 
 /// A step that is taken when neither step nor tolerance is given and the scene needs fixed steps [s].
 const STEP: f64 = 1e-3;
-/// The most rows of a history.
-const ROWS: f64 = 1e7;
+/// The most numbers of a history, rows times columns: 1.6 GB, and some 4 GB as text.
+const NUMBERS: f64 = 2e8;
 /// The relative tolerance of adaptive steps when nothing is given.
 const TOLERANCE: f64 = 1e-8;
 
@@ -91,10 +91,6 @@ impl Plan {
             )
         })?;
         let every = seconds("every", &settings.every)?;
-        if let Some(rows) = every.map(|every| until / every).filter(|rows| *rows > ROWS) {
-            let text = format!("asks for {rows:.1e} rows of history; at most {ROWS:.0e} fit");
-            return Err(wrong("every", text));
-        }
         let params = params(scene, &settings.params)?;
         let placed = placed(scene, &settings.start);
         let (state, nodes) = start((scene, &layout), &params, &settings.start, &placed)?;
@@ -103,11 +99,19 @@ impl Plan {
             .iter()
             .map(|value| number("instants", value, "s"))
             .collect::<Result<_, _>>()?;
+        let options = options(scene, &layout, settings)?;
+        let step = match options.method {
+            Method::Rk4 { step } => Some(step),
+            _ => None,
+        };
+        if let Some(rows) = every.or(step).map(|every| until / every) {
+            fits(scene, rows)?;
+        }
         Ok(Plan {
             instants,
             figures: figures(scene, &settings.figures)?,
             until,
-            options: options(scene, &layout, settings)?,
+            options,
             every,
             params,
             state,
@@ -117,6 +121,21 @@ impl Plan {
             inputs: inputs(scene, &layout, &settings.inputs)?,
         })
     }
+}
+
+/// Refuses a history that memory or disk have no room for.
+fn fits(scene: &Scene, rows: f64) -> Result<(), PlanError> {
+    let model = Generic::<f64>::with_defaults(scene.clone());
+    let history = model.map(|model| Trajectory::new(&model, Sampling::Steps, Content::ALL));
+    let columns = history.map_or(1, |history| history.names().len());
+    let numbers = rows * columns as f64;
+    if numbers <= NUMBERS {
+        return Ok(());
+    }
+    let text = format!(
+        "asks for {rows:.1e} rows of history with {columns} columns, {numbers:.1e} numbers; at most {NUMBERS:.0e} fit: write a longer distance of the rows, or an earlier end"
+    );
+    Err(wrong("every", text))
 }
 
 impl Plan {

@@ -108,7 +108,8 @@ impl Namespace {
             return match (&mut entry.members, index) {
                 (Members::Many(members), Some(index))
                     if !members.contains_key(&index)
-                        && members.values().all(|other| other.kind() == named.kind()) =>
+                        // All of them are of the kind of the first.
+                        && members.values().next().is_none_or(|other| other.kind() == named.kind()) =>
                 {
                     members.insert(index, named);
                     Ok(())
@@ -149,15 +150,17 @@ impl Namespace {
         self.order.iter().map(String::as_str)
     }
 
-    /// The words whose kind passes, in the order of declaration.
+    /// Whether a word is known and its kind passes.
+    pub fn is(&self, word: &str, wanted: impl Fn(Named) -> bool) -> bool {
+        self.get(word).is_some_and(|entry| match &entry.members {
+            Members::One(named) => wanted(*named),
+            // All of them are of the kind of the first.
+            Members::Many(members) => members.values().next().is_some_and(|named| wanted(*named)),
+        })
+    }
+
+    /// The words whose kind passes, in the order of declaration: for a report, as it looks at every word of the declaration.
     pub fn words_of(&self, wanted: impl Fn(Named) -> bool) -> Vec<&str> {
-        self.words()
-            .filter(|word| {
-                self.get(word).is_some_and(|entry| match &entry.members {
-                    Members::One(named) => wanted(*named),
-                    Members::Many(members) => members.values().any(|named| wanted(*named)),
-                })
-            })
-            .collect()
+        self.words().filter(|word| self.is(word, &wanted)).collect()
     }
 }

@@ -173,11 +173,10 @@ impl Resolver<'_> {
             }
         });
         let open: String = open.collect();
-        let values = self.names.words_of(Named::is_value);
         let found = open
             .split_whitespace()
             .skip(1)
-            .find(|word| values.contains(word));
+            .find(|word| self.names.is(word, Named::is_value));
         match found {
             Some(word) => self.fail(say::unit_or_name(at, text, word)),
             None => Some(()),

@@ -253,6 +253,18 @@ fn derivative<S: Real>(
     evaluation.write_other_rates(out);
 }
 
+/// Writes the diagonal of the mass matrix (n_v) [kg, kg m²].
+pub fn masses<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut [S],
+) {
+    mass::masses(&scratch.kinematics.read(scene, layout, numbers, at), out);
+}
+
 /// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.
 pub fn jumping_angles<S: Real>(
     scene: &Scene,

@@ -29,6 +29,30 @@ pub fn mass_matrix<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     }
 }
 
+/// The diagonal of M (n_v): what a scene of thousands of bodies has room for.
+pub fn masses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let directions = evaluation.layout.directions;
+    for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
+        let mut block = [S::zero(); 36];
+        evaluation.motions[index].mass_block(
+            &evaluation.numbers.bodies[index],
+            (directions, evaluation.scene.angular_velocity),
+            &mut block,
+            6,
+            0,
+        );
+        let own = out.iter_mut().skip(slots.v).take(directions.speeds());
+        own.zip(block.iter().step_by(7))
+            .for_each(|(to, from)| *to = *from);
+    }
+    for (index, slots) in evaluation.layout.points.iter().enumerate() {
+        if let PointSlots::Mass(slots) = slots {
+            let moves = directions.translations().len();
+            out[slots.v..slots.v + moves].fill(evaluation.numbers.points[index].0);
+        }
+    }
+}
+
 pub fn bias_force<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     let directions = evaluation.layout.directions;
     for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
