@@ -1,6 +1,6 @@
 //! Names and units of the numbers in a state, a list of inputs and a trajectory.
 
-use mbd_scene::{AngularVelocity, InputSource, Layout, Plane, PointSlots, Scene};
+use mbd_scene::{AngularVelocity, InputSource, Layout, Part, Plane, PointSlots, Scene};
 
 /// A named quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -99,6 +99,15 @@ names! {
     joint_name: joints or "joint";
     /// The name of a body.
     body_name: bodies or "body";
+}
+
+/// The name of a body, a point or a joint.
+pub(crate) fn part_name(scene: &Scene, part: Part) -> &str {
+    match part {
+        Part::Body(body) => body_name(scene, body),
+        Part::Point(point) => node_name(scene, point),
+        Part::Joint(joint) => joint_name(scene, joint),
+    }
 }
 
 /// The name of a stop: `elbow.angle high stop`.

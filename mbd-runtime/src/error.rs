@@ -6,6 +6,8 @@
 use std::error::Error;
 use std::fmt;
 
+use crate::watch::Instability;
+
 /// Counters of a run so far. They only grow, and saturate instead of overflowing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
@@ -210,18 +212,34 @@ step_errors! {
     format!("`{line}` switched between slack and taut {count} times in {window:.3e} s"),
     "the line or stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless";
 
-    /// The fixed step is above the stability limit: positions stay plausible, forces do not.
+    /// The fixed step is too long for what it has to follow. The run stands where nothing had grown yet, and may go on from there, as from a
+    /// snapshot, with a shorter step.
     UnstableStep {
+        /// When it showed [s].
+        time: f64,
         /// The step [s].
         step_size: f64,
-        /// Its product with the largest rate of the scene; RK4 is stable below about 2.8.
-        rho: f64,
+        /// What shows it.
+        what: Instability,
         /// A step that should do [s].
         suggestion: f64,
     }
     "unstable_step",
-    format!("the fixed step {step_size:.3e} s is unstable: step times rate is {rho:.2}"),
+    format!("the fixed step {step_size:.3e} s is too long: {what}, at {time:.6} s"),
     format!("take a fixed step of at most {suggestion:.3e} s, or an adaptive method");
+
+    /// Positions are so far from the world origin that what they differ by has no digits left.
+    FarFromOrigin {
+        /// The body or the point.
+        part: String,
+        /// Its largest coordinate [m].
+        distance: f64,
+        /// What rounding makes of what accelerates it, or of an arm of its joints.
+        share: f64,
+    }
+    "lost_digits",
+    format!("`{part}` is {distance:.1e} m from the world origin, where rounding of positions alone makes {:.0} % of its forces", 100.0 * share.min(1.0)),
+    "put the world origin near what moves (`gravity: point_mass` takes the place of its planet as `center`), or run in double precision";
 
     /// The step budget of one call is used up.
     TooManySteps {

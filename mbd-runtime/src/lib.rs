@@ -25,6 +25,7 @@ struct ThePageAboutDriving;
 #[doc(hidden)]
 #[path = "private.rs"]
 pub mod __private;
+mod balance;
 mod chatter;
 mod columns;
 mod commands;
@@ -47,6 +48,7 @@ pub mod node;
 mod options;
 mod parts;
 mod projection;
+mod rounding;
 mod simulation;
 mod slopes;
 mod stiffness;
@@ -111,6 +113,7 @@ pub use mbd_scene::Cost;
 pub use parts::{BodyState, PlanarBodyState, PointState};
 
 // A run.
+pub use balance::Imbalance;
 pub use compiled::Scalar;
 pub use integrate::Scales;
 pub use options::{Method, Options, Stabilise};
@@ -125,6 +128,7 @@ pub use event::{Happening, Occurrence};
 pub use node::NodeMemory;
 pub use trajectory::{Content, Sampling, Trajectory};
 pub use unilateral::Mode;
+pub use watch::Instability;
 
 // Derivatives, and what is found by them.
 pub use compiled::{inverse_dynamics, linearise, linearise_along};

@@ -79,8 +79,10 @@ pub struct Options {
     /// Whether slack/taut switches and declared events are located: steps end on them, and the mode of every line is frozen inside a step. Without,
     /// each line decides by itself at every stage and declared events are not looked for. Lines of static and stepwise nodes are never located.
     pub locate: bool,
-    /// Whether a fixed step is watched for instability. Scenes with `stepwise` nodes are not watched: their instability lives in what the node
-    /// remembers, and the stages of a step do not show it.
+    /// Whether a run follows its [energy](crate::Simulation::imbalance), and a fixed step is watched: past its stability limit, or after it has made
+    /// or lost 2 % of the energy that moved, the run ends with [`StepError::UnstableStep`], in the last good state. Motions that are
+    /// prescribed are not judged by their energy. Scenes with `stepwise` nodes are not watched: their instability lives in what the node remembers,
+    /// and the stages of a step do not show it.
     pub watch: bool,
     /// The most accepted and rejected steps of one call.
     pub max_steps: u64,

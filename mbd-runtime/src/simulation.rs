@@ -7,12 +7,14 @@ use std::sync::Arc;
 
 use mbd_scene::{Float, Model, ParamError, Quantity};
 
+use crate::balance::Balance;
 use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Explicit};
 use crate::node::NodeMemory;
 use crate::options::Options;
+use crate::rounding::Rounding;
 use crate::supply::Sampler;
 use crate::system::System;
 use crate::unilateral::{Mode, report};
@@ -22,10 +24,12 @@ mod control;
 mod drive;
 mod moved;
 mod snapshot;
+mod stability;
 pub(crate) mod start;
 
 pub use moved::Moved;
 pub use snapshot::Snapshot;
+use stability::Meter;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,6 +113,16 @@ pub struct Simulation<T: Float> {
     watch_weights: Vec<T>,
     /// Whether the stability watch runs.
     watched: bool,
+    /// The balance of energy, where this run can tell it.
+    balance: Option<Balance>,
+    /// How the energy is read.
+    meter: Meter,
+    /// What rounding of positions makes of forces.
+    rounding: Rounding,
+    /// The most that it made so far, as a part of what matters.
+    rounded: f64,
+    /// The last good state, for fixed steps that turn out too long.
+    good: Snapshot<T>,
     /// Fixed steps count from here, so that time does not accumulate rounding.
     origin: f64,
     count: u64,

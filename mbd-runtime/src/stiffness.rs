@@ -1,6 +1,6 @@
 //! How stiffly lines, springs and stops hold a body or a point with mass: what the rates of a scene and the resolution of its forces follow from.
 
-use mbd_scene::laws::Numbers;
+use mbd_scene::laws::{GravityNumbers, Numbers};
 use mbd_scene::{Float, Model, Part, Place, StopSlots};
 
 use crate::moving::Moving;
@@ -89,15 +89,26 @@ impl Stiffness {
                 let inertia = body.inertia.trace() / 3.0;
                 [root(moving, body.mass), root(turning, inertia)]
             }),
-            Part::Point(point) => {
-                let mass = self
-                    .numbers
-                    .points
-                    .get(point)
-                    .map_or(0.0, |(mass, _)| *mass);
-                [root(moving, mass), 0.0]
-            }
-            Part::Joint(_) => [0.0; 2],
+            _ => [root(moving, self.mass(owner)), 0.0],
+        }
+    }
+
+    /// The mass of a body or a point [kg].
+    pub(crate) fn mass(&self, owner: &Moving) -> f64 {
+        let numbers = &self.numbers;
+        let mass = match owner.part {
+            Part::Body(body) => numbers.bodies.get(body).map(|body| body.mass),
+            Part::Point(point) => numbers.points.get(point).map(|(mass, _)| *mass),
+            Part::Joint(_) => None,
+        };
+        mass.unwrap_or(0.0)
+    }
+
+    /// Gravity where it is the same everywhere, else zero [m/s²].
+    pub(crate) fn gravity(&self) -> f64 {
+        match &self.numbers.gravity {
+            GravityNumbers::Uniform(g) => g.norm(),
+            _ => 0.0,
         }
     }
 

@@ -252,20 +252,31 @@ impl<T: Float> System<T> {
         }
     }
 
-    /// Looks at the angles with a spring or a stop after an accepted step, or at a start (`first`).
-    pub(crate) fn follow_angles(&mut self, time: f64, state: &[T], first: bool) {
+    /// Looks at the angles with a spring or a stop at the end of a step that is to be taken, or at a start (`first`); whether one jumped.
+    pub(crate) fn follow_angles(&mut self, time: f64, state: &[T], first: bool) -> bool {
         let Some([last, now]) = &mut self.angles else {
-            return;
+            return false;
         };
         let state = state.get(..self.nx).unwrap_or_default();
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
         laws.jumping_angles(&*self.model, &at, now);
         let jumped = |(now, last): (&f64, &f64)| (now - last).abs() > std::f64::consts::PI;
-        if !first && now.iter().zip(last.iter()).any(jumped) {
+        let jumps = !first && now.iter().zip(last.iter()).any(jumped);
+        if jumps {
             self.counters.angle_jumps = self.counters.angle_jumps.saturating_add(1);
         }
         std::mem::swap(last, now);
+        jumps
+    }
+
+    /// Puts energy and power at the stage that was evaluated last into `energy`.
+    pub(crate) fn read_energy(&mut self, time: f64, state: &[T]) {
+        let state = state.get(..self.nx).unwrap_or_default();
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        self.model
+            .evaluate(Quantity::Energy, &at, &mut self.work, &mut self.energy);
+        self.power_anew(time, state);
     }
 
     /// Looks at what motors are commanded at a state, `span` after the last accepted step [s]; at a start (`None`) takes it up.
@@ -296,13 +307,18 @@ impl<T: Float> System<T> {
         Ok(())
     }
 
-    /// The weights of the stability watch's norm.
-    pub(crate) fn watch_weights(&mut self, time: f64, state: &[T]) -> Result<Vec<T>, StepError> {
+    /// The weights of the stability watch's norm for steps of a size [s].
+    pub(crate) fn watch_weights(
+        &mut self,
+        time: f64,
+        state: &[T],
+        step: f64,
+    ) -> Result<Vec<T>, StepError> {
         let mut mass = vec![0.0; self.model.layout().len(Quantity::MassMatrix)];
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         self.by_laws(Quantity::MassMatrix, time, state, &mut mass);
-        Ok(watch::weights(&*self.model, &mass))
+        Ok(watch::weights(&*self.model, &mass, step))
     }
 
     /// Whether the modes of elements are kept between located events, or decided at every stage.
@@ -495,11 +511,8 @@ impl<T: Float> Rates<T> for System<T> {
             .evaluate(Quantity::Derivative, &at, &mut self.work, derivative);
         self.accelerate(time, state, derivative)?;
         self.pull_back(time, state, derivative)?;
-        let at = self.nodes.at(t, state, &self.inputs);
         if !works.is_empty() {
-            self.model
-                .evaluate(Quantity::Energy, &at, &mut self.work, &mut self.energy);
-            self.power_anew(time, state);
+            self.read_energy(time, state);
             for (work, power) in works.iter_mut().zip(self.energy.iter().skip(3)) {
                 *work = *power;
             }

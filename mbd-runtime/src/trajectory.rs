@@ -116,6 +116,16 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
+    /// Drops the rows and the events after a time [s].
+    pub(crate) fn cut(&mut self, time: f64) {
+        let kept = self.times().partition_point(|row| *row <= time);
+        self.next = self.next.saturating_sub(self.times().len() - kept);
+        for column in &mut self.columns {
+            column.truncate(kept);
+        }
+        self.events.retain(|(at, _)| *at <= time);
+    }
+
     /// An empty history of a model.
     #[must_use]
     pub fn new<T: Float>(

@@ -2,10 +2,16 @@
 //!
 //! The stages of RK4 show step times largest rate, hρ = 2 |k₃ − k₂| / |k₂ − k₁|. Five of the last fifty steps above 2.5 stop the run: the method is
 //! stable up to about 2.8. The norm is that of the energy, |k|² = v̇ᵀ diag(M) v̇ + ω² q̇ᵀ diag(M) q̇, ω² = the largest ΣK/m of a body or point over its
-//! lines and joint coordinates (K/I for angles): in it the exchange of kinetic and elastic energy is a rotation, and the ratio is bounded by the
-//! rates of the scene. Rejected: the plain sum of squares (a step whose stages differ mostly in velocity shows h K/m instead of h √(K/m)), and ω²
-//! without M (a turning body with a long lever shows the lever). Stages that agree to 1e-3 of k₁ say nothing: on a smooth motion k₂ − k₁ can vanish
-//! in the slow directions and leave any ratio, while an unstable run soon has differences as large as the rates themselves.
+//! lines and joint coordinates (K/I for angles), at least 1/h²: in it the exchange of kinetic and elastic energy is a rotation, and the ratio is
+//! bounded by the rates of the scene. Rejected: the plain sum of squares (a step whose stages differ mostly in velocity shows h K/m instead of
+//! h √(K/m)), ω² without M (a turning body with a long lever shows the lever), and a floor for ω that has a unit. Stages that agree to 1e-3 of k₁ say
+//! nothing: on a smooth motion k₂ − k₁ can vanish in the slow directions and leave any ratio, while an unstable run soon has differences as large as
+//! the rates themselves.
+//!
+//! What stays below this limit may still lose or make energy, and what is far above flies apart within a step or two: both show in the
+//! [balance](crate::balance) of energy.
+
+use std::fmt;
 
 use mbd_scene::{Float, Model, Part};
 use serde::{Deserialize, Serialize};
@@ -17,6 +23,10 @@ use crate::stiffness::Stiffness;
 const LIMIT: f64 = 2.5;
 /// Differences of stages below this part of k₁ are not looked at.
 pub(crate) const NEGLIGIBLE: f64 = 1e-3;
+/// The part of the energy that moved that a fixed-step run may make or lose.
+const ENERGY: f64 = 0.02;
+/// The part of what is allowed at which a state is still good: nothing has grown.
+const GOOD: f64 = 0.1;
 /// How many steps are remembered, and how many of them may exceed the limit.
 const WINDOW: u32 = 50;
 const ALLOWED: u32 = 5;
@@ -34,15 +44,62 @@ impl Watch {
         self.above = ((self.above << 1) | u64::from(stiffness > LIMIT)) & kept;
         self.above.count_ones() >= ALLOWED
     }
+
+    /// Whether nothing grows: no step of the window was above the limit, and the balance of energy, if there is one, holds to a tenth of
+    /// what is allowed.
+    pub(crate) fn is_calm(&self, excess: f64) -> bool {
+        self.above == 0 && excess.abs() <= GOOD * ENERGY
+    }
+
+    /// Whether a run made or lost too much energy.
+    pub(crate) fn is_too_much(excess: f64) -> bool {
+        // Also what is not a number.
+        !(excess.abs() <= ENERGY)
+    }
 }
 
-/// A step that should be stable, given the hρ seen at `step`: hρ = 2, with the rate taken no smaller than the limit implies.
-pub(crate) fn suggestion(step: f64, stiffness: f64) -> f64 {
-    step * 2.0 / stiffness.max(LIMIT)
+/// What a step that is too long shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Instability {
+    /// Stages that grow: step times the largest rate of the scene; RK4 is stable below about 2.8.
+    Stages(f64),
+    /// Energy from nothing (positive) or lost (negative), over the energy that moved.
+    Energy(f64),
 }
 
-/// The weights of the norm above, one a coordinate of the state, from the mass matrix (dense, row by row).
-pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Vec<T> {
+impl Instability {
+    /// A step that should do in place of this one: hρ = 2, with the rate taken no smaller than the limit implies; or energy kept to a tenth of what is
+    /// allowed, with an error of the energy that grows like h⁴.
+    pub(crate) fn suggestion(self, step: f64) -> f64 {
+        match self {
+            Instability::Stages(rho) => step * 2.0 / rho.max(LIMIT),
+            Instability::Energy(part) => {
+                let finer = (0.1 * ENERGY / part.abs()).powf(0.25);
+                step * finer.clamp(1.0 / 16.0, 0.5)
+            }
+        }
+    }
+}
+
+impl fmt::Display for Instability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Instability::Stages(rho) => write!(f, "step times rate is {rho:.2}"),
+            Instability::Energy(part) if !part.is_finite() => {
+                write!(f, "it makes energy without bound")
+            }
+            Instability::Energy(part) => write!(
+                f,
+                "it {} {:.2} % of the energy that moves",
+                if part > 0.0 { "makes" } else { "loses" },
+                100.0 * part.abs()
+            ),
+        }
+    }
+}
+
+/// The weights of the norm above for steps of a size [s], one a coordinate of the state, from the mass matrix (dense, row by row).
+pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64], step: f64) -> Vec<T> {
     let layout = model.layout();
     let mass = |v: usize| mass_matrix.get(v * (layout.nv + 1)).copied().unwrap_or(0.0);
     // Its inertia, the mean of its moments; in a plane there is one.
@@ -51,7 +108,7 @@ pub(crate) fn weights<T: Float>(model: &dyn Model<T>, mass_matrix: &[f64]) -> Ve
         own.map(mass).sum::<f64>() / part.spin.len() as f64
     };
     let stiffness = Stiffness::new(model);
-    let mut frequency: f64 = 1.0;
+    let mut frequency = step.powi(-2);
     let mut lightest = f64::INFINITY;
     for owner in moving(layout) {
         let (mass, inertia) = (mass(owner.speed), inertia_of(&owner));

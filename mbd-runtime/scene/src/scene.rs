@@ -162,6 +162,26 @@ impl Scene {
         Some([name(from)?, name(to)?])
     }
 
+    /// Whether anything but motion, gravity and springs gives or takes energy: loads, dampers, friction, motors, winches, frames that move.
+    #[must_use]
+    pub fn exchanges_energy(&self) -> bool {
+        let acts = |forces: &JointForces| {
+            let springs_apart = [
+                &forces.damping,
+                &forces.friction,
+                &forces.stop_damping,
+                &forces.force,
+                &forces.motor,
+            ];
+            springs_apart.iter().any(|field| field.is_some())
+        };
+        let gives = |line: &Line| !self.is_zero(&line.damping) || line.is_wound(self);
+        !self.loads.is_empty()
+            || self.lines.iter().any(gives)
+            || self.joints.iter().flat_map(|joint| &joint.forces).any(acts)
+            || self.world_frames.iter().any(|frame| frame.moves(self))
+    }
+
     /// The joint coordinates whose motors follow inputs without a filter between: joint, number of the coordinate.
     pub fn commanded(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let input = |part: &Formula| matches!(part, Formula::Input(_));

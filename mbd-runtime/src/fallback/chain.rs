@@ -94,13 +94,25 @@ impl Fallback {
         self.at_end = false;
     }
 
-    /// What the step to come is solved with.
-    pub(crate) fn saved(&self) -> SavedStrategy {
-        SavedStrategy {
-            held: self.now.clone(),
-            base: self.base,
-            lasting: self.lasting,
-        }
+    /// Writes what the step to come is solved with, in the room that is there.
+    pub(crate) fn save(&self, to: &mut SavedStrategy) {
+        let Held {
+            strategy,
+            rows,
+            whole_step,
+            size,
+            near,
+        } = &self.now;
+        to.held.rows.clone_from(rows);
+        to.held = Held {
+            rows: std::mem::take(&mut to.held.rows),
+            strategy: *strategy,
+            whole_step: *whole_step,
+            size: *size,
+            near: *near,
+        };
+        to.base = self.base;
+        to.lasting = self.lasting;
     }
 
     /// Takes up what another run held, for the stage at its last step; [`Fallback::commit`] follows.

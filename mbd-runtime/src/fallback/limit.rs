@@ -197,7 +197,7 @@ impl<T: Float> System<T> {
     }
 
     /// Twice the largest distance of a joint's frame from the centre of mass of its body; without one the length of the scene [m].
-    fn reach(&mut self) -> f64 {
+    pub(crate) fn reach(&mut self) -> f64 {
         let (model, length) = (&self.model, self.projection.length);
         *self.fallback.reach.get_or_insert_with(|| {
             let numbers = Numbers::new(model.scene(), model.params());

@@ -8,7 +8,7 @@ use std::ops::Range;
 use mbd_scene::{Float, Layout, Model, Part, Scene};
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{body_name, node_name};
+use crate::columns::part_name;
 use crate::moving::{Moving, moving};
 
 /// What counts as one unit of error before the relative tolerance is applied.
@@ -177,11 +177,7 @@ impl ErrorNorm {
         let Some(block) = self.blocks.get(self.worst) else {
             return "state".into();
         };
-        let owner = match block.owner {
-            Some(Part::Body(body)) => Some(body_name(scene, body)),
-            Some(Part::Point(point)) => Some(node_name(scene, point)),
-            Some(Part::Joint(_)) | None => None,
-        };
+        let owner = block.owner.map(|part| part_name(scene, part));
         let what = match block.kind {
             Kind::Position => "position",
             Kind::Rotation | Kind::Angle => "rotation",

@@ -1,6 +1,6 @@
 //! How finely positions and attitudes are resolved: what counts as one unit of error of each.
 
-use mbd_scene::{Float, Model};
+use mbd_scene::Layout;
 
 use super::Scales;
 use crate::event::Acting;
@@ -17,8 +17,7 @@ pub(crate) struct Resolution {
 }
 
 impl Resolution {
-    pub(crate) fn new<T: Float>(model: &dyn Model<T>, scales: Scales) -> Self {
-        let stiffness = Stiffness::new(model);
+    pub(crate) fn new(layout: &Layout, stiffness: &Stiffness, scales: Scales) -> Self {
         let size = |part: &Moving| {
             let [moving, turning] = stiffness.rates(part);
             [
@@ -28,7 +27,7 @@ impl Resolution {
         };
         Resolution {
             scales,
-            sizes: moving(model.layout())
+            sizes: moving(layout)
                 .map(|part| (part.clone(), size(&part)))
                 .collect(),
         }

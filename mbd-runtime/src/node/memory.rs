@@ -49,6 +49,30 @@ impl<T: Float> NodeMemory<T> {
         }
     }
 
+    /// Takes the numbers of another memory of the same layout, in the room that is there.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        let NodeMemory {
+            nodes,
+            anchors,
+            stretch,
+            previous,
+            effective,
+            step,
+            smooth,
+            ranks,
+            modes,
+        } = other;
+        self.nodes.clone_from(nodes);
+        self.anchors.clone_from(anchors);
+        self.stretch.clone_from(stretch);
+        self.previous.clone_from(previous);
+        self.effective.clone_from(effective);
+        self.step = *step;
+        self.smooth.clone_from(smooth);
+        self.ranks.clone_from(ranks);
+        self.modes.clone_from(modes);
+    }
+
     /// The accepted node positions p_n, 3 a node [m].
     #[must_use]
     pub fn nodes(&self) -> &[T] {

@@ -5,7 +5,7 @@ use mbd_scene::{Float, Quantity, Work};
 use super::balance::triple;
 use super::error::NodeError;
 use super::memory::NodeMemory;
-use super::rate::{Leg, Spread};
+use super::rate::Leg;
 use super::scene::Plan;
 use super::stage::{Nodes, Stage};
 use crate::unilateral::{Mode, has_mode};
@@ -46,6 +46,8 @@ impl<T: Float> Nodes<T> {
                 return Ok(());
             }
             nodes.place_rate(stage, plan, memory);
+            // Another set of lines spans other directions.
+            plan.rate.hold_rank(3);
             plan.rate.solve_frozen();
             let decided = !plan.rate.inconsistent() || plan.rate.decide();
             let result = nodes.finish_rate(plan, decided);
@@ -138,14 +140,9 @@ impl<T: Float> Nodes<T> {
             });
         }
         NodeError::check_finite("velocity of a rate node", velocity.as_slice())?;
-        match (decided, plan.rate.spread()) {
-            (true, _) => Ok(()),
-            // The singular approach: taut lines about to fall into one line or plane; ẏ grows without bound there.
-            (false, Spread::Algebraic) => Err(NodeError::Unsupported {
-                node,
-                why: "its taut lines are falling into one line or plane, where its velocity is unbounded; declare `equilibrium: stepwise`",
-            }),
-            (false, _) => Err(NodeError::NotConverged {
+        match decided {
+            true => Ok(()),
+            false => Err(NodeError::NotConverged {
                 node,
                 residual_n: f64::NAN,
                 iterations: 0,

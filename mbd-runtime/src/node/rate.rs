@@ -13,6 +13,20 @@
 //! 4. Rank missing and something pulls: the missing directions are algebraic, w_⊥ = Σ (T/d) v_⊥ / Σ (T/d), and the node belongs on the line or in
 //!    the plane through the carrying anchors ([`RateNode::projected`]).
 //! 5. Independent taut lines without force that pull the node into such a line or plane: it is put there ([`RateNode::crossing`]).
+//! 6. No active set is consistent because lines are as good as in one line or plane but not there yet: the balance of the limit
+//!    ([`RateNode::limit`]).
+//!
+//! Rule 6. A time ε later the node has moved by ε w and its anchors by ε v, and every line has turned: Σ T (u + ε u̇) + W = 0 with
+//! u̇ = (1 − u uᵀ)(v − w)/d. With the elastic tensions K s in the small term,
+//!
+//! ```text
+//! (D + ε G) w = Σ_A (K s + C u·v) u + W + ε Σ_taut (K s/d) N (1 − u uᵀ) N v,       G = Σ_taut (K s/d) N (1 − u uᵀ) N
+//! ```
+//!
+//! in the missing directions (N projects on them) is the minimum of Φ + ε/2 wᵀ G w − …, strictly convex wherever a line is stretched: one w and one
+//! set of forces. Where no line damps, w is that of rule 4, and it pulls the node into the line or plane within a few ε, 1e-4 of the
+//! shortest C/K. The forces leave ε G (w − V) open, across that plane only. A direction that lines damp with less than 1e-6 of the
+//! largest damping counts as missing, so w never exceeds 1e3 times what the damped lines allow one by one.
 //!
 //! Rejected: a dashpot on the node. It makes D regular and the forces wrong.
 
@@ -30,6 +44,8 @@ const RANK: f64 = 1e-6;
 const MOST_CHANGES: usize = 30;
 /// The vanishing dashpot over the largest damping: it only tells the active set.
 const DASHPOT: f64 = 1e-8;
+/// ε of rule 6 over the shortest C/K.
+const AHEAD: f64 = 1e-4;
 
 /// One line of a rate node at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -277,21 +293,55 @@ impl<T: Float> RateNode<T> {
                 return true;
             }
         }
-        let settled = self.project_end();
+        let settled = self.minimise(Matrix3::zeros(), self.load);
         self.solve_frozen();
         let tolerated = self.scale() * T::from_f64(1e2 * DASHPOT).max(T::EPSILON.sqrt());
-        settled && !self.legs.iter().any(|leg| leg.wants_change(tolerated))
+        let consistent = settled && !self.legs.iter().any(|leg| leg.wants_change(tolerated));
+        consistent || self.limit()
     }
 
-    /// The active set of the rate problem with a vanishing dashpot, Φ(w) + (ε/2)|w − v̄|²: strictly convex, so Newton with slope search finds
-    /// its one minimum, and the lines that pull there are those of the limit ε → 0. Only the set is taken, never its forces.
-    fn project_end(&mut self) -> bool {
+    /// The balance of the limit, rule 6. `false`: no line is stretched, or the minimum was not found.
+    fn limit(&mut self) -> bool {
+        let taut = self.legs.iter().filter(|leg| leg.taut);
+        let relaxation = |leg: &Leg<T>| leg.numbers.damping / leg.numbers.stiffness;
+        let Some(shortest) = taut.clone().map(relaxation).reduce(|a, b| a.min(b)) else {
+            return false;
+        };
+        let ahead = shortest * T::from_f64(AHEAD);
+        let (directions, rank) = spanned(&self.damping());
+        let mut missing = Matrix3::zeros();
+        for (_, n) in directions.iter().skip(rank.min(2)) {
+            missing += n * n.transpose();
+        }
+        let (mut transverse, mut force) = (Matrix3::zeros(), self.load);
+        for leg in taut.filter(|leg| leg.length > T::zero()) {
+            let weight = ahead * leg.numbers.stiffness * leg.stretch.max(T::zero()) / leg.length;
+            let u = missing * leg.direction;
+            let across = (missing - u * u.transpose()).map(|x| weight * x);
+            transverse += across;
+            force += across * (leg.velocity - self.mean);
+        }
+        let found = self.minimise(transverse, force);
+        let (_, rank) = spanned(&self.damping());
+        let pulls = self.carrying().0 > T::zero();
+        self.rank = rank;
+        self.spread = match pulls {
+            true => Spread::Algebraic,
+            false => Spread::Idle,
+        };
+        found
+    }
+
+    /// Moves the node to the minimum of Φ(w) + ½ wᵀ B w − f·w, where `transverse` is B and `force` f, with a vanishing dashpot beside: strictly
+    /// convex, so Newton with slope search finds its one minimum. The lines that pull there become the active set. `false`: not found.
+    fn minimise(&mut self, transverse: Matrix3<T>, force: Vector3<T>) -> bool {
         let damping = self.legs.iter().map(|leg| leg.numbers.damping);
         let largest = damping.fold(T::zero(), |most, c| most.max(c));
+        let dashpot = T::from_f64(DASHPOT).max(T::EPSILON * T::from_f64(1e3)) * largest;
         let mut problem = Dashed {
             legs: &self.legs,
-            load: self.load.as_slice(),
-            dashpot: T::from_f64(DASHPOT).max(T::EPSILON * T::from_f64(1e3)) * largest,
+            force: force.as_slice(),
+            beside: transverse + Matrix3::from_diagonal_element(dashpot),
         };
         let tolerance = Tolerance {
             relative: T::zero(),
@@ -431,11 +481,11 @@ impl<T: Float> RateNode<T> {
     }
 }
 
-/// The rate problem with a dashpot on the node: p is the slip w − v̄ [m/s], its gradient and stiffness are those of Φ.
+/// The rate problem with damping of the node itself: p is the slip w − v̄ [m/s], its gradient and stiffness are those of Φ.
 struct Dashed<'a, T: Float> {
     legs: &'a [Leg<T>],
-    load: &'a [T],
-    dashpot: T,
+    force: &'a [T],
+    beside: Matrix3<T>,
 }
 
 impl<T: Float> Balance<T> for Dashed<'_, T> {
@@ -444,13 +494,13 @@ impl<T: Float> Balance<T> for Dashed<'_, T> {
     }
 
     fn load(&self) -> &[T] {
-        self.load
+        self.force
     }
 
     fn evaluate(&mut self, p: &[T], _k: &[T], _l: &[T], out: &mut Evaluation<T>) {
         let slip = triple(p, 0);
-        let mut gradient = slip.map(|x| self.dashpot * x) - triple(self.load, 0);
-        let mut stiffness = Matrix3::from_diagonal_element(self.dashpot);
+        let mut gradient = self.beside * slip - triple(self.force, 0);
+        let mut stiffness = self.beside;
         let mut scale = T::zero();
         for leg in self.legs.iter().filter(|leg| leg.taut) {
             let pull = leg.pull_at(&slip);

@@ -112,6 +112,7 @@ impl<T: Float> Simulation<T> {
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
         self.limit_pace();
+        self.rebase();
         self.begin_noting()?;
         self.stale = false;
         Ok(())

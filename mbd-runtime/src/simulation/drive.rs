@@ -7,7 +7,6 @@ use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
 use crate::integrate::Verdict;
 use crate::trajectory::{Trajectory, resolution};
-use crate::watch::{NEGLIGIBLE, suggestion};
 
 /// A step beyond this says nothing about a scene [s].
 const LONGEST: f64 = 1e9;
@@ -18,8 +17,10 @@ impl<T: Float> Simulation<T> {
         self.enter()?;
         let steps = self.system.counters.steps;
         while self.system.counters.steps == steps {
-            let taken = self.advance(f64::INFINITY, &mut None);
-            taken.map_err(|cause| self.failed(cause))?;
+            if let Err(cause) = self.advance(f64::INFINITY, &mut None) {
+                self.go_back(&cause, &mut None)?;
+                return Err(self.failed(cause));
+            }
         }
         Ok(())
     }
@@ -57,6 +58,9 @@ impl<T: Float> Simulation<T> {
         self.enter()?;
         self.chatter.window = 1e-3 * (until - self.time);
         let outcome = self.drive_steps(until, &mut trajectory, go_on);
+        if let Err(cause) = &outcome {
+            self.go_back(cause, &mut trajectory)?;
+        }
         if let Some(trajectory) = trajectory {
             trajectory.statistics = self.system.statistics();
         }
@@ -129,15 +133,17 @@ impl<T: Float> Simulation<T> {
             if lands && until.is_finite() {
                 self.regrid();
             }
-            return Ok(());
+            return self.look_back();
         };
         if found.step > 0.0 {
+            self.watch_step(found.step)?;
             self.record_inside(found.step, trajectory)?;
             self.take(found.step, self.time + found.step)?;
         }
         self.regrid();
         let before = self.events.len();
         self.happen()?;
+        self.rebase();
         self.record_step(trajectory)?;
         if let Some(trajectory) = trajectory {
             for occurrence in self.events.get(before..).unwrap_or(&[]) {
@@ -177,7 +183,10 @@ impl<T: Float> Simulation<T> {
         }
         let tried = self.make_step(step);
         let Pace::Adaptive(control, norm) = &mut self.pace else {
-            return tried.map(|()| true);
+            return match tried {
+                Ok(()) => Ok(true),
+                Err(cause) => Err(self.blame(step, cause)),
+            };
         };
         let (verdict, failure) = match tried {
             Ok(()) => {
@@ -226,21 +235,6 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    fn watch_step(&mut self, step: f64) -> Result<(), StepError> {
-        if !self.watched {
-            return Ok(());
-        }
-        let stiffness = self.method.stiffness(&self.watch_weights, NEGLIGIBLE);
-        if self.watch.sees(stiffness) {
-            return Err(StepError::UnstableStep {
-                step_size: step,
-                rho: stiffness,
-                suggestion: suggestion(step, stiffness),
-            });
-        }
-        Ok(())
-    }
-
     /// Takes the last attempt: state, memory and time move on together.
     fn take(&mut self, step: f64, end: f64) -> Result<(), StepError> {
         self.system
@@ -255,7 +249,6 @@ impl<T: Float> Simulation<T> {
             false => Ok(()),
         };
         self.system.commit(step);
-        self.system.follow_angles(end, &self.state, false);
         begun?;
         if projected {
             self.begin_noting()?;

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use mbd_scene::{Float, Layout, Part, Scene};
+use mbd_scene::{Float, Layout, Scene};
 use nalgebra::{Quaternion, UnitQuaternion};
 
-use crate::columns::{body_name, node_name};
+use crate::columns::part_name;
 use crate::moving::moving;
 
 /// How far the start moved a body or a point with mass so that the joints hold: see [`Simulation::start_moved`](crate::Simulation::start_moved).
@@ -39,10 +39,7 @@ pub(super) fn moved<T: Float>(
         squares.sum::<f64>().sqrt()
     };
     let all = moving(layout).map(|part| Moved {
-        name: match part.part {
-            Part::Body(body) => body_name(scene, body).to_owned(),
-            Part::Point(point) | Part::Joint(point) => node_name(scene, point).to_owned(),
-        },
+        name: part_name(scene, part.part).to_owned(),
         distance: difference(part.position),
         angle: match part.attitude.len() {
             4 => {

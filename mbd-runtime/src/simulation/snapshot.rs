@@ -4,6 +4,7 @@ use mbd_scene::{Float, fingerprint};
 use serde::{Deserialize, Serialize};
 
 use super::{Pace, Simulation};
+use crate::balance::Balance;
 use crate::columns::state_names;
 use crate::error::{RunError, StepError};
 use crate::fallback::SavedStrategy;
@@ -15,7 +16,7 @@ use crate::watch::Watch;
 ///
 /// The inputs that are held belong to it, and when each controller is called next. What functions of time and state and controllers remember does
 /// not: give the run they are restored into the same ones, in the same order.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot<T> {
     scene: u64,
     time: f64,
@@ -26,6 +27,7 @@ pub struct Snapshot<T> {
     control: Option<Control>,
     watch: Watch,
     watch_weights: Vec<T>,
+    balance: Option<Balance>,
     sides: Vec<bool>,
     drift: f64,
     rows: SavedStrategy,
@@ -46,29 +48,37 @@ impl<T> Snapshot<T> {
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::snapshot`] does.
     pub(crate) fn save(&self) -> Snapshot<T> {
-        Snapshot {
+        let mut snapshot = Snapshot {
             scene: self.fingerprint(),
-            time: self.time,
-            origin: self.origin,
-            count: self.count,
-            state: self.state.clone(),
-            memory: self.system.memory.clone(),
-            control: match &self.pace {
-                Pace::Fixed(_) => None,
-                Pace::Adaptive(control, _) => Some(control.clone()),
-            },
-            watch: self.watch,
-            watch_weights: self.watch_weights.clone(),
-            sides: self.margins.sides.clone(),
-            drift: self.system.drift,
-            rows: self.system.fallback.saved(),
-            held: (self.system.held.clone(), self.system.unsupplied),
-            samples: self
-                .samplers
-                .iter()
-                .map(|sampler| (sampler.from, sampler.next))
-                .collect(),
-        }
+            ..Snapshot::default()
+        };
+        self.save_into(&mut snapshot);
+        snapshot
+    }
+
+    /// Writes a snapshot of this run into the room of another one of it.
+    pub(super) fn save_into(&self, to: &mut Snapshot<T>) {
+        to.time = self.time;
+        to.origin = self.origin;
+        to.count = self.count;
+        to.state.clone_from(&self.state);
+        to.memory.copy_from(&self.system.memory);
+        to.control = match &self.pace {
+            Pace::Fixed(_) => None,
+            Pace::Adaptive(control, _) => Some(control.clone()),
+        };
+        to.watch = self.watch;
+        to.watch_weights.clone_from(&self.watch_weights);
+        to.balance = self.balance;
+        to.sides.clone_from(&self.margins.sides);
+        to.drift = self.system.drift;
+        self.system.fallback.save(&mut to.rows);
+        to.held.0.clone_from(&self.system.held);
+        to.held.1 = self.system.unsupplied;
+        to.samples.clear();
+        let samplers = self.samplers.iter();
+        to.samples
+            .extend(samplers.map(|sampler| (sampler.from, sampler.next)));
     }
 
     /// A number that another scene does not have: of its names and sizes, not of its parameters.
@@ -114,6 +124,7 @@ impl<T: Float> Simulation<T> {
             (sampler.from, sampler.next) = *saved;
         }
         self.watch = snapshot.watch;
+        self.balance = snapshot.balance;
         self.margins.sides.copy_from_slice(&snapshot.sides);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
             *control = saved.clone();
@@ -126,6 +137,7 @@ impl<T: Float> Simulation<T> {
             .method
             .begin(&mut self.system, self.time, 0.0, &self.state);
         self.system.fallback.commit();
+        self.resume_watch(snapshot);
         self.system.follow_angles(self.time, &self.state, true);
         let commanded = self.system.follow_commands(self.time, None, &self.state);
         commanded.map_err(|cause| self.failed(cause))?;

@@ -10,13 +10,16 @@ use mbd_scene::{
 };
 
 use super::moved::moved;
-use super::{Pace, Simulation};
+use super::stability::Meter;
+use super::{Pace, Simulation, Snapshot};
 use crate::chatter::Chatter;
 use crate::columns::{input_name, node_name, state_names};
 use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Resolution, Scales, TSIT5};
 use crate::options::{Method, Options};
+use crate::rounding::Rounding;
+use crate::stiffness::Stiffness;
 use crate::supply::Law;
 use crate::system::{System, WORKS};
 use crate::watch::Watch;
@@ -39,9 +42,12 @@ impl<T: Float> Simulation<T> {
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
         system.projection.length = scales.length;
-        let resolution = Resolution::new(&*model, scales);
+        let stiffness = Stiffness::new(&*model);
+        let resolution = Resolution::new(model.layout(), &stiffness, scales);
         let fixed = matches!(options.method, Method::Rk4 { .. });
         let length = system.length();
+        let arm = system.projection.any().then(|| system.reach());
+        let rounding = Rounding::new(model.layout(), &stiffness, scales, arm);
         let starts = starts(model.scene(), model.params());
         let (method, pace, tolerance) = match options.method {
             Method::Rk4 { step } => (Explicit::new(&RK4, length), Pace::Fixed(step), 1e-10),
@@ -97,6 +103,11 @@ impl<T: Float> Simulation<T> {
             watch: Watch::default(),
             watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(&*model).is_none(),
+            balance: None,
+            meter: Meter::Nothing,
+            good: Snapshot::default(),
+            rounding,
+            rounded: 0.0,
             origin: 0.0,
             count: 0,
             options,
@@ -226,7 +237,6 @@ impl<T: Float> Simulation<T> {
         self.as_declared = false;
         self.origin = self.time;
         self.count = 0;
-        self.watch = Watch::default();
         self.chatter = Chatter::new();
         self.stalled = f64::NAN;
         let started = self.consistent_start();
@@ -249,7 +259,7 @@ impl<T: Float> Simulation<T> {
         assembled?;
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
-        self.watch_weights = self.system.watch_weights(self.time, &self.state)?;
+        self.begin_watch()?;
         self.method
             .begin(&mut self.system, self.time, 0.0, &self.state)?;
         self.system
@@ -267,7 +277,10 @@ impl<T: Float> Simulation<T> {
         }
         self.system.follow_angles(self.time, &self.state, true);
         self.system.follow_commands(self.time, None, &self.state)?;
-        self.begin_margins(&mut |_| ())
+        self.begin_margins(&mut |_| ())?;
+        self.begin_balance();
+        self.rounded = 0.0;
+        self.watch_rounding()
     }
 }
 

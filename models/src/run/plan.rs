@@ -5,8 +5,7 @@ use std::fmt;
 use mbd_compiler::{nearest, read_number};
 use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
-    InputSource, JointForces, JointStart, Line, NodeModel, Part, PlacementError, Scene,
-    declared_parts, place_declared,
+    InputSource, JointStart, NodeModel, Part, PlacementError, Scene, declared_parts, place_declared,
 };
 use mbd_runtime::{Content, Generic, Layout, Name, Options, Sampling, Trajectory, state_names};
 use toml::{Table, Value};
@@ -197,26 +196,7 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
         options.max_steps = steps;
     }
     // The balance of energy needs the work of what gives and takes it.
-    let damped = |line: &Line| !scene.is_zero(&line.damping);
-    let moves = scene.world_frames.iter().any(|frame| frame.moves(scene));
-    let acts = |forces: &JointForces| {
-        let springs_apart = [
-            &forces.damping,
-            &forces.friction,
-            &forces.stop_damping,
-            &forces.force,
-            &forces.motor,
-        ];
-        springs_apart.iter().any(|field| field.is_some())
-    };
-    let driven = scene
-        .joints
-        .iter()
-        .flat_map(|joint| &joint.forces)
-        .any(acts);
-    let wound = scene.lines.iter().any(|line| line.is_wound(scene));
-    options.work =
-        moves || driven || wound || !scene.loads.is_empty() || scene.lines.iter().any(damped);
+    options.work = scene.exchanges_energy();
     Ok(options)
 }
 

@@ -11,3 +11,4 @@ mod linearise;
 mod models;
 mod networks;
 mod parachute;
+mod rank;

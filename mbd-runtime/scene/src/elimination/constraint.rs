@@ -277,8 +277,10 @@ impl<S: Real> Constraints<S> {
         let layout = evaluation.layout;
         for (index, slots) in layout.joints.iter().enumerate() {
             let Some(step) = layout.elimination.step_of(Part::Joint(index)) else {
-                if what == Quantity::Reactions {
-                    out[6 * index..6 * index + 6].fill(S::zero());
+                // Without any row in the scene there is not even room for reactions.
+                let own = out.get_mut(6 * index..6 * index + 6);
+                if let (Quantity::Reactions, Some(own)) = (what, own) {
+                    own.fill(S::zero());
                 }
                 continue;
             };

@@ -1,0 +1,345 @@
+//! Whether a run can be trusted: stages and energy of each step, the last good state, and the way back to it.
+
+use mbd_scene::{Float, Gravity, Quantity};
+
+use super::{Pace, Simulation, Snapshot};
+use crate::balance::{Balance, Imbalance, Reading};
+use crate::columns::part_name;
+use crate::error::{RunError, Source, StepError};
+use crate::rounding::REFUSED;
+use crate::system::WORKS;
+use crate::trajectory::Trajectory;
+use crate::watch::{Instability, NEGLIGIBLE, Watch};
+
+/// How many steps lie between two good states that are remembered, and between two looks at an energy that the laws must be asked for.
+const OFTEN: u64 = 10;
+const SELDOM: u64 = 50;
+
+/// How the energy of a run is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Meter {
+    /// It is not.
+    Nothing,
+    /// By the model at every step; whether anything but motion, gravity and springs gives or takes it.
+    Model { exchanges: bool },
+    /// By the laws, now and then: the model was not asked to emit it, and nothing gives or takes it.
+    Laws,
+}
+
+impl<T: Float> Simulation<T> {
+    /// Energy that the run made or lost so far, over the energy that moved: an estimate of what its steps got wrong of everything that has an energy.
+    /// `None` where it cannot be told: gravity is the caller's, the model does not emit its energy, adaptive steps do not integrate
+    /// the [work](crate::Options::work) of what gives and takes it, or nothing has run yet.
+    #[must_use]
+    pub fn imbalance(&self) -> Option<Imbalance> {
+        self.balance.as_ref().map(Balance::imbalance)
+    }
+
+    /// Begins to watch a run at its start.
+    pub(super) fn begin_watch(&mut self) -> Result<(), StepError> {
+        self.watch = Watch::default();
+        self.watch_weights = match self.pace {
+            Pace::Fixed(step) => self.system.watch_weights(self.time, &self.state, step)?,
+            Pace::Adaptive(..) => vec![T::zero(); self.system.nx],
+        };
+        Ok(())
+    }
+
+    /// Begins to follow the energy of a run, once its first stage is evaluated.
+    pub(super) fn begin_balance(&mut self) {
+        self.meter = self.find_meter();
+        let start = self
+            .system
+            .energy_and_power(self.meter, self.time, &self.state);
+        self.balance = start.map(|start| {
+            let mut balance = Balance::default();
+            balance.take_up(start);
+            balance
+        });
+        self.good = if self.watched {
+            self.save()
+        } else {
+            Snapshot::default()
+        };
+    }
+
+    /// Goes on watching from a snapshot, once its first stage is evaluated.
+    pub(super) fn resume_watch(&mut self, from: &Snapshot<T>) {
+        self.meter = self.find_meter();
+        if self.watched {
+            self.good = from.clone();
+        }
+    }
+
+    fn find_meter(&mut self) -> Meter {
+        let scene = self.system.model.scene();
+        let exchanges = scene.exchanges_energy();
+        let integrates = self.system.length() > self.system.nx;
+        let tells = match self.pace {
+            Pace::Fixed(_) => integrates || (self.watched && !self.is_driven()),
+            Pace::Adaptive(..) => !exchanges || integrates,
+        };
+        if !self.options.watch || !tells || scene.gravity == Gravity::Field {
+            return Meter::Nothing;
+        }
+        let model = Meter::Model { exchanges };
+        match self.system.energy_and_power(model, self.time, &self.state) {
+            Some(_) => model,
+            None if exchanges => Meter::Nothing,
+            None => Meter::Laws,
+        }
+    }
+
+    /// Whether motions are prescribed: joints and frames that move put the run where it has to be, however long its steps, and what is wrong
+    /// with the balance then is the work of what prescribes them.
+    fn is_driven(&self) -> bool {
+        let (scene, layout) = (self.system.model.scene(), self.system.model.layout());
+        let moves = scene.world_frames.iter().any(|frame| frame.moves(scene));
+        moves || layout.joints.iter().any(|slots| slots.driven)
+    }
+
+    /// Takes up the energy anew after something jumped.
+    pub(crate) fn rebase(&mut self) {
+        let Some(balance) = &mut self.balance else {
+            return;
+        };
+        if let Some(now) = self
+            .system
+            .energy_and_power(self.meter, self.time, &self.state)
+        {
+            balance.take_up(now);
+        }
+    }
+
+    /// Looks at the attempted step before it is taken: the stages of a fixed step, then the energy at its end.
+    ///
+    /// # Errors
+    /// The step is too long.
+    pub(super) fn watch_step(&mut self, step: f64) -> Result<(), StepError> {
+        let end = self.time + step;
+        let jumped = self.system.follow_angles(end, self.method.next(), false);
+        if self.watched {
+            let rho = self.method.stiffness(&self.watch_weights, NEGLIGIBLE);
+            if self.watch.sees(rho) {
+                return Err(self.unstable(step, Instability::Stages(rho)));
+            }
+        }
+        let Some(mut balance) = self.balance else {
+            return Ok(());
+        };
+        // The step to be taken is not counted yet.
+        let seldom = (self.system.counters.steps + 1) % SELDOM == 0;
+        if self.meter == Meter::Laws && !seldom {
+            return Ok(());
+        }
+        let Some(now) = self
+            .system
+            .energy_and_power(self.meter, end, self.method.next())
+        else {
+            return Ok(());
+        };
+        if jumped {
+            // The torque of a spring jumped with its angle, which is counted.
+            balance.take_up(now);
+            self.balance = Some(balance);
+            return Ok(());
+        }
+        let work = self.work_of(&balance, step, &now);
+        balance.take(step, work, now);
+        let excess = self.excess(&balance);
+        if Watch::is_too_much(excess) {
+            return Err(self.unstable(step, Instability::Energy(excess)));
+        }
+        self.balance = Some(balance);
+        Ok(())
+    }
+
+    /// Work of what gives and takes energy in the attempted step [J].
+    fn work_of(&mut self, balance: &Balance, step: f64, end: &Reading) -> f64 {
+        let nx = self.system.nx;
+        if self.system.length() > nx {
+            let sum = |state: &[T]| -> f64 {
+                state
+                    .iter()
+                    .skip(nx)
+                    .take(WORKS)
+                    .map(|work| work.to_f64())
+                    .sum()
+            };
+            return sum(self.method.next()) - sum(&self.state);
+        }
+        if !matches!(self.meter, Meter::Model { exchanges: true }) {
+            return 0.0;
+        }
+        let middle = match balance.is_fresh() {
+            true => self.power_inside(0.5, step),
+            false => None,
+        };
+        balance.work(step, middle, end.power)
+    }
+
+    /// The power inside the attempted step [W].
+    fn power_inside(&mut self, theta: f64, step: f64) -> Option<f64> {
+        self.inside_state(theta, step);
+        let span = theta * step;
+        let time = self.time + span;
+        self.system.look(time, span, &self.inside).ok()?;
+        let mut energy = self.system.energy;
+        self.system
+            .seen(Quantity::Energy, time, &self.inside, &mut energy);
+        let power = energy.iter().skip(3).map(|power| power.to_f64()).sum();
+        f64::is_finite(power).then_some(power)
+    }
+
+    /// After an accepted step, now and then: what rounding makes of forces there, and a state in which nothing grows is remembered.
+    ///
+    /// # Errors
+    /// Positions so far from the origin that forces have no digits left.
+    pub(super) fn look_back(&mut self) -> Result<(), StepError> {
+        if self.system.counters.steps % OFTEN == 0 {
+            self.watch_rounding()?;
+        }
+        self.remember_good();
+        Ok(())
+    }
+
+    /// The most that rounding of positions made so far of what accelerates a body or a point through lines, springs and stops, or of an arm of the
+    /// joints, at the start and at every tenth step: far from the origin of the world differences of positions have few digits. A run
+    /// does not go beyond a tenth; from a thousandth on its forces have less than three digits.
+    #[must_use]
+    pub fn rounding(&self) -> f64 {
+        self.rounded
+    }
+
+    pub(super) fn watch_rounding(&mut self) -> Result<(), StepError> {
+        let Some(hurt) = self.rounding.worst(&self.state, self.method.first()) else {
+            return Ok(());
+        };
+        self.rounded = self.rounded.max(hurt.share);
+        if hurt.share < REFUSED {
+            return Ok(());
+        }
+        let scene = self.system.model.scene();
+        Err(StepError::FarFromOrigin {
+            part: part_name(scene, hurt.part).to_owned(),
+            distance: hurt.distance,
+            share: hurt.share,
+        })
+    }
+
+    /// Remembers a state in which nothing grows, now and then.
+    fn remember_good(&mut self) {
+        let every = if self.meter == Meter::Laws {
+            SELDOM
+        } else {
+            OFTEN
+        };
+        if !self.watched || self.system.counters.steps % every != 0 {
+            return;
+        }
+        if self.is_calm() {
+            let mut good = std::mem::take(&mut self.good);
+            self.save_into(&mut good);
+            self.good = good;
+        }
+    }
+
+    /// What steps that are too long made (positive) or lost of the energy that moved; zero in a run that is not judged by it.
+    fn excess(&self, balance: &Balance) -> f64 {
+        match self.watched && !self.is_driven() {
+            true => balance.excess(T::EPSILON.to_f64()),
+            false => 0.0,
+        }
+    }
+
+    /// Whether nothing has begun to grow.
+    fn is_calm(&self) -> bool {
+        let excess = self
+            .balance
+            .as_ref()
+            .map_or(0.0, |balance| self.excess(balance));
+        self.watch.is_calm(excess)
+    }
+
+    /// Why a step cannot be made: where a fixed-step run has begun to grow, its step is too long, though joints come apart or numbers overflow first.
+    #[cold]
+    pub(super) fn blame(&self, step: f64, cause: StepError) -> StepError {
+        let excess = self
+            .balance
+            .as_ref()
+            .map_or(0.0, |balance| self.excess(balance));
+        match cause {
+            StepError::JointsApart { .. }
+            | StepError::NonFinite {
+                source: Source::State(_),
+                ..
+            } if self.watched && !self.is_calm() => {
+                self.unstable(step, Instability::Energy(excess))
+            }
+            cause => cause,
+        }
+    }
+
+    #[cold]
+    fn unstable(&self, step_size: f64, what: Instability) -> StepError {
+        StepError::UnstableStep {
+            time: self.time + step_size,
+            step_size,
+            what,
+            suggestion: what.suggestion(step_size),
+        }
+    }
+
+    /// After a step that is too long: back to the last good state, and what was recorded since is dropped.
+    #[cold]
+    pub(super) fn go_back(
+        &mut self,
+        cause: &StepError,
+        trajectory: &mut Option<&mut Trajectory>,
+    ) -> Result<(), RunError> {
+        if !matches!(cause, StepError::UnstableStep { .. }) {
+            return Ok(());
+        }
+        let good = std::mem::take(&mut self.good);
+        let back = self.continue_from(&good);
+        self.good = good;
+        let time = self.time;
+        self.events.retain(|event| event.time <= time);
+        if let Some(trajectory) = trajectory {
+            trajectory.cut(time);
+        }
+        back
+    }
+}
+
+impl<T: Float> crate::system::System<T> {
+    /// Energy and power at the stage that was evaluated last; `None` where one of them is not a number.
+    fn energy_and_power(&mut self, meter: Meter, time: f64, state: &[T]) -> Option<Reading> {
+        let mut energy = [0.0; 6];
+        match meter {
+            Meter::Nothing => return None,
+            Meter::Laws => self.by_laws(Quantity::Energy, time, state, &mut energy),
+            Meter::Model { .. } => {
+                self.supply(time, state.get(..self.nx).unwrap_or_default())
+                    .ok()?;
+                self.read_energy(time, state);
+                for (to, from) in energy.iter_mut().zip(&self.energy) {
+                    *to = from.to_f64();
+                }
+            }
+        }
+        let [kinetic, gravitational, elastic, powers @ ..] = energy;
+        let power = match meter {
+            Meter::Model { exchanges: true } => powers.iter().sum(),
+            _ => 0.0,
+        };
+        let reading = Reading {
+            energies: [kinetic, gravitational, elastic],
+            power,
+        };
+        let all = reading.energies.iter().chain([&reading.power]);
+        all.fold(0.0, |sum, x| sum + x)
+            .is_finite()
+            .then_some(reading)
+    }
+}

@@ -1,0 +1,182 @@
+//! Rate nodes whose taut lines fall into one line or plane.
+
+use mbd_compiler::Interpreted;
+use mbd_runtime::{Model, Options, Quantity, Simulation};
+use tests::declared::read;
+use tests::largest_difference;
+
+/// Case 2 of AAS 03-163 on bridles of unequal length.
+fn unequal(confluence: &str, lengths: [f64; 3]) -> mbd_scene::Scene {
+    let legs: String = (0..3)
+        .map(|i| {
+            format!(
+                "line leg_{i} from capsule.bridle_{i} to confluence {{ free_length: {} m, stiffness: 47 kN/m, damping: 470 N*s/m }}\n",
+                lengths[i]
+            )
+        })
+        .collect();
+    read(&format!(
+        "model Drop {{
+            gravity: point_mass {{ mu: 4.2828e13 m^3/s^2, center: [0.0, 0.0, -3404590.0] m }};
+            body chute {{
+                mass: 16.0 kg,
+                inertia: diag(700.0, 700.0, 220.0) kg*m^2,
+                frame riser_end at [0.0, 0.0, -22.0] m,
+                frame cp at [0.0, 0.0, 1.57] m,
+            }}
+            body capsule {{
+                mass: 761.0 kg,
+                inertia: diag(235.0, 225.0, 290.0) kg*m^2,
+                frame bridle_0 at polar(0.6 m, 20 deg, 1.23 m),
+                frame bridle_1 at polar(0.6 m, 140 deg, 1.23 m),
+                frame bridle_2 at polar(0.6 m, 260 deg, 1.23 m),
+            }}
+            joint chute_free: free from world to chute.com;
+            joint capsule_free: free from world to capsule.com;
+            point confluence {{ {confluence} }}
+            line riser from chute.riser_end to confluence {{ free_length: 4.0 m, stiffness: 60 kN/m, damping: 600 N*s/m }}
+            {legs}
+            load drag on chute at cp = -0.5 * 0.014 kg/m^3 * 0.46 * 178.8 m^2 * norm(chute.velocity) * chute.velocity;
+        }}"
+    ))
+}
+
+/// A drop from rest, the riser 1 cm short of taut if the bridles were equal.
+fn drop(model: &dyn Model<f64>, options: Options) -> Simulation<f64> {
+    let mut simulation = Simulation::new(model, options).expect("options that fit");
+    let mut state = vec![0.0; model.layout().nx()];
+    (state[2], state[3], state[10]) = (28.59, 1.0, 1.0);
+    simulation.set_state(0.0, &state).expect("a state");
+    simulation
+}
+
+/// Riser force every tenth of a second up to `end` [N].
+fn riser(model: &dyn Model<f64>, options: Options, end: usize) -> Vec<f64> {
+    let mut simulation = drop(model, options);
+    let mut lines = [0.0; 40];
+    let forces = (1..=end).map(|tenth| {
+        simulation
+            .run(tenth as f64 * 0.1)
+            .unwrap_or_else(|error| panic!("{error}"));
+        let found = simulation.evaluate(Quantity::Lines, &mut lines);
+        found.expect("a balance");
+        lines[0]
+    });
+    forces.collect()
+}
+
+fn interpreted(confluence: &str, lengths: [f64; 3]) -> Interpreted<f64> {
+    Interpreted::new(unequal(confluence, lengths), &[]).expect("no params")
+}
+
+#[test]
+fn a_drop_on_unequal_bridles_runs_through() {
+    // With three lines carrying in one plane a fourth comes taut: it spans the direction that was missing.
+    for lengths in [
+        [1.5, 1.45, 1.55],
+        [1.5, 1.4, 1.6],
+        [1.5, 1.3, 1.7],
+        [1.5, 1.5, 1.52],
+    ] {
+        let model = interpreted("equilibrium: rate", lengths);
+        let exact = riser(&model, Options::tsit5(1e-9), 100);
+        let found = riser(&model, Options::tsit5(1e-6), 100);
+        let error = largest_difference(&found[20..], &exact[20..]);
+        println!(
+            "{lengths:?}: {error:.2e} N after 2 s, {} N at the end",
+            exact[99]
+        );
+        assert!(error < 0.2, "{lengths:?}: {error} N");
+        let coarse = riser(&model, Options::rk4(0.005), 100);
+        assert!(
+            coarse
+                .iter()
+                .all(|force| *force >= 0.0 && force.is_finite())
+        );
+    }
+}
+
+#[test]
+fn a_line_that_leaves_the_plane_of_the_carrying_ones_pulls_as_on_a_vanishing_mass() {
+    // Three lines hold the knot in the plane y = 0; from 20 ms on a tug draws it out of that plane by a fourth.
+    let tensions = |knot: &str| {
+        let scene = read(&format!(
+            "model Tug {{
+                gravity: none;
+                world {{ frame top at [0.0, 0.0, 4.0] m, frame left at [-0.9, 0.0, -1.2] m, frame right at [0.9, 0.0, -1.2] m, }}
+                point tug {{ mass: 1e9 kg }}
+                point knot {{ {knot} }}
+                line riser from world.top to knot {{ free_length: 3.99 m, stiffness: 60 kN/m, damping: 600 N*s/m }}
+                line port from world.left to knot {{ free_length: 1.49 m, stiffness: 47 kN/m, damping: 470 N*s/m }}
+                line starboard from world.right to knot {{ free_length: 1.49 m, stiffness: 47 kN/m, damping: 470 N*s/m }}
+                line tow from tug to knot {{ free_length: 1.0 m, stiffness: 47 kN/m, damping: 470 N*s/m }}
+            }}"
+        ));
+        let model = Interpreted::<f64>::new(scene, &[]).expect("no params");
+        let mut simulation = Simulation::new(&model, Options::tsit5(1e-8)).expect("options");
+        let layout = model.layout();
+        let mut state = vec![0.0; layout.nx()];
+        state[1] = 0.99;
+        state[layout.nq + 1] = 0.5;
+        simulation.set_state(0.0, &state).expect("a state");
+        if !layout.nodes.is_empty() {
+            simulation.set_nodes(&[0.0; 3]).expect("a guess");
+        }
+        let mut lines = [0.0; 40];
+        let mut seen = Vec::new();
+        for step in 1..=10 {
+            simulation
+                .run(0.02 * f64::from(step))
+                .unwrap_or_else(|error| panic!("{knot}: {error}"));
+            simulation
+                .evaluate(Quantity::Lines, &mut lines)
+                .expect("a balance");
+            seen.extend(lines.chunks_exact(10).map(|line| line[0]));
+        }
+        seen
+    };
+    let limit = tensions("equilibrium: rate");
+    // Out of the plane T₄ balances what the other three turned by.
+    assert!(limit[39] > 50.0, "{limit:?}");
+    let errors = [0.1, 0.01, 0.001].map(|mass| {
+        let found = tensions(&format!("mass: {mass} kg"));
+        largest_difference(&found[8..], &limit[8..])
+    });
+    println!("{errors:?} N of {limit:?}");
+    assert!(errors[2] < 0.02 && errors[1] < 0.2 * errors[0] && errors[2] < 0.2 * errors[1]);
+}
+
+#[test]
+fn a_misaligned_pair_jumps_to_its_tension_when_it_is_straight() {
+    // Known to the length of the last step before it, long ones jump early: y → 0 after t* = C/K ln((d₀ − L0)/(a − L0)), with a velocity that grows without bound; then K (a − L0) at once.
+    let scene = read(
+        "model Pair {
+            gravity: none;
+            world { frame left at [-1.5, 0.0, 0.0] m, frame right at [1.5, 0.0, 0.0] m, }
+            point knot { equilibrium: rate }
+            line port from world.left to knot { free_length: 1.499 m, stiffness: 47 kN/m, damping: 470 N*s/m }
+            line starboard from world.right to knot { free_length: 1.499 m, stiffness: 47 kN/m, damping: 470 N*s/m }
+        }",
+    );
+    let jump = 0.01 * (((2.25f64 + 0.01).sqrt() - 1.499) / 0.001).ln();
+    let model = Interpreted::<f64>::new(scene, &[]).expect("no params");
+    for (options, within) in [(Options::tsit5(1e-9), 2e-4), (Options::rk4(1e-4), 2e-4)] {
+        let mut simulation = Simulation::new(&model, options).expect("options");
+        simulation
+            .set_state(0.0, &[0.0, 0.1, 0.0])
+            .expect("a state");
+        let mut tension = |time: f64| {
+            simulation
+                .run(time)
+                .unwrap_or_else(|error| panic!("{error}"));
+            let mut lines = [0.0; 20];
+            let found = simulation.evaluate(Quantity::Lines, &mut lines);
+            found.expect("a balance");
+            lines[0]
+        };
+        let (before, after) = (tension(jump - within), tension(jump + within));
+        println!("{:?}: {before:e} N, then {after} N", options.method);
+        assert!(before.abs() < 1e-6, "{before} N before {jump} s");
+        assert!((after - 47.0).abs() < 1e-6, "{after} N after {jump} s");
+    }
+}

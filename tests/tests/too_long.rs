@@ -1,0 +1,312 @@
+//! Fixed steps that are too long for what they have to follow are found before the damage, with a good state to go on from; and the energy that a
+//! run reports to have made or lost is what it made or lost.
+
+use mbd_runtime::{
+    Content, Generic, Instability, Model, Options, Quantity, Sampling, Scalar, Simulation,
+    StepError, Trajectory, model,
+};
+use tests::declared::read;
+
+/// The energy that a run may lose before it is stopped, over the energy that moved; at a state that it calls good a tenth of it.
+const ALLOWED: f64 = 0.02;
+
+/// A scene of the extremes: what is declared, where it starts by joint coordinates or by its state, a step that is too long and one that is not [s].
+struct Extreme {
+    what: &'static str,
+    text: &'static str,
+    /// Changes of the declared start.
+    speeds: &'static [(usize, f64)],
+    long: f64,
+    short: f64,
+    until: f64,
+}
+
+const FREE_BODY: &str = "model Free { gravity: none; body b { mass: 1 kg, inertia: diag(1, 2, 3) kg*m^2 } joint loose: free from world to b.com; }";
+
+const EXTREMES: &[Extreme] = &[
+    Extreme {
+        what: "a free body at 1e4 rad/s, near its middle axis",
+        text: FREE_BODY,
+        speeds: &[(7 + 3, 10.0), (7 + 4, 1e4), (7 + 5, 10.0)],
+        long: 1e-4,
+        short: 2e-6,
+        until: 0.1,
+    },
+    Extreme {
+        what: "a chain of two",
+        text: "model Chain { gravity: [0, 0, -9.81] m/s^2;
+            body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+            body b { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+            joint p: hinge from world to a.top { axis: y, start: 1.5 rad }
+            joint q: hinge from a.end to b.top { axis: y, start: 0.5 rad } }",
+        speeds: &[],
+        long: 0.1,
+        short: 0.005,
+        until: 20.0,
+    },
+    Extreme {
+        what: "a chain of four of masses 1 to 1000",
+        text: "model Uneven { gravity: [0, 0, -9.81] m/s^2;
+            const M = 1 kg; const J = 0.1 kg*m^2;
+            body a { mass: M, inertia: diag(J, J, J), frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+            body b { mass: 10 * M, inertia: diag(10 * J, 10 * J, J), frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+            body c { mass: 100 * M, inertia: diag(100 * J, 100 * J, J), frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+            body d { mass: 1000 * M, inertia: diag(J, J, J), frame top at [0, 0, 0.5] m }
+            joint p: hinge from world to a.top { axis: y, start: 1.5 rad }
+            joint q: hinge from a.end to b.top { axis: y, start: 0.5 rad }
+            joint r: hinge from b.end to c.top { axis: y, start: 0.5 rad }
+            joint s: hinge from c.end to d.top { axis: y, start: 0.5 rad } }",
+        speeds: &[],
+        long: 0.02,
+        short: 5e-4,
+        until: 5.0,
+    },
+    Extreme {
+        what: "a point through a centre of gravity",
+        text: "model Fall { gravity: point_mass { mu: 3.986e14 m^3/s^2, center: [0, 0, 0] m }; point p { mass: 1 kg } }",
+        speeds: &[(0, 7e6), (4, 10.0)],
+        long: 1.0,
+        short: 1.0,
+        until: 2000.0,
+    },
+    Extreme {
+        what: "bouncing on a stiff line",
+        text: "model Bounce { gravity: [0, 0, -9.81] m/s^2; point bob { mass: 1 kg }
+            line rope from world to bob { free_length: 1 m, stiffness: 1e6 N/m, damping: 0 N*s/m } }",
+        speeds: &[],
+        long: 1e-3,
+        short: 1e-5,
+        until: 3.0,
+    },
+    Extreme {
+        what: "a spring at hω = 1, which fades without a damper",
+        text: "model Fades { gravity: none; point bob { mass: 1 kg }
+            spring s from world to bob { free_length: 1 m, stiffness: 1e4 N/m, damping: 0 N*s/m } }",
+        speeds: &[(0, 1.1)],
+        long: 1e-2,
+        short: 1e-3,
+        until: 5.0,
+    },
+    Extreme {
+        what: "a damper that is too stiff",
+        text: "model Damped { gravity: [0, 0, -9.81] m/s^2; body b { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+            joint rail: prismatic from world to b.com { axis: z, damping: 400 N*s/m } }",
+        speeds: &[],
+        long: 1e-2,
+        short: 1e-3,
+        until: 2.0,
+    },
+    Extreme {
+        what: "a line that is stiffer than the step can follow by far",
+        text: "model Gross { gravity: [0, 0, -9.81] m/s^2; point bob { mass: 1 kg }
+            line rope from world to bob { free_length: 1 m, stiffness: 1e8 N/m, damping: 10 N*s/m } }",
+        speeds: &[(2, -1.001)],
+        long: 0.1,
+        short: 1e-5,
+        until: 1.0,
+    },
+];
+
+fn begin(extreme: &Extreme, step: f64) -> Simulation<f64> {
+    let model = Generic::<f64>::with_defaults(read(extreme.text)).expect("defaults");
+    let mut run = Simulation::new(&model, Options::rk4(step)).expect("options");
+    if !extreme.speeds.is_empty() {
+        let mut state = run.state().to_vec();
+        for (slot, value) in extreme.speeds {
+            state[*slot] = *value;
+        }
+        run.set_state(0.0, &state).expect("a state");
+    }
+    run
+}
+
+#[test]
+fn a_step_that_is_too_long_is_found_before_the_damage_whatever_moves() {
+    for extreme in EXTREMES {
+        let mut run = begin(extreme, extreme.long);
+        let found = run.run(extreme.until).map_err(|error| error.cause);
+        let Err(StepError::UnstableStep {
+            time,
+            step_size,
+            suggestion,
+            what,
+        }) = found
+        else {
+            panic!("{}: {found:?}, {:?}", extreme.what, run.imbalance());
+        };
+        println!(
+            "{}: {what} at {time} s, back to {} s, try {suggestion:.2e}",
+            extreme.what,
+            run.time()
+        );
+        assert!(
+            run.time() < time && suggestion < step_size,
+            "{}",
+            extreme.what
+        );
+        // Where it stands nothing has grown.
+        let kept = run.imbalance().expect("a balance");
+        assert!(
+            kept.relative() <= 0.1 * ALLOWED,
+            "{}: {kept:?}",
+            extreme.what
+        );
+        assert!(
+            run.state().iter().all(|x| x.abs() < 1e8),
+            "{}",
+            extreme.what
+        );
+    }
+}
+
+#[test]
+fn a_step_that_is_short_enough_is_left_alone() {
+    for extreme in EXTREMES
+        .iter()
+        .filter(|extreme| extreme.short < extreme.long)
+    {
+        let mut run = begin(extreme, extreme.short);
+        let ran = run.run(extreme.until);
+        println!("{}: {:?}", extreme.what, run.imbalance());
+        ran.unwrap_or_else(|error| panic!("{}: {error}", extreme.what));
+        let kept = run.imbalance().expect("a balance").relative();
+        assert!(kept < ALLOWED, "{}: {kept:e}", extreme.what);
+    }
+}
+
+#[test]
+fn the_run_stands_where_the_same_run_stopped_there_would_and_its_history_ends_there() {
+    for extreme in EXTREMES {
+        let mut run = begin(extreme, extreme.long);
+        let model = run.model().clone();
+        let mut history = Trajectory::new(&*model, Sampling::Steps, Content::ALL);
+        run.record(extreme.until, &mut history)
+            .expect_err("too long a step");
+        let last = *history.times().last().expect("the start is a row");
+        assert!(last <= run.time(), "{}: {last}", extreme.what);
+        assert!(history.events.iter().all(|(at, _)| *at <= run.time()));
+
+        let mut same = begin(extreme, extreme.long);
+        same.start().expect("a start");
+        while same.time() < run.time() {
+            same.step().expect("a step before the growth");
+        }
+        assert_eq!(run.snapshot(), same.snapshot(), "{}", extreme.what);
+
+        if extreme.short == extreme.long {
+            continue;
+        }
+        // And it goes on with a step that is short enough.
+        let mut shorter = begin(extreme, extreme.short);
+        shorter
+            .set_state(run.time(), run.state())
+            .expect("a good state");
+        let more = 10.0 * extreme.short;
+        shorter.run(run.time() + more).expect("a short step");
+    }
+}
+
+model! {
+    /// A pendulum with friction, a drag and a motor, on a cart with a spring.
+    pub model Machine<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        input push: force = 3 N;
+        body cart { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
+        body arm { mass: 1.0 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+        joint rail: prismatic from world to cart.com { axis: x, stiffness: 40 N/m, damping: 2 N*s/m, start: 0.2 m }
+        joint pin: hinge from cart.com to arm.top { axis: y, damping: 0.05 N*m*s, force: 0.5 N*m * sin(3 rad/s * time), start: 1 rad }
+        load drag on arm = -0.2 kg/m * norm(arm.velocity) * arm.velocity;
+        load by_hand on cart = [push, 0.0, 0.0];
+    }
+}
+
+/// E and the work of all that gives and takes, by the integrals of the run.
+fn made<T: Scalar>(model: &impl Model<T>, step: f64) -> [f64; 2] {
+    let options = Options {
+        work: true,
+        ..Options::rk4(step)
+    };
+    let mut run = Simulation::new(model, options).expect("options");
+    let total = |run: &mut Simulation<T>| -> f64 {
+        let mut energy = [T::zero(); 6];
+        run.evaluate(Quantity::Energy, &mut energy)
+            .expect("an energy");
+        energy[..3].iter().map(|part| part.to_f64()).sum()
+    };
+    let before = total(&mut run);
+    run.run(4.0).expect("a run");
+    let work: f64 = run.work().expect("asked for").iter().sum();
+    let made = total(&mut run) - before - work;
+    let told = run.imbalance().expect("a balance");
+    assert!(
+        told.energy >= made.abs() && told.moved > 1.0,
+        "{told:?} {made}"
+    );
+    // Without the integrals of the run the work is as good.
+    let mut lean = Simulation::new(model, Options::rk4(step)).expect("options");
+    lean.run(4.0).expect("a run");
+    let lean = lean.imbalance().expect("a balance");
+    println!("{step}: {made:e}, {told:?}, lean {lean:?}");
+    [told.relative(), lean.relative()]
+}
+
+#[test]
+fn the_imbalance_is_what_the_steps_got_wrong_and_falls_with_the_fourth_power_of_them() {
+    let machine = Machine::<f64>::new(MachineParams::default()).expect("defaults");
+    let [coarse, fine] = [0.04, 0.02].map(|step| made(&machine, step));
+    for (coarse, fine) in coarse.into_iter().zip(fine) {
+        assert!(
+            coarse < 1e-3 && (coarse / fine).log2() > 3.5,
+            "{coarse} {fine}"
+        );
+    }
+    // In single precision rounding is all that is left.
+    let machine = Machine::<f32>::new(MachineParams::default()).expect("defaults");
+    let [told, lean] = made(&machine, 0.01);
+    assert!(told < 1e-4 && lean < 1e-4, "{told} {lean}");
+}
+
+#[test]
+fn what_the_user_changes_is_no_error_of_the_run() {
+    let machine = Machine::<f64>::new(MachineParams::default()).expect("defaults");
+    let mut run = Simulation::new(&machine, Options::rk4(0.01)).expect("options");
+    for tenth in 0..40 {
+        let push = if tenth % 2 == 0 { 40.0 } else { -40.0 };
+        run.set_inputs(&MachineInputs { push }).expect("an input");
+        run.run(f64::from(tenth + 1) / 10.0).expect("a run");
+    }
+    let kept = run.imbalance().expect("a balance").relative();
+    assert!(kept < 1e-4, "{kept:e}");
+}
+
+model! {
+    /// A spring alone; what it emits leaves its energy out.
+    model Lean {
+        gravity: none;
+        emit: [derivative];
+        point bob { mass: 1.0 kg }
+        spring s from world to bob { free_length: 1 m, stiffness: 1e4 N/m, damping: 0 N*s/m }
+    }
+}
+
+#[test]
+fn energy_that_is_not_emitted_is_read_by_the_laws_now_and_then() {
+    let lean = Lean::new(LeanParams::default()).expect("defaults");
+    let mut run = Simulation::new(&lean, Options::rk4(3e-3)).expect("options");
+    run.set_state(0.0, &[1.1, 0.0, 0.0, 0.0, 0.0, 0.0])
+        .expect("a state");
+    // (hω)⁶/72 of the energy a step at hω = 0.3: 2 % after 1975 steps.
+    let found = run.run(100.0).expect_err("too long a step").cause;
+    let StepError::UnstableStep {
+        what: Instability::Energy(part),
+        time,
+        ..
+    } = found
+    else {
+        panic!("{found:?}");
+    };
+    let steps = time / 3e-3;
+    assert!((part / -ALLOWED - 1.0).abs() < 0.05, "{part}");
+    assert!((1900.0..2100.0).contains(&steps), "{steps}");
+    assert!(run.time() < 0.15 * time);
+}
