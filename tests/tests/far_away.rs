@@ -31,7 +31,13 @@ fn refused<T: Scalar>(run: &mut Simulation<T>) -> bool {
 #[test]
 fn positions_without_digits_are_refused_and_those_with_few_are_told() {
     // K/m ε |p| over g: (stiffness, offset, share).
-    for (stiffness, offset) in [(1e4_f64, 1.0_f64), (1e4, 1e6), (1e6, 1e9), (1e6, 1e11), (1e4, 1e12)] {
+    for (stiffness, offset) in [
+        (1e4_f64, 1.0_f64),
+        (1e4, 1e6),
+        (1e6, 1e9),
+        (1e6, 1e11),
+        (1e4, 1e12),
+    ] {
         let share = f64::EPSILON * offset.max(1.0 + 9.81 / stiffness) * stiffness / 9.81;
         let mut run = hanging::<f64>(stiffness, offset);
         assert_eq!(refused(&mut run), share > 0.1, "{stiffness} {offset}");

@@ -372,6 +372,8 @@ const EFFORT: &str = "what acts along a joint is its field `force`, such as `{ a
 
 /// Fields of other tools.
 pub const FOREIGN_FIELDS: Dictionary = &[
+    ("unit", "in"),
+    ("units", "in"),
     ("length", "free_length"),
     ("l0", "free_length"),
     ("rest_length", "free_length"),
