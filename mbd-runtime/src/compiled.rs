@@ -175,7 +175,8 @@ impl<T: Scalar> Simulation<T> {
     /// ```
     ///
     /// # Errors
-    /// The inputs of another model; a model without inputs. A number that is not finite stops the run, by the name of its input.
+    /// The inputs of another model; a model without inputs; a method that solves with derivatives of the rates, which a function has none of. A number
+    /// that is not finite stops the run, by the name of its input.
     pub fn control<I: Inputs<T> + 'static>(
         &mut self,
         law: impl Fn(&Sample<'_, I, T>, &mut I) + Send + 'static,

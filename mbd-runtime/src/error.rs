@@ -13,12 +13,20 @@ use crate::watch::Instability;
 pub struct Statistics {
     /// Accepted steps.
     pub steps: u64,
+    /// Those of them that a stiff method made.
+    pub stiff_steps: u64,
+    /// How often a run with two methods took the other one.
+    pub method_changes: u64,
     /// Rejected trial steps: error test, or a stage that was not finite or had no equilibrium.
     pub rejected: u64,
     /// Trial steps made to locate events.
     pub redone: u64,
     /// Evaluations of the state derivative, over all accepted and rejected steps.
     pub rhs: u64,
+    /// Derivatives of the rates by the state, by methods that solve with them.
+    pub jacobians: u64,
+    /// Factors of the matrices of these methods.
+    pub factors: u64,
     /// Solves of the equilibrium points.
     pub node_solves: u64,
     /// Newton iterations in those solves.
@@ -66,6 +74,13 @@ pub enum Source {
     Node(String),
     /// The rows of a joint, by name: what prescribes its motion has no value.
     Joint(String),
+    /// A derivative that a stiff method asks for.
+    Jacobian {
+        /// Of the rate of this coordinate of the state, by its column name.
+        rate: String,
+        /// By this coordinate, or by `time`.
+        by: String,
+    },
 }
 
 /// Why a step shrank below what time can resolve.
@@ -76,6 +91,41 @@ pub enum Collapse {
     ErrorTest,
     /// An event could not be located.
     Event,
+}
+
+/// Stiffness met by an explicit method: its stability bounds the steps, not their error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stiff {
+    /// The method.
+    pub method: &'static str,
+    /// Step times the largest rate.
+    pub rho: f64,
+    /// Up to where the method is stable.
+    pub limit: f64,
+    /// What changes fastest: `velocity of bob`, or a declared state.
+    pub block: String,
+    /// The line with the largest rate that holds it.
+    pub line: Option<String>,
+}
+
+impl fmt::Display for Stiff {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Stiff {
+            method,
+            rho,
+            limit,
+            block,
+            line,
+        } = self;
+        write!(
+            f,
+            "stiff: step times rate hρ is {rho:.2}, and {method} is stable up to {limit:.2} (`{block}`"
+        )?;
+        if let Some(line) = line {
+            write!(f, ", held by `{line}`")?;
+        }
+        write!(f, ")")
+    }
 }
 
 /// Declares the errors of a step, each with its name in tables, its sentence and its advice.
@@ -210,7 +260,7 @@ step_errors! {
     }
     "event_limit",
     format!("`{line}` switched between slack and taut {count} times in {window:.3e} s"),
-    "the line or stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless";
+    "the line or stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless; where it has much damping, take a method for stiff systems: `rodas5p`, `auto`";
 
     /// The fixed step is too long for what it has to follow. The run stands where nothing had grown yet, and may go on from there, as from a
     /// snapshot, with a shorter step.
@@ -245,8 +295,18 @@ step_errors! {
     TooManySteps {
         /// The budget.
         steps: u64,
+        /// What made the steps small, where it was stiffness met by an explicit method.
+        stiff: Option<Box<Stiff>>,
     }
-    "too_many_steps", format!("{steps} steps were not enough"), "raise the budget `max_steps`, or take a larger step";
+    "too_many_steps",
+    match stiff {
+        None => format!("{steps} steps were not enough"),
+        Some(stiff) => format!("{steps} steps were not enough: {stiff}"),
+    },
+    match stiff {
+        None => "raise the budget `max_steps`, or loosen the tolerance",
+        Some(_) => "take a method for stiff systems: `rodas5p`, or `auto`, which takes it where it pays (`Options::rodas5p`, `Options::auto`)",
+    };
 
     /// The caller's `go on` said no, at a step boundary.
     Cancelled
@@ -346,6 +406,10 @@ impl fmt::Display for Source {
             Source::State(name) => write!(f, "the rate of `{name}` is not a finite number"),
             Source::Node(name) => write!(f, "the point `{name}` is not at a finite place"),
             Source::Joint(name) => write!(f, "the rows of joint `{name}` are not finite numbers"),
+            Source::Jacobian { rate, by } => write!(
+                f,
+                "the derivative of the rate of `{rate}` by `{by}` is not a finite number"
+            ),
         }
     }
 }
@@ -355,6 +419,7 @@ impl Source {
         match self {
             Source::Load(name) => format!("look at what `{name}` returns at this time and state"),
             Source::Joint(_) => "look for a time at which its motor, or a frame of the world that moves it, has no value".into(),
+            Source::Jacobian { .. } => "look for a root or a norm that is zero here, or take a method without derivatives: `vern7`, `tsit5`".into(),
             Source::State(_) | Source::Node(_) => "take a smaller step; if it stays, look for a division by zero or a root of a negative number in a load".into(),
         }
     }

@@ -54,6 +54,7 @@ mod slopes;
 mod stiffness;
 mod supply;
 mod system;
+mod trade;
 mod trajectory;
 mod trim;
 mod unilateral;
@@ -123,7 +124,7 @@ pub use system::{External, NoLoads};
 
 // What it leaves.
 pub use columns::{Name, state_names};
-pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError};
+pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Stiff};
 pub use event::{Happening, Occurrence};
 pub use node::NodeMemory;
 pub use trajectory::{Content, Sampling, Trajectory};
@@ -134,6 +135,7 @@ pub use watch::Instability;
 pub use compiled::{inverse_dynamics, linearise, linearise_along};
 pub use inverse::Efforts;
 pub use linearise::{Linearisation, LinearisationError, Matrix, StateSpace, Vibration};
+pub use trade::{Advice, Deviation, Entry, Failed, Question, Race, TradeError, Variant, trade};
 pub use trim::{Trim, TrimError, Trimmed, trim};
 
 /// What the matrices of [`StateSpace`] are made of, in this version.

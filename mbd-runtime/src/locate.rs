@@ -72,7 +72,7 @@ impl<T: Float> Simulation<T> {
         if theta >= 1.0 {
             return self.look_at_end(step);
         }
-        self.inside_state(theta, step);
+        self.inside_state(theta, step)?;
         self.read_margins(self.time + theta * step, theta * step)
     }
 

@@ -1,9 +1,14 @@
 //! How a simulation runs.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::StepError;
 use crate::integrate::Scales;
+
+/// The loosest relative tolerance: at 0.1 errors were 400 times the tolerance.
+const LOOSEST: f64 = 0.01;
 
 /// The integrator and its step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,6 +25,119 @@ pub enum Method {
         /// The largest step [s]; infinite for none.
         max_step: f64,
     },
+    /// Verner's pair of orders 7(6), adaptive: cheaper than Tsit5 from a tolerance of about 1e-5 down.
+    Vern7 {
+        /// Relative tolerance; absolute tolerances are this times [`Options::scales`].
+        rtol: f64,
+        /// The largest step [s]; infinite for none.
+        max_step: f64,
+    },
+    /// Steinebach's Rosenbrock method of orders 5(4), adaptive, for stiff lines and loads: one Jacobian and one factor a step. Inputs are held:
+    /// functions of time and state have no derivatives.
+    Rodas5P {
+        /// Relative tolerance; absolute tolerances are this times [`Options::scales`].
+        rtol: f64,
+        /// The largest step [s]; infinite for none.
+        max_step: f64,
+    },
+    /// Tsit5 from a tolerance of 1e-5 up, Vern7 below, and Rodas5P where the scene is stiff, as long as it is: fifteen of twenty steps at the limit of
+    /// stability. Inputs are held, as for Rodas5P.
+    Auto {
+        /// Relative tolerance; absolute tolerances are this times [`Options::scales`].
+        rtol: f64,
+        /// The largest step [s]; infinite for none.
+        max_step: f64,
+    },
+}
+
+impl Method {
+    /// The words of the adaptive methods, as [`Method::adaptive`] reads them.
+    pub const ADAPTIVE: [&str; 4] = ["tsit5", "vern7", "rodas5p", "auto"];
+
+    /// The adaptive method of a word, without a largest step; `None` of another word.
+    #[must_use]
+    pub fn adaptive(word: &str, rtol: f64) -> Option<Method> {
+        let max_step = f64::INFINITY;
+        Some(match word {
+            "tsit5" => Method::Tsit5 { rtol, max_step },
+            "vern7" => Method::Vern7 { rtol, max_step },
+            "rodas5p" => Method::Rodas5P { rtol, max_step },
+            "auto" => Method::Auto { rtol, max_step },
+            _ => return None,
+        })
+    }
+
+    /// The same with a largest step [s]; a fixed step stays.
+    #[must_use]
+    pub fn with_largest_step(mut self, largest: f64) -> Method {
+        match &mut self {
+            Method::Rk4 { .. } => {}
+            Method::Tsit5 { max_step, .. }
+            | Method::Vern7 { max_step, .. }
+            | Method::Rodas5P { max_step, .. }
+            | Method::Auto { max_step, .. } => *max_step = largest,
+        }
+        self
+    }
+
+    /// The word of the method: `rk4`, `tsit5`, ….
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self {
+            Method::Rk4 { .. } => "rk4",
+            Method::Tsit5 { .. } => "tsit5",
+            Method::Vern7 { .. } => "vern7",
+            Method::Rodas5P { .. } => "rodas5p",
+            Method::Auto { .. } => "auto",
+        }
+    }
+
+    /// The name of the method: `RK4`, `Tsit5`, ….
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Method::Rk4 { .. } => "RK4",
+            Method::Tsit5 { .. } => "Tsit5",
+            Method::Vern7 { .. } => "Vern7",
+            Method::Rodas5P { .. } => "Rodas5P",
+            Method::Auto { .. } => "Auto",
+        }
+    }
+
+    /// The fixed step [s] of a method that has one.
+    #[must_use]
+    pub fn fixed_step(&self) -> Option<f64> {
+        match self {
+            Method::Rk4 { step } => Some(*step),
+            _ => None,
+        }
+    }
+
+    /// Whether it solves with derivatives of the rates, at least now and then.
+    pub(crate) fn needs_derivatives(&self) -> bool {
+        matches!(self, Method::Rodas5P { .. } | Method::Auto { .. })
+    }
+
+    /// Relative tolerance and largest step [s] of an adaptive method.
+    #[must_use]
+    pub fn tolerance(&self) -> Option<[f64; 2]> {
+        match self {
+            Method::Rk4 { .. } => None,
+            Method::Tsit5 { rtol, max_step }
+            | Method::Vern7 { rtol, max_step }
+            | Method::Rodas5P { rtol, max_step }
+            | Method::Auto { rtol, max_step } => Some([*rtol, *max_step]),
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.fixed_step(), self.tolerance()) {
+            (_, Some([rtol, _])) => write!(f, "{} {rtol:e}", self.name()),
+            (step, None) => write!(f, "{} {:.3e} s", self.name(), step.unwrap_or(f64::NAN)),
+        }
+    }
 }
 
 /// How a run stays on its joints.
@@ -37,7 +155,7 @@ pub enum Stabilise {
     },
 }
 
-/// How a simulation runs. Start from [`Options::rk4`] or [`Options::tsit5`] and change fields.
+/// How a simulation runs. Start from [`Options::rk4`], [`Options::tsit5`], [`Options::vern7`] or [`Options::rodas5p`] and change fields.
 ///
 /// ```
 /// use mbd_runtime::{Options, PointState, Simulation, Stop, model};
@@ -103,14 +221,17 @@ pub struct Options {
 }
 
 impl Options {
-    /// Fixed steps of RK4 [s]: switches located, stability watched.
+    /// Steps of a method: switches located, fixed steps watched.
     #[must_use]
-    pub fn rk4(step: f64) -> Self {
+    pub fn of(method: Method) -> Self {
         Options {
-            method: Method::Rk4 { step },
+            method,
             locate: true,
             watch: true,
-            max_steps: 10_000_000,
+            max_steps: match method.fixed_step() {
+                Some(_) => 10_000_000,
+                None => 1_000_000,
+            },
             work: false,
             stop_at_events: false,
             scales: None,
@@ -119,21 +240,42 @@ impl Options {
         }
     }
 
-    /// Adaptive steps at a relative tolerance: switches located.
+    /// Fixed steps of RK4 [s].
     #[must_use]
-    pub fn tsit5(rtol: f64) -> Self {
-        Options {
-            method: Method::Tsit5 {
-                rtol,
-                max_step: f64::INFINITY,
-            },
-            max_steps: 1_000_000,
-            ..Options::rk4(0.0)
-        }
+    pub fn rk4(step: f64) -> Self {
+        Options::of(Method::Rk4 { step })
     }
 
-    /// Refuses numbers that cannot be used.
-    pub(crate) fn check(&self) -> Result<(), StepError> {
+    /// Adaptive steps at a relative tolerance.
+    #[must_use]
+    pub fn tsit5(rtol: f64) -> Self {
+        let max_step = f64::INFINITY;
+        Options::of(Method::Tsit5 { rtol, max_step })
+    }
+
+    /// Adaptive steps at a tight relative tolerance.
+    #[must_use]
+    pub fn vern7(rtol: f64) -> Self {
+        let max_step = f64::INFINITY;
+        Options::of(Method::Vern7 { rtol, max_step })
+    }
+
+    /// Adaptive steps of a stiff method at a relative tolerance.
+    #[must_use]
+    pub fn rodas5p(rtol: f64) -> Self {
+        let max_step = f64::INFINITY;
+        Options::of(Method::Rodas5P { rtol, max_step })
+    }
+
+    /// Adaptive steps at a relative tolerance with the method that the scene needs at the time.
+    #[must_use]
+    pub fn auto(rtol: f64) -> Self {
+        let max_step = f64::INFINITY;
+        Options::of(Method::Auto { rtol, max_step })
+    }
+
+    /// Refuses numbers that cannot be used with states of a scalar whose rounding unit is `epsilon`.
+    pub(crate) fn check(&self, epsilon: f64) -> Result<(), StepError> {
         let positive = |slot: &str, value: f64, finite: bool| {
             if value > 0.0 && (value.is_finite() || !finite) {
                 Ok(())
@@ -144,15 +286,25 @@ impl Options {
                 })
             }
         };
-        match self.method {
-            Method::Rk4 { step } => positive("step", step, true)?,
-            Method::Tsit5 { rtol, max_step } => {
-                positive("max_step", max_step, false)?;
-                positive("rtol", rtol, true)?;
-                // Above this nothing is resolved; below, a double cannot hold the answer: the run would only report a collapse of the step.
-                if rtol > 0.1 {
-                    return positive("rtol", -rtol, true);
-                }
+        if let Some(step) = self.method.fixed_step() {
+            positive("step", step, true)?;
+        }
+        if let Some([rtol, max_step]) = self.method.tolerance() {
+            positive("max_step", max_step, false)?;
+            positive("rtol", rtol, true)?;
+            if rtol > LOOSEST {
+                return Err(StepError::InvalidInput {
+                    slot: format!("rtol (at most {LOOSEST}: above it nothing is resolved)"),
+                    value: rtol,
+                });
+            }
+            // Below, the scalar cannot hold the answer: a run in `f32` would go on rejecting rounding.
+            let finest = 8.0 * epsilon;
+            if epsilon > f64::EPSILON && rtol < finest {
+                return Err(StepError::InvalidInput {
+                    slot: format!("rtol (states in f32 hold {finest:.0e}; run in f64)"),
+                    value: rtol,
+                });
             }
         }
         if let Stabilise::Baumgarte { alpha } = self.stabilise {

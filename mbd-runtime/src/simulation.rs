@@ -11,7 +11,7 @@ use crate::balance::Balance;
 use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
-use crate::integrate::{Control, ErrorNorm, Explicit};
+use crate::integrate::{Control, ErrorNorm, Stepper, Stiffness};
 use crate::node::NodeMemory;
 use crate::options::Options;
 use crate::rounding::Rounding;
@@ -26,6 +26,7 @@ mod moved;
 mod snapshot;
 mod stability;
 pub(crate) mod start;
+mod stiffness;
 
 pub use moved::Moved;
 pub use snapshot::Snapshot;
@@ -87,7 +88,7 @@ enum Pace {
 /// ```
 pub struct Simulation<T: Float> {
     pub(crate) system: System<T>,
-    pub(crate) method: Explicit<T>,
+    pub(crate) method: Stepper<T>,
     pub(crate) state: Vec<T>,
     pub(crate) time: f64,
     pub(crate) margins: Margins,
@@ -109,6 +110,7 @@ pub struct Simulation<T: Float> {
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,
+    stiffness: Stiffness,
     watch: Watch,
     watch_weights: Vec<T>,
     /// Whether the stability watch runs.

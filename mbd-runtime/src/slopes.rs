@@ -9,6 +9,31 @@ use mbd_scene::{Arguments, At, Dual, Float, Layout, Quantity, Scene, Variable};
 const PASS: usize = 8;
 type Slope = Dual<f64, PASS>;
 
+/// What is differentiated by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum By {
+    /// A variable of the model.
+    Variable(Variable),
+    /// Time, at fixed state, node unknowns, inputs and parameters.
+    Time,
+}
+
+impl By {
+    /// How many numbers it has.
+    pub(crate) fn count(self, layout: &Layout) -> usize {
+        match self {
+            By::Variable(variable) => layout.variables(variable),
+            By::Time => 1,
+        }
+    }
+}
+
+impl From<Variable> for By {
+    fn from(variable: Variable) -> Self {
+        By::Variable(variable)
+    }
+}
+
 /// What K_e and L_e of the lines of nodes do while a parameter varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effective {
@@ -42,12 +67,13 @@ impl Slopes {
     pub(crate) fn differentiate<T: Float>(
         &mut self,
         (scene, layout): (&Scene, &Layout),
-        (of, by): (Quantity, Variable),
+        (of, by): (Quantity, impl Into<By>),
         effective: Effective,
         at: &At<'_, T>,
         out: &mut [T],
     ) {
-        let (rows, columns) = (layout.len(of), layout.variables(by));
+        let by = by.into();
+        let (rows, columns) = (layout.len(of), by.count(layout));
         if out.len() != rows * columns {
             return;
         }
@@ -56,10 +82,14 @@ impl Slopes {
             let last = columns.min(first + PASS);
             let mut seeded = None;
             match by {
-                Variable::State => seed(&mut self.arguments.state, first..last),
-                Variable::Node => seed(&mut self.arguments.nodes, first..last),
-                Variable::Input => seed(&mut self.arguments.inputs, first..last),
-                Variable::Parameter => {
+                By::Time => {
+                    let time = std::slice::from_mut(&mut self.arguments.time);
+                    seed(time, first..last);
+                }
+                By::Variable(Variable::State) => seed(&mut self.arguments.state, first..last),
+                By::Variable(Variable::Node) => seed(&mut self.arguments.nodes, first..last),
+                By::Variable(Variable::Input) => seed(&mut self.arguments.inputs, first..last),
+                By::Variable(Variable::Parameter) => {
                     let mut params = self.numbers.params.clone();
                     seed(&mut params, first..last);
                     let numbers = Numbers::new(scene, &params);

@@ -11,6 +11,7 @@ use crate::error::{Source, Statistics, StepError};
 use crate::fallback::Fallback;
 use crate::integrate::Rates;
 use crate::laws::Laws;
+use crate::linearise::{Jacobian, LinearisationError};
 use crate::list::largest;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
 use crate::projection::Projection;
@@ -93,6 +94,8 @@ pub(crate) struct System<T: Float> {
     laws: Option<Laws>,
     /// Whether the work of loads, dampers and prescribed motions is integrated along.
     works: bool,
+    /// Derivatives of the rates, for a method that asks for them.
+    jacobian: Option<Box<Jacobian<T>>>,
     /// What motors that follow inputs were commanded.
     commands: Option<Commands>,
     /// The angles with a spring or a stop at the last accepted step, and room for those of the next; `None` where there is no such angle.
@@ -153,6 +156,7 @@ impl<T: Float> System<T> {
             fallback: Fallback::default(),
             laws: None,
             works,
+            jacobian: None,
             commands: Commands::new(model.scene()),
             angles: has_jumping_angles(model.scene()).then(Default::default),
             wide: Vec::new(),
@@ -170,7 +174,15 @@ impl<T: Float> System<T> {
     pub(crate) fn take(&mut self, model: Arc<dyn Model<T>>) {
         self.model = model;
         self.laws = None;
+        if self.jacobian.is_some() {
+            self.provide_derivatives();
+        }
         self.fallback = Fallback::default();
+    }
+
+    /// Makes room for derivatives of the rates.
+    pub(crate) fn provide_derivatives(&mut self) {
+        self.jacobian = Some(Box::new(Jacobian::new(&*self.model, self.works)));
     }
 
     /// Length of the state with the integrals behind it.
@@ -510,6 +522,27 @@ impl<T: Float> System<T> {
         }
     }
 
+    /// A derivative of the rates that is not finite: the first of them, by name.
+    #[cold]
+    fn no_slope(&self, time: f64, by_state: &[T], by_time: &[T]) -> StepError {
+        let names = state_names(self.model.scene(), self.model.layout());
+        let name = |index: usize| {
+            let name = names.get(index);
+            name.map_or_else(|| "work".to_owned(), |name| name.name.clone())
+        };
+        let columns = by_time.len().max(1);
+        let fault = by_state.iter().position(|x| !x.is_finite());
+        let (rate, by) = match (fault, by_time.iter().position(|x| !x.is_finite())) {
+            (Some(at), _) => (name(at / columns), name(at % columns)),
+            (None, Some(at)) => (name(at), "time".to_owned()),
+            (None, None) => ("the state".to_owned(), "the state".to_owned()),
+        };
+        StepError::NonFinite {
+            time,
+            source: Source::Jacobian { rate, by },
+        }
+    }
+
     #[cold]
     fn not_finite(&self, time: f64, index: usize) -> StepError {
         let names = state_names(self.model.scene(), self.model.layout());
@@ -554,6 +587,48 @@ impl<T: Float> Rates<T> for System<T> {
         Err(self
             .unsolvable(time, state)
             .unwrap_or_else(|| self.not_finite(time, fault.unwrap_or_default())))
+    }
+
+    fn rates_inside(
+        &mut self,
+        time: f64,
+        span: f64,
+        state: &[T],
+        out: &mut [T],
+    ) -> Result<(), StepError> {
+        // The nodes of the end of the step stay where they are, and its rows as they were picked.
+        std::mem::swap(&mut self.nodes, &mut self.probe);
+        let end = self.fallback.leave_end();
+        let found = self.rates(time, span, state, out);
+        self.fallback.come_back(end);
+        std::mem::swap(&mut self.nodes, &mut self.probe);
+        found
+    }
+
+    fn differentiate(
+        &mut self,
+        time: f64,
+        state: &[T],
+        by_state: &mut [T],
+        by_time: &mut [T],
+    ) -> Result<(), StepError> {
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        let Some(jacobian) = &mut self.jacobian else {
+            return Ok(());
+        };
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        self.counters.jacobians = self.counters.jacobians.saturating_add(1);
+        let found = jacobian.evaluate(&*self.model, &at, &mut self.work, (by_state, by_time));
+        match found {
+            Ok(()) if largest(by_state).is_finite() && largest(by_time).is_finite() => Ok(()),
+            Err(LinearisationError::DependentRows { .. }) => Err(self.singular(time, state)),
+            _ => Err(self.no_slope(time, by_state, by_time)),
+        }
+    }
+
+    fn factored(&mut self) {
+        self.counters.factors = self.counters.factors.saturating_add(1);
     }
 
     fn enter(&mut self) {

@@ -53,8 +53,7 @@ impl Watch {
 
     /// Whether a run made or lost too much energy.
     pub(crate) fn is_too_much(excess: f64) -> bool {
-        // Also what is not a number.
-        !(excess.abs() <= ENERGY)
+        excess.is_nan() || excess.abs() > ENERGY
     }
 }
 

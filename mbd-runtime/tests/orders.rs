@@ -2,7 +2,7 @@
 
 mod support;
 
-use mbd_runtime::{Options, Simulation};
+use mbd_runtime::{Method, Options, Scales, Simulation};
 use support::*;
 
 #[test]
@@ -20,7 +20,11 @@ fn a_torque_free_body_follows_the_elliptic_functions() {
             floats(&history["omega_body"]),
             floats(&history["quat"]),
         );
-        for options in [Options::rk4(1e-3), Options::tsit5(1e-10)] {
+        for options in [
+            Options::rk4(1e-3),
+            Options::tsit5(1e-10),
+            Options::vern7(1e-11),
+        ] {
             let mut simulation = Simulation::new(&model, options).unwrap();
             simulation.set_state(0.0, &state).unwrap();
             let mut worst: f64 = 0.0;
@@ -105,6 +109,47 @@ fn a_bouncing_mass_keeps_the_order_of_rk4_across_located_switches() {
 fn a_bouncing_mass_follows_the_tolerance_of_tsit5() {
     for rtol in [1e-4, 1e-6, 1e-8, 1e-10] {
         let error = bouncing_error(Options::tsit5(rtol));
+        println!("{rtol:e} {error:e}");
+        assert!(error < 30.0 * rtol, "{rtol:e}: {error:e}");
+    }
+}
+
+/// Even steps of an adaptive method: every error passes, and the largest step is the step.
+fn even_steps(options: Options, step: f64) -> Options {
+    let large = Scales {
+        length: 1e6,
+        angle: 1e6,
+        speed: 1e6,
+        rate: 1e6,
+        energy: 1e6,
+        state: 1e6,
+    };
+    let method = Method::adaptive(options.method.word(), 0.1).expect("an adaptive method");
+    Options {
+        method: method.with_largest_step(step),
+        scales: Some(large),
+        guard_tolerance: Some(1e-13),
+        ..options
+    }
+}
+
+#[test]
+fn a_bouncing_mass_keeps_the_order_of_vern7_across_located_switches() {
+    let errors: Vec<f64> = (0..4)
+        .map(|k| bouncing_error(even_steps(Options::vern7(0.1), 8e-3 / f64::from(1 << k))))
+        .collect();
+    let orders = orders(&errors);
+    println!("{errors:?} {orders:?}");
+    assert!(
+        orders.iter().all(|order| *order > 6.5) || errors[2] < 1e-11,
+        "{errors:?} {orders:?}"
+    );
+}
+
+#[test]
+fn a_bouncing_mass_follows_the_tolerance_of_vern7() {
+    for rtol in [1e-4, 1e-6, 1e-8, 1e-10] {
+        let error = bouncing_error(Options::vern7(rtol));
         println!("{rtol:e} {error:e}");
         assert!(error < 30.0 * rtol, "{rtol:e}: {error:e}");
     }

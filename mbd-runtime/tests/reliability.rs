@@ -209,7 +209,13 @@ fn a_rejected_trial_leaves_state_and_memory_to_the_bit() {
         let (memory, counted) = (simulation.memory().clone(), simulation.statistics());
         // The budget is one trial, accepted or rejected.
         let error = simulation.run(1.0).unwrap_err();
-        assert_eq!(error.cause, StepError::TooManySteps { steps: 1 });
+        assert_eq!(
+            error.cause,
+            StepError::TooManySteps {
+                steps: 1,
+                stiff: None
+            }
+        );
         if simulation.statistics().rejected > counted.rejected {
             rejected += 1;
             assert_eq!(simulation.statistics().steps, counted.steps);
@@ -395,7 +401,13 @@ fn budget_cancellation_and_unsupported_combinations_are_typed() {
     )
     .unwrap();
     let error = simulation.run(1.0).unwrap_err();
-    assert_eq!(error.cause, StepError::TooManySteps { steps: 10 });
+    assert_eq!(
+        error.cause,
+        StepError::TooManySteps {
+            steps: 10,
+            stiff: None
+        }
+    );
     assert!((simulation.time() - 0.01).abs() < 1e-12);
     let mut simulation = Simulation::new(&model, Options::rk4(1e-3)).unwrap();
     let error = simulation

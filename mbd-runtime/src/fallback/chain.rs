@@ -88,6 +88,22 @@ impl Fallback {
         self.at_end = false;
     }
 
+    /// Stages inside the step come after that at its end; returns what [`Fallback::come_back`] takes.
+    pub(crate) fn leave_end(&mut self) -> (bool, f64, [bool; 2]) {
+        let left = (self.at_end, self.margin, [self.anew, self.regularised]);
+        self.at_end = false;
+        left
+    }
+
+    /// The stages inside the step are evaluated.
+    pub(crate) fn come_back(
+        &mut self,
+        (at_end, margin, [anew, regularised]): (bool, f64, [bool; 2]),
+    ) {
+        (self.at_end, self.margin) = (at_end, margin);
+        (self.anew, self.regularised) = (anew, regularised);
+    }
+
     /// The trial step is taken.
     pub(crate) fn commit(&mut self) {
         self.now.clone_from(&self.next);

@@ -1,7 +1,7 @@
 //! The step size of an adaptive run: a proportional–integral controller.
 //!
-//! After an accepted step with error E (1: exactly at the tolerance) h ← h · clamp(0.9 E^(−0.7/k) E_prev^(0.4/k), 0.2, 5), after a rejected one
-//! h ← h · max(0.1, 0.9 E^(−1/k)); k is the order of the error estimate plus one. E_prev is floored at 1e-4.
+//! After an accepted step with error E (1: exactly at the tolerance) h ← h · clamp(0.9 E^(−0.7/k) E_prev^(b/k), 0.2, 5), after a rejected one
+//! h ← h · max(0.1, 0.9 E^(−1/k)); k is the order of the error estimate plus one; b = 0.4 for explicit pairs, 0.3 for Rosenbrock methods. E_prev is floored at 1e-4.
 //!
 //! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.2.
 
@@ -32,10 +32,12 @@ pub(crate) struct Control {
     rejections: u32,
     failures: u32,
     exponent: f64,
+    /// The power of the error before: 0.4 of explicit pairs, 0.3 of Rosenbrock methods.
+    memory: f64,
 }
 
 impl Control {
-    pub(crate) fn new(step: f64, largest: f64, exponent: f64) -> Self {
+    pub(crate) fn new(step: f64, largest: f64, [exponent, memory]: [f64; 2]) -> Self {
         Control {
             step,
             largest,
@@ -43,15 +45,23 @@ impl Control {
             rejections: 0,
             failures: 0,
             exponent,
+            memory,
         }
+    }
+
+    /// Goes on with the steps of another method.
+    pub(crate) fn retune(&mut self, [exponent, memory]: [f64; 2]) {
+        (self.exponent, self.memory) = (exponent, memory);
+        self.previous = 1.0;
     }
 
     /// Judges a trial of size `tried` with error `error`, and sets the step to try next. `smallest` is what time resolves here.
     pub(crate) fn judge(&mut self, tried: f64, error: f64, smallest: f64) -> Verdict {
         if error <= 1.0 {
             let floored = error.max(1e-4);
-            let factor =
-                0.9 * floored.powf(-0.7 / self.exponent) * self.previous.powf(0.4 / self.exponent);
+            let factor = 0.9
+                * floored.powf(-0.7 / self.exponent)
+                * self.previous.powf(self.memory / self.exponent);
             // A step that was cut short by an event or by the end says little about the next one: never shrink because of it.
             let grown = tried * factor.clamp(0.2, 5.0);
             let proposed = if self.rejections > 0 {
@@ -121,14 +131,14 @@ mod tests {
 
     #[test]
     fn a_step_cut_short_does_not_shrink_the_next_one() {
-        let mut control = Control::new(0.1, 1.0, 5.0);
+        let mut control = Control::new(0.1, 1.0, [5.0, 0.4]);
         assert_eq!(control.judge(1e-6, 0.5, 1e-15), Verdict::Accepted);
         assert!(control.step >= 0.1);
     }
 
     #[test]
     fn the_step_changes_by_at_most_a_factor_of_five_and_ten() {
-        let mut control = Control::new(0.1, 10.0, 5.0);
+        let mut control = Control::new(0.1, 10.0, [5.0, 0.4]);
         assert_eq!(control.judge(0.1, 0.0, 1e-15), Verdict::Accepted);
         assert!(control.step <= 0.5);
         assert_eq!(control.judge(0.5, 1e30, 1e-15), Verdict::Rejected);
@@ -139,7 +149,7 @@ mod tests {
 
     #[test]
     fn ten_rejections_or_three_failures_in_a_row_are_a_collapse() {
-        let mut control = Control::new(0.1, 1.0, 5.0);
+        let mut control = Control::new(0.1, 1.0, [5.0, 0.4]);
         let verdicts: Vec<Verdict> = (0..10)
             .map(|_| control.judge(control.step, 2.0, 0.0))
             .collect();

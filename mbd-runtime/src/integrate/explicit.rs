@@ -3,9 +3,12 @@
 use mbd_scene::Float;
 
 use super::Rates;
-use super::tableau::{DEGREE, Tableau};
+use super::tableau::Tableau;
 use crate::error::StepError;
 use crate::list::weighted_squares;
+
+/// Rounding units of rates below which two of them agree.
+const ROUNDING: f64 = 1e4;
 
 /// A method with the storage of its stages. The rates at the new state are the last stage of a step and the first of the next.
 #[derive(Clone, Debug)]
@@ -13,21 +16,32 @@ pub(crate) struct Explicit<T> {
     length: usize,
     /// Per stage: its time c and the weights of the stages before it.
     rows: Vec<(f64, Vec<T>)>,
+    /// How many of them a step has; those behind serve the interpolant.
+    steps: usize,
     /// Weights b − b̂, empty for a method without an estimate.
     error: Vec<T>,
-    /// Coefficients of b_i(θ).
-    dense: Vec<[T; DEGREE]>,
+    /// Per stage the coefficients of b_i(θ).
+    dense: Vec<Vec<T>>,
     /// Order of the error estimate plus one.
     pub exponent: f64,
+    /// |hλ| on the negative real axis up to which a step is stable.
+    pub stable: f64,
+    /// Two stages at the same time.
+    alike: [usize; 2],
     /// Stages, one after the other.
     stages: Vec<T>,
+    /// Whether the stages of the interpolant belong to the last attempt.
+    complete: bool,
     trial: Vec<T>,
     next: Vec<T>,
 }
 
 impl<T: Float> Explicit<T> {
     /// Storage for states of a given length.
-    pub(crate) fn new<const S: usize>(tableau: &Tableau<S>, length: usize) -> Self {
+    pub(crate) fn new<const S: usize, const N: usize, const D: usize>(
+        tableau: &Tableau<S, N, D>,
+        length: usize,
+    ) -> Self {
         let number = |x: &f64| T::from_f64(*x);
         let rows = tableau
             .a
@@ -41,17 +55,18 @@ impl<T: Float> Explicit<T> {
         } else {
             Vec::new()
         };
+        let dense = tableau.dense.iter();
         Explicit {
             length,
             rows,
+            steps: S,
             error,
-            dense: tableau
-                .dense
-                .iter()
-                .map(|row| row.map(T::from_f64))
-                .collect(),
+            dense: dense.map(|row| row.iter().map(number).collect()).collect(),
             exponent: (tableau.embedded + 1) as f64,
-            stages: vec![T::zero(); S * length],
+            stable: tableau.stable(),
+            alike: tableau.alike,
+            stages: vec![T::zero(); N * length],
+            complete: false,
             trial: vec![T::zero(); length],
             next: vec![T::zero(); length],
         }
@@ -80,9 +95,10 @@ impl<T: Float> Explicit<T> {
         state: &[T],
     ) -> Result<(), StepError> {
         let h = T::from_f64(step);
-        let last = self.rows.len() - 1;
+        let last = self.steps - 1;
+        self.complete = false;
         system.enter();
-        for (i, (c, row)) in self.rows.iter().enumerate().skip(1) {
+        for (i, (c, row)) in self.rows.iter().enumerate().take(self.steps).skip(1) {
             let (done, rest) = self.stages.split_at_mut(i * self.length);
             combine(state, h, row.iter().copied(), done, &mut self.trial);
             let span = c * step;
@@ -104,8 +120,8 @@ impl<T: Float> Explicit<T> {
     /// Takes the last attempt: its last stage becomes the first of the next step.
     pub(crate) fn accept(&mut self, state: &mut [T]) {
         state.copy_from_slice(&self.next);
-        let last = self.stages.len() - self.length;
-        self.stages.copy_within(last.., 0);
+        let last = (self.steps - 1) * self.length;
+        self.stages.copy_within(last..last + self.length, 0);
     }
 
     /// The estimate h Σ (b_i − b̂_i) k_i of the error of the last attempt, and the state at its end.
@@ -125,13 +141,36 @@ impl<T: Float> Explicit<T> {
         (&self.trial, &self.next)
     }
 
-    /// The state at `theta` (0 … 1) of the last attempt, which started at `state`.
+    /// Evaluates the stages of the interpolant of the last attempt, which started at `state`, where it has any of its own and they are missing.
+    pub(crate) fn complete(
+        &mut self,
+        system: &mut impl Rates<T>,
+        time: f64,
+        step: f64,
+        state: &[T],
+    ) -> Result<(), StepError> {
+        if self.complete {
+            return Ok(());
+        }
+        let h = T::from_f64(step);
+        for (i, (c, row)) in self.rows.iter().enumerate().skip(self.steps) {
+            let (done, rest) = self.stages.split_at_mut(i * self.length);
+            combine(state, h, row.iter().copied(), done, &mut self.trial);
+            let span = c * step;
+            let (stage, _) = rest.split_at_mut(self.length);
+            system.rates_inside(time + span, span, &self.trial, stage)?;
+        }
+        self.complete = true;
+        Ok(())
+    }
+
+    /// The state at `theta` (0 … 1) of the last attempt, which started at `state`, after [`Explicit::complete`].
     pub(crate) fn interpolate(&self, theta: f64, step: f64, state: &[T], out: &mut [T]) {
         let t = T::from_f64(theta);
-        let weights = self
-            .dense
-            .iter()
-            .map(|[a, b, c, d]| (((*d * t + *c) * t + *b) * t + *a) * t);
+        let weights = self.dense.iter().map(|powers| {
+            let powers = powers.iter().rev();
+            powers.fold(T::zero(), |sum, power| sum * t + *power) * t
+        });
         combine(state, T::from_f64(step), weights, &self.stages, out);
     }
 
@@ -150,6 +189,47 @@ impl<T: Float> Explicit<T> {
         } else {
             0.0
         }
+    }
+
+    /// h |f(a) − f(b)| / |a − b| of the two stages of the last attempt that are at the same time; zero where these agree to rounding.
+    /// |k|² = Σ weight k². [`Explicit::differences`] is f(b) − f(a) afterwards.
+    pub(crate) fn rate(&mut self, weights: &[T]) -> f64 {
+        let [one, other] = self.alike;
+        let (Some((_, a)), Some((_, b))) = (self.rows.get(one), self.rows.get(other)) else {
+            return 0.0;
+        };
+        // (b − a)/h.
+        self.trial.fill(T::zero());
+        let stages = self.stages.chunks_exact(self.length.max(1));
+        for ((index, weight), stage) in b.iter().enumerate().zip(stages) {
+            let weight = *weight - a.get(index).copied().unwrap_or_default();
+            for (sum, rate) in self.trial.iter_mut().zip(stage) {
+                *sum += weight * *rate;
+            }
+        }
+        let [_, between] = weighted_squares(weights, &self.trial, &self.trial);
+        let stage = |stage: usize| {
+            let first = stage * self.length;
+            let own = self.stages.get(first..first + self.length);
+            own.unwrap_or_default()
+        };
+        let [apart, size] = weighted_squares(weights, stage(one), stage(other));
+        let ends = stage(one).iter().zip(stage(other));
+        for (slot, (a, b)) in self.trial.iter_mut().zip(ends) {
+            *slot = *b - *a;
+        }
+        let (apart, size, between) = (apart.to_f64(), size.to_f64(), between.to_f64());
+        let rounding = ROUNDING * T::EPSILON.to_f64();
+        if between > 0.0 && apart > rounding * rounding * size {
+            (apart / between).sqrt()
+        } else {
+            0.0
+        }
+    }
+
+    /// What [`Explicit::rate`] left.
+    pub(crate) fn differences(&self) -> &[T] {
+        &self.trial
     }
 
     /// The rates at the start of the step, to be changed.
@@ -186,7 +266,7 @@ fn combine<T: Float>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::{RK4, TSIT5};
+    use crate::integrate::{RK4, TSIT5, VERN7};
 
     /// A pendulum, q̈ = −sin q, with a reference from tiny steps.
     struct Pendulum;
@@ -206,17 +286,30 @@ mod tests {
             Ok(())
         }
 
+        fn differentiate(
+            &mut self,
+            _: f64,
+            _: &[f64],
+            _: &mut [f64],
+            _: &mut [f64],
+        ) -> Result<(), StepError> {
+            Ok(())
+        }
+
         fn project_end(&mut self, _: f64, _: &mut [f64]) -> Result<(), StepError> {
             Ok(())
         }
     }
 
     /// The largest error at step ends and at seven places inside each step, over 4 s.
-    fn errors<const S: usize>(tableau: &Tableau<S>, steps: usize) -> [f64; 2] {
+    fn errors<const S: usize, const N: usize, const D: usize>(
+        tableau: &Tableau<S, N, D>,
+        steps: usize,
+    ) -> [f64; 2] {
         let h = 4.0 / steps as f64;
         let fine = 64;
         let mut method = Explicit::<f64>::new(tableau, 2);
-        let mut exact = Explicit::<f64>::new(&TSIT5, 2);
+        let mut exact = Explicit::<f64>::new(&VERN7, 2);
         let (mut x, mut y) = ([2.0, 0.0], [2.0, 0.0]);
         let mut worst = [0.0_f64; 2];
         method.begin(&mut Pendulum, 0.0, 0.0, &x).unwrap();
@@ -224,6 +317,7 @@ mod tests {
         for i in 0..steps {
             let t = i as f64 * h;
             method.attempt(&mut Pendulum, t, h, &x).unwrap();
+            method.complete(&mut Pendulum, t, h, &x).unwrap();
             for k in 0..fine {
                 let small = h / fine as f64;
                 exact
@@ -234,31 +328,113 @@ mod tests {
                     let theta = (k + 1) as f64 / fine as f64;
                     let mut inside = [0.0; 2];
                     method.interpolate(theta, h, &x, &mut inside);
-                    worst[1] = worst[1].max((inside[0] - y[0]).abs());
+                    worst[1] = worst[1].max((inside[0] - y[0]).hypot(inside[1] - y[1]));
                 }
             }
             method.accept(&mut x);
-            worst[0] = worst[0].max((x[0] - y[0]).abs());
+            worst[0] = worst[0].max((x[0] - y[0]).hypot(x[1] - y[1]));
         }
         worst
     }
 
-    fn orders<const S: usize>(tableau: &Tableau<S>) -> [f64; 2] {
-        let (coarse, fine) = (errors(tableau, 40), errors(tableau, 80));
+    fn orders<const S: usize, const N: usize, const D: usize>(
+        tableau: &Tableau<S, N, D>,
+        steps: usize,
+    ) -> [f64; 2] {
+        let (coarse, fine) = (errors(tableau, steps), errors(tableau, 2 * steps));
         println!("{coarse:?} {fine:?}");
         [0, 1].map(|i| (coarse[i] / fine[i]).log2())
     }
 
     #[test]
     fn rk4_and_its_cubic_are_of_order_four() {
-        let [ends, inside] = orders(&RK4);
+        let [ends, inside] = orders(&RK4, 40);
         assert!(ends > 3.85 && inside > 3.85, "{ends} {inside}");
     }
 
     #[test]
     fn tsit5_is_of_order_five_and_its_interpolant_at_least_of_order_four() {
-        let [ends, inside] = orders(&TSIT5);
+        let [ends, inside] = orders(&TSIT5, 40);
         assert!(ends > 4.85 && inside > 4.0, "{ends} {inside}");
+    }
+
+    /// ẋ = x cos t, x = e^(sin t).
+    struct Growth;
+
+    impl Rates<f64> for Growth {
+        fn rates(
+            &mut self,
+            time: f64,
+            _: f64,
+            state: &[f64],
+            out: &mut [f64],
+        ) -> Result<(), StepError> {
+            if let ([x], [dx]) = (state, out) {
+                *dx = *x * time.cos();
+            }
+            Ok(())
+        }
+
+        fn differentiate(
+            &mut self,
+            _: f64,
+            _: &[f64],
+            _: &mut [f64],
+            _: &mut [f64],
+        ) -> Result<(), StepError> {
+            Ok(())
+        }
+
+        fn project_end(&mut self, _: f64, _: &mut [f64]) -> Result<(), StepError> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn vern7_is_of_order_seven_and_its_interpolant_and_estimate_of_order_six_at_least() {
+        let errors = |steps: u32| {
+            let h = 3.0 / f64::from(steps);
+            let mut method = Explicit::<f64>::new(&VERN7, 1);
+            let mut x = [1.0];
+            method.begin(&mut Growth, 0.0, 0.0, &x).unwrap();
+            let mut worst = [0.0_f64; 3];
+            for i in 0..steps {
+                let t = f64::from(i) * h;
+                method.attempt(&mut Growth, t, h, &x).unwrap();
+                method.complete(&mut Growth, t, h, &x).unwrap();
+                // From the exact start, so that the error of the interpolant is that of one step.
+                let from = t.sin().exp();
+                for theta in [0.2, 0.5, 0.8] {
+                    let mut inside = [0.0];
+                    method.interpolate(theta, h, &x, &mut inside);
+                    let exact = (t + theta * h).sin().exp() * x[0] / from;
+                    worst[1] = worst[1].max((inside[0] - exact).abs());
+                }
+                worst[2] = worst[2].max(method.estimate(h).0[0].abs());
+                method.accept(&mut x);
+                worst[0] = worst[0].max((x[0] - (t + h).sin().exp()).abs());
+            }
+            worst
+        };
+        let (coarse, fine) = (errors(12), errors(24));
+        let [ends, inside, estimate] = [0, 1, 2].map(|i| (coarse[i] / fine[i]).log2());
+        println!("{coarse:?} {fine:?}");
+        assert!((ends - 7.0).abs() < 0.15, "{ends}");
+        // The errors of one step: a power more.
+        assert!(inside > 6.65, "{inside}");
+        assert!((estimate - 7.0).abs() < 0.35, "{estimate}");
+    }
+
+    #[test]
+    fn the_limit_of_stability_is_that_of_the_polynomial() {
+        // 1 + z + z²/2 + z³/6 + z⁴/24 = 1 at z = −2.785; the others are what is published of them.
+        for (found, expected) in [
+            (RK4.stable(), 2.785),
+            (TSIT5.stable(), 3.507),
+            (VERN7.stable(), 4.64),
+        ] {
+            assert!((found - expected).abs() < 0.01, "{found} {expected}");
+        }
     }
 
     #[test]

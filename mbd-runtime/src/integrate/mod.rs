@@ -5,8 +5,15 @@ mod explicit;
 mod norm;
 mod resolution;
 mod rk4;
+mod rodas5p;
+mod rosenbrock;
+mod shifted;
+mod stepper;
+mod stiffness;
 mod tableau;
+mod trees;
 mod tsit5;
+mod vern7;
 
 use crate::error::StepError;
 
@@ -16,12 +23,41 @@ pub(crate) use norm::ErrorNorm;
 pub use norm::Scales;
 pub(crate) use resolution::Resolution;
 pub(crate) use rk4::RK4;
+pub(crate) use rodas5p::RODAS5P;
+pub(crate) use rosenbrock::Rosenbrock;
+pub(crate) use shifted::Attached;
+pub(crate) use stepper::Stepper;
+pub(crate) use stiffness::Stiffness;
 pub(crate) use tsit5::TSIT5;
+pub(crate) use vern7::VERN7;
 
 /// A system of ordinary differential equations ẋ = f(t, x), as an integrator sees it.
 pub(crate) trait Rates<T> {
     /// Writes ẋ. `span` is the time since the last accepted step: models that difference against it need it.
     fn rates(&mut self, time: f64, span: f64, state: &[T], out: &mut [T]) -> Result<(), StepError>;
+
+    /// The same at a place inside a step that was tried, for its interpolant: what is known of the end of the step stays.
+    fn rates_inside(
+        &mut self,
+        time: f64,
+        span: f64,
+        state: &[T],
+        out: &mut [T],
+    ) -> Result<(), StepError> {
+        self.rates(time, span, state, out)
+    }
+
+    /// Writes ∂f/∂x, dense, row by row, and ∂f/∂t at the start of a step, where the rates were evaluated last.
+    fn differentiate(
+        &mut self,
+        time: f64,
+        state: &[T],
+        by_state: &mut [T],
+        by_time: &mut [T],
+    ) -> Result<(), StepError>;
+
+    /// The matrix of a step was factored.
+    fn factored(&mut self) {}
 
     /// A trial step begins.
     fn enter(&mut self) {}

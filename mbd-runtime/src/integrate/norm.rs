@@ -99,6 +99,7 @@ pub(crate) struct ErrorNorm {
     blocks: Vec<Block>,
     /// Relative tolerance.
     pub tolerance: f64,
+    scales: Scales,
     worst: usize,
 }
 
@@ -151,6 +152,7 @@ impl ErrorNorm {
         ErrorNorm {
             blocks,
             tolerance,
+            scales,
             worst: 0,
         }
     }
@@ -172,9 +174,51 @@ impl ErrorNorm {
         largest
     }
 
+    /// Gives every declared state in `weights` of a norm of energy its weight: at one unit of it as much as the heaviest of the `speeds` at its scale.
+    pub(crate) fn weigh_states<T: Float>(&self, weights: &mut [T], speeds: Range<usize>) {
+        let own = weights.get(speeds).unwrap_or_default();
+        let heaviest = own.iter().fold(0.0_f64, |most, x| most.max(x.to_f64()));
+        let energy = match heaviest > 0.0 {
+            true => heaviest * self.scales.speed.powi(2),
+            false => 1.0,
+        };
+        for block in &self.blocks {
+            if let (Kind::State(_), Some(weight)) = (block.kind, weights.get_mut(block.at.start)) {
+                *weight = T::from_f64(energy / block.scale.powi(2));
+            }
+        }
+    }
+
+    /// How long what moves at the scale of speeds takes for that of lengths [s].
+    pub(crate) fn seconds(&self) -> f64 {
+        self.scales.length / self.scales.speed
+    }
+
+    /// The block with the largest Σ weight x², by number.
+    pub(crate) fn heaviest<T: Float>(&self, weights: &[T], list: &[T]) -> usize {
+        let size = |block: &Block| {
+            let own = weights.iter().zip(list);
+            let own = own.skip(block.at.start).take(block.at.len());
+            own.fold(0.0, |sum, (w, x)| sum + w.to_f64() * x.to_f64().powi(2))
+        };
+        let sizes = self.blocks.iter().map(size).enumerate();
+        let most = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
+        most.map_or(0, |(block, _)| block)
+    }
+
+    /// Whose a block is.
+    pub(crate) fn owner(&self, block: usize) -> Option<Part> {
+        self.blocks.get(block)?.owner
+    }
+
     /// The block with the largest error of the last measurement, in words.
     pub(crate) fn worst(&self, scene: &Scene) -> String {
-        let Some(block) = self.blocks.get(self.worst) else {
+        self.name(self.worst, scene)
+    }
+
+    /// A block in words.
+    pub(crate) fn name(&self, block: usize, scene: &Scene) -> String {
+        let Some(block) = self.blocks.get(block) else {
             return "state".into();
         };
         let owner = block.owner.map(|part| part_name(scene, part));

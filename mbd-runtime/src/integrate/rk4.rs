@@ -9,7 +9,7 @@ const SIXTH: f64 = 1.0 / 6.0;
 const THIRD: f64 = 1.0 / 3.0;
 
 /// Classical RK4 with an embedded step of order 3, b̂ = (1/6, 1/3, 1/3, 0, 1/6), whose difference h (k₄ − k₅)/6 shows what the step resolves; the fifth stage is the first of the next step.
-pub(crate) const RK4: Tableau<5> = Tableau {
+pub(crate) const RK4: Tableau<5, 5, 4> = Tableau {
     a: [
         [0.0; 5],
         [0.5, 0.0, 0.0, 0.0, 0.0],
@@ -29,5 +29,6 @@ pub(crate) const RK4: Tableau<5> = Tableau {
     order: 4,
     embedded: 3,
     dense_order: 3,
+    alike: [1, 2],
 }
 .checked();

@@ -7,7 +7,7 @@ use super::tableau::Tableau;
 
 /// Tsitouras' 5(4) pair; the seventh stage is the first of the next step.
 #[rustfmt::skip]
-pub(crate) const TSIT5: Tableau<7> = Tableau {
+pub(crate) const TSIT5: Tableau<7, 7, 4> = Tableau {
     a: [
         [0.0; 7],
         [0.161, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -31,5 +31,6 @@ pub(crate) const TSIT5: Tableau<7> = Tableau {
     order: 5,
     embedded: 4,
     dense_order: 4,
+    alike: [5, 6],
 }
 .checked();

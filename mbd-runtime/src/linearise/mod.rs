@@ -13,6 +13,7 @@
 //! fixed; at a switch these are the derivatives on one side.
 
 pub(crate) mod chart;
+mod jacobian;
 mod matrix;
 pub(crate) mod moment;
 mod networks;
@@ -24,6 +25,7 @@ use std::fmt;
 use mbd_scene::similar::did_you_mean;
 use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Work};
 
+pub(crate) use jacobian::Jacobian;
 pub use matrix::Matrix;
 use networks::Elimination;
 use rows::{Evaluator, ThroughRows};
@@ -317,7 +319,8 @@ impl<T: Float> Linearisation<T> {
         work: &mut Work<T>,
     ) -> Result<(), LinearisationError> {
         let layout = &self.layout;
-        let evaluator = &mut Evaluator::new(model, at, work);
+        let mut laws = None;
+        let evaluator = &mut Evaluator::new(model, at, work, &mut laws);
         self.rows.prepare(layout, evaluator, at)?;
         for (by, partials) in [
             (Variable::State, &mut self.states.partials),
@@ -327,7 +330,8 @@ impl<T: Float> Linearisation<T> {
         ] {
             let out = &mut partials.derivative;
             if !out.values.is_empty() {
-                self.rows.differentiate(layout, evaluator, (by, at), out);
+                self.rows
+                    .differentiate(layout, evaluator, (by.into(), at), out);
             }
         }
         Ok(())

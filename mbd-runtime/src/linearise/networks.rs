@@ -12,7 +12,7 @@ use nalgebra::{Cholesky, DMatrix, Dyn, Matrix3, Vector3};
 
 use super::matrix::Matrix;
 use crate::node::{RateNode, inverse, own_anchors, projection, spanned, triple};
-use crate::slopes::{Effective, Slopes};
+use crate::slopes::{By, Effective, Slopes};
 
 /// The balance of one network, ready to solve.
 pub(super) struct Elimination<'a, T: Float> {
@@ -55,10 +55,11 @@ impl<'a, T: Float> Elimination<'a, T> {
         &self,
         model: &dyn Model<T>,
         at: &At<'_, T>,
-        by: Variable,
+        by: impl Into<By>,
         balance: &Matrix<T>,
         out: &mut Matrix<T>,
     ) {
+        let by = by.into();
         let (size, columns) = (3 * self.network.nodes.len(), out.columns());
         let mut right = DMatrix::from_fn(size, columns, |row, column| {
             balance.at(slot(self.network, row), column)
@@ -122,7 +123,7 @@ impl<'a, T: Float> Elimination<'a, T> {
 }
 
 /// ∂(anchors and loads of the nodes).
-fn ends<T: Float>(model: &dyn Model<T>, at: &At<'_, T>, by: Variable, columns: usize) -> Matrix<T> {
+fn ends<T: Float>(model: &dyn Model<T>, at: &At<'_, T>, by: By, columns: usize) -> Matrix<T> {
     let scene = (model.scene(), model.layout());
     let mut ends = Matrix::new(scene.1.len(Quantity::AnchorStates), columns);
     let mut slopes = Slopes::new(scene.0, scene.1, model.params());
@@ -160,7 +161,7 @@ impl<T: Float> FreeMotion<T> {
     fn new(
         model: &dyn Model<T>,
         at: &At<'_, T>,
-        by: Variable,
+        by: By,
         network: &Network,
         spanned: &[(T, Vector3<T>)],
     ) -> Option<Self> {
@@ -205,7 +206,7 @@ impl<T: Float> FreeMotion<T> {
         });
         Some(FreeMotion {
             legs: legs.collect(),
-            z: (by == Variable::State).then_some(z),
+            z: (by == By::Variable(Variable::State)).then_some(z),
         })
     }
 

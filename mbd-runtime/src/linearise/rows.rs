@@ -12,7 +12,7 @@ use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Wo
 use super::LinearisationError;
 use super::matrix::Matrix;
 use crate::laws::Laws;
-use crate::slopes::{Effective, Slopes};
+use crate::slopes::{By, Effective, Slopes};
 
 /// Part that other rows leave to a row below which rows depend on each other.
 const DEPENDENT: f64 = 1e-9;
@@ -29,15 +29,57 @@ pub(crate) struct ThroughRows<T> {
     partial: Matrix<T>,
 }
 
+/// The laws of a scene on numbers and on duals, with their room.
+#[derive(Debug)]
+pub(crate) struct Witness {
+    laws: Laws,
+    slopes: Slopes,
+    wide: Vec<f64>,
+}
+
+impl Witness {
+    pub(crate) fn new<T: Float>(model: &dyn Model<T>) -> Self {
+        Witness {
+            laws: Laws::new(model),
+            slopes: Slopes::new(model.scene(), model.layout(), model.params()),
+            wide: Vec::new(),
+        }
+    }
+
+    /// A derivative at fixed K_e and L_e, but by parameters, which they follow.
+    pub(crate) fn differentiate<T: Float>(
+        &mut self,
+        model: &dyn Model<T>,
+        (of, by): (Quantity, By),
+        at: &At<'_, T>,
+        out: &mut [T],
+    ) {
+        let effective = match by {
+            By::Variable(Variable::Parameter) => Effective::Follows,
+            _ => Effective::Fixed,
+        };
+        let scene = (model.scene(), model.layout());
+        self.slopes
+            .differentiate(scene, (of, by), effective, at, out);
+    }
+}
+
 /// Who evaluates: the model itself, or the laws of its scene.
-pub(crate) enum Evaluator<'a, T> {
-    Model(&'a dyn Model<T>, &'a mut Work<T>),
-    Laws(&'a dyn Model<T>, Box<Laws>, Box<Slopes>, Vec<f64>),
+pub(crate) struct Evaluator<'a, T> {
+    model: &'a dyn Model<T>,
+    /// Scratch of the model; `None` where its laws are asked.
+    work: Option<&'a mut Work<T>>,
+    laws: &'a mut Option<Box<Witness>>,
 }
 
 impl<'a, T: Float> Evaluator<'a, T> {
     /// The model where it evaluates what derivatives through rows are made of, else its laws.
-    pub(crate) fn new(model: &'a dyn Model<T>, at: &At<'_, T>, work: &'a mut Work<T>) -> Self {
+    pub(crate) fn new(
+        model: &'a dyn Model<T>,
+        at: &At<'_, T>,
+        work: &'a mut Work<T>,
+        laws: &'a mut Option<Box<Witness>>,
+    ) -> Self {
         let layout = model.layout();
         let rows = vec![T::zero(); layout.nv + layout.nc];
         let mut probe = vec![T::from_f64(f64::NAN); layout.len(Quantity::Residual)];
@@ -48,72 +90,58 @@ impl<'a, T: Float> Evaluator<'a, T> {
             &mut probe,
         );
         // A model leaves untouched what it does not know.
-        match probe.iter().all(|x| x.is_finite()) {
-            true => Evaluator::Model(model, work),
-            false => Self::by_laws(model),
-        }
+        let known = probe.iter().all(|x| x.is_finite());
+        Self::known(model, known.then_some(work), laws)
     }
 
-    /// The laws of the scene of a model.
-    pub(crate) fn by_laws(model: &'a dyn Model<T>) -> Self {
-        let slopes = Slopes::new(model.scene(), model.layout(), model.params());
-        Evaluator::Laws(
-            model,
-            Box::new(Laws::new(model)),
-            Box::new(slopes),
-            Vec::new(),
-        )
+    /// The model with its scratch, or its laws.
+    pub(crate) fn known(
+        model: &'a dyn Model<T>,
+        work: Option<&'a mut Work<T>>,
+        laws: &'a mut Option<Box<Witness>>,
+    ) -> Self {
+        Evaluator { model, work, laws }
+    }
+
+    fn witness(&mut self) -> &mut Witness {
+        let model = self.model;
+        self.laws
+            .get_or_insert_with(|| Box::new(Witness::new(model)))
     }
 
     fn evaluate(&mut self, what: Quantity, at: &At<'_, T>, out: &mut [T]) {
-        match self {
-            Evaluator::Model(model, work) => {
-                out.fill(T::zero());
-                model.evaluate(what, at, work, out);
-            }
-            Evaluator::Laws(model, laws, _, wide) => {
-                wide.resize(out.len(), 0.0);
-                laws.evaluate(*model, what, at, wide);
-                for (to, x) in out.iter_mut().zip(wide) {
-                    *to = T::from_f64(*x);
-                }
-            }
+        let model = self.model;
+        if let Some(work) = &mut self.work {
+            out.fill(T::zero());
+            model.evaluate(what, at, work, out);
+            return;
+        }
+        let Witness { laws, wide, .. } = self.witness();
+        wide.resize(out.len(), 0.0);
+        laws.evaluate(model, what, at, wide);
+        for (to, x) in out.iter_mut().zip(wide) {
+            *to = T::from_f64(*x);
         }
     }
 
-    /// ∂r by a variable.
-    fn differentiate(&mut self, by: Variable, at: &At<'_, T>, out: &mut [T]) {
-        let of = Differentiated::Residual;
-        match self {
-            // A model's own derivatives hold K_e and L_e.
-            Evaluator::Model(model, work)
-                if by != Variable::Parameter || model.layout().effective_lines == 0 =>
-            {
-                out.fill(T::zero());
-                model.evaluate(Quantity::Partial(of, by), at, work, out);
-            }
-            Evaluator::Model(model, _) => {
-                let mut slopes = Slopes::new(model.scene(), model.layout(), model.params());
-                differentiate(&mut slopes, *model, by, at, out);
-            }
-            Evaluator::Laws(model, _, slopes, _) => differentiate(slopes, *model, by, at, out),
+    /// ∂r.
+    fn differentiate(&mut self, by: By, at: &At<'_, T>, out: &mut [T]) {
+        let model = self.model;
+        // A model's own derivatives hold K_e and L_e, and none is by time.
+        let own = match by {
+            By::Time => None,
+            By::Variable(Variable::Parameter) if model.layout().effective_lines > 0 => None,
+            By::Variable(variable) => Some(variable),
+        };
+        if let (Some(work), Some(by)) = (&mut self.work, own) {
+            out.fill(T::zero());
+            let what = Quantity::Partial(Differentiated::Residual, by);
+            model.evaluate(what, at, work, out);
+            return;
         }
+        let what = (Quantity::Residual, by);
+        self.witness().differentiate(model, what, at, out);
     }
-}
-
-fn differentiate<T: Float>(
-    slopes: &mut Slopes,
-    model: &dyn Model<T>,
-    by: Variable,
-    at: &At<'_, T>,
-    out: &mut [T],
-) {
-    let effective = match by {
-        Variable::Parameter => Effective::Follows,
-        _ => Effective::Fixed,
-    };
-    let of = (Quantity::Residual, by);
-    slopes.differentiate((model.scene(), model.layout()), of, effective, at, out);
 }
 
 impl<T: Float> ThroughRows<T> {
@@ -194,10 +222,10 @@ impl<T: Float> ThroughRows<T> {
         &mut self,
         layout: &Layout,
         evaluator: &mut Evaluator<'_, T>,
-        (by, at): (Variable, &At<'_, T>),
+        (by, at): (By, &At<'_, T>),
         out: &mut Matrix<T>,
     ) {
-        let columns = layout.variables(by);
+        let columns = by.count(layout);
         let mut partial = std::mem::take(&mut self.partial);
         partial.reshape(layout.len(Quantity::Residual), columns);
         let given = At {

@@ -2,6 +2,7 @@
 
 use mbd_scene::Float;
 
+use super::start::differentiable;
 use super::{Pace, Simulation};
 use crate::error::{RunError, StepError};
 use crate::supply::{Law, Sampler, check_model, check_numbers, check_supplied};
@@ -47,7 +48,8 @@ impl<T: Float> Simulation<T> {
                         value: period,
                     })
                 }
-                _ => Ok(()),
+                Some(_) => Ok(()),
+                None => differentiable(&self.options),
             }
         });
         checked.map_err(|cause| self.failed(cause))?;

@@ -90,7 +90,11 @@ impl<T: Float> Simulation<T> {
         let mut trials: u64 = 0;
         while until - self.time > resolution(self.time) {
             if trials >= self.options.max_steps {
-                return Err(StepError::TooManySteps { steps: trials });
+                let stiff = self.stiff();
+                return Err(StepError::TooManySteps {
+                    steps: trials,
+                    stiff,
+                });
             }
             trials += 1;
             let seen = self.events.len();
@@ -121,6 +125,7 @@ impl<T: Float> Simulation<T> {
         }
         let Some(found) = self.find_event(step)? else {
             self.watch_step(step)?;
+            let changes = self.sees_stiffness(step);
             self.record_inside(step, trajectory)?;
             self.count += 1;
             let end = match self.pace {
@@ -129,6 +134,9 @@ impl<T: Float> Simulation<T> {
                 Pace::Adaptive(..) => self.time + step,
             };
             self.take(step, end)?;
+            if changes {
+                self.change_method();
+            }
             self.record_step(trajectory)?;
             if lands && until.is_finite() {
                 self.regrid();
@@ -243,6 +251,9 @@ impl<T: Float> Simulation<T> {
         self.time = end;
         let counters = &mut self.system.counters;
         counters.steps = counters.steps.saturating_add(1);
+        if self.method.is_stiff() {
+            counters.stiff_steps = counters.stiff_steps.saturating_add(1);
+        }
         let projected = self.system.project(&mut self.state);
         let begun = match projected {
             true => self.method.begin(&mut self.system, end, step, &self.state),
@@ -271,7 +282,7 @@ impl<T: Float> Simulation<T> {
                 break;
             }
             let theta = ((due - self.time) / step).min(1.0);
-            self.inside_state(theta, step);
+            self.inside_state(theta, step)?;
             if theta < 1.0 {
                 self.system.stay(due, &mut self.inside)?;
             }
@@ -301,14 +312,17 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Puts the state at `theta` of the attempted step into `inside`.
-    pub(crate) fn inside_state(&mut self, theta: f64, step: f64) {
+    pub(crate) fn inside_state(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
         if theta >= 1.0 {
             self.inside.copy_from_slice(self.method.next());
         } else {
+            let (time, state) = (self.time, &self.state);
+            self.method.complete(&mut self.system, time, step, state)?;
             self.method
-                .interpolate(theta, step, &self.state, &mut self.inside);
+                .interpolate(theta, step, state, &mut self.inside);
             self.system.normalise(&mut self.inside);
         }
+        Ok(())
     }
 
     /// Notes a located event.

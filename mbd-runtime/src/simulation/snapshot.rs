@@ -8,7 +8,7 @@ use crate::balance::Balance;
 use crate::columns::state_names;
 use crate::error::{RunError, StepError};
 use crate::fallback::SavedStrategy;
-use crate::integrate::Control;
+use crate::integrate::{Control, Stiffness};
 use crate::node::NodeMemory;
 use crate::watch::Watch;
 
@@ -26,6 +26,9 @@ pub struct Snapshot<T> {
     memory: NodeMemory<T>,
     control: Option<Control>,
     watch: Watch,
+    stiffness: Stiffness,
+    /// Whether the stiff method makes the steps.
+    stiff: bool,
     watch_weights: Vec<T>,
     balance: Option<Balance>,
     sides: Vec<bool>,
@@ -68,6 +71,7 @@ impl<T: Float> Simulation<T> {
             Pace::Adaptive(control, _) => Some(control.clone()),
         };
         to.watch = self.watch;
+        (to.stiffness, to.stiff) = (self.stiffness, self.method.is_stiff());
         to.watch_weights.clone_from(&self.watch_weights);
         to.balance = self.balance;
         to.sides.clone_from(&self.margins.sides);
@@ -101,7 +105,8 @@ impl<T: Float> Simulation<T> {
             && snapshot.sides.len() == self.margins.sides.len()
             && snapshot.held.0.len() == self.system.held.len()
             && snapshot.samples.len() == self.samplers.len()
-            && snapshot.control.is_some() == matches!(self.pace, Pace::Adaptive(..));
+            && snapshot.control.is_some() == matches!(self.pace, Pace::Adaptive(..))
+            && (self.method.has_both() || snapshot.stiff == self.method.is_stiff());
         if !fits {
             return Err(self.failed(StepError::Unsupported {
                 what: "a snapshot of another model or method, or of other controllers".into(),
@@ -124,6 +129,8 @@ impl<T: Float> Simulation<T> {
             (sampler.from, sampler.next) = *saved;
         }
         self.watch = snapshot.watch;
+        self.stiffness = snapshot.stiffness;
+        self.method.resume(snapshot.stiff);
         self.balance = snapshot.balance;
         self.margins.sides.copy_from_slice(&snapshot.sides);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {

@@ -38,9 +38,15 @@ impl<T: Float> Simulation<T> {
     /// Begins to watch a run at its start.
     pub(super) fn begin_watch(&mut self) -> Result<(), StepError> {
         self.watch = Watch::default();
-        self.watch_weights = match self.pace {
-            Pace::Fixed(step) => self.system.watch_weights(self.time, &self.state, step)?,
-            Pace::Adaptive(..) => vec![T::zero(); self.system.nx],
+        self.watch_weights = match &self.pace {
+            Pace::Fixed(step) => self.system.watch_weights(self.time, &self.state, *step)?,
+            Pace::Adaptive(_, norm) => {
+                let (time, state) = (self.time, &self.state);
+                let mut weights = self.system.watch_weights(time, state, norm.seconds())?;
+                let layout = self.system.model.layout();
+                norm.weigh_states(&mut weights, layout.nq..layout.nq + layout.nv);
+                weights
+            }
         };
         Ok(())
     }
@@ -128,7 +134,7 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         };
         // The step to be taken is not counted yet.
-        let seldom = (self.system.counters.steps + 1) % SELDOM == 0;
+        let seldom = (self.system.counters.steps + 1).is_multiple_of(SELDOM);
         if self.meter == Meter::Laws && !seldom {
             return Ok(());
         }
@@ -180,7 +186,7 @@ impl<T: Float> Simulation<T> {
 
     /// The power inside the attempted step [W].
     fn power_inside(&mut self, theta: f64, step: f64) -> Option<f64> {
-        self.inside_state(theta, step);
+        self.inside_state(theta, step).ok()?;
         let span = theta * step;
         let time = self.time + span;
         self.system.look(time, span, &self.inside).ok()?;
@@ -196,7 +202,7 @@ impl<T: Float> Simulation<T> {
     /// # Errors
     /// Positions so far from the origin that forces have no digits left.
     pub(super) fn look_back(&mut self) -> Result<(), StepError> {
-        if self.system.counters.steps % OFTEN == 0 {
+        if self.system.counters.steps.is_multiple_of(OFTEN) {
             self.watch_rounding()?;
         }
         self.remember_good();
@@ -234,7 +240,7 @@ impl<T: Float> Simulation<T> {
         } else {
             OFTEN
         };
-        if !self.watched || self.system.counters.steps % every != 0 {
+        if !self.watched || !self.system.counters.steps.is_multiple_of(every) {
             return;
         }
         if self.is_calm() {

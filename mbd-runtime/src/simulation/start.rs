@@ -5,8 +5,8 @@ use std::sync::Arc;
 use mbd_scene::laws::starts;
 use mbd_scene::similar::did_you_mean;
 use mbd_scene::{
-    Float, InputSlots, InputSource, JointStart, Model, NodeModel, PlacementError, Quantity, Scene,
-    declared_parts, place_declared,
+    Float, InputSlots, InputSource, JointStart, Layout, Model, NodeModel, PlacementError, Quantity,
+    Scene, declared_parts, place_declared,
 };
 
 use super::moved::moved;
@@ -16,13 +16,20 @@ use crate::chatter::Chatter;
 use crate::columns::{input_name, node_name, state_names};
 use crate::error::{RunError, StepError};
 use crate::event::Margins;
-use crate::integrate::{Control, ErrorNorm, Explicit, RK4, Resolution, Scales, TSIT5};
-use crate::options::{Method, Options};
+use crate::integrate::{
+    Attached, Control, ErrorNorm, Explicit, RK4, RODAS5P, Resolution, Rosenbrock, Scales, Stepper,
+    Stiffness, TSIT5, VERN7,
+};
+use crate::moving::moving;
+use crate::options::{Method, Options, Stabilise};
 use crate::rounding::Rounding;
-use crate::stiffness::Stiffness;
+use crate::stiffness;
 use crate::supply::Law;
 use crate::system::{System, WORKS};
 use crate::watch::Watch;
+
+/// The tolerance from which on `Auto` begins with Tsit5, below with Vern7.
+const LOOSE: f64 = 1e-5;
 
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::new`] and [`Simulation::with_loads`] do.
@@ -35,31 +42,47 @@ impl<T: Float> Simulation<T> {
             cause,
             progress: Box::default(),
         };
-        options.check().map_err(refuse)?;
+        options.check(T::EPSILON.to_f64()).map_err(refuse)?;
         offered(&*model, &options).map_err(refuse)?;
+        if !controls.is_empty() {
+            differentiable(&options).map_err(refuse)?;
+        }
         let scales = options.scales.unwrap_or_else(|| Scales::of(&*model));
         let mut system = System::new(model.clone(), controls, options.work);
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
         system.projection.length = scales.length;
-        let stiffness = Stiffness::new(&*model);
+        let stiffness = stiffness::Stiffness::new(&*model);
         let resolution = Resolution::new(model.layout(), &stiffness, scales);
-        let fixed = matches!(options.method, Method::Rk4 { .. });
+        let fixed = options.method.fixed_step().is_some();
         let length = system.length();
         let arm = system.projection.any().then(|| system.reach());
         let rounding = Rounding::new(model.layout(), &stiffness, scales, arm);
         let starts = starts(model.scene(), model.params());
-        let (method, pace, tolerance) = match options.method {
-            Method::Rk4 { step } => (Explicit::new(&RK4, length), Pace::Fixed(step), 1e-10),
-            Method::Tsit5 { rtol, max_step } => {
-                let method = Explicit::new(&TSIT5, length);
-                let control = Control::new(0.0, max_step, method.exponent);
+        let explicit = match options.method {
+            Method::Rk4 { .. } => Some(Explicit::new(&RK4, length)),
+            Method::Tsit5 { .. } => Some(Explicit::new(&TSIT5, length)),
+            Method::Vern7 { .. } => Some(Explicit::new(&VERN7, length)),
+            Method::Rodas5P { .. } => None,
+            Method::Auto { rtol, .. } if rtol >= LOOSE => Some(Explicit::new(&TSIT5, length)),
+            Method::Auto { .. } => Some(Explicit::new(&VERN7, length)),
+        };
+        let implicit = options.method.needs_derivatives().then(|| {
+            system.provide_derivatives();
+            let behind = length - system.nx;
+            Rosenbrock::new(&RODAS5P, length, attached(model.layout()), behind)
+        });
+        let method = Stepper::new(explicit, implicit);
+        let (pace, tolerance) = match (options.method.fixed_step(), options.method.tolerance()) {
+            (_, Some([rtol, max_step])) => {
+                let control = Control::new(0.0, max_step, [method.exponent(), method.memory()]);
                 let wide: Vec<f64> = starts.iter().map(|start| start.to_f64()).collect();
                 let norm = ErrorNorm::new(model.layout(), length, (scales, rtol), &wide, |part| {
                     resolution.of(part)
                 });
-                (method, Pace::Adaptive(control, norm), rtol)
+                (Pace::Adaptive(control, norm), rtol)
             }
+            (step, None) => (Pace::Fixed(step.unwrap_or(f64::NAN)), 1e-10),
         };
         let finest = 16.0 * T::EPSILON.to_f64() * scales.length;
         let margins = Margins::new(&*model, options.locate, |acting| {
@@ -100,6 +123,7 @@ impl<T: Float> Simulation<T> {
             noisy: fixed && options.guard_tolerance.is_none(),
             stalled: f64::NAN,
             pace,
+            stiffness: Stiffness::default(),
             watch: Watch::default(),
             watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(&*model).is_none(),
@@ -238,6 +262,7 @@ impl<T: Float> Simulation<T> {
         self.origin = self.time;
         self.count = 0;
         self.chatter = Chatter::new();
+        self.stiffness = Stiffness::default();
         self.stalled = f64::NAN;
         let started = self.consistent_start();
         started.map_err(|cause| {
@@ -250,6 +275,16 @@ impl<T: Float> Simulation<T> {
         self.stale = false;
         if self.system.unsupplied {
             return Err(unsupplied(&*self.system.model));
+        }
+        if matches!(self.options.method, Method::Rodas5P { .. }) && !self.system.controls.is_empty()
+        {
+            return Err(StepError::Unsupported {
+                what: format!(
+                    "{} with inputs that are functions of time and state",
+                    self.options.method.name()
+                ),
+                instead: "these have no derivatives: hold inputs (`set_inputs`), sample them (`control_every`), declare what they follow in the model, or take an explicit method".into(),
+            });
         }
         let set = self.state.clone();
         let assembled = self.system.assemble(self.time, &mut self.state);
@@ -272,7 +307,7 @@ impl<T: Float> Simulation<T> {
             *control = Control::new(
                 step.min(control.largest),
                 control.largest,
-                self.method.exponent,
+                [self.method.exponent(), self.method.memory()],
             );
         }
         self.system.follow_angles(self.time, &self.state, true);
@@ -319,17 +354,49 @@ fn misplaced(scene: &Scene, error: PlacementError) -> StepError {
 
 /// Whether this combination of model and method is offered.
 fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), StepError> {
-    if let (Some(point), Method::Tsit5 { .. }) = (stepwise(model), options.method) {
+    if let (Some(point), Some(_)) = (stepwise(model), options.method.tolerance()) {
         return Err(StepError::Unsupported {
             what: format!(
-                "an adaptive method with the `stepwise` node `{}`",
+                "{} with the `stepwise` node `{}`",
+                options.method.name(),
                 node_name(model.scene(), point)
             ),
             instead: "take Method::Rk4 with a fixed step, or declare the node `rate` or `static`"
                 .into(),
         });
     }
+    let implicit = options.method.needs_derivatives();
+    if implicit && matches!(options.stabilise, Stabilise::Baumgarte { .. }) {
+        return Err(StepError::Unsupported {
+            what: format!("{} with Stabilise::Baumgarte", options.method.name()),
+            instead: "take Stabilise::Projection, or an explicit method".into(),
+        });
+    }
     Ok(())
+}
+
+/// Refuses inputs that are functions of time and state to a method that solves with derivatives of the rates.
+pub(super) fn differentiable(options: &Options) -> Result<(), StepError> {
+    if !options.method.needs_derivatives() {
+        return Ok(());
+    }
+    Err(StepError::Unsupported {
+        what: format!(
+            "{} with inputs that are functions of time and state, which have no derivatives,",
+            options.method.name()
+        ),
+        instead: "hold inputs (`set_inputs`), sample them (`control_every`), declare what they follow in the model, or take an explicit method".into(),
+    })
+}
+
+/// The coordinates of a scene, each with its speeds.
+fn attached(layout: &Layout) -> Vec<Attached> {
+    let parts = moving(layout).flat_map(|part| {
+        let place = (part.position, part.velocity);
+        [place, (part.attitude, part.spin)]
+    });
+    let parts = parts.filter(|(at, _)| !at.is_empty());
+    parts.map(|(at, speeds)| Attached { at, speeds }).collect()
 }
 
 /// A run of a scene whose external loads or gravity nobody supplies.

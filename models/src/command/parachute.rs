@@ -45,7 +45,7 @@ pub fn parachute(args: &ParachuteArgs) -> Result<String, Failure> {
         .filter(|[.., source]| !source.starts_with("paper"))
         .count();
     let found = parachute::write(&study, &args.out)
-        .map_err(|error| Failure::Usage(format!("cannot write into {folder}: {error}")))?;
+        .map_err(|error| Failure::Usage(format!("cannot write {error}")))?;
     Ok(format!(
         "{}\n{}\nSteady riser force over the weight of the capsule: {:.6}\nOf the numbers of the scene, {assumed} of {all} groups are assumed or recalled because the copy of the paper lost them; the report lists each with its source.\nWritten to {folder}: report.html, figures, histories, summary.json\n",
         summary::table(&study).text(),

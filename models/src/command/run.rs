@@ -19,10 +19,13 @@ pub struct RunArgs {
     /// Folder for history, figures, report and summary [default: out/NAME of a ready scene, out/PATH of a file without its extension].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// The integrator: rk4 (fixed steps), tsit5, vern7 (tight tolerances), rodas5p (stiff), auto [default: rk4 with --dt, else tsit5].
+    #[arg(long, value_name = "METHOD")]
+    method: Option<String>,
     /// Fixed step of RK4, with unit (`0.01s`, `5 ms`) or in seconds [default: 0.001 s if an equilibrium point is stepwise].
     #[arg(long, value_name = "STEP", conflicts_with = "tol")]
     dt: Option<String>,
-    /// Relative tolerance of adaptive steps, Tsit5 [default: 1e-8 if no equilibrium point is stepwise].
+    /// Relative tolerance of adaptive steps [default: 1e-8 if no equilibrium point is stepwise].
     #[arg(long, value_name = "NUMBER")]
     tol: Option<String>,
     /// End of the run, with unit or in seconds.
@@ -31,7 +34,7 @@ pub struct RunArgs {
     /// Distance of the rows of the history, with unit or in seconds [default: every step].
     #[arg(long, value_name = "TIME")]
     every: Option<String>,
-    /// The most steps, accepted and rejected, before the run is given up [default: 10000000 of RK4, 1000000 of Tsit5].
+    /// The most steps, accepted and rejected, before the run is given up [default: 10000000 of RK4, 1000000 of adaptive methods].
     #[arg(long, value_name = "NUMBER")]
     max_steps: Option<u64>,
     /// Value of a param with its unit, `riser_k=50kN/m`; may be repeated. `mbd check` shows the params with their ranges.
@@ -66,14 +69,13 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
         .out
         .clone()
         .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
-    let table =
-        publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&folder, &error))?;
+    let table = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
     let warning = warning(&scene, &plan, &outcome);
     let told = if args.json {
         if let Some(warning) = warning {
             eprintln!("{warning}");
         }
-        summary_json(&scene, &plan, &outcome).map_err(|error| unwritten(&folder, &error))?
+        summary_json(&scene, &plan, &outcome).map_err(|error| unwritten(&error))?
     } else {
         let remarks = remarks.iter().chain(&warning);
         let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
@@ -88,6 +90,20 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
 fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Failure> {
     if args.dt.is_some() || args.tol.is_some() {
         (settings.step, settings.tolerance) = (value(&args.dt), value(&args.tol));
+        // The method of the file stays where it has what is given.
+        let fixed = |word: &String| word == "rk4";
+        settings.method = settings
+            .method
+            .filter(|word| fixed(word) == args.dt.is_some());
+    }
+    if let Some(word) = &args.method {
+        // A step or a tolerance of the file belongs to its own method.
+        match word.as_str() {
+            "rk4" if args.tol.is_none() => settings.tolerance = None,
+            _ if args.dt.is_none() => settings.step = None,
+            _ => {}
+        }
+        settings.method = Some(word.clone());
     }
     settings.until = value(&args.until).or(settings.until);
     settings.every = value(&args.every).or(settings.every);
@@ -143,8 +159,8 @@ pub(super) fn folder_name(given: &Path) -> PathBuf {
     short
 }
 
-fn unwritten(folder: &Path, error: &std::io::Error) -> Failure {
-    Failure::Usage(format!("cannot write into {}: {error}", folder.display()))
+fn unwritten(error: &std::io::Error) -> Failure {
+    Failure::Usage(format!("cannot write {error}"))
 }
 
 fn written(outcome: &Outcome, folder: &Path) -> String {

@@ -113,9 +113,14 @@ impl SceneFile {
 
 fn read_file(path: &Path) -> Result<String, Failure> {
     let cannot = |why: String| Failure::Usage(format!("cannot read {}: {why}", path.display()));
-    let size = std::fs::metadata(path)
-        .map_err(|error| cannot(error.to_string()))?
-        .len();
+    let found = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?;
+    // A pipe would keep us waiting for its other end, a device may never end.
+    if !found.is_file() {
+        return Err(cannot(
+            "it is no ordinary file; give the name of a file that holds a scene".into(),
+        ));
+    }
+    let size = found.len();
     if size > LARGEST {
         return Err(cannot(format!("{size} bytes are no scene")));
     }

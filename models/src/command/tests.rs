@@ -82,6 +82,46 @@ fn output_that_cannot_be_written_is_an_error_and_a_reader_who_left_is_none() {
     }
 }
 
+/// A name of a device that takes nothing, put where the file is written before it gets its name.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_that_finds_the_disk_full_names_the_file_and_leaves_no_summary() {
+    let folder = Folder::new("full_disk");
+    let out = folder.0.display().to_string();
+    let arguments = ["run", "swing", "--until", "0.01 s", "--out", &out];
+    run(&arguments).unwrap();
+    let before = std::fs::read(folder.0.join("history.csv")).unwrap();
+    for name in ["history.csv", "report.html", "summary.json"] {
+        let part = folder.0.join(format!("{name}.part"));
+        std::os::unix::fs::symlink("/dev/full", &part).unwrap();
+        let error = run(&arguments).unwrap_err();
+        assert_eq!(error.code(), 1, "{error}");
+        assert!(error.to_string().contains(name), "{error}");
+        assert!(!folder.0.join("summary.json").exists(), "{name}");
+        let kept = std::fs::read(folder.0.join("history.csv")).unwrap();
+        assert_eq!(kept.len(), before.len(), "{name}");
+        assert!(!part.exists(), "{name}");
+    }
+    run(&arguments).unwrap();
+    assert!(folder.0.join("summary.json").exists());
+}
+
+#[test]
+fn what_is_no_file_is_refused_before_it_is_read() {
+    let folder = Folder::new("special");
+    let name = folder.0.display().to_string();
+    for path in [name.as_str(), "/dev/zero"] {
+        if !std::path::Path::new(path).exists() {
+            continue;
+        }
+        for command in ["check", "run", "convert"] {
+            let error = run(&[command, path]).unwrap_err();
+            assert_eq!(error.code(), 1);
+            assert!(error.to_string().contains("no ordinary file"), "{error}");
+        }
+    }
+}
+
 #[test]
 fn the_quantities_of_a_scene_are_listed_with_units() {
     let text = run(&["list", "quantities", "four_bar"]).unwrap();

@@ -9,10 +9,10 @@ pub mod study;
 pub mod summary;
 pub mod variant;
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter};
+use std::io;
 use std::path::Path;
 
+use crate::files;
 use crate::report::{Cell, Report, Table};
 use study::Study;
 use summary::Summary;
@@ -20,26 +20,21 @@ use summary::Summary;
 /// Writes report, figures, histories and summary of a study into a folder.
 ///
 /// # Errors
-/// Those of the file system.
+/// Those of the file system, with the name of the file. Every file is whole, and the summary is only there if all others are.
 pub fn write(study: &Study, folder: &Path) -> io::Result<Summary> {
-    fs::create_dir_all(folder)?;
+    files::make_folder(folder)?;
+    // The summary is written last: where it is, everything is.
+    let place = folder.join("summary.json");
+    files::remove(&place)?;
     let summary = Summary::of(study);
-    fs::write(
-        folder.join("summary.json"),
-        serde_json::to_string_pretty(&summary)? + "\n",
-    )?;
     for run in &study.runs {
         let name = format!("case{}_{}.csv", run.case.number(), run.confluence.slug());
-        run.flight
-            .history
-            .to_csv(BufWriter::new(File::create(folder.join(name))?))?;
+        files::write_whole(&folder.join(name), |to| run.flight.history.to_csv(to))?;
     }
     let figures = figures::figures(study);
     for named in &figures {
-        fs::write(
-            folder.join(format!("{}.svg", named.name)),
-            named.figure.svg(),
-        )?;
+        let file = folder.join(format!("{}.svg", named.name));
+        files::write_text(&file, &named.figure.svg())?;
     }
     let mut report = Report::new("A capsule under a parachute: the confluence as a point with mass and as an equilibrium point")
         .section("What was run")
@@ -67,6 +62,7 @@ pub fn write(study: &Study, folder: &Path) -> io::Result<Summary> {
         .section("Make it again")
         .command("cargo run --release");
     report.write(folder.join("report.html"))?;
+    files::write_text(&place, &(serde_json::to_string_pretty(&summary)? + "\n"))?;
     Ok(summary)
 }
 

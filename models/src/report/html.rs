@@ -8,6 +8,7 @@ use super::figure::Figure;
 use super::look::style_sheet;
 use super::svg::escape;
 use super::table::Table;
+use crate::files;
 
 /// A report, written from top to bottom. No dates, no paths, no machine names: the same input gives the same bytes.
 ///
@@ -137,9 +138,9 @@ impl Report {
     /// Writes the page.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// The file cannot be written whole; the error names it.
     pub fn write(&self, path: impl AsRef<Path>) -> io::Result<()> {
-        std::fs::write(path, self.html())
+        files::write_text(path.as_ref(), &self.html())
     }
 }
 

@@ -7,7 +7,9 @@ use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
     InputSource, JointStart, NodeModel, Part, PlacementError, Scene, declared_parts, place_declared,
 };
-use mbd_runtime::{Content, Generic, Layout, Name, Options, Sampling, Trajectory, state_names};
+use mbd_runtime::{
+    Content, Generic, Layout, Method, Name, Options, Sampling, Trajectory, state_names,
+};
 use toml::{Table, Value};
 
 use super::settings::Settings;
@@ -176,18 +178,32 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
         .nodes
         .iter()
         .any(|node| matches!(node.model, NodeModel::Stepwise { .. }));
-    let mut options = match (&settings.step, &settings.tolerance) {
-        (Some(_), Some(_)) => {
-            return Err(wrong(
-                "tolerance",
-                "give either a step (fixed RK4) or a tolerance (adaptive Tsit5)",
-            ));
+    let (step, tolerance) = (settings.step.as_ref(), settings.tolerance.as_ref());
+    if step.is_some() && tolerance.is_some() {
+        return Err(wrong(
+            "tolerance",
+            "give either a step (fixed RK4) or a tolerance (adaptive)",
+        ));
+    }
+    let fixed = || step.map_or(Ok(STEP), |step| positive("step", step, "s"));
+    let adaptive = || tolerance.map_or(Ok(TOLERANCE), |given| positive("tolerance", given, ""));
+    let mut options = match settings.method.as_deref() {
+        None if step.is_some() || (stepwise && tolerance.is_none()) => Options::rk4(fixed()?),
+        None => Options::tsit5(adaptive()?),
+        Some("rk4") if tolerance.is_some() => {
+            let text = "`rk4` has a fixed step: give `step`, or take an adaptive method";
+            return Err(wrong("tolerance", text));
         }
-        (Some(step), None) => Options::rk4(positive("step", step, "s")?),
-        (None, Some(tolerance)) => Options::tsit5(positive("tolerance", tolerance, "")?),
-        (None, None) if stepwise => Options::rk4(STEP),
-        (None, None) => Options::tsit5(TOLERANCE),
+        Some("rk4") => Options::rk4(fixed()?),
+        Some(word) => Options {
+            method: method(word, adaptive()?)?,
+            ..Options::tsit5(TOLERANCE)
+        },
     };
+    if let (Some(word), Some(_), None) = (&settings.method, step, options.method.fixed_step()) {
+        let text = format!("`{word}` chooses its steps: give `tolerance`, or take `rk4`");
+        return Err(wrong("step", text));
+    }
     options.locate = settings.locate.unwrap_or(true);
     if let Some(steps) = settings.max_steps {
         if steps == 0 {
@@ -198,6 +214,24 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
     // The balance of energy needs the work of what gives and takes it.
     options.work = scene.exchanges_energy();
     Ok(options)
+}
+
+/// The adaptive method of a word.
+fn method(word: &str, tolerance: f64) -> Result<Method, PlanError> {
+    Method::adaptive(word, tolerance).ok_or_else(|| {
+        let known = || std::iter::once("rk4").chain(Method::ADAPTIVE);
+        let near = nearest(word, known());
+        let near = near.map_or_else(
+            || ".".to_owned(),
+            |near| format!("; did you mean `{near}`?"),
+        );
+        let list: Vec<&str> = known().collect();
+        let text = format!(
+            "there is no method `{word}`{near} There are: {}",
+            list.join(", ")
+        );
+        wrong("method", text)
+    })
 }
 
 /// Figures by title; their columns exist and share a unit.

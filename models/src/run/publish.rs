@@ -1,7 +1,6 @@
 //! What a run leaves behind: `history.csv`, drawings of the mechanism, a figure an output and a group of lines, `report.html`, `summary.json`.
 
-use std::fs;
-use std::io::{self, BufWriter};
+use std::io;
 use std::path::Path;
 
 use mbd_runtime::scene::Scene;
@@ -12,19 +11,21 @@ use super::outcome::Outcome;
 use super::plan::Plan;
 use super::plots::groups;
 use super::summary::{summary_json, table};
-use crate::describe;
 use crate::report::{Report, Table};
+use crate::{describe, files};
 
 /// Writes everything into a folder and gives the table of the run.
 ///
 /// # Errors
-/// The folder or a file cannot be written.
+/// The folder or a file cannot be written; the error names it. Every file is whole, and the summary is only there if all others are.
 pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> io::Result<Table> {
-    fs::create_dir_all(folder)?;
-    let history = fs::File::create(folder.join("history.csv"))?;
-    outcome.trajectory.to_csv(BufWriter::new(history))?;
-    let summary = summary_json(scene, plan, outcome)?;
-    fs::write(folder.join("summary.json"), summary)?;
+    files::make_folder(folder)?;
+    // The summary is written last: where it is, everything is.
+    let summary = folder.join("summary.json");
+    files::remove(&summary)?;
+    files::write_whole(&folder.join("history.csv"), |to| {
+        outcome.trajectory.to_csv(to)
+    })?;
     let table = table(scene, plan, outcome);
     let mut report = Report::new(&scene.name);
     if !scene.doc.trim().is_empty() {
@@ -46,13 +47,13 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
     }
     for (index, drawing) in drawings.iter().enumerate() {
         let view = if index == 0 { "" } else { "_side" };
-        fs::write(folder.join(format!("mechanism{view}.svg")), drawing.svg())?;
+        files::write_text(&folder.join(format!("mechanism{view}.svg")), &drawing.svg())?;
         report = report.drawing(drawing);
     }
     report = report.section("Histories");
     for group in groups(scene, plan, &outcome.trajectory) {
         let figure = group.figure(outcome.trajectory.times());
-        fs::write(folder.join(group.file()), figure.svg())?;
+        files::write_text(&folder.join(group.file()), &figure.svg())?;
         report = report.figure(&figure);
     }
     report = report.section("The scene").table(&describe::counts(scene));
@@ -60,6 +61,7 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
         report = report.table(&things);
     }
     report.write(folder.join("report.html"))?;
+    files::write_text(&summary, &summary_json(scene, plan, outcome)?)?;
     Ok(table)
 }
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::io;
 
+use mbd_runtime::Layout;
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{Layout, Method};
 use serde::Serialize;
 
 use super::outcome::Outcome;
@@ -77,10 +77,7 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
             0.0
         }
     };
-    let (method, step_s, tolerance) = match plan.options.method {
-        Method::Rk4 { step } => ("rk4", Some(step), None),
-        Method::Tsit5 { rtol, .. } => ("tsit5", None, Some(rtol)),
-    };
+    let method = plan.options.method;
     let names = trajectory.names().iter();
     let last = names.filter_map(|name| {
         let value = trajectory.column(&name.name)?.last()?;
@@ -93,9 +90,9 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
             .as_ref()
             .map_or("ok", |error| error.cause.status()),
         message: outcome.error.as_ref().map(ToString::to_string),
-        method,
-        step_s,
-        tolerance,
+        method: method.word(),
+        step_s: method.fixed_step(),
+        tolerance: method.tolerance().map(|[rtol, _]| rtol),
         until_s: plan.until,
         reached_s: outcome.time,
         steps: statistics.steps,
@@ -143,9 +140,13 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
     let statistics = outcome.trajectory.statistics;
     let quality = Quality::of(scene, &outcome.trajectory);
     let layout = Layout::new(scene);
-    let method = match plan.options.method {
-        Method::Rk4 { step } => format!("RK4, fixed step {step} s"),
-        Method::Tsit5 { rtol, .. } => format!("Tsit5, relative tolerance {rtol:e}"),
+    let name = plan.options.method.name();
+    let method = match plan.options.method.tolerance() {
+        Some([rtol, _]) => format!("{name}, relative tolerance {rtol:e}"),
+        None => {
+            let step = plan.options.method.fixed_step().unwrap_or(f64::NAN);
+            format!("{name}, fixed step {step} s")
+        }
     };
     let switches = if plan.options.locate {
         "located"

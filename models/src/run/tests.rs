@@ -113,6 +113,22 @@ fn what_is_not_said_is_zero_and_adaptive() {
 }
 
 #[test]
+fn the_method_is_chosen_by_its_word() {
+    let plan = |text: &str| {
+        let text = format!("[run]\nuntil = 1\n{text}");
+        Plan::new(&swing(), &settings(&text)).unwrap().options
+    };
+    for word in Method::ADAPTIVE {
+        let options = plan(&format!("method = \"{word}\"\ntolerance = 1e-9\n"));
+        assert_eq!(options.method.word(), word);
+        assert_eq!(options.method.tolerance(), Some([1e-9, f64::INFINITY]));
+    }
+    assert_eq!(plan("method = \"vern7\""), Options::vern7(1e-8));
+    assert_eq!(plan("method = \"rk4\""), Options::rk4(1e-3));
+    assert_eq!(plan("method = \"rk4\"\nstep = 0.1"), Options::rk4(0.1));
+}
+
+#[test]
 fn a_declared_state_starts_where_it_says_or_where_the_settings_do() {
     let mut scene = swing();
     scene.states.push(State {
@@ -162,6 +178,18 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
     fails("[run]\nuntil = true", "expected a number, found boolean");
     fails("[run]\nuntil = nan", "finite");
     fails("[run]\nuntil = 1\nstep = 1\ntolerance = 1", "either a step");
+    fails(
+        "[run]\nuntil = 1\nmethod = \"ver7\"",
+        "`method`: there is no method `ver7`; did you mean `vern7`? There are: rk4, tsit5, vern7, rodas5p, auto",
+    );
+    fails(
+        "[run]\nuntil = 1\nmethod = \"vern7\"\nstep = 1",
+        "`step`: `vern7` chooses its steps: give `tolerance`",
+    );
+    fails(
+        "[run]\nuntil = 1\nmethod = \"rk4\"\ntolerance = 1",
+        "`tolerance`: `rk4` has a fixed step: give `step`",
+    );
     fails(
         "[run]\nuntil = 1\n[run.start]\nbob.vz = \"1 m\"",
         "`start.bob.vz`: `1 m` has the wrong unit: expected m/s",

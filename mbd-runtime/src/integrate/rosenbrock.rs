@@ -1,0 +1,371 @@
+//! Rosenbrock methods: implicit in the Jacobian alone, so that a step is a fixed number of linear solves.
+//!
+//! ```text
+//! (1/(hγ) − A) U_i = f(t + α_i h, x + Σ_j a_ij U_j) + Σ_j c_ij/h U_j + h γ_i ∂f/∂t            A = ∂f/∂x at the start       (1)
+//! x⁺ = x + Σ_j m_j U_j,   m = a_S + e_S,   x⁺ − x̂ = U_S                                     stiffly accurate              (2)
+//! x(t + θh) = x + Σ_j θ (m_j + (1 − θ)(d_1j + θ (d_2j + θ d_3j))) U_j                                                        (3)
+//! ```
+//!
+//! (1) is the form without products by A. That of the theory, k_i = h f(x + Σ α_ij k_j) + h A Σ β'_ij k_j, has Γ⁻¹ = diag(1/γ) − c, α = a Γ,
+//! b = m Γ. [`Tableau::checked`] goes back to it and tests the conditions of [`trees`](super::trees) with β = α + Γ, in a `const fn`.
+//!
+//! The order asks for the exact A of f as the stages evaluate it, off unit quaternions too, where equations of motion say nothing that is worth
+//! differentiating. So f is that of the unit quaternions, q̇ apart, which is linear in q: A gets the projection 1 − q qᵀ behind it.
+//!
+//! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.7.
+
+use mbd_scene::Float;
+
+use super::Rates;
+use super::shifted::{Attached, Shifted};
+use super::stiffness::fastest;
+use super::trees::{Weights, same, weighted};
+use crate::error::StepError;
+
+/// A stiffly accurate Rosenbrock method with S stages and an interpolant of degree D + 1.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tableau<const S: usize, const D: usize> {
+    /// γ.
+    pub gamma: f64,
+    /// a_ij, j < i.
+    pub a: [[f64; S]; S],
+    /// c_ij, j < i.
+    pub c: [[f64; S]; S],
+    /// α_i.
+    pub times: [f64; S],
+    /// γ_i.
+    pub by_time: [f64; S],
+    /// d_1, d_2, ….
+    pub dense: [[f64; S]; D],
+    /// Order of the step.
+    pub order: usize,
+    /// Order of the embedded step.
+    pub embedded: usize,
+    /// Order of the interpolant: its error at a fixed θ is O(h^(dense_order + 1)).
+    pub dense_order: usize,
+}
+
+impl<const S: usize, const D: usize> Tableau<S, D> {
+    /// The same tableau, after checking that stages use earlier ones, that their sums are α_i and γ_i, that step and embedded step are stages of the
+    /// method, and that these and the interpolant have the orders they claim. A violation stops the build.
+    pub(crate) const fn checked(self) -> Self {
+        let mut inverse = [[0.0; S]; S];
+        let mut i = 0;
+        while i < S {
+            let mut j = 0;
+            while j < S {
+                if j >= i {
+                    assert!(
+                        self.a[i][j] == 0.0 && self.c[i][j] == 0.0,
+                        "a stage uses earlier stages only"
+                    );
+                }
+                inverse[i][j] = -self.c[i][j];
+                j += 1;
+            }
+            inverse[i][i] = 1.0 / self.gamma;
+            i += 1;
+        }
+        let gamma = inverted(&inverse);
+        let alpha = product(&self.a, &gamma);
+        let mut beta = alpha;
+        let mut i = 0;
+        while i < S {
+            let (sum, size) = weighted(&alpha[i], &[1.0; S]);
+            assert!(same(sum, self.times[i], size), "a row does not sum to α_i");
+            let (sum, size) = weighted(&gamma[i], &[1.0; S]);
+            assert!(
+                same(sum, self.by_time[i], size),
+                "a row does not sum to γ_i"
+            );
+            let mut j = 0;
+            while j < S {
+                beta[i][j] += gamma[i][j];
+                j += 1;
+            }
+            i += 1;
+        }
+        let weights = Weights::new(&alpha, &beta);
+        let rows = product(&[self.end(), self.a[S - 1]], &gamma);
+        let mut j = 0;
+        while j < S {
+            assert!(
+                same(rows[0][j], beta[S - 1][j], beta[S - 1][j].abs())
+                    && same(rows[1][j], beta[S - 2][j], beta[S - 2][j].abs()),
+                "the step and its embedded step are the last stages"
+            );
+            j += 1;
+        }
+        assert!(
+            weights.step(&rows[0], self.order),
+            "the step misses an order condition"
+        );
+        assert!(
+            weights.step(&rows[1], self.embedded),
+            "the embedded step misses an order condition"
+        );
+        // θ (m + (1 − θ)(d_1 + θ (d_2 + …))) by powers of θ; trees never look beyond the seventh.
+        assert!(D + 1 <= POWERS, "an interpolant of a low degree");
+        let mut powers = [[0.0; POWERS]; S];
+        let dense = product(&self.dense, &gamma);
+        let mut j = 0;
+        while j < S {
+            powers[j][0] = rows[0][j];
+            let mut p = 0;
+            while p < D {
+                powers[j][p] += dense[p][j];
+                powers[j][p + 1] -= dense[p][j];
+                p += 1;
+            }
+            j += 1;
+        }
+        assert!(
+            weights.inside(&powers, self.dense_order),
+            "the interpolant misses an order condition"
+        );
+        self
+    }
+
+    /// m.
+    const fn end(&self) -> [f64; S] {
+        let mut end = self.a[S - 1];
+        end[S - 1] = 1.0;
+        end
+    }
+}
+
+/// The most powers of θ in an interpolant.
+const POWERS: usize = 5;
+
+/// The inverse of a lower triangular matrix.
+const fn inverted<const S: usize>(lower: &[[f64; S]; S]) -> [[f64; S]; S] {
+    let mut found = [[0.0; S]; S];
+    let mut j = 0;
+    while j < S {
+        let mut i = j;
+        while i < S {
+            let mut sum = if i == j { 1.0 } else { 0.0 };
+            let mut k = j;
+            while k < i {
+                sum -= lower[i][k] * found[k][j];
+                k += 1;
+            }
+            found[i][j] = sum / lower[i][i];
+            i += 1;
+        }
+        j += 1;
+    }
+    found
+}
+
+/// The product of matrices.
+const fn product<const R: usize, const S: usize>(
+    left: &[[f64; S]; R],
+    right: &[[f64; S]; S],
+) -> [[f64; S]; R] {
+    let mut found = [[0.0; S]; R];
+    let mut i = 0;
+    while i < R {
+        let mut j = 0;
+        while j < S {
+            let mut k = 0;
+            while k < S {
+                found[i][j] += left[i][k] * right[k][j];
+                k += 1;
+            }
+            j += 1;
+        }
+        i += 1;
+    }
+    found
+}
+
+/// A method with the storage of its stages.
+#[derive(Clone, Debug)]
+pub(crate) struct Rosenbrock<T> {
+    length: usize,
+    gamma: f64,
+    /// Per stage α_i, γ_i, a_ij and c_ij.
+    rows: Vec<([f64; 2], [Vec<T>; 2])>,
+    /// m, then d_1, d_2, ….
+    inside: Vec<Vec<T>>,
+    /// Order of the error estimate plus one.
+    pub exponent: f64,
+    matrix: Shifted<T>,
+    by_state: Vec<T>,
+    by_time: Vec<T>,
+    /// Whether the derivatives are those at the start of the step.
+    known: bool,
+    /// U_i, one after the other.
+    stages: Vec<T>,
+    first: Vec<T>,
+    last: Vec<T>,
+    trial: Vec<T>,
+    room: Vec<T>,
+    next: Vec<T>,
+}
+
+impl<T: Float> Rosenbrock<T> {
+    /// Storage for states of a given length, the first of whose numbers are attached to others, and of whose last nothing depends on `behind`.
+    pub(crate) fn new<const S: usize, const D: usize>(
+        tableau: &Tableau<S, D>,
+        length: usize,
+        attached: Vec<Attached>,
+        behind: usize,
+    ) -> Self {
+        let list = |row: &[f64]| -> Vec<T> { row.iter().map(|x| T::from_f64(*x)).collect() };
+        let row = |i: usize| {
+            let times = [tableau.times[i], tableau.by_time[i]];
+            (times, [list(&tableau.a[i][..i]), list(&tableau.c[i][..i])])
+        };
+        let inside = std::iter::once(list(&tableau.end()));
+        let room = || vec![T::zero(); length];
+        Rosenbrock {
+            length,
+            gamma: tableau.gamma,
+            rows: (0..S).map(row).collect(),
+            inside: inside
+                .chain(tableau.dense.iter().map(|row| list(row)))
+                .collect(),
+            exponent: (tableau.embedded + 1) as f64,
+            matrix: Shifted::new(length, attached, behind),
+            by_state: vec![T::zero(); length * length],
+            by_time: room(),
+            known: false,
+            stages: vec![T::zero(); S * length],
+            first: room(),
+            last: room(),
+            trial: room(),
+            room: room(),
+            next: room(),
+        }
+    }
+
+    /// The rates at the start of a step, `span` after the last accepted one. Needed once, and again after anything jumped.
+    pub(crate) fn begin(
+        &mut self,
+        system: &mut impl Rates<T>,
+        time: f64,
+        span: f64,
+        state: &[T],
+    ) -> Result<(), StepError> {
+        self.known = false;
+        system.rates(time, span, state, &mut self.first)
+    }
+
+    /// Takes up the rates at the start of a step from another method.
+    pub(crate) fn take_over(&mut self, first: &[T]) {
+        self.known = false;
+        self.first.copy_from_slice(first);
+    }
+
+    /// Tries a step from `state` by (1) and (2); the result is [`Rosenbrock::next`], and `state` is untouched.
+    pub(crate) fn attempt(
+        &mut self,
+        system: &mut impl Rates<T>,
+        time: f64,
+        step: f64,
+        state: &[T],
+    ) -> Result<(), StepError> {
+        system.enter();
+        if !self.known {
+            system.differentiate(time, state, &mut self.by_state, &mut self.by_time)?;
+            self.matrix.along_units(state, &mut self.by_state);
+            self.matrix.forget();
+            self.known = true;
+        }
+        let h = T::from_f64(step);
+        let shift = T::from_f64(1.0 / (self.gamma * step));
+        if self.matrix.factor(shift, &self.by_state) {
+            system.factored();
+        }
+        for (i, ([c, d], [a, terms])) in self.rows.iter().enumerate() {
+            let (done, rest) = self.stages.split_at_mut(i * self.length);
+            let (stage, _) = rest.split_at_mut(self.length);
+            if i == 0 {
+                stage.copy_from_slice(&self.first);
+            } else {
+                self.trial.copy_from_slice(state);
+                add(a.iter().copied(), done, &mut self.trial);
+                let span = c * step;
+                self.matrix.shorten(&mut self.trial);
+                system.rates(time + span, span, &self.trial, stage)?;
+                self.matrix.lengthen(stage);
+            }
+            add(terms.iter().map(|term| *term / h), done, stage);
+            let weight = T::from_f64(d * step);
+            for (sum, slope) in stage.iter_mut().zip(&self.by_time) {
+                *sum += weight * *slope;
+            }
+            self.matrix.solve(&self.by_state, stage);
+        }
+        self.next.copy_from_slice(state);
+        if let Some(end) = self.inside.first() {
+            add(end.iter().copied(), &self.stages, &mut self.next);
+        }
+        system.project_end(time + step, &mut self.next)?;
+        system.rates(time + step, step, &self.next, &mut self.last)
+    }
+
+    /// The state at the end of the last attempt.
+    pub(crate) fn next(&self) -> &[T] {
+        &self.next
+    }
+
+    /// Takes the last attempt.
+    pub(crate) fn accept(&mut self, state: &mut [T]) {
+        state.copy_from_slice(&self.next);
+        std::mem::swap(&mut self.first, &mut self.last);
+        self.known = false;
+    }
+
+    /// The estimate of the error of the last attempt, and the state at its end.
+    pub(crate) fn estimate(&self) -> (&[T], &[T]) {
+        let last = self.stages.len() - self.length;
+        (self.stages.get(last..).unwrap_or_default(), &self.next)
+    }
+
+    /// The state at `theta` (0 … 1) of the last attempt, which started at `state`, by (3).
+    pub(crate) fn interpolate(&self, theta: f64, state: &[T], out: &mut [T]) {
+        let (t, left) = (T::from_f64(theta), T::from_f64(1.0 - theta));
+        out.copy_from_slice(state);
+        let Some((end, inner)) = self.inside.split_first() else {
+            return;
+        };
+        let weights = end.iter().enumerate().map(|(j, end)| {
+            let inner = inner.iter().rev();
+            let sum = inner.fold(T::zero(), |sum, row| {
+                sum * t + row.get(j).copied().unwrap_or_default()
+            });
+            t * (*end + left * sum)
+        });
+        add(weights, &self.stages, out);
+    }
+
+    /// The largest rate of the system at the start of the last attempt, as powers of its Jacobian show it. |x|² = Σ weight x².
+    pub(crate) fn fastest(&mut self, weights: &[T]) -> f64 {
+        fastest(&self.by_state, weights, &mut self.trial, &mut self.room)
+    }
+
+    /// The rates at the start of the step, to be changed.
+    pub(crate) fn first_mut(&mut self) -> &mut [T] {
+        &mut self.first
+    }
+
+    /// The rates at the start of the step.
+    pub(crate) fn first(&self) -> &[T] {
+        &self.first
+    }
+}
+
+/// out += Σ w_i U_i, stages one after the other.
+fn add<T: Float>(weights: impl Iterator<Item = T>, stages: &[T], out: &mut [T]) {
+    for (weight, stage) in weights.zip(stages.chunks_exact(out.len().max(1))) {
+        if weight == T::zero() {
+            continue;
+        }
+        for (sum, x) in out.iter_mut().zip(stage) {
+            *sum += weight * *x;
+        }
+    }
+}

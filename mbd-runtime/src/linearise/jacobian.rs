@@ -1,0 +1,205 @@
+//! ∂f/∂x and ∂f/∂t of the rates of a run, f = [ẋ | powers], again and again without allocation: what a stiff method asks for at every step.
+//!
+//! ```text
+//! ∂f/∂x = F_x + F_y ∂y/∂x,   ∂y/∂x = −G_y⁻¹ G_x            y: node unknowns, in balance G = 0                             (1)
+//! ```
+//!
+//! As in [`super`], through the rows of joints where there are any. Exact derivatives of the rates as they are evaluated, off the joints and by every
+//! component of a quaternion, too. Partial derivatives are the model's own where it was generated with `emit: [partial]`, else the laws run on
+//! duals; those by time and those of powers always do.
+
+use mbd_scene::{At, Differentiated, Float, Formula, Model, Quantity, Scene, Variable, Work};
+
+use super::LinearisationError;
+use super::matrix::Matrix;
+use super::networks::Elimination;
+use super::rows::{Evaluator, ThroughRows, Witness};
+use crate::slopes::By;
+
+/// Derivatives by one variable at fixed nodes, and of the node unknowns.
+#[derive(Debug)]
+struct Total<T> {
+    by: By,
+    derivative: Matrix<T>,
+    balance: Matrix<T>,
+    powers: Matrix<T>,
+    node: Matrix<T>,
+}
+
+impl<T: Float> Total<T> {
+    fn new(model: &dyn Model<T>, by: By, works: bool) -> Self {
+        let layout = model.layout();
+        let columns = by.count(layout);
+        let rows = if works {
+            layout.len(Quantity::Energy)
+        } else {
+            0
+        };
+        Total {
+            by,
+            derivative: Matrix::new(layout.nx(), columns),
+            balance: Matrix::new(layout.len(Quantity::Balance), columns),
+            powers: Matrix::new(rows, columns),
+            node: Matrix::new(3 * layout.nodes.len(), columns),
+        }
+    }
+}
+
+/// The room of one run.
+#[derive(Debug)]
+pub(crate) struct Jacobian<T> {
+    state: Total<T>,
+    /// `None` where the scene says nothing of time.
+    time: Option<Total<T>>,
+    node: Total<T>,
+    rows: ThroughRows<T>,
+    /// Whether the model has partial derivatives of its own.
+    own: bool,
+    laws: Option<Box<Witness>>,
+}
+
+impl<T: Float> Jacobian<T> {
+    /// Room for a model, with the powers behind its state or without.
+    pub(crate) fn new(model: &dyn Model<T>, works: bool) -> Self {
+        let total = |by: By| Total::new(model, by, works);
+        let timed = says_time(model.scene());
+        let own = differentiates(model);
+        Jacobian {
+            state: total(Variable::State.into()),
+            time: timed.then(|| total(By::Time)),
+            node: total(Variable::Node.into()),
+            rows: ThroughRows::new(model.layout()),
+            laws: (timed || works || !own).then(|| Box::new(Witness::new(model))),
+            own,
+        }
+    }
+
+    /// Writes ∂f/∂x, row by row, and ∂f/∂t at a state whose nodes are in balance.
+    ///
+    /// # Errors
+    /// [`LinearisationError::DependentRows`] at a position at which rows lose rank, [`LinearisationError::NotFinite`] of the equations themselves.
+    /// Derivatives that are not finite are written as they are.
+    pub(crate) fn evaluate(
+        &mut self,
+        model: &dyn Model<T>,
+        at: &At<'_, T>,
+        work: &mut Work<T>,
+        (by_state, by_time): (&mut [T], &mut [T]),
+    ) -> Result<(), LinearisationError> {
+        let layout = model.layout();
+        let through_rows = layout.nc > 0;
+        if through_rows {
+            let own = self.own.then_some(&mut *work);
+            let mut evaluator = Evaluator::known(model, own, &mut self.laws);
+            self.rows.prepare(layout, &mut evaluator, at)?;
+            let totals = [&mut self.state, &mut self.node];
+            for total in totals.into_iter().chain(self.time.as_mut()) {
+                if !total.derivative.values.is_empty() {
+                    let out = &mut total.derivative;
+                    self.rows
+                        .differentiate(layout, &mut evaluator, (total.by, at), out);
+                }
+            }
+        }
+        let totals = [&mut self.state, &mut self.node];
+        for total in totals.into_iter().chain(self.time.as_mut()) {
+            for (of, out) in [
+                (Some(Differentiated::Derivative), &mut total.derivative),
+                (Some(Differentiated::Balance), &mut total.balance),
+                (None, &mut total.powers),
+            ] {
+                let done = through_rows && of == Some(Differentiated::Derivative);
+                if done || out.values.is_empty() {
+                    continue;
+                }
+                match (of, total.by) {
+                    (Some(of), By::Variable(by)) if self.own => {
+                        out.values.fill(T::zero());
+                        model.evaluate(Quantity::Partial(of, by), at, work, &mut out.values);
+                    }
+                    _ => {
+                        let of = of.map_or(Quantity::Energy, Differentiated::quantity);
+                        let laws = self
+                            .laws
+                            .get_or_insert_with(|| Box::new(Witness::new(model)));
+                        laws.differentiate(model, (of, total.by), at, &mut out.values);
+                    }
+                }
+            }
+        }
+        self.through_nodes(model, at);
+        write(&self.state, by_state);
+        match &self.time {
+            Some(time) => write(time, by_time),
+            None => by_time.fill(T::zero()),
+        }
+        Ok(())
+    }
+
+    /// Adds what comes through the nodes.
+    fn through_nodes(&mut self, model: &dyn Model<T>, at: &At<'_, T>) {
+        for network in 0..model.layout().networks.len() {
+            let Some(elimination) = Elimination::new(model, network, &self.node.balance) else {
+                continue;
+            };
+            for total in [&mut self.state].into_iter().chain(self.time.as_mut()) {
+                elimination.solve(model, at, total.by, &total.balance, &mut total.node);
+            }
+        }
+        for total in [&mut self.state].into_iter().chain(self.time.as_mut()) {
+            total
+                .derivative
+                .add_product(&self.node.derivative, &total.node);
+            total.powers.add_product(&self.node.powers, &total.node);
+        }
+    }
+}
+
+/// Writes [∂ẋ; ∂powers], of which energies come first, into rows that are as long as the state with its integrals.
+fn write<T: Float>(total: &Total<T>, out: &mut [T]) {
+    let columns = total.derivative.columns().max(1);
+    let (states, powers) = (total.derivative.rows(), total.powers.rows() / 2);
+    let width = out.len() / (states + powers).max(1);
+    let energies = powers * columns;
+    let derivative = total.derivative.values().chunks_exact(columns);
+    let powers = total.powers.values().get(energies..).unwrap_or_default();
+    out.fill(T::zero());
+    let rows = derivative.chain(powers.chunks_exact(columns));
+    for (to, row) in out.chunks_exact_mut(width.max(1)).zip(rows) {
+        to.iter_mut().zip(row).for_each(|(to, x)| *to = *x);
+    }
+}
+
+/// Whether a model evaluates partial derivatives of its own: it leaves untouched what it does not know, and ∂q̇/∂v is never zero.
+fn differentiates<T: Float>(model: &dyn Model<T>) -> bool {
+    let layout = model.layout();
+    let of = match layout.nc {
+        0 => Differentiated::Derivative,
+        _ => Differentiated::Residual,
+    };
+    let what = Quantity::Partial(of, Variable::State);
+    let mut probe = vec![T::from_f64(f64::NAN); layout.len(what)];
+    let zeros = |length: usize| vec![T::zero(); length];
+    let mut state = zeros(layout.nx());
+    for upright in layout.quaternions() {
+        state[upright] = T::one();
+    }
+    let (nodes, inputs) = (zeros(3 * layout.nodes.len()), zeros(layout.ni));
+    let at = At {
+        time: T::zero(),
+        state: &state,
+        nodes: &nodes,
+        effective: &zeros(2 * layout.effective_lines),
+        hold: &zeros(layout.one_way()),
+        ends: &[],
+        inputs: &inputs,
+        rows: &zeros(layout.nv + layout.nc),
+    };
+    model.evaluate(what, &at, &mut model.work(), &mut probe);
+    probe.iter().any(|x| x.is_finite())
+}
+
+/// Whether anything in a scene is a formula of time. Its whole text leaves no formula out; a name with that word in it costs a pass of duals a step.
+fn says_time(scene: &Scene) -> bool {
+    format!("{scene:?}").contains(&format!("{:?}", Formula::Time))
+}

@@ -1,0 +1,89 @@
+//! Files that are whole: a reader finds the new one complete, or what was there before.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// Makes a folder with those above it, if they are not there.
+///
+/// # Errors
+/// It cannot be made; the error names it.
+pub fn make_folder(folder: &Path) -> io::Result<()> {
+    fs::create_dir_all(folder).map_err(|error| named(folder, &error))
+}
+
+/// Writes a file whole or not at all: beside its place first, renamed when everything has reached the disk.
+///
+/// # Errors
+/// It cannot be written, or `write` fails; the error names the file. Nothing is left of it then, and a file that was there before stays.
+pub fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    let written = write_part(&part, write).and_then(|()| fs::rename(&part, path));
+    written.map_err(|error| {
+        // What matters is told below; a part that cannot even be removed is no other news.
+        let _ = fs::remove_file(&part);
+        named(path, &error)
+    })
+}
+
+/// [`write_whole`] of a text.
+///
+/// # Errors
+/// As there.
+pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
+    write_whole(path, |to| to.write_all(text.as_bytes()))
+}
+
+/// Takes a file away, so that it does not stand beside newer ones if these cannot all be written.
+///
+/// # Errors
+/// It is there and cannot be removed; the error names it.
+pub fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(named(path, &error)),
+        _ => Ok(()),
+    }
+}
+
+fn write_part(part: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut to = BufWriter::new(File::create(part)?);
+    write(&mut to)?;
+    // A full disk may only show when the pages are written.
+    to.into_inner()?.sync_all()
+}
+
+fn named(path: &Path, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("{}: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_written_whole_or_stays_as_it_was() {
+        let folder = std::env::temp_dir().join(format!("mbd_files_{}", std::process::id()));
+        make_folder(&folder).expect("a folder");
+        let path = folder.join("report.html");
+        write_text(&path, "first").expect("room");
+        let full = |to: &mut dyn Write| {
+            to.write_all(&[b'x'; 100_000])?;
+            Err(io::Error::from(io::ErrorKind::StorageFull))
+        };
+        let error = write_whole(&path, full).expect_err("the disk is full");
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        assert!(error.to_string().contains("report.html"), "{error}");
+        assert_eq!(fs::read_to_string(&path).expect("still there"), "first");
+        assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 1);
+        let other = folder.join("summary.json");
+        write_whole(&other, full).expect_err("the disk is full");
+        assert!(!other.exists());
+        remove(&other).expect("it is not there");
+        fs::remove_dir_all(&folder).expect("ours");
+    }
+}
