@@ -367,6 +367,27 @@ impl Placement<'_> {
         })
     }
 
+    /// Whether the loops close on the branches that joints mean half a turn of one angle from here; where none does, nothing is changed.
+    fn turns_back(&mut self, unknowns: &[(usize, usize)], state: &mut [f64]) -> bool {
+        let here = self.q.clone();
+        for &(joint, k) in unknowns {
+            let mut measured = self.scene.joints[joint].law.measured();
+            if !measured
+                .nth(k)
+                .is_some_and(|coordinate| coordinate.is_angle())
+            {
+                continue;
+            }
+            self.q[joint][k] += std::f64::consts::PI;
+            let (gap, _) = self.descend(unknowns, state);
+            if gap <= CLOSED && self.is_on_branch(state) {
+                return true;
+            }
+            self.q.clone_from(&here);
+        }
+        false
+    }
+
     /// Solves (3) for the coordinates. Where it closes only with joints turned around, which a start refuses by name, that is what stays.
     fn close(
         &mut self,
@@ -386,7 +407,7 @@ impl Placement<'_> {
             self.normalise();
             let (gap, joint) = self.descend(unknowns, state);
             if gap <= CLOSED {
-                if self.is_on_branch(state) {
+                if self.is_on_branch(state) || self.turns_back(unknowns, state) {
                     return Ok(());
                 }
                 turned.get_or_insert_with(|| self.q.clone());
