@@ -2,7 +2,6 @@
 //! inputs of scenes that are larger, planar, filtered.
 
 use mbd_runtime::{External, Generic, Options, Simulation, StateSpace, linearise, trim};
-use mbd_scene::Model;
 use nalgebra::{Complex, DMatrix, DVector};
 use tests::declared::read;
 

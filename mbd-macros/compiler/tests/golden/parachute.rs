@@ -207,6 +207,7 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
     ));
     type State = ParachuteState<T>;
     type Coordinates = ();
+    type Outputs = ParachuteOutputs<T>;
     fn from_numbers(numbers: &[T]) -> ::core::option::Option<Self> {
         ::mbd_runtime::__private::fixed(numbers).copied().map(Self::from_array)
     }
@@ -218,6 +219,9 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
     }
     fn coordinates(numbers: &[T]) -> Self::Coordinates {
         let _ = numbers;
+    }
+    fn outputs(columns: &[T]) -> Self::Outputs {
+        ParachuteOutputs::from_array(::mbd_runtime::__private::leading(columns))
     }
 }
 /// Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point.
