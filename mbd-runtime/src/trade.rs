@@ -452,10 +452,11 @@ impl Race {
         }
     }
 
-    /// The entries that nothing beats in both error (rms) and time, the fastest first.
+    /// The entries that nothing beats in both error (rms) and time, the fastest first: of all, or of one variant.
     #[must_use]
-    pub fn front(&self) -> Vec<&Entry> {
-        let mut by_time: Vec<&Entry> = self.entries.iter().collect();
+    pub fn front(&self, variant: Option<usize>) -> Vec<&Entry> {
+        let asked = |entry: &&Entry| variant.is_none_or(|variant| entry.variant == variant);
+        let mut by_time: Vec<&Entry> = self.entries.iter().filter(asked).collect();
         by_time.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
         let mut best = f64::INFINITY;
         by_time.retain(|entry| {

@@ -8,3 +8,4 @@ pub mod quantities;
 pub mod report;
 pub mod run;
 pub mod scenes;
+pub mod trade;

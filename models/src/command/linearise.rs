@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use mbd_runtime::{External, Generic, Simulation, StateSpace, linearise_along, trim};
+use mbd_runtime::{Generic, Simulation, StateSpace, linearise_along, trim};
 use models::report::Table;
 use models::run::Plan;
 
@@ -23,15 +23,6 @@ pub struct LineariseArgs {
     along: Vec<String>,
 }
 
-/// The inputs of the settings, held.
-struct Held(Vec<f64>);
-
-impl External<f64> for Held {
-    fn evaluate(&self, _: f64, _: &[f64], out: &mut [f64]) {
-        out.copy_from_slice(&self.0);
-    }
-}
-
 /// Linearises a scene and tells its coordinates and eigenvalues.
 pub fn linearise(args: &LineariseArgs) -> Result<String, Failure> {
     let SceneFile {
@@ -42,12 +33,8 @@ pub fn linearise(args: &LineariseArgs) -> Result<String, Failure> {
     };
     let plan = Plan::new(&scene, &settings).map_err(|error| invalid(&error))?;
     let model = Generic::new(scene, &plan.params).map_err(|error| invalid(&error))?;
-    let held = Held(plan.inputs.clone());
-    let mut run = Simulation::with_loads(&model, plan.options, held).map_err(|e| invalid(&e))?;
-    run.set_state(0.0, &plan.state).map_err(|e| invalid(&e))?;
-    if let Some(nodes) = &plan.nodes {
-        run.set_nodes(nodes).map_err(|e| invalid(&e))?;
-    }
+    let mut run = Simulation::new(&model, plan.options).map_err(|e| invalid(&e))?;
+    plan.begin(&mut run).map_err(|e| invalid(&e))?;
     run.start().map_err(|e| invalid(&e))?;
     let along: Vec<&str> = args.along.iter().map(String::as_str).collect();
     let (state, place) = match args.trim {

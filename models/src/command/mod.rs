@@ -10,6 +10,7 @@ mod mistakes;
 mod parachute;
 mod run;
 mod scene_file;
+mod trade;
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -25,6 +26,7 @@ use linearise::LineariseArgs;
 use mistakes::Paint;
 use parachute::ParachuteArgs;
 use run::RunArgs;
+use trade::TradeArgs;
 
 /// Multibody dynamics compiled from a declaration. Without a command it flies the parachute, the main job.
 #[derive(Debug, Parser)]
@@ -48,6 +50,10 @@ enum Command {
     Run(RunArgs),
     /// Linearise a scene about its start or its rest: minimal coordinates, eigenvalues with frequency and damping.
     Linearise(LineariseArgs),
+    /// Race methods, tolerances and models of equilibrium points: error of a quantity against cost, and what to run for it.
+    Trade(TradeArgs),
+    /// What to run for a wanted accuracy: the advice of `trade` alone.
+    Advise(TradeArgs),
     /// Check a scene and say what it contains: bodies, freedoms, nodes, operations.
     Check(CheckArgs),
     /// Print the Rust that `model!` makes of a scene.
@@ -132,6 +138,8 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
         }
         Command::Run(args) => run::run(&args),
         Command::Linearise(args) => linearise::linearise(&args),
+        Command::Trade(args) => trade::trade(&args, false),
+        Command::Advise(args) => trade::trade(&args, true),
         Command::Check(args) => check::check(&args),
         Command::Expand(args) => expand::expand(&args.scene),
         Command::Convert(args) => convert::convert(&args),

@@ -159,7 +159,7 @@ pub(super) fn folder_name(given: &Path) -> PathBuf {
     short
 }
 
-fn unwritten(error: &std::io::Error) -> Failure {
+pub(super) fn unwritten(error: &std::io::Error) -> Failure {
     Failure::Usage(format!("cannot write {error}"))
 }
 

@@ -779,3 +779,55 @@ fn mbd_alone_says_what_it_does_how_long_it_takes_and_where_the_help_is() {
         assert!(told.contains(part), "{told}");
     }
 }
+
+/// A pendulum on a soft rope, declared as a file.
+const ROPE: &str = "model Rope { gravity: [0, 0, -9.81] m/s^2;
+      point bob { mass: 1 kg, start at [0.9, 0, -0.6] m }
+      spring rope from world to bob { free_length: 1 m, stiffness: 200 N/m, damping: 1 N*s/m }
+      output height = bob.position.z; }
+    [run]\nuntil = \"2 s\"\n";
+
+#[test]
+fn a_trade_says_what_meets_the_error_that_is_wanted() {
+    let folder = Folder::new("trade");
+    let file = folder.file("rope.mbd", ROPE);
+    let out = folder.0.join("out").display().to_string();
+    let asked = ["--output", "height", "--within", "1e-6", "--out", &out];
+    let told = run(&[&["trade", file.as_str()], &asked[..]].concat()).unwrap();
+    assert!(told.contains("for height within 1.0e-6: take "), "{told}");
+    for method in ["RK4", "Tsit5", "Vern7", "Rodas5P", "single precision"] {
+        assert!(told.contains(method), "{method}: {told}");
+    }
+    for name in ["trade.csv", "trade.svg", "trade.html"] {
+        assert!(folder.0.join("out").join(name).is_file(), "{name}");
+    }
+    // What is advised is as good as it was asked to be, and so is its repetition by itself.
+    let alone = run(&[&["advise", file.as_str()], &asked[..4]].concat()).unwrap();
+    let error = alone.split("error ").nth(1);
+    let error = error.and_then(|rest| rest.split(' ').next()?.parse().ok());
+    assert!(
+        error.is_some_and(|error: f64| error <= 1e-6 / 3.0),
+        "{alone}"
+    );
+}
+
+#[test]
+fn a_trade_that_cannot_be_measured_says_why() {
+    let folder = Folder::new("no_trade");
+    let file = folder.file("rope.mbd", ROPE);
+    for (flags, what) in [
+        (&["--output", "hight"][..], "no column `hight`"),
+        (&["--output", "height", "--window", "3"], "--window `3`"),
+        (
+            &["--output", "height", "--window", "2..1"],
+            "--window `2..1`",
+        ),
+        (&["--output", "height", "--within", "-1"], "--within -1"),
+    ] {
+        let error = run(&[&["advise", file.as_str()], flags].concat()).unwrap_err();
+        assert!(error.to_string().contains(what), "{error}");
+    }
+    // References agree to rounding only: nothing is advised for less.
+    let told = run(&["advise", &file, "--output", "height", "--within", "1e-20"]).unwrap();
+    assert!(told.contains("no advice"), "{told}");
+}

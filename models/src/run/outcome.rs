@@ -4,9 +4,7 @@ use std::time::Instant;
 
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{
-    Content, External, Model, Moved, ParamError, RunError, Sampling, Simulation, Trajectory,
-};
+use mbd_runtime::{Content, Model, Moved, ParamError, RunError, Sampling, Simulation, Trajectory};
 
 use super::plan::Plan;
 use crate::progress::Progress;
@@ -26,17 +24,6 @@ pub struct Outcome {
     pub wall_s: f64,
 }
 
-/// Numbers that stay the same.
-struct Held(Vec<f64>);
-
-impl External<f64> for Held {
-    fn evaluate(&self, _time: f64, _state: &[f64], out: &mut [f64]) {
-        for (to, from) in out.iter_mut().zip(&self.0) {
-            *to = *from;
-        }
-    }
-}
-
 /// Runs a scene as planned.
 ///
 /// # Errors
@@ -54,12 +41,8 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
     let started = Instant::now();
     let (mut time, mut moved) = (0.0, Vec::new());
     let mut run = || {
-        let mut simulation =
-            Simulation::with_loads(model, plan.options, Held(plan.inputs.clone()))?;
-        simulation.set_state(0.0, &plan.state)?;
-        if let Some(nodes) = &plan.nodes {
-            simulation.set_nodes(nodes)?;
-        }
+        let mut simulation = Simulation::new(model, plan.options)?;
+        plan.begin(&mut simulation)?;
         let mut watch = |now: f64| {
             progress.show(now / plan.until, &model.scene().name);
             true

@@ -8,7 +8,8 @@ use mbd_runtime::scene::{
     InputSource, JointStart, NodeModel, Part, PlacementError, Scene, declared_parts, place_declared,
 };
 use mbd_runtime::{
-    Content, Generic, Layout, Method, Name, Options, Sampling, Trajectory, state_names,
+    Content, Generic, Layout, Method, Name, Options, RunError, Sampling, Scalar, Simulation,
+    Trajectory, state_names,
 };
 use toml::{Table, Value};
 
@@ -112,6 +113,22 @@ impl Plan {
             nodes,
             inputs: inputs(scene, &layout, &settings.inputs)?,
         })
+    }
+}
+
+impl Plan {
+    /// Puts a run where it begins, with the inputs that are held.
+    ///
+    /// # Errors
+    /// Numbers that do not fit the model of the run.
+    pub fn begin<T: Scalar>(&self, run: &mut Simulation<T>) -> Result<(), RunError> {
+        let numbers = |list: &[f64]| -> Vec<T> { list.iter().map(|x| T::from_f64(*x)).collect() };
+        run.set_inputs(&numbers(&self.inputs))?;
+        run.set_state(0.0, &numbers(&self.state))?;
+        match &self.nodes {
+            Some(nodes) => run.set_nodes(&numbers(nodes)),
+            None => Ok(()),
+        }
     }
 }
 

@@ -1,0 +1,81 @@
+//! `mbd trade` and `mbd advise`: what accuracy of a quantity costs, and what to run for it.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use models::trade::{advice, publish, race, table, usual};
+
+use super::failure::Failure;
+use super::run::{folder_name, unwritten};
+use super::scene_file::SceneFile;
+
+/// What is asked of every run.
+#[derive(Args, Debug)]
+pub struct TradeArgs {
+    /// A ready scene (`mbd list`) or a scene file.
+    scene: PathBuf,
+    /// The column of the history that counts: an output, `riser.tension`, `capsule.z`.
+    #[arg(long, value_name = "COLUMN")]
+    output: String,
+    /// From when to when it counts, in seconds: `0..10` [default: the whole run].
+    #[arg(long, value_name = "FROM..TO")]
+    window: Option<String>,
+    /// The error that is wanted (rms over the window), in the SI unit of the column [default: a thousandth of its largest value].
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
+    within: Option<f64>,
+    /// Folder for table, figure and report [default: out/NAME of a ready scene, out/PATH of a file without its extension].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// Races methods, tolerances and models of nodes over one question: the whole table, or the advice alone.
+pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, Failure> {
+    let SceneFile {
+        scene, settings, ..
+    } = SceneFile::find(&args.scene)?;
+    let window = args.window.as_deref().map(window).transpose()?;
+    if let Some(wanted) = args
+        .within
+        .filter(|wanted| !(*wanted > 0.0 && wanted.is_finite()))
+    {
+        return Err(Failure::Usage(format!(
+            "--within {wanted}: give an error above zero"
+        )));
+    }
+    let race = race(&scene, &settings, &args.output, window)
+        .map_err(|error| Failure::Invalid(format!("{}: {error}", args.scene.display())))?;
+    let told = advice(&race, args.within.unwrap_or_else(|| usual(&race)));
+    if advice_alone {
+        return Ok(told + "\n");
+    }
+    let folder = args
+        .out
+        .clone()
+        .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
+    publish(&race, &told, &folder).map_err(|error| unwritten(&error))?;
+    Ok(format!(
+        "{}\n{told}\nwritten to {}: trade.html, trade.svg, trade.csv\n",
+        table(&race).text(),
+        folder.display()
+    ))
+}
+
+/// `0..10`, with or without units.
+fn window(text: &str) -> Result<[f64; 2], Failure> {
+    let wrong = || {
+        Failure::Usage(format!(
+            "--window `{text}`: write two times in seconds, the first one earlier, such as 0..10"
+        ))
+    };
+    let (from, to) = text.split_once("..").ok_or_else(wrong)?;
+    let seconds = |text: &str| -> Result<f64, Failure> {
+        let text = text.trim();
+        let text = text.strip_suffix('s').unwrap_or(text).trim();
+        text.parse().map_err(|_| wrong())
+    };
+    let window = [seconds(from)?, seconds(to)?];
+    match window {
+        [from, to] if from < to && from >= 0.0 && to.is_finite() => Ok(window),
+        _ => Err(wrong()),
+    }
+}
