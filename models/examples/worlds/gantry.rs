@@ -19,10 +19,10 @@ model! {
         input place: length = 0 m;
         body trolley { mass: 2 tonne, inertia: diag(500, 500, 500) kg*m^2 }
         body hook { mass: 300 kg, inertia: diag(20, 20, 20) kg*m^2, frame top at [0, 0, 8] m, frame bottom at [0, 0, -0.5] m }
-        body load { mass: 5 tonne, inertia: diag(4000, 4000, 4000) kg*m^2, frame eye at [0, 0, 3] m }
+        body cargo { mass: 5 tonne, inertia: diag(4000, 4000, 4000) kg*m^2, frame eye at [0, 0, 3] m }
         joint rail: prismatic from world to trolley.com { axis: x, motor: place, filter: 0.3 s }
         joint rope: hinge from trolley.com to hook.top { axis: y }
-        joint sling: hinge from hook.bottom to load.eye { axis: y }
+        joint sling: hinge from hook.bottom to cargo.eye { axis: y }
         output sway = rope.angle in deg;
         output energy = energy.total in kJ;
     }
@@ -88,7 +88,7 @@ mod tests {
     fn both_swings_have_the_frequencies_of_the_double_pendulum() {
         let model = Gantry::new(GantryParams::default()).unwrap();
         let found = frequencies(&model).unwrap();
-        let (hook, load, rope, below) = (300.0, 5000.0, 8.5, 3.0);
+        let (hook, load, rope, below) = (300.0_f64, 5000.0, 8.5, 3.0);
         let masses = [
             20.0 + hook * 64.0 + load * rope * rope,
             load * rope * below,
