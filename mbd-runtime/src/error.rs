@@ -189,9 +189,10 @@ step_errors! {
     }
     "start", format!("`{name}` {why}"), "give coordinates that do not decide each other, and at which the loops can close";
 
-    /// A motor follows inputs that contradict each other: its value does not change as its rate says, or its rate not as its acceleration says.
+    /// A motor or a wound line follows inputs that contradict each other: its value does not change as its rate says, or its rate not as its
+    /// acceleration says.
     Command {
-        /// The coordinate of the motor: `rail.slide`.
+        /// The coordinate of the motor, `rail.slide`, or the length of the line, `rope.free_length`.
         motor: String,
         /// When [s].
         time: f64,
@@ -203,8 +204,8 @@ step_errors! {
         expected: f64,
     }
     "command",
-    format!("the {what} that the motor of `{motor}` follows changes by {change:.3e} at {time} s where its own rate says {expected:.3e}"),
-    "give value, rate and acceleration as functions of time (`Simulation::control`), or let the motor follow one input through a filter: `motor: wish, filter: 20 ms`";
+    format!("the {what} that `{motor}` follows changes by {change:.3e} at {time} s where its own rate says {expected:.3e}"),
+    "give value, rate and acceleration as functions of time (`Simulation::control`), or let the motor follow one input through a filter, `motor: wish, filter: 20 ms`, and wind the line by a state, `state paid = 5 m { rate: winch_speed }`";
 
     /// A number that became infinite or NaN.
     NonFinite {

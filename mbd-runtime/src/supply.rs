@@ -24,6 +24,8 @@ pub trait Inputs<T>: Sized {
     type State;
     /// Its joint coordinates and their rates, typed.
     type Coordinates;
+    /// Its outputs, typed.
+    type Outputs;
 
     /// They from their numbers; `None` for a list of another length.
     fn from_numbers(numbers: &[T]) -> Option<Self>;
@@ -36,12 +38,16 @@ pub trait Inputs<T>: Sized {
 
     /// Joint coordinates and their rates from their numbers, in the order of [`Quantity::Coordinates`].
     fn coordinates(numbers: &[T]) -> Self::Coordinates;
+
+    /// Outputs from their columns, in the order of [`Quantity::Outputs`].
+    fn outputs(columns: &[T]) -> Self::Outputs;
 }
 
 impl<T: Copy> Inputs<T> for Vec<T> {
     const MODEL: Option<(&'static str, [usize; 2])> = None;
     type State = Vec<T>;
     type Coordinates = Vec<T>;
+    type Outputs = Vec<T>;
 
     fn from_numbers(numbers: &[T]) -> Option<Self> {
         Some(numbers.to_vec())
@@ -58,12 +64,17 @@ impl<T: Copy> Inputs<T> for Vec<T> {
     fn coordinates(numbers: &[T]) -> Vec<T> {
         numbers.to_vec()
     }
+
+    fn outputs(columns: &[T]) -> Vec<T> {
+        columns.to_vec()
+    }
 }
 
 impl<T: Copy, const N: usize> Inputs<T> for [T; N] {
     const MODEL: Option<(&'static str, [usize; 2])> = None;
     type State = Vec<T>;
     type Coordinates = Vec<T>;
+    type Outputs = Vec<T>;
 
     fn from_numbers(numbers: &[T]) -> Option<Self> {
         numbers.try_into().ok()
@@ -80,6 +91,10 @@ impl<T: Copy, const N: usize> Inputs<T> for [T; N] {
     fn coordinates(numbers: &[T]) -> Vec<T> {
         numbers.to_vec()
     }
+
+    fn outputs(columns: &[T]) -> Vec<T> {
+        columns.to_vec()
+    }
 }
 
 /// When and where inputs are asked for, in numbers.
@@ -91,32 +106,40 @@ pub struct Moment<'a, T: Float> {
     pub(crate) gauge: RefCell<Gauge<'a, T>>,
 }
 
-/// What measures joint coordinates, when somebody asks for them.
+/// What measures joint coordinates and outputs, when somebody asks for them.
 pub(crate) struct Gauge<'a, T: Float> {
     pub model: &'a dyn Model<T>,
     pub at: At<'a, T>,
     pub work: &'a mut Work<T>,
-    /// Room for the numbers.
+    /// Room for the numbers of either.
     pub room: &'a mut [T],
+    /// Whether inputs and nodes at this state are known, on which outputs depend.
+    pub settled: bool,
 }
 
-/// Measures joint coordinates where a sample is taken.
+/// Measures where a sample is taken.
 trait Measure<T> {
-    /// Hands the numbers of [`Quantity::Coordinates`] to `read`.
-    fn measure(&self, read: &mut dyn FnMut(&[T]));
+    /// Hands the numbers of a quantity to `read`; of outputs only where inputs and nodes are known.
+    fn measure(&self, what: Quantity, read: &mut dyn FnMut(&[T]));
 }
 
 impl<T: Float> Measure<T> for RefCell<Gauge<'_, T>> {
-    fn measure(&self, read: &mut dyn FnMut(&[T])) {
+    fn measure(&self, what: Quantity, read: &mut dyn FnMut(&[T])) {
         if let Ok(mut gauge) = self.try_borrow_mut() {
             let Gauge {
                 model,
                 at,
                 work,
                 room,
+                settled,
             } = &mut *gauge;
-            model.evaluate(Quantity::Coordinates, at, work, room);
-            read(room);
+            let Some(room) = room.get_mut(..model.layout().len(what)) else {
+                return;
+            };
+            if *settled || what == Quantity::Coordinates {
+                model.evaluate(what, at, work, room);
+                read(room);
+            }
         }
     }
 }
@@ -155,9 +178,21 @@ impl<'a, I: Inputs<T>, T: Float> Sample<'a, I, T> {
     #[must_use]
     pub fn coordinates(&self) -> I::Coordinates {
         let mut found = None;
-        self.gauge
-            .measure(&mut |numbers| found = Some(I::coordinates(numbers)));
+        self.gauge.measure(Quantity::Coordinates, &mut |numbers| {
+            found = Some(I::coordinates(numbers));
+        });
         found.unwrap_or_else(|| I::coordinates(&[]))
+    }
+
+    /// The outputs: `sample.outputs()?.pull`, with the inputs as they were up to this sample. Computed when asked for. `None` in a function of
+    /// time and state, whose inputs they would depend on.
+    #[must_use]
+    pub fn outputs(&self) -> Option<I::Outputs> {
+        let mut found = None;
+        self.gauge.measure(Quantity::Outputs, &mut |columns| {
+            found = Some(I::outputs(columns));
+        });
+        found
     }
 
     /// The state as the list x = [q | v | z].

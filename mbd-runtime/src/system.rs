@@ -160,7 +160,12 @@ impl<T: Float> System<T> {
             commands: Commands::new(model.scene()),
             angles: has_jumping_angles(model.scene()).then(Default::default),
             wide: Vec::new(),
-            measured: vec![T::zero(); layout.len(Quantity::Coordinates)],
+            measured: vec![
+                T::zero();
+                layout
+                    .len(Quantity::Coordinates)
+                    .max(layout.len(Quantity::Outputs))
+            ],
             model,
         }
     }
@@ -411,8 +416,33 @@ impl<T: Float> System<T> {
                 at,
                 work: &mut self.work,
                 room: &mut self.measured,
+                settled: false,
             }),
         }
+    }
+
+    /// The same at a sample, where outputs can be asked for: inputs as they were up to it, nodes in balance.
+    pub(crate) fn settled_moment<'a>(
+        &'a mut self,
+        time: f64,
+        state: &'a [T],
+    ) -> Result<Moment<'a, T>, StepError> {
+        if self.model.layout().columns == 0 {
+            return Ok(self.moment(time, state));
+        }
+        self.look(time, 0.0, state)?;
+        let at = self.probe.at(T::from_f64(time), state, &self.inputs);
+        Ok(Moment {
+            time,
+            state,
+            gauge: RefCell::new(Gauge {
+                model: &*self.model,
+                at,
+                work: &mut self.work,
+                room: &mut self.measured,
+                settled: true,
+            }),
+        })
     }
 
     /// The inputs of a stage. Without functions of time and state they are those that are held.

@@ -1,9 +1,11 @@
 //! What can be asked of a scene in outputs and events, by name: for `mbd list quantities`.
 
 use mbd_compiler::quantities::Reach::{self, Everywhere, Results};
-use mbd_compiler::quantities::{AXES, BODY, JOINT, LINE, PLACE, ThingQuantity};
+use mbd_compiler::quantities::{
+    AXES, BODY, ENERGY, ENERGY_WORD, JOINT, LINE, PLACE, PLANAR_BODY, ThingQuantity,
+};
 use mbd_runtime::scene::joints::Measured;
-use mbd_runtime::scene::{Body, Joint, PointKind, Scene};
+use mbd_runtime::scene::{Body, Gravity, Joint, PointKind, Scene};
 
 use crate::report::Table;
 
@@ -41,7 +43,18 @@ pub fn asked(scene: &Scene) -> Vec<Asked> {
             ..number(&state.name, 1, "state", Everywhere)
         });
     }
-    scene.bodies.iter().for_each(|body| of_body(&mut all, body));
+    // A field that the caller supplies has no potential.
+    let stored = match scene.gravity {
+        Gravity::Field => 1,
+        _ => ENERGY.len(),
+    };
+    of_thing(&mut all, ENERGY_WORD, &ENERGY[..stored]);
+    for body in &scene.bodies {
+        of_body(&mut all, body);
+        if scene.planar.is_some() {
+            of_thing(&mut all, &body.name, &PLANAR_BODY);
+        }
+    }
     for point in &scene.points {
         let count = match point.kind {
             PointKind::Mass(_) => 3,

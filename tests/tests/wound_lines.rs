@@ -1,6 +1,6 @@
 //! Lines that are wound: free lengths of inputs, states and time, against pendulums of varying length and the work of a winch.
 
-use mbd_runtime::{Options, Quantity, Simulation, model};
+use mbd_runtime::{Options, Quantity, Simulation, StepError, model};
 use tests::agreement::{agrees, agrees_along};
 
 model! {
@@ -194,4 +194,82 @@ fn a_wound_line_is_the_same_in_every_execution() {
         velocity: [0.0; 3],
     });
     agrees_along(&crane, &state.to_vec(), (20, 1e-4), 1e-12);
+}
+
+/// A bob that is drawn in on a rope that a step of single precision resolves.
+fn winch(setting: &str) -> mbd_runtime::scene::Scene {
+    tests::declared::read(&format!(
+        "model Winch {{
+            gravity: [0.0, 0.0, -9.81] m/s^2; {setting}
+            state paid = 5 m {{ rate: -0.8 m/s }}
+            point bob {{ mass: 2.0 kg, start at [1.5, 0, -4.8] m }}
+            line rope from world to bob {{ free_length: paid, stiffness: 2 kN/m, damping: 50 N*s/m }}
+            output place = bob.position;
+            output pull = rope.tension;
+        }}"
+    ))
+}
+
+/// Place and pull after two seconds.
+fn drawn_in<T: mbd_runtime::Scalar>(setting: &str) -> [f64; 4] {
+    let model = mbd_runtime::Generic::<T>::with_defaults(winch(setting)).expect("no params");
+    let mut run = Simulation::<T>::new(&model, Options::rk4(1e-3)).expect("options that fit");
+    run.run(2.0).expect("a swing");
+    let mut out = [T::zero(); 4];
+    run.evaluate(Quantity::Outputs, &mut out).expect("no node");
+    out.map(|x| x.to_f64())
+}
+
+#[test]
+fn a_winch_in_single_precision_swings_to_single_precision() {
+    for (single, double) in drawn_in::<f32>("").iter().zip(drawn_in::<f64>("")) {
+        assert!(
+            (single - double).abs() < 1e-3 * (1.0 + double.abs()),
+            "{single} {double}"
+        );
+    }
+}
+
+#[test]
+fn a_winch_in_a_plane_is_the_winch_in_space() {
+    let [flat, deep] = ["planar: xz;", ""].map(drawn_in::<f64>);
+    for (flat, deep) in flat.iter().zip(deep) {
+        assert!((flat - deep).abs() < 1e-11, "{flat} {deep}");
+    }
+}
+
+#[test]
+fn a_length_that_does_not_follow_its_own_rate_is_refused_by_name() {
+    let model = Hoist::new(HoistParams::default()).expect("defaults");
+    for wrong in [0.0, -0.5, 2.0] {
+        let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
+        run.control(move |now, inputs: &mut HoistInputs| {
+            inputs.paid = 4.0 - 0.3 * now.time;
+            inputs.paying = -0.3 + wrong * now.time.min(1.0);
+        })
+        .expect("inputs of this model");
+        let result = run.run(1.0);
+        if wrong == 0.0 {
+            result.expect("a length that follows its rate");
+            continue;
+        }
+        let refused = result.expect_err("a rate of another motion").cause;
+        let StepError::Command { motor, .. } = &refused else {
+            panic!("{refused}");
+        };
+        assert_eq!(motor, "rope.free_length");
+    }
+    // A jump of the length between two steps is no winding.
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
+    run.run(0.1).expect("hanging");
+    let jump = HoistInputs {
+        paid: 3.0,
+        paying: 0.0,
+    };
+    run.set_inputs(&jump).expect("numbers");
+    let refused = run.run(0.2).expect_err("a jump of a metre").cause;
+    assert!(
+        refused.to_string().contains("rope.free_length"),
+        "{refused}"
+    );
 }

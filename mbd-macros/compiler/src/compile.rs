@@ -1,9 +1,10 @@
 //! From a declaration to Rust.
 
 use mbd_scene::{Layout, Quantity, Scene};
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::{Span, TokenStream};
 use quote::{quote, quote_spanned};
 
+use crate::emit::literal::ident;
 use crate::emit::{NameSpans, Settings, emit_model, emit_with, quantity, references};
 use crate::equations::Equations;
 use crate::kernels::Kernels;
@@ -232,7 +233,7 @@ fn warning(message: &Message) -> TokenStream {
 /// Something of Rust under the same name that nothing uses either, so that rustc says so: "constant `L` is never used", "field `k` is never
 /// read", "function `drag` is never used", "unused variable: `speed`". It stands where the name does: of what only a macro wrote, rustc says nothing.
 fn unused(span: Span, kind: &str, name: &str) -> TokenStream {
-    let name = Ident::new(name, span);
+    let name = ident(name, span);
     let item = match kind {
         "const" => quote_spanned!(span=> const #name: () = ();),
         "table" => quote_spanned!(span=> fn #name() {}),
@@ -251,7 +252,7 @@ fn unused(span: Span, kind: &str, name: &str) -> TokenStream {
 /// Stable Rust has no warnings for macros; the use of something deprecated is one. Its name begins the sentence of rustc: "use of deprecated
 /// constant `knot`: point `knot` is …".
 fn deprecated(span: Span, name: &str, text: &str) -> TokenStream {
-    let (name, used) = (Ident::new(name, Span::call_site()), Ident::new(name, span));
+    let (name, used) = (ident(name, Span::call_site()), ident(name, span));
     quote! {
         #[allow(non_upper_case_globals)]
         const _: () = {

@@ -63,6 +63,8 @@ fn write(scene: &Scene, formula: &Formula, level: u8) -> String {
         }
         Formula::AngularVelocityWorld(index) => format!("{}.omega_world", body(*index)),
         Formula::AngularVelocityBody(index) => format!("{}.omega_body", body(*index)),
+        Formula::Orientation(index) => format!("{}.orientation", body(*index)),
+        Formula::Energy(energy) => format!("energy.{}", energy.word()),
         Formula::Tension(index) => format!("{}.tension", line(*index)),
         Formula::Length(index) => format!("{}.length", line(*index)),
         Formula::Stretch(index) => format!("{}.stretch", line(*index)),

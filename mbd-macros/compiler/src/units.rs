@@ -69,6 +69,8 @@ const POUND: f64 = 0.453_592_37;
 const UNITS: &[(&str, f64, Dimension)] = &[
     ("kg", 1.0, MASS),
     ("g", 1e-3, MASS),
+    // Not `t`: behind a number it is the time of those who write `2 rad/s * t`.
+    ("tonne", 1e3, MASS),
     ("m", 1.0, LENGTH),
     ("mm", 1e-3, LENGTH),
     ("cm", 1e-2, LENGTH),
@@ -117,6 +119,10 @@ const FOREIGN: &[(&str, &str)] = &[
     ("meters", "m"),
     ("metre", "m"),
     ("metres", "m"),
+    ("tonnes", "tonne"),
+    ("ton", "tonne"),
+    ("tons", "tonne"),
+    ("t", "tonne"),
     ("sec", "s"),
     ("second", "s"),
     ("seconds", "s"),

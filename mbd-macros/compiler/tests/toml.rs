@@ -267,7 +267,9 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
         (
             "[load.drag]\non",
             "[load.drag]\nunit = \"N\"\non",
-            &["scene.toml:39:1: unknown field `unit`. fields here: on, at, kind, value, in"],
+            &[
+                "scene.toml:39:1: unknown field `unit`; here it is called `in`. fields here: on, at, kind, value, in",
+            ],
         ),
         (
             "value = \"side[0].tension\"",

@@ -24,6 +24,7 @@ mod redundancy;
 pub mod rows;
 mod scalar;
 mod scene;
+pub mod similar;
 mod starts;
 mod vocabulary;
 
@@ -60,6 +61,6 @@ pub use scene::{
 pub use starts::{declared_parts, place_declared};
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
-    Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane, Pose,
-    Quantity, Relative, RowSet, Rule, SecondArgument, Table, Twist, Unit, Variable,
+    Energy, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,
+    Pose, Quantity, Relative, RowSet, Rule, SecondArgument, Table, Twist, Unit, Variable,
 };

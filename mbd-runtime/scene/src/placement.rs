@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::evaluate::{Scratch, evaluate};
 use crate::laws::body::{BodyMotion, attitude_of};
+use crate::laws::branch;
 use crate::laws::ground::{course, ground};
 use crate::laws::kinematics::Kinematics;
 use crate::laws::numbers::Numbers;
@@ -354,7 +355,40 @@ impl Placement<'_> {
         Ok(())
     }
 
-    /// Solves (3) for the coordinates.
+    /// Whether every joint is on the branch it means: rows have more roots than that.
+    fn is_on_branch(&self, state: &mut [f64]) -> bool {
+        self.walk(state);
+        let place = self.here(state);
+        let at = place.at();
+        let mut held = (0..self.layout.joints.len()).filter(|&j| self.layout.joints[j].len > 0);
+        held.all(|joint| {
+            let signs = branch(self.scene, self.layout, &self.numbers, &at, joint);
+            signs.iter().all(|sign| *sign > 0.0)
+        })
+    }
+
+    /// Whether the loops close on the branches that joints mean half a turn of one angle from here; where none does, nothing is changed.
+    fn turns_back(&mut self, unknowns: &[(usize, usize)], state: &mut [f64]) -> bool {
+        let here = self.q.clone();
+        for &(joint, k) in unknowns {
+            let mut measured = self.scene.joints[joint].law.measured();
+            if !measured
+                .nth(k)
+                .is_some_and(|coordinate| coordinate.is_angle())
+            {
+                continue;
+            }
+            self.q[joint][k] += std::f64::consts::PI;
+            let (gap, _) = self.descend(unknowns, state);
+            if gap <= CLOSED && self.is_on_branch(state) {
+                return true;
+            }
+            self.q.clone_from(&here);
+        }
+        false
+    }
+
+    /// Solves (3) for the coordinates. Where it closes only with joints turned around, which a start refuses by name, that is what stays.
     fn close(
         &mut self,
         unknowns: &[(usize, usize)],
@@ -362,6 +396,7 @@ impl Placement<'_> {
     ) -> Result<(), PlacementError> {
         let start = self.q.clone();
         let mut best = (f64::INFINITY, 0);
+        let mut turned = None;
         for (attempt, reach) in REACHES.into_iter().enumerate() {
             self.q.clone_from(&start);
             for (number, &(joint, k)) in unknowns.iter().enumerate() {
@@ -372,14 +407,20 @@ impl Placement<'_> {
             self.normalise();
             let (gap, joint) = self.descend(unknowns, state);
             if gap <= CLOSED {
-                return Ok(());
-            }
-            if gap < best.0 {
+                if self.is_on_branch(state) || self.turns_back(unknowns, state) {
+                    return Ok(());
+                }
+                turned.get_or_insert_with(|| self.q.clone());
+            } else if gap < best.0 {
                 best = (gap, joint);
             }
         }
         let (gap, joint) = best;
-        Err(PlacementError::Open { joint, gap })
+        match turned {
+            Some(q) => self.q = q,
+            None => return Err(PlacementError::Open { joint, gap }),
+        }
+        Ok(())
     }
 
     /// Damped least squares from here; the largest row that is left, and its joint.

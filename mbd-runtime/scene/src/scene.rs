@@ -198,6 +198,16 @@ impl Scene {
         })
     }
 
+    /// The lines whose free length follows inputs and whose rate is said beside it.
+    pub fn commanded_lines(&self) -> impl Iterator<Item = usize> + '_ {
+        let input = |part: &Formula| matches!(part, Formula::Input(_));
+        let lines = self.lines.iter().enumerate();
+        lines.filter_map(move |(index, line)| match line.free_length_and_rate() {
+            (length, Some(_)) => self.contains(length, input).then_some(index),
+            _ => None,
+        })
+    }
+
     /// The places at which a joint sits: its parent and its child, and of a coupling those of the other joints that it couples.
     pub fn ends<'a>(&'a self, joint: &'a Joint) -> impl Iterator<Item = Place> + Clone + 'a {
         let others = joint.law.couples().iter().skip(1);

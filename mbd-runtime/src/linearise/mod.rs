@@ -22,12 +22,14 @@ mod space;
 
 use std::fmt;
 
+use mbd_scene::similar::did_you_mean;
 use mbd_scene::{At, Differentiated, Float, Layout, Model, Quantity, Variable, Work};
 
 pub(crate) use jacobian::Jacobian;
 pub use matrix::Matrix;
 use networks::Elimination;
 use rows::{Evaluator, ThroughRows};
+pub(crate) use space::motors_follow;
 pub use space::{StateSpace, Vibration};
 
 use crate::error::StepError;
@@ -218,9 +220,10 @@ impl fmt::Display for LinearisationError {
             }
             LinearisationError::Nodes(cause) => write!(f, "{cause}"),
             LinearisationError::UnknownCoordinate { name, known } => {
+                let near = did_you_mean(name, known.split(", "));
                 write!(
                     f,
-                    "`{name}` is no coordinate of this scene; there are: {known}"
+                    "`{name}` is no coordinate of this scene{near}; there are: {known}"
                 )
             }
             LinearisationError::DependentCoordinate { name } => write!(

@@ -75,6 +75,44 @@ impl Vibration {
 }
 
 impl StateSpace {
+    /// The frequency response C (iω − A)⁻¹ B + D at ω [rad/s], n_o × n_u: what each output does, in amplitude and phase, per unit of a
+    /// harmonic input. `None` where iω is an eigenvalue, or ω is no number.
+    #[must_use]
+    pub fn response(&self, omega: f64) -> Option<DMatrix<Complex<f64>>> {
+        let whole = |matrix: &DMatrix<f64>| matrix.map(|x| Complex::new(x, 0.0));
+        let n = self.a.nrows();
+        let shifted =
+            DMatrix::from_diagonal_element(n, n, Complex::new(0.0, omega)) - whole(&self.a);
+        let states = shifted.lu().solve(&whole(&self.b))?;
+        let response = whole(&self.c) * states + whole(&self.d);
+        let finite = response
+            .iter()
+            .all(|x| x.re.is_finite() && x.im.is_finite());
+        finite.then_some(response)
+    }
+
+    /// The system sampled with a period T [s] at inputs that are held between samples: s(k + 1) = A_d s(k) + B_d u(k), from
+    /// exp([A B; 0 0] T) = [A_d B_d; 0 1]; o = C s + D u stays. `None` for a period that is not above zero, or so long that the
+    /// exponential is no number.
+    #[must_use]
+    pub fn sampled(&self, period: f64) -> Option<[DMatrix<f64>; 2]> {
+        let (n, m) = self.b.shape();
+        let mut both = DMatrix::zeros(n + m, n + m);
+        both.view_mut((0, 0), (n, n)).copy_from(&self.a);
+        both.view_mut((0, n), (n, m)).copy_from(&self.b);
+        both *= period;
+        if !(period > 0.0 && both.iter().all(|x| x.is_finite())) {
+            return None;
+        }
+        let both = both.exp();
+        let parts =
+            [(0, n), (n, m)].map(|(at, columns)| both.view((0, at), (n, columns)).into_owned());
+        parts
+            .iter()
+            .all(|part| part.iter().all(|x| x.is_finite()))
+            .then_some(parts)
+    }
+
     pub(crate) fn make<T: Float>(
         model: &dyn Model<T>,
         at: (f64, &[f64], &[f64]),
@@ -259,7 +297,7 @@ impl StateSpace {
 }
 
 /// Whether motors follow inputs or states.
-fn motors_follow(scene: &Scene) -> bool {
+pub(crate) fn motors_follow(scene: &Scene) -> bool {
     let mut motors = scene.joints.iter().flat_map(Joint::motors);
     motors.any(|(_, course)| matches!(course, Formula::Vector(_)))
 }

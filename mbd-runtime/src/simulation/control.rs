@@ -83,7 +83,8 @@ impl<T: Float> Simulation<T> {
             let model = self.system.model.clone();
             for sampler in self.samplers.iter_mut().filter(|sampler| due(sampler)) {
                 let time = sampler.instant();
-                (sampler.law)(&self.system.moment(time, state), &mut self.given);
+                let moment = self.system.settled_moment(time, state)?;
+                (sampler.law)(&moment, &mut self.given);
                 check_supplied(&*model, time, &self.given)?;
             }
             for sampler in self.samplers.iter_mut().filter(|sampler| due(sampler)) {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use mbd_scene::laws::starts;
+use mbd_scene::similar::did_you_mean;
 use mbd_scene::{
     Float, InputSlots, InputSource, JointStart, Layout, Model, NodeModel, PlacementError, Quantity,
     Scene, declared_parts, place_declared,
@@ -217,8 +218,9 @@ impl<T: Float> Simulation<T> {
         let starts = match JointStart::by_name(scene, given.iter().copied()) {
             Ok(starts) => starts,
             Err(name) => {
+                let near = did_you_mean(name, known.iter().map(String::as_str));
                 let known = known.join(", ");
-                let why = format!("is no joint coordinate; there are: {known}");
+                let why = format!("is no joint coordinate{near}; there are: {known}");
                 return Err(self.failed(unplaced(name.to_owned(), why)));
             }
         };

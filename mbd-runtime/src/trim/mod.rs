@@ -11,6 +11,7 @@
 mod search;
 
 use mbd_scene::Model;
+use mbd_scene::similar::did_you_mean;
 use nalgebra::DVector;
 
 use crate::columns::Name;
@@ -122,7 +123,11 @@ impl std::fmt::Display for TrimError {
                 write!(f, "`{name}` is no input: this scene has none")
             }
             TrimError::UnknownInput { name, known } => {
-                write!(f, "`{name}` is no input of this scene; there are: {known}")
+                let near = did_you_mean(name, known.split(", "));
+                write!(
+                    f,
+                    "`{name}` is no input of this scene{near}; there are: {known}"
+                )
             }
             TrimError::Turn { name } => write!(
                 f,

@@ -8,7 +8,7 @@ use crate::columns::Name;
 use crate::compiled::Scalar;
 use crate::linearise::chart::{Chart, Source, input_names, known, with_unit};
 use crate::linearise::moment::Moment;
-use crate::linearise::{LinearisationError, StateSpace};
+use crate::linearise::{LinearisationError, StateSpace, motors_follow};
 use crate::simulation::start::declared_start;
 
 /// Steps at most.
@@ -69,7 +69,12 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
         layout.quaternions().for_each(|at| state[at] = 1.0);
         state
     });
-    let at = (asked.time, &state[..], &given[..]);
+    // A declared start belongs to the declared inputs; what follows them goes on from there.
+    let first = match asked.state {
+        None if given.len() == layout.ni => held(),
+        _ => given.clone(),
+    };
+    let at = (asked.time, &state[..], &first[..]);
     let mut moment = Moment::new(model, at)?;
     if asked.state.is_none() {
         moment.place(&asked.starts());
@@ -128,14 +133,15 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
     for (at, value) in wanted {
         steps[at] = value - now[at];
     }
-    // In parts that keep loops on their branch.
-    let parts = match search.chart.kept.is_empty() {
-        true => 1.0,
-        false => (steps.amax() / PART).ceil().clamp(1.0, 1e3),
+    let behind = DVector::zeros(rest);
+    let change = DVector::from_iterator(given.len(), given.iter().zip(&first).map(|(a, b)| a - b));
+    let far = match search.chart.kept.is_empty() {
+        true => 0.0,
+        false => steps.amax(),
     };
-    for _ in 0..parts as usize {
-        search.go(&(&steps / parts))?;
-    }
+    search.advance(&steps, [&behind, &change], far)?;
+    // To the bit what was given, not what the parts add up to.
+    search.moment.inputs.clone_from(&given);
     search.solve(asked.nodes.as_deref())
 }
 
@@ -172,6 +178,50 @@ impl Moment {
 }
 
 impl Search {
+    /// Moves the coordinates, the numbers behind the speeds and the inputs, in parts that keep loops, and what motors carry, on their branch:
+    /// none takes a joint further than [`PART`], nor a coordinate that goes by `far` in all.
+    fn advance(
+        &mut self,
+        moves: &DVector<f64>,
+        [behind, inputs]: [&DVector<f64>; 2],
+        far: f64,
+    ) -> Result<(), TrimError> {
+        let carried = match motors_follow(self.moment.scene()) {
+            true => self.carried(moves, [behind, inputs])?,
+            false => 0.0,
+        };
+        let parts = (carried.max(far) / PART).ceil().clamp(1.0, 1e3);
+        let first = self.moment.state.len() - self.rest;
+        for _ in 0..parts as usize {
+            let behind = self.moment.state[first..].iter_mut().zip(behind);
+            behind.for_each(|(number, step)| *number += step / parts);
+            let inputs = self.moment.inputs.iter_mut().zip(inputs);
+            inputs.for_each(|(number, step)| *number += step / parts);
+            self.go(&(moves / parts))?;
+        }
+        Ok(())
+    }
+
+    /// How far joints carry bodies for such steps, by the slopes here: K δπ = [−∂Φ/∂(z, s, u) δ(z, s, u); δξ] [m or rad].
+    fn carried(
+        &mut self,
+        moves: &DVector<f64>,
+        [behind, inputs]: [&DVector<f64>; 2],
+    ) -> Result<f64, TrimError> {
+        self.chart.refresh(&mut self.moment)?;
+        let by_state = self.moment.by_state(Quantity::Constraint, &[]);
+        let by_input = self.moment.by_input(Quantity::Constraint);
+        let first = by_state.ncols() - self.rest;
+        let change = by_state.columns(first, self.rest) * behind + by_input * inputs;
+        let mut right = DVector::zeros(self.chart.rows.nrows());
+        for (slot, &row) in right.iter_mut().zip(&self.chart.kept) {
+            *slot = -change[row];
+        }
+        let kept = self.chart.kept.len();
+        right.rows_mut(kept, moves.len()).copy_from(moves);
+        Ok((&self.chart.inverse * right).amax())
+    }
+
     /// Moves the coordinates by steps, closes the joints there, and gives the coordinates their rates.
     fn go(&mut self, steps: &DVector<f64>) -> Result<(), TrimError> {
         let kept = self.chart.kept.len();
@@ -349,15 +399,12 @@ impl Search {
             moves[k] = step[number];
         }
         let first = self.free.len();
+        let mut inputs = DVector::zeros(self.moment.inputs.len());
         for (number, &k) in self.inputs.iter().enumerate() {
-            self.moment.inputs[k] += step[first + number];
+            inputs[k] = step[first + number];
         }
-        let first = first + self.inputs.len();
-        let behind = self.moment.state.len() - rest;
-        for k in 0..rest {
-            self.moment.state[behind + k] += step[first + k];
-        }
-        self.go(&moves)?;
+        let behind = step.rows(first + self.inputs.len(), rest).into_owned();
+        self.advance(&moves, [&behind, &inputs], 0.0)?;
         let nodes = self.moment.nodes().to_vec();
         self.residual(Some(&nodes))
     }

@@ -30,19 +30,6 @@ fn upright(model: &CartPole) -> Result<StateSpace, TrimError> {
     Ok(still.solve()?.space)
 }
 
-/// ṡ = A s + B u with u held over a period: s(k + 1) = A_d s(k) + B_d u(k), from exp([A B; 0 0] T).
-fn sampled(space: &StateSpace, period: f64) -> (DMatrix<f64>, DMatrix<f64>) {
-    let (n, m) = space.b.shape();
-    let mut both = DMatrix::zeros(n + m, n + m);
-    both.view_mut((0, 0), (n, n)).copy_from(&space.a);
-    both.view_mut((0, n), (n, m)).copy_from(&space.b);
-    let both = (both * period).exp();
-    (
-        both.view((0, 0), (n, n)).into_owned(),
-        both.view((0, n), (n, m)).into_owned(),
-    )
-}
-
 /// The gain K of u = −K s that minimises Σ sᵀQs + r u², and the cost P: Riccati's equation, iterated until it stands.
 fn optimal(
     a: &DMatrix<f64>,
@@ -65,7 +52,7 @@ fn optimal(
 
 /// The gain for Σ x² + 10 θ² + (ẋ² + θ̇²)/10 + u²/100, and what it stands on: A_d, B_d, P.
 fn design(model: &CartPole) -> Result<(RowDVector<f64>, [DMatrix<f64>; 3]), TrimError> {
-    let (a, b) = sampled(&upright(model)?, PERIOD);
+    let [a, b] = upright(model)?.sampled(PERIOD).expect("a period");
     let weights = DMatrix::from_diagonal(&DVector::from_row_slice(&[1.0, 10.0, 0.1, 0.1]));
     let (gain, cost) = optimal(&a, &b, &weights, 0.01);
     Ok((gain, [a, b, cost]))

@@ -10,10 +10,12 @@ mod cart_pole;
 mod chain;
 mod dc_motor;
 mod double_wishbone;
+mod gantry;
 mod hoisting_crane;
 mod kite;
 mod mooring_line;
 mod motion_base;
+mod press;
 mod quadrotor;
 mod quarter_car;
 mod stewart_platform;
@@ -48,6 +50,11 @@ const WORLDS: &[World] = &[
         double_wishbone::run,
     ),
     World(
+        "gantry",
+        "a load on two pendulums, moved so that neither swings afterwards",
+        gantry::run,
+    ),
+    World(
         "hoisting_crane",
         "a load that swings while its rope is drawn in and let out",
         hoisting_crane::run,
@@ -66,6 +73,11 @@ const WORLDS: &[World] = &[
         "motion_base",
         "a cabin on six legs, brought to its place by a sampled controller",
         motion_base::run,
+    ),
+    World(
+        "press",
+        "a flywheel, a crank and a die that takes what the wheel has stored",
+        press::run,
     ),
     World(
         "quadrotor",

@@ -3,7 +3,7 @@
 //! With d = k_s + c s, from the road z to the body: `H = k_t d / ((m_b s² + d)(m_w s² + d + k_t) − d²)`.
 
 use mbd_runtime::{Options, Simulation, StateSpace, TrimError, model, trim};
-use nalgebra::{Complex, DMatrix};
+use nalgebra::Complex;
 
 use crate::Outcome;
 
@@ -31,19 +31,11 @@ fn standing(model: &QuarterCar) -> Result<StateSpace, TrimError> {
     Ok(trim(model).solve()?.space)
 }
 
-/// From the road to an output at a frequency [Hz]: C (iω − A)⁻¹ B + D.
+/// From the road to an output at a frequency [Hz].
 fn response(space: &StateSpace, output: &str, frequency: f64) -> Complex<f64> {
-    let s = Complex::new(0.0, std::f64::consts::TAU * frequency);
-    let [a, b] = [&space.a, &space.b].map(|matrix| matrix.map(|x| Complex::new(x, 0.0)));
-    let n = a.nrows();
-    let states = (DMatrix::from_diagonal_element(n, n, s) - a).lu().solve(&b);
-    let states = states.expect("no pole on the imaginary axis: the strut is damped");
-    let row = space.output(output).expect("a declared output");
-    let along = states.iter().enumerate();
-    along
-        .map(|(k, x)| x * space.c[(row, k)])
-        .sum::<Complex<f64>>()
-        + space.d[(row, 0)]
+    let response = space.response(std::f64::consts::TAU * frequency);
+    let response = response.expect("no pole on the imaginary axis: the strut is damped");
+    response[(space.output(output).expect("a declared output"), 0)]
 }
 
 /// The largest height over that of the road, on waves of 1 cm, once the start is forgotten.

@@ -1,6 +1,6 @@
 //! What the caller of a model supplies, as one struct: inputs, external loads and external gravity.
 
-use mbd_scene::{InputSlots, InputSource, Layout, PointSlots};
+use mbd_scene::{InputSlots, InputSource, Layout, PointSlots, Quantity};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
@@ -143,6 +143,14 @@ pub fn inputs(context: &Context) -> TokenStream {
         }
         false => (quote!(()), quote!(let _ = numbers;)),
     };
+    let outputs = context.named("Outputs");
+    let (outputs, columns) = match context.equations.program(Quantity::Outputs) {
+        Some(_) => (
+            quote!(#outputs #used),
+            quote!(#outputs::from_array(::mbd_runtime::__private::leading(columns))),
+        ),
+        None => (quote!(()), quote!(let _ = columns;)),
+    };
     let (sample, sample_doc) = (
         context.named("Sample"),
         docs(&format!("What a controller of `{model}` sees.")),
@@ -188,6 +196,7 @@ pub fn inputs(context: &Context) -> TokenStream {
                 ::core::option::Option::Some((#model, [#nx, #count]));
             type State = #state #used;
             type Coordinates = #measured;
+            type Outputs = #outputs;
             fn from_numbers(numbers: &[#t]) -> ::core::option::Option<Self> {
                 ::mbd_runtime::__private::fixed(numbers).copied().map(Self::from_array)
             }
@@ -199,6 +208,9 @@ pub fn inputs(context: &Context) -> TokenStream {
             }
             fn coordinates(numbers: &[#t]) -> Self::Coordinates {
                 #read
+            }
+            fn outputs(columns: &[#t]) -> Self::Outputs {
+                #columns
             }
         }
     }

@@ -2,6 +2,8 @@
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 
+use crate::syntax::words;
+
 /// A number without suffix; a negative one as a minus and a literal.
 #[must_use]
 pub fn number(value: f64) -> TokenStream {
@@ -39,9 +41,13 @@ pub fn whole(value: usize) -> Literal {
     Literal::usize_unsuffixed(value)
 }
 
-/// A name of the declaration as an identifier at its place; a name that is none in Rust is changed until it is.
+/// A name of the declaration as an identifier at its place; a name that is none in Rust is changed until it is, a keyword by an underscore
+/// behind it.
 #[must_use]
 pub fn ident(name: &str, span: Span) -> Ident {
+    if words::is_keyword(name) {
+        return Ident::new(&format!("{name}_"), span);
+    }
     if let Ok(mut ident) = syn::parse_str::<Ident>(name) {
         ident.set_span(span);
         return ident;

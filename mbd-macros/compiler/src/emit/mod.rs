@@ -14,7 +14,7 @@ mod function;
 mod inputs;
 mod interface;
 mod kernel;
-mod literal;
+pub(crate) mod literal;
 mod methods;
 mod model;
 pub mod naming;

@@ -12,6 +12,7 @@ use crate::names::{self, identifier};
 use crate::operation::Op;
 use crate::partition::{Block, Local};
 use crate::program::{Instruction, Operand, Program, Register};
+use crate::syntax::words;
 
 /// Identifiers given out once each.
 #[derive(Default)]
@@ -237,63 +238,7 @@ fn given_name(law: &Laws<'_>, register: Register, shared: bool) -> String {
 
 /// Whether a name means something else: an argument of every function, a keyword.
 fn is_reserved(name: &str) -> bool {
-    matches!(
-        name,
-        "out"
-            | "as"
-            | "async"
-            | "await"
-            | "break"
-            | "const"
-            | "continue"
-            | "crate"
-            | "dyn"
-            | "else"
-            | "enum"
-            | "extern"
-            | "false"
-            | "fn"
-            | "for"
-            | "if"
-            | "impl"
-            | "in"
-            | "let"
-            | "loop"
-            | "match"
-            | "mod"
-            | "move"
-            | "mut"
-            | "pub"
-            | "ref"
-            | "return"
-            | "self"
-            | "Self"
-            | "static"
-            | "struct"
-            | "super"
-            | "trait"
-            | "true"
-            | "type"
-            | "unsafe"
-            | "use"
-            | "where"
-            | "while"
-            | "abstract"
-            | "become"
-            | "box"
-            | "do"
-            | "final"
-            | "gen"
-            | "macro"
-            | "override"
-            | "priv"
-            | "try"
-            | "typeof"
-            | "unsized"
-            | "virtual"
-            | "yield"
-            | "_"
-    )
+    name == "out" || words::is_keyword(name)
 }
 
 /// The identifier of a thing; nothing for nothing.

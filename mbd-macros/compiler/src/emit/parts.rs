@@ -3,11 +3,11 @@
 use std::collections::HashSet;
 
 use mbd_scene::{PointSlots, Slots};
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::{Span, TokenStream};
 use quote::quote;
 
 use super::context::{Context, docs, unit_text};
-use super::literal::whole;
+use super::literal::{ident, whole};
 
 /// Functions that every state has.
 const TAKEN: [&str; 3] = ["at_origin", "from_slice", "to_vec"];
@@ -30,7 +30,7 @@ pub fn parts(context: &Context) -> TokenStream {
     for family in families(context) {
         let setter = format!("set_{}", family.name);
         let free = !taken.contains(family.name) && !taken.contains(&setter);
-        if free && syn::parse_str::<Ident>(family.name).is_ok() {
+        if free {
             functions.extend(accessors(context, &family, &setter));
             taken.extend([family.name.to_owned(), setter]);
         }
@@ -96,8 +96,7 @@ fn accessors(context: &Context, family: &Family<'_>, setter: &str) -> TokenStrea
         return own_state(context, family, setter);
     }
     let t = context.scalar();
-    let getter = Ident::new(family.name, Span::call_site());
-    let setter = Ident::new(setter, Span::call_site());
+    let [getter, setter] = [family.name, setter].map(|name| ident(name, Span::call_site()));
     let directions = context.equations.layout.directions;
     let moves = directions.translations().len();
     let is_body = family.of == Of::Body;
@@ -163,7 +162,7 @@ fn accessors(context: &Context, family: &Family<'_>, setter: &str) -> TokenStrea
 /// Reads and sets a declared state.
 fn own_state(context: &Context, family: &Family<'_>, setter: &str) -> TokenStream {
     let t = context.scalar();
-    let [getter, setter] = [family.name, setter].map(|name| Ident::new(name, Span::call_site()));
+    let [getter, setter] = [family.name, setter].map(|name| ident(name, Span::call_site()));
     let (name, at) = (family.name, family.slots.q);
     let declared = context.scene().states.get(at);
     let unit = declared.map_or("1", |state| unit_text(&state.unit.text));

@@ -7,11 +7,12 @@ use std::fmt;
 use proc_macro2::{Span, TokenStream};
 use quote::{quote, quote_spanned};
 
+pub use mbd_scene::similar;
+
 use crate::lexeme::{Places, Region};
 
 pub mod check;
 pub mod resolve;
-pub mod similar;
 pub mod syntax;
 #[cfg(feature = "toml")]
 pub mod toml;

@@ -230,7 +230,7 @@ impl Resolver<'_> {
         }
         if let Some(value) = given.get(MOTOR.name).and_then(|item| item.clause(":")) {
             let filter = given.get(FILTER).copied();
-            let motor = self.motor(value, filter, owner);
+            let motor = self.motor(value, filter, given, owner);
             whole &= motor.is_some();
             if let Some((motor, filter)) = motor {
                 (forces.motor, forces.filter) = (Some(motor), filter);
@@ -262,26 +262,40 @@ impl Resolver<'_> {
                 continue;
             };
             let at = item.word.at.into();
+            if given.contains_key(FILTER) {
+                // The filter starts there: see `filtered`.
+                continue;
+            }
             if given.contains_key(MOTOR.name) {
                 return self.fail(say::start_of_motor(at, &owner.name, field.name));
             }
-            let Some(value) = item.clause(":") else {
-                let unit = field.measured.unit(owner.coordinate);
-                return self.fail(say::start_of_coordinate(at, &owner.name, unit));
-            };
-            let typed = self.value(value, owner.scope)?;
-            let here = typed.at;
-            let formula = self.along_fits(typed, field, owner)?;
-            if field.name == START.name && owner.coordinate.is_periodic() {
-                let turns = fold::at_defaults(&formula, &self.scene);
-                if let Some(angle) = turns.filter(|angle| angle.abs() > std::f64::consts::TAU) {
-                    return self.fail(say::start_beyond_a_turn(here, &owner.name, angle));
-                }
-            }
-            *slot = Some(formula);
+            *slot = Some(self.start_value(field, item, owner)?);
         }
         let any = start.value.is_some() || start.rate.is_some();
         Some(any.then_some(start))
+    }
+
+    /// The value of `start` or `start_rate`.
+    fn start_value(
+        &mut self,
+        field: &'static JointForceField,
+        item: &Item<'_>,
+        owner: &Owner<'_>,
+    ) -> Option<Formula> {
+        let Some(value) = item.clause(":") else {
+            let (at, unit) = (item.word.at.into(), field.measured.unit(owner.coordinate));
+            return self.fail(say::start_of_coordinate(at, &owner.name, unit));
+        };
+        let typed = self.value(value, owner.scope)?;
+        let here = typed.at;
+        let formula = self.along_fits(typed, field, owner)?;
+        if field.name == START.name && owner.coordinate.is_periodic() {
+            let turns = fold::at_defaults(&formula, &self.scene);
+            if let Some(angle) = turns.filter(|angle| angle.abs() > std::f64::consts::TAU) {
+                return self.fail(say::start_beyond_a_turn(here, &owner.name, angle));
+            }
+        }
+        Some(formula)
     }
 
     /// The course of a coordinate, which may count turns: a function of time with two derivatives, the coordinate with its rate and its
@@ -290,6 +304,7 @@ impl Resolver<'_> {
         &mut self,
         value: Value<'_>,
         filter: Option<&Item<'_>>,
+        given: &Given<'_, '_>,
         owner: &Owner<'_>,
     ) -> Option<(Formula, Option<CommandFilter>)> {
         let scope = Scope {
@@ -323,11 +338,17 @@ impl Resolver<'_> {
             let accept = Accept::Positive;
             let scope = owner.scope;
             let time = self.quantity(&owner.name, FILTER, time, units::TIME, accept, scope)?;
-            let (course, filter) = self.filtered(formula, time, owner);
+            let mut start = [formula.clone(), Formula::Number(0.0)];
+            for (field, start) in [&START, &START_RATE].into_iter().zip(&mut start) {
+                if let Some(item) = given.get(field.name) {
+                    *start = self.start_value(field, item, owner)?;
+                }
+            }
+            let (course, filter) = self.filtered(formula, time, start, owner);
             return Some((course, Some(filter)));
         }
-        let given = |part: &Formula| matches!(part, Formula::Input(_) | Formula::State(_));
-        if self.scene.contains(&formula, given) {
+        let follows = |part: &Formula| matches!(part, Formula::Input(_) | Formula::State(_));
+        if self.scene.contains(&formula, follows) {
             let text = match formula {
                 Formula::Input(_) | Formula::State(_) => {
                     crate::describe::text(&self.scene, &formula)
@@ -342,11 +363,12 @@ impl Resolver<'_> {
         Some((formula, None))
     }
 
-    /// Makes the two states of a filter; the course that they are, by the equations of [`CommandFilter`].
+    /// Makes the two states of a filter, which start at a value and a rate; the course that they are, by the equations of [`CommandFilter`].
     fn filtered(
         &mut self,
         command: Formula,
         time: Formula,
+        [start, start_rate]: [Formula; 2],
         owner: &Owner<'_>,
     ) -> (Formula, CommandFilter) {
         let state = self.scene.states.len();
@@ -366,14 +388,14 @@ impl Resolver<'_> {
         self.scene.states.push(State {
             name: owner.command.clone(),
             doc: format!("What the motor of `{}` follows.", owner.name),
-            start: command.clone(),
+            start,
             unit: unit(&MOTOR),
             rate: rate.clone(),
         });
         self.scene.states.push(State {
             name: format!("{}_rate", owner.command),
             doc: format!("The rate of what the motor of `{}` follows.", owner.name),
-            start: Formula::Number(0.0),
+            start: start_rate,
             unit: unit(&MOTOR_RATE),
             rate: curve.clone(),
         });

@@ -219,8 +219,8 @@ impl Resolver<'_> {
             keyword.and_then(|keyword| self.joint_law(instance, &name, (&keyword, ends), scope));
         let (law, [parent, child]) = (law?, ends.places?);
         let [from, to] = ["from", "to"].map(|end| item.clause(end).map_or(item.at, |v| v.at));
-        if law.rows() == 0 && !matches!(parent, Place::World(_)) {
-            return self.fail(say::free_from_body(from));
+        if law.rows() == 0 && matches!(parent, Place::Point(_)) {
+            return self.fail(say::free_from_point(from));
         }
         if law.rows() == 0 && !matches!(child, Place::Body(..)) {
             return self.fail(say::free_to_world(to));

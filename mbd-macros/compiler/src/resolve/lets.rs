@@ -216,7 +216,8 @@ impl Resolver<'_> {
                 Formula::Param(_) | Formula::Lookup(..) => Stage::Fixed,
                 Formula::Time => Stage::Course,
                 Formula::Input(_) | Formula::State(_) => Stage::Driven,
-                Formula::MotorEffort(..)
+                Formula::Energy(_)
+                | Formula::MotorEffort(..)
                 | Formula::Acceleration(_)
                 | Formula::AngularAcceleration(_)
                 | Formula::CoordinateAcceleration(..)

@@ -1,6 +1,6 @@
 //! Paths: `capsule.bridle[i].position`, `riser.tension`, `wind.x`, and the ends of lines and joints.
 
-use mbd_scene::{Dimension, Formula, Place, PointKind};
+use mbd_scene::{Dimension, Energy, Formula, Gravity, Place, PointKind};
 
 use super::names::{Entry, Members};
 use super::{Named, Resolver, Scope, Stage, Typed, fold};
@@ -56,6 +56,9 @@ impl Resolver<'_> {
         if word == "pi" && self.names.get(word).is_none() {
             let pi = Formula::Number(std::f64::consts::PI);
             return self.tail(Typed::of(pi, false, units::NONE, here), rest);
+        }
+        if word == quantities::ENERGY_WORD && self.is_free_for_energy(word) {
+            return self.energy(first, rest, at, scope);
         }
         let named = self.find(first, scope, rest.is_empty())?;
         self.mention(named, first.word.at);
@@ -131,6 +134,51 @@ impl Resolver<'_> {
             }
             other => self.fail(say::not_a_quantity(here, word, other.kind())),
         }
+    }
+
+    /// Whether a word names nothing whose quantities could be asked: an output may be called `energy`, too.
+    fn is_free_for_energy(&self, word: &str) -> bool {
+        let of_results =
+            |named: &Named| matches!(named, Named::Output(_) | Named::Event(_) | Named::Load(_));
+        match self.names.get(word).map(|entry| &entry.members) {
+            Some(Members::One(named)) => of_results(named),
+            Some(Members::Many(_)) => false,
+            None => !self.broken.contains(word),
+        }
+    }
+
+    /// An energy of the scene.
+    fn energy(
+        &mut self,
+        first: &Step,
+        rest: &[Step],
+        at: Region,
+        scope: Scope<'_>,
+    ) -> Option<Typed> {
+        let word = first.word.text.as_str();
+        let Some((step, after)) = rest.split_first() else {
+            return self.fail(say::energy_of_what(at));
+        };
+        let asked = step.word.text.as_str();
+        let known = Energy::ALL
+            .into_iter()
+            .find(|energy| energy.word() == asked);
+        let Some(energy) = known else {
+            let known = quantities::ENERGY_QUANTITIES;
+            let report = say::unknown_quantity(step.word.at.into(), word, asked, known);
+            return self.fail(report);
+        };
+        self.live(scope, at, "an energy")?;
+        if scope.stage != Stage::Result {
+            return self.fail(say::energy_as_cause(at, asked));
+        }
+        if energy != Energy::Kinetic && self.scene.gravity == Gravity::Field {
+            return self.fail(say::energy_of_field(at, asked));
+        }
+        self.tail(
+            Typed::of(Formula::Energy(energy), false, units::TORQUE, at),
+            after,
+        )
     }
 
     /// The typed value of something with a declared unit.
@@ -374,6 +422,22 @@ impl Resolver<'_> {
             };
             return self.tail(omega, after);
         }
+        if word == "orientation" || word == "angle" {
+            let turn = Formula::Orientation(body);
+            let (formula, vector) = match (word, self.scene.planar) {
+                ("angle", Some(plane)) => (Formula::Component(vec![turn], plane.normal()), false),
+                ("angle", None) => {
+                    let report = say::angle_in_space(step.word.at.into(), owner);
+                    return self.fail(report);
+                }
+                _ => (turn, true),
+            };
+            let turned = Typed {
+                angle: 1,
+                ..Typed::of(formula, vector, units::NONE, at)
+            };
+            return self.tail(turned, after);
+        }
         if word == "angular_acceleration" {
             self.follows(scope, step, owner)?;
             let formula = Formula::AngularAcceleration(body);
@@ -392,7 +456,13 @@ impl Resolver<'_> {
         }
         if !self.frame_words(body).iter().any(|frame| frame == word) {
             let frames = self.frame_words(body);
-            let report = say::unknown_body_quantity(step.word.at.into(), owner, word, &frames);
+            let (all, of_planes) = (quantities::BODY_QUANTITIES, quantities::PLANAR_BODY.len());
+            let known = match self.scene.planar {
+                Some(_) => all,
+                None => all.get(..all.len() - of_planes).unwrap_or(all),
+            };
+            let at = step.word.at.into();
+            let report = say::unknown_body_quantity(at, owner, word, &frames, known);
             let frame = format!("{owner}.{word}");
             return self.fail_unless_broken(&frame, report);
         }

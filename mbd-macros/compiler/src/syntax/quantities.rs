@@ -67,7 +67,14 @@ pub const AXES: [ThingQuantity; 3] = [
     quantity("z", "", 3, "its z axis, world axes", Everywhere),
 ];
 /// Of a body besides.
-pub const BODY: [ThingQuantity; 4] = [
+pub const BODY: [ThingQuantity; 5] = [
+    quantity(
+        "orientation",
+        "rad",
+        3,
+        "axis times angle of its rotation, up to half a turn",
+        Everywhere,
+    ),
     quantity(
         "omega_body",
         "rad/s",
@@ -91,6 +98,28 @@ pub const BODY: [ThingQuantity; 4] = [
     ),
     quantity("mass", "kg", 1, "its mass", Everywhere),
 ];
+/// Of a body in a planar scene besides.
+pub const PLANAR_BODY: [ThingQuantity; 1] = [quantity(
+    "angle",
+    "rad",
+    1,
+    "about the normal of the plane, not periodic",
+    Everywhere,
+)];
+/// Of the whole scene, behind [`ENERGY_WORD`].
+pub const ENERGY: [ThingQuantity; 3] = [
+    quantity("kinetic", "N*m", 1, "energy of motion", Results),
+    quantity(
+        "potential",
+        "N*m",
+        1,
+        "energy of gravity, lines, springs and stops",
+        Results,
+    ),
+    quantity("total", "N*m", 1, "kinetic and potential energy", Results),
+];
+/// The word before an energy of the scene: `energy.kinetic`.
+pub const ENERGY_WORD: &str = "energy";
 /// Of a line.
 pub const LINE: [ThingQuantity; 4] = [
     quantity(
@@ -140,7 +169,9 @@ const fn words<const N: usize>(lists: &[&[ThingQuantity]]) -> [&'static str; N] 
 /// What may be asked of a frame.
 pub const FRAME_QUANTITIES: &[&str] = &words::<6>(&[&PLACE, &AXES]);
 /// What may be asked of a body besides its frames.
-pub const BODY_QUANTITIES: &[&str] = &words::<10>(&[&PLACE, &AXES, &BODY]);
+pub const BODY_QUANTITIES: &[&str] = &words::<12>(&[&PLACE, &AXES, &BODY, &PLANAR_BODY]);
+/// The energies of a scene.
+pub const ENERGY_QUANTITIES: &[&str] = &words::<3>(&[&ENERGY]);
 /// What may be asked of a point.
 pub const POINT_QUANTITIES: &[&str] = &words::<3>(&[&PLACE]);
 /// What may be asked of a line.

@@ -372,6 +372,8 @@ const EFFORT: &str = "what acts along a joint is its field `force`, such as `{ a
 
 /// Fields of other tools.
 pub const FOREIGN_FIELDS: Dictionary = &[
+    ("unit", "in"),
+    ("units", "in"),
     ("length", "free_length"),
     ("l0", "free_length"),
     ("rest_length", "free_length"),
@@ -675,21 +677,40 @@ const OTHER_RESERVED: &[&str] = &[
     "loop",
 ];
 
-/// Keywords of Rust: names become fields and functions.
-const RUST: &[&str] = &[
-    "as", "async", "await", "break", "const", "continue", "crate", "dyn", "else", "enum", "extern",
-    "false", "fn", "for", "if", "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub",
-    "ref", "return", "self", "Self", "static", "struct", "super", "trait", "true", "type",
-    "unsafe", "use", "where", "while", "abstract", "become", "box", "do", "final", "gen", "macro",
-    "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "_",
+/// Keywords of Rust that the language writes itself, or that name things of every module.
+const OWN_KEYWORDS: &[&str] = &[
+    "as", "const", "crate", "else", "false", "if", "in", "let", "loop", "mod", "pub", "self",
+    "Self", "super", "true", "_",
 ];
+
+/// The others: names here, with an underscore behind them where they become fields and functions of Rust.
+const KEYWORDS: &[&str] = &[
+    "abstract", "async", "await", "become", "box", "break", "continue", "do", "dyn", "enum",
+    "extern", "final", "fn", "for", "gen", "impl", "macro", "match", "move", "mut", "override",
+    "priv", "ref", "return", "static", "struct", "trait", "try", "type", "typeof", "unsafe",
+    "unsized", "use", "virtual", "where", "while", "yield",
+];
+
+/// Whether a word is a keyword of Rust.
+pub fn is_keyword(word: &str) -> bool {
+    KEYWORDS.contains(&word) || OWN_KEYWORDS.contains(&word)
+}
+
+/// Whether a word is what a keyword becomes in Rust, or no name there at all.
+fn is_unfit(word: &str) -> bool {
+    let stem = word.strip_suffix('_').unwrap_or("");
+    OWN_KEYWORDS.contains(&word)
+        || KEYWORDS.contains(&stem)
+        || word.starts_with("__")
+        || word.starts_with("r#")
+}
 
 /// Why a word cannot be a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reserved {
     /// It has a meaning in the language.
     Language,
-    /// It is a keyword of Rust, or begins with two underscores.
+    /// Rust has it already, and it cannot be changed: `self`, what begins with two underscores.
     Rust,
 }
 
@@ -698,7 +719,7 @@ pub fn reserved(word: &str) -> Option<Reserved> {
     let language = ITEMS.iter().any(|item| item.word == word)
         || FUNCTIONS.contains(&word) && !FREE_FUNCTIONS.contains(&word)
         || OTHER_RESERVED.contains(&word);
-    if RUST.contains(&word) || word.starts_with("__") || word.starts_with("r#") {
+    if is_unfit(word) {
         Some(Reserved::Rust)
     } else if language {
         Some(Reserved::Language)
@@ -711,9 +732,7 @@ pub fn reserved(word: &str) -> Option<Reserved> {
 pub fn reserved_frame(word: &str) -> bool {
     quantities::BODY_QUANTITIES.contains(&word)
         || ["com", "on", "at", "in", "from", "to", "rotated"].contains(&word)
-        || word.starts_with("__")
-        || word.starts_with("r#")
-        || RUST.contains(&word)
+        || is_unfit(word)
 }
 
 #[cfg(test)]

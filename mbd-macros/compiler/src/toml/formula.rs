@@ -70,6 +70,11 @@ fn ranked(formula: &Formula, scene: &Scene) -> (String, Rank) {
             let owner = owner(Place::Body(*body, 0), scene);
             (format!("{owner}.omega_body"), 5)
         }
+        Formula::Orientation(body) => {
+            let owner = owner(Place::Body(*body, 0), scene);
+            (format!("{owner}.orientation"), 5)
+        }
+        Formula::Energy(energy) => (format!("energy.{}", energy.word()), 5),
         Formula::Tension(line) => (of_line(*line, "tension", scene), 5),
         Formula::Length(line) => (of_line(*line, "length", scene), 5),
         Formula::Stretch(line) => (of_line(*line, "stretch", scene), 5),

@@ -456,6 +456,14 @@ fn forces(out: &mut String, index: usize, joint: &Joint, scene: &Scene) {
         }
         if let Some(filter) = filter {
             entry(out, FILTER, &text(&filter.time, scene));
+            let states = scene.states.iter().skip(filter.state);
+            let usual = [&filter.command, &Formula::Number(0.0)];
+            for ((field, state), usual) in [&START, &START_RATE].into_iter().zip(states).zip(usual)
+            {
+                if state.start != *usual {
+                    entry(out, field.name, &text(&state.start, scene));
+                }
+            }
         }
     }
 }

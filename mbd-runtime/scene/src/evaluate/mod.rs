@@ -283,7 +283,7 @@ pub fn jumping_angles<S: Real>(
 }
 
 /// Appends value, rate and acceleration of every motor whose value is an input, or depends on one: what the caller commands. In the order of
-/// [`Scene::commanded`].
+/// [`Scene::commanded`], then free length and rate of the lines of [`Scene::commanded_lines`], whose acceleration nobody gives: zero.
 pub fn commands<S: Real>(
     scene: &Scene,
     layout: &Layout,
@@ -299,5 +299,10 @@ pub fn commands<S: Real>(
             let course = evaluation.course(course);
             out.push([course.value, course.rate, course.curve]);
         }
+    }
+    for line in scene.commanded_lines() {
+        let told = [evaluation.wound(line), evaluation.rate_of_winding(line)];
+        let [length, rate] = told.map(|number| number.unwrap_or_else(|| S::from_f64(f64::NAN)));
+        out.push([length, rate, S::zero()]);
     }
 }

@@ -22,7 +22,7 @@ pub enum Attitude<S> {
     /// A quaternion w x y z.
     Quaternion([S; 4]),
     /// The angle about the normal of a plane, whose rate is ω.
-    Angle,
+    Angle(S),
 }
 
 /// A body in motion.
@@ -69,7 +69,11 @@ impl<S: Real> BodyMotion<S> {
         let at = slots.q + directions.translations().len();
         let first: Vector3<S> = vector(state, at);
         let (rotation, unit, attitude) = match directions.plane {
-            Some(plane) => (plane.axis().turn(first.x), S::one(), Attitude::Angle),
+            Some(plane) => (
+                plane.axis().turn(first.x),
+                S::one(),
+                Attitude::Angle(first.x),
+            ),
             None => {
                 let rest: Vector3<S> = vector(state, at + 1);
                 let quaternion = [first.x, rest.x, rest.y, rest.z];
@@ -97,6 +101,33 @@ impl<S: Real> BodyMotion<S> {
             omega_body,
             omega_world,
         }
+    }
+
+    /// The rotation as a vector [rad], its axis times its angle φ = 2 atan2(|u|, |w|) of the quaternion (w, u), 0 ≤ φ ≤ π; u and −u are one
+    /// rotation, so that the vector jumps to its opposite at half a turn. Near no rotation φ/|u| = 2/|w| (1 − t²/3 + t⁴/5), t = |u|/|w|, so that
+    /// its slope is right there, too. In a plane the normal times the angle, which counts turns.
+    pub fn orientation(&self, directions: Directions) -> Vector3<S> {
+        let number = S::from_f64;
+        let (w, u) = match self.attitude {
+            Attitude::Quaternion([w, x, y, z]) => (w, Vector3::new(x, y, z)),
+            Attitude::Angle(angle) => {
+                let about = directions.rotations();
+                return Vector3::from_fn(|i, _| match about.contains(&i) {
+                    true => angle,
+                    false => S::zero(),
+                });
+            }
+        };
+        let (sine, cosine) = (u.dot(&u), w.abs());
+        let small = sine.lt(number(1e-6) * (w * w));
+        let below = S::select(small, cosine, S::one());
+        let t = sine / (below * below);
+        let series = number(2.0) / below * (S::one() - t * (number(1.0 / 3.0) - t * number(0.2)));
+        let root = S::select(small, S::one(), sine).sqrt();
+        let whole = number(2.0) * root.atan2(cosine) / root;
+        let part = S::select(small, series, whole);
+        let signed = S::select(w.lt(S::zero()), -part, part);
+        labelled(u.map(|x| signed * x), ["turn_x", "turn_y", "turn_z"])
     }
 
     /// Lever arm R p of a place `p` in body axes, world axes [m].

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::laws::body::BodyMotion;
+use crate::laws::energy;
 use crate::laws::formula::{self, Context, Value, of_let};
 use crate::laws::line;
 use crate::laws::node;
@@ -359,6 +360,18 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
 
     fn omega_body(&self, body: usize) -> Option<Vector3<S>> {
         self.motions.get(body).map(|motion| motion.omega_body)
+    }
+
+    fn orientation(&self, body: usize) -> Option<Vector3<S>> {
+        let motion = self.motions.get(body)?;
+        Some(motion.orientation(self.layout.directions))
+    }
+
+    fn energies(&self) -> Option<[S; 2]> {
+        let mut all = [S::zero(); 6];
+        energy::energy(self, S::zero(), &mut all);
+        let [kinetic, gravity, elastic, ..] = all;
+        Some([kinetic, gravity + elastic])
     }
 
     fn coordinate(&self, joint: usize, index: usize) -> Option<S> {

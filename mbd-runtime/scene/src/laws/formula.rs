@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::{Fixed, Formula, Function, Place, Real, Scene, Triple};
+use crate::{Energy, Fixed, Formula, Function, Place, Real, Scene, Triple};
 
 /// What the leaves of a formula are worth. Whatever a context does not know is NaN; the reader of a declaration has refused it before.
 pub trait Context<S: Real> {
@@ -42,6 +42,14 @@ pub trait Context<S: Real> {
     }
     /// Angular velocity of a body in body axes [rad/s].
     fn omega_body(&self, _body: usize) -> Option<Vector3<S>> {
+        None
+    }
+    /// The rotation of a body as a vector, world axes [rad].
+    fn orientation(&self, _body: usize) -> Option<Vector3<S>> {
+        None
+    }
+    /// Kinetic and potential energy of the scene [J].
+    fn energies(&self) -> Option<[S; 2]> {
         None
     }
     /// A coordinate of a joint [m or rad].
@@ -152,6 +160,14 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
         Formula::Axis(place, axis) => context.axis(*place, *axis).map(Vector),
         Formula::AngularVelocityWorld(body) => context.omega_world(*body).map(Vector),
         Formula::AngularVelocityBody(body) => context.omega_body(*body).map(Vector),
+        Formula::Orientation(body) => context.orientation(*body).map(Vector),
+        Formula::Energy(energy) => context.energies().map(|[kinetic, potential]| {
+            Scalar(match energy {
+                Energy::Kinetic => kinetic,
+                Energy::Potential => potential,
+                Energy::Total => kinetic + potential,
+            })
+        }),
         Formula::MotorEffort(joint, index) => context.motor_effort(*joint, *index).map(Scalar),
         Formula::Acceleration(place) => context.acceleration(*place).map(Vector),
         Formula::AngularAcceleration(body) => context.angular_acceleration(*body).map(Vector),

@@ -92,6 +92,32 @@ impl Function {
     }
 }
 
+/// Energies of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Energy {
+    /// Of motion.
+    Kinetic,
+    /// Of gravity, lines, springs and stops.
+    Potential,
+    /// Both.
+    Total,
+}
+
+impl Energy {
+    /// Every energy.
+    pub const ALL: [Energy; 3] = [Energy::Kinetic, Energy::Potential, Energy::Total];
+
+    /// How it is called in a declaration, behind `energy.`.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Energy::Kinetic => "kinetic",
+            Energy::Potential => "potential",
+            Energy::Total => "total",
+        }
+    }
+}
+
 /// An expression over the scene, in SI units, world axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Formula {
@@ -117,6 +143,11 @@ pub enum Formula {
     AngularVelocityWorld(usize),
     /// Angular velocity of a body [rad/s], in its own axes.
     AngularVelocityBody(usize),
+    /// The rotation of a body from the axes of the world as a vector: the axis times the angle [rad], up to half a turn; in a plane the normal
+    /// times the angle of the state, which counts turns.
+    Orientation(usize),
+    /// An energy of the whole scene [J]. It holds what every line and joint stores, so that no force may contain it.
+    Energy(Energy),
     /// Tension of a line [N], ≥ 0 for a `line`, either sign for a `spring`.
     Tension(usize),
     /// Length of a line, from end to end [m].

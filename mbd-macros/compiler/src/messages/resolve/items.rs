@@ -16,10 +16,16 @@ pub fn twice(at: Region, word: &str, first: Region) -> Report {
 }
 
 pub fn rust_as_name(at: Region, word: &str) -> Report {
+    let another = word.trim_matches('_').trim_start_matches("r#");
+    let another = match another {
+        "" => "another".to_owned(),
+        stem if stem != word && words::reserved(stem).is_none() => format!("`{stem}`"),
+        stem => format!("another, such as `{stem}_1`"),
+    };
     Report::new(
         at,
         format!(
-            "`{word}` cannot be a name: names become fields and functions of Rust; choose another"
+            "`{word}` cannot be a name: names become fields and functions of Rust; choose {another}"
         ),
     )
 }

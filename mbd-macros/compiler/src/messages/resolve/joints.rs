@@ -7,7 +7,7 @@ use crate::lexeme::Region;
 use crate::messages::Report;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
-use crate::syntax::words;
+use crate::syntax::{quantities, words};
 use crate::units::described;
 
 pub fn joint_law(at: Region, word: &str) -> Report {
@@ -86,8 +86,46 @@ pub fn massless_acceleration(at: Region, name: &str) -> Report {
     )
 }
 
-pub fn free_from_body(at: Region) -> Report {
-    Report::new(at, "a `free` joint begins at the world: `from world`")
+pub fn energy_of_what(at: Region) -> Report {
+    let known = quantities::ENERGY_QUANTITIES.join(", ");
+    Report::new(
+        at,
+        format!("which energy: `energy.total`? there are: {known}"),
+    )
+}
+
+pub fn energy_as_cause(at: Region, word: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`energy.{word}` is of the whole scene, with what its forces store, so nothing that acts can depend on it; it can stand in an `output` or an `event`"
+        ),
+    )
+}
+
+pub fn energy_of_field(at: Region, word: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`energy.{word}` has no value under `gravity: field`, whose potential nobody gives; `energy.kinetic` has one"
+        ),
+    )
+}
+
+pub fn angle_in_space(at: Region, body: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{body}.angle` is a number of planar scenes; in space `{body}.orientation` is the axis times the angle, and joints measure their own angles, `pin.angle`"
+        ),
+    )
+}
+
+pub fn free_from_point(at: Region) -> Report {
+    Report::new(
+        at,
+        "a `free` joint begins at the world or at a body, not at a point, which has no axes: `from world`",
+    )
 }
 
 pub fn free_to_world(at: Region) -> Report {
@@ -267,7 +305,7 @@ pub fn start_of_motor(at: Region, name: &str, field: &str) -> Report {
     Report::new(
         at,
         format!(
-            "`{name}` has a motor, whose course says where it is from the start: leave `{field}` out"
+            "`{name}` has a motor, whose course says where it is from the start: leave `{field}` out; a motor behind a `filter` has one"
         ),
     )
 }

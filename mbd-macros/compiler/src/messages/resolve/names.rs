@@ -4,7 +4,7 @@ use crate::lexeme::Region;
 use crate::messages::Report;
 use crate::messages::similar::{did_you_mean, nearest};
 use crate::messages::syntax::ended;
-use crate::syntax::{quantities, words};
+use crate::syntax::words;
 
 pub fn not_constant(at: Region, what: &str) -> Report {
     let instead = match what {
@@ -168,18 +168,24 @@ pub fn unknown_world_frame(at: Region, word: &str, frames: &[&str]) -> Report {
     )
 }
 
-pub fn unknown_body_quantity(at: Region, owner: &str, word: &str, frames: &[String]) -> Report {
+pub fn unknown_body_quantity(
+    at: Region,
+    owner: &str,
+    word: &str,
+    frames: &[String],
+    quantities: &[&str],
+) -> Report {
     let known = frames
         .iter()
         .map(String::as_str)
-        .chain(quantities::BODY_QUANTITIES.iter().copied());
+        .chain(quantities.iter().copied());
     Report::new(
         at,
         format!(
             "body `{owner}` has no frame or quantity `{word}`{} its frames: {}; its quantities: {}",
             ended(translated_or_near(word, known)),
             frames.join(", "),
-            quantities::BODY_QUANTITIES.join(", ")
+            quantities.join(", ")
         ),
     )
 }

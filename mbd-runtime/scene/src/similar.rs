@@ -1,6 +1,7 @@
 //! "Did you mean": the nearest of a closed set of words.
 
-/// Number of edits between two words: insert, delete, replace, or swap two neighbours.
+/// The number of edits between two words: insert, delete, replace, or swap two neighbours.
+#[must_use]
 pub fn distance(a: &str, b: &str) -> usize {
     let a: Vec<char> = a.chars().take(64).collect();
     let b: Vec<char> = b.chars().take(64).collect();
@@ -27,6 +28,7 @@ pub fn distance(a: &str, b: &str) -> usize {
 }
 
 /// The word of the set that was probably meant: the nearest, at most a third of the letters away; the first of equals.
+#[must_use]
 pub fn nearest<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (word.chars().count() / 3).max(1);
     set.into_iter()
@@ -42,6 +44,7 @@ pub fn nearest<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> Option
 }
 
 /// `; did you mean `x`?`, or nothing.
+#[must_use]
 pub fn did_you_mean<'a>(word: &str, set: impl IntoIterator<Item = &'a str>) -> String {
     nearest(word, set).map_or_else(String::new, |found| format!("; did you mean `{found}`?"))
 }
