@@ -1,6 +1,7 @@
 //! Ready scenes, reports and what the command line `mbd` is made of.
 
 pub mod describe;
+pub mod extremes;
 pub mod files;
 pub mod parachute;
 pub mod progress;

@@ -3,6 +3,7 @@
 mod check;
 mod convert;
 mod expand;
+mod extremes;
 mod failure;
 mod linearise;
 mod list;
@@ -21,6 +22,7 @@ use clap::{Args, Parser, Subcommand};
 
 use check::CheckArgs;
 use convert::ConvertArgs;
+use extremes::ExtremesArgs;
 use failure::Failure;
 use linearise::LineariseArgs;
 use mistakes::Paint;
@@ -54,6 +56,8 @@ enum Command {
     Trade(TradeArgs),
     /// What to run for a wanted accuracy: the advice of `trade` alone.
     Advise(TradeArgs),
+    /// Run what is extreme: every number is right within its bound, or refused by a typed error.
+    Extremes(ExtremesArgs),
     /// Check a scene and say what it contains: bodies, freedoms, nodes, operations.
     Check(CheckArgs),
     /// Print the Rust that `model!` makes of a scene.
@@ -140,6 +144,7 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
         }
         Command::Run(args) => run::run(&args),
         Command::Linearise(args) => linearise::linearise(&args),
+        Command::Extremes(args) => extremes::extremes(&args),
         Command::Trade(args) => trade::trade(&args, false),
         Command::Advise(args) => trade::trade(&args, true),
         Command::Check(args) => check::check(&args),

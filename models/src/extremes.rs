@@ -1,0 +1,434 @@
+//! The extremes: mass ratios, stiffness, damping, spin, steps that are too long, flat linkages, slack lines, drift, single precision, far from the
+//! origin, other units. A run of each keeps its energy and its joints within a bound, or is stopped by a typed error: what counts is that no number
+//! is wrong without a word.
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+use mbd_compiler::read_text;
+use mbd_runtime::{Generic, Method, Options, RunError, Scalar, Simulation};
+
+use crate::files::{make_folder, write_text};
+use crate::report::{Cell, Report, Table};
+
+/// What a case must do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Promise {
+    /// Reach its end with at most this part of the energy that moved made or lost.
+    Keeps(f64),
+    /// That, or be stopped by a typed error.
+    KeepsOrStops(f64),
+    /// Be stopped by the typed error of this status.
+    Stops(&'static str),
+}
+
+impl fmt::Display for Promise {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Promise::Keeps(bound) => write!(f, "energy to {bound:.0e}"),
+            Promise::KeepsOrStops(bound) => write!(f, "energy to {bound:.0e}, or stopped"),
+            Promise::Stops(status) => write!(f, "stopped: {status}"),
+        }
+    }
+}
+
+/// One case.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// What is extreme: `stiffness`, `spin`, ….
+    pub group: &'static str,
+    /// How much.
+    pub amount: String,
+    /// The declaration.
+    pub text: String,
+    /// Numbers of the state that differ from the declared start.
+    pub start: Vec<(usize, f64)>,
+    /// How it is run.
+    pub options: Options,
+    /// To when [s].
+    pub until: f64,
+    /// Whether in single precision.
+    pub single: bool,
+    /// What it must do.
+    pub promise: Promise,
+}
+
+/// What came of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// It reached its end; the part of the energy that moved that it made or lost.
+    Ran(f64),
+    /// It was stopped by the typed error of this status, with its sentence.
+    Stopped(&'static str, String),
+}
+
+impl Case {
+    /// Runs it.
+    ///
+    /// # Errors
+    /// A declaration that cannot be read: the case itself is wrong.
+    pub fn run(&self) -> Result<Outcome, String> {
+        let outcome = match self.single {
+            true => self.fly::<f32>()?,
+            false => self.fly::<f64>()?,
+        };
+        Ok(match outcome {
+            Ok(lost) => Outcome::Ran(lost),
+            Err(error) => Outcome::Stopped(error.cause.status(), error.cause.to_string()),
+        })
+    }
+
+    fn fly<T: Scalar>(&self) -> Result<Result<f64, RunError>, String> {
+        let reading = read_text(&self.text);
+        let scene = reading.scene.ok_or_else(|| {
+            let errors = reading.errors.iter().map(ToString::to_string);
+            errors.collect::<Vec<_>>().join("; ")
+        })?;
+        let model = Generic::<T>::with_defaults(scene).map_err(|error| error.to_string())?;
+        let fly = || {
+            let mut run = Simulation::new(&model, self.options)?;
+            if !self.start.is_empty() {
+                let mut state = run.state().to_vec();
+                for (slot, value) in &self.start {
+                    if let Some(slot) = state.get_mut(*slot) {
+                        *slot = T::from_f64(*value);
+                    }
+                }
+                run.set_state(0.0, &state)?;
+            }
+            run.run(self.until)?;
+            // Without energy that moved there is nothing to lose.
+            Ok(run.imbalance().map_or(0.0, |it| it.relative()))
+        };
+        Ok(fly())
+    }
+
+    /// Whether an outcome is what was promised.
+    #[must_use]
+    pub fn holds(&self, outcome: &Outcome) -> bool {
+        match (self.promise, outcome) {
+            (Promise::Keeps(bound) | Promise::KeepsOrStops(bound), Outcome::Ran(lost)) => {
+                *lost <= bound
+            }
+            (Promise::KeepsOrStops(_), Outcome::Stopped(..)) => true,
+            (Promise::Stops(status), Outcome::Stopped(found, _)) => status == *found,
+            _ => false,
+        }
+    }
+}
+
+fn case(
+    group: &'static str,
+    amount: impl Into<String>,
+    text: impl Into<String>,
+    (method, until): (Method, f64),
+    promise: Promise,
+) -> Case {
+    let options = Options::of(method);
+    // Adaptive runs tell their energy where they integrate what gives and takes it.
+    let options = Options {
+        work: method.fixed_step().is_none(),
+        ..options
+    };
+    Case {
+        group,
+        amount: amount.into(),
+        text: text.into(),
+        start: Vec::new(),
+        options,
+        until,
+        single: false,
+        promise,
+    }
+}
+
+const RK4: fn(f64) -> Method = |step| Method::Rk4 { step };
+const AUTO: fn(f64) -> Method = |rtol| Method::Auto {
+    rtol,
+    max_step: f64::INFINITY,
+};
+
+/// A chain of four rods on hinges, of these masses [kg], let go from a bend.
+fn chain(masses: [f64; 4]) -> String {
+    let mut text = String::from("model Chain { gravity: [0, 0, -9.81] m/s^2; ");
+    for (index, mass) in masses.into_iter().enumerate() {
+        let inertia = mass / 12.0;
+        text += &format!(
+            "body b{index} {{ mass: {mass:e} kg, inertia: diag({inertia:e}, {inertia:e}, {inertia:e}) kg*m^2,
+             frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }} "
+        );
+        let from = match index {
+            0 => "world".to_owned(),
+            _ => format!("b{}.end", index - 1),
+        };
+        text += &format!(
+            "joint j{index}: hinge from {from} to b{index}.top {{ axis: y, start: 0.4 rad }} "
+        );
+    }
+    text + "}"
+}
+
+/// A mass of 1 kg let go above a line that catches it.
+fn caught(stiffness: f64, damping: f64) -> String {
+    format!(
+        "model Caught {{ gravity: [0, 0, -9.81] m/s^2; point bob {{ mass: 1 kg, start at [0, 0, -0.9] m }}
+         line rope from world to bob {{ free_length: 1 m, stiffness: {stiffness:e} N/m, damping: {damping:e} N*s/m }} }}"
+    )
+}
+
+/// A pendulum on a spring, everything moved away from the origin.
+fn away(distance: f64) -> String {
+    format!(
+        "model Away {{ gravity: [0, 0, -9.81] m/s^2; world {{ frame hook at [{distance:e}, 0, 0] m }}
+         point bob {{ mass: 1 kg, start at [{distance:e} + 0.3, 0, -1] m }}
+         spring rope from world.hook to bob {{ free_length: 1 m, stiffness: 1e4 N/m, damping: 1 N*s/m }} }}"
+    )
+}
+
+const FREE: &str = "model Free { gravity: none; body b { mass: 1 kg, inertia: diag(1, 2, 3) kg*m^2 } joint loose: free from world to b.com; }";
+
+/// Two cranks and a bar, all in one line at the start, where rows lose rank, and pushed through.
+const FLAT: &str = "model Flat { gravity: none;
+    body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame one at [-0.5, 0, 0] m, frame two at [0.5, 0, 0] m, start at [0.5, 0, 0] m velocity [0, 0, -1] m/s }
+    body b { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame one at [-1, 0, 0] m, frame two at [1, 0, 0] m, start at [2, 0, 0] m velocity [0, 0, -2] m/s }
+    body c { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame one at [-0.5, 0, 0] m, frame two at [0.5, 0, 0] m, start at [2.5, 0, 0] m velocity [0, 0, -1] m/s }
+    world { frame far at [2, 0, 0] m }
+    joint p: hinge from world to a.one { axis: y }
+    joint q: hinge from a.two to b.one { axis: y }
+    joint r: hinge from b.two to c.two { axis: y }
+    joint s: hinge from world.far to c.one { axis: y } }";
+
+/// All cases; `reduced` leaves out those that run for long.
+#[must_use]
+pub fn cases(reduced: bool) -> Vec<Case> {
+    let mut all = Vec::new();
+    for ratio in [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9] {
+        for (place, masses) in [
+            ("tip", [1.0, 1.0, 1.0, ratio]),
+            ("alternating", [1.0, ratio, 1.0, ratio]),
+        ] {
+            all.push(case(
+                "mass ratio",
+                format!("{ratio:.0e}, {place}"),
+                chain(masses),
+                (RK4(1e-3), 0.5),
+                Promise::KeepsOrStops(0.02),
+            ));
+        }
+    }
+    for stiffness in [1e-2, 1e2, 1e4, 1e6, 1e8, 1e10, 1e12] {
+        // Damped to a tenth of critical.
+        let damping = 0.2 * f64::sqrt(stiffness);
+        let text = caught(stiffness, damping);
+        let amount = format!("K = {stiffness:.0e} N/m, adaptive");
+        let promise = Promise::Keeps(1e-3);
+        all.push(case(
+            "stiffness",
+            amount,
+            text.clone(),
+            (AUTO(1e-6), 0.5),
+            promise,
+        ));
+        let amount = format!("K = {stiffness:.0e} N/m, steps of 1 ms");
+        let promise = Promise::KeepsOrStops(0.02);
+        all.push(case("stiffness", amount, text, (RK4(1e-3), 0.5), promise));
+    }
+    for damping in [1e3, 1e6, 1e9] {
+        let text = caught(1e3, damping);
+        let amount = format!("C = {damping:.0e} N s/m, adaptive");
+        all.push(case(
+            "damping",
+            amount,
+            text.clone(),
+            (AUTO(1e-6), 2.0),
+            Promise::Keeps(1e-3),
+        ));
+        let amount = format!("C = {damping:.0e} N s/m, steps of 1 ms");
+        all.push(case(
+            "damping",
+            amount,
+            text,
+            (RK4(1e-3), 2.0),
+            Promise::KeepsOrStops(0.02),
+        ));
+    }
+    for (spin, step) in [(1e2, 1e-4), (1e4, 1e-6), (1e4, 1e-4)] {
+        let promise = match spin * step {
+            turn if turn < 0.1 => Promise::Keeps(1e-6),
+            _ => Promise::Stops("unstable_step"),
+        };
+        all.push(Case {
+            start: vec![(7 + 3, 1e-3 * spin), (7 + 4, spin)],
+            ..case(
+                "spin",
+                format!("{spin:.0e} rad/s, h = {step:.0e} s"),
+                FREE,
+                (RK4(step), 1e3 * step),
+                promise,
+            )
+        });
+    }
+    for step in [0.05, 0.2, 1.0] {
+        let promise = Promise::KeepsOrStops(0.02);
+        all.push(case(
+            "step too long",
+            format!("a chain, h = {step} s"),
+            chain([1.0; 4]),
+            (RK4(step), 10.0),
+            promise,
+        ));
+        all.push(case(
+            "step too long",
+            format!("a line of 1e4 N/m, h = {step} s"),
+            caught(1e4, 10.0),
+            (RK4(step), 10.0),
+            promise,
+        ));
+    }
+    for method in [RK4(1e-3), AUTO(1e-8)] {
+        all.push(case(
+            "flat linkage",
+            method.to_string(),
+            FLAT,
+            (method, 2.0),
+            Promise::Keeps(1e-6),
+        ));
+    }
+    let slack =
+        "model Slack { gravity: none; point bob { mass: 1 kg, start at [0.1, 0, 0] m } point knot;
+         world { frame left at [-1, 0, 0] m, frame right at [1, 0, 0] m }
+         line a from world.left to knot { free_length: 2 m, stiffness: 1 kN/m }
+         line b from world.right to knot { free_length: 2 m, stiffness: 1 kN/m }
+         line c from knot to bob { free_length: 2 m, stiffness: 1 kN/m } }";
+    all.push(case(
+        "all lines slack",
+        "a knot of three",
+        slack,
+        (AUTO(1e-6), 1.0),
+        Promise::Keeps(1e-9),
+    ));
+    let zero = "model Zero { gravity: [0, 0, -9.81] m/s^2; point bob { mass: 1 kg }
+         spring s from world to bob { free_length: 0 m, stiffness: 100 N/m, damping: 1 N*s/m } }";
+    all.push(case(
+        "zero length",
+        "a spring from where it hangs",
+        zero,
+        (AUTO(1e-8), 1.0),
+        Promise::Keeps(1e-6),
+    ));
+    for (distance, promise) in [
+        (1e3, Promise::Keeps(1e-6)),
+        (1e6, Promise::Keeps(1e-6)),
+        (1e9, Promise::Keeps(1e-3)),
+        (1e12, Promise::Stops("lost_digits")),
+    ] {
+        all.push(case(
+            "far from the origin",
+            format!("{distance:.0e} m"),
+            away(distance),
+            (AUTO(1e-8), 1.0),
+            promise,
+        ));
+    }
+    for (distance, promise) in [
+        (1.0, Promise::Keeps(1e-3)),
+        (1e3, Promise::KeepsOrStops(0.05)),
+        (1e6, Promise::Stops("lost_digits")),
+    ] {
+        all.push(Case {
+            single: true,
+            ..case(
+                "single precision",
+                format!("{distance:.0e} m away"),
+                away(distance),
+                (RK4(1e-3), 1.0),
+                promise,
+            )
+        });
+    }
+    all.push(Case {
+        single: true,
+        ..case(
+            "single precision",
+            "a chain",
+            chain([1.0; 4]),
+            (RK4(1e-3), 2.0),
+            Promise::Keeps(1e-4),
+        )
+    });
+    // One oscillator of hω = 1.5 in metres and seconds, in micrometres and in days: found too long for its step in all of them.
+    for (unit, length, mass, time) in [
+        ("m, kg, s", 1.0, 1.0, 1.0),
+        ("µm, mg", 1e-6, 1e-6, 1.0),
+        ("km, t, hours", 1e3, 1e3, 3600.0),
+    ] {
+        let stiffness = mass * f64::powi(1.5 / time, 2);
+        let text = format!(
+            "model Units {{ gravity: none; point bob {{ mass: {mass:e} kg, start at [{:e}, 0, 0] m }}
+             spring s from world to bob {{ free_length: {length:e} m, stiffness: {stiffness:e} N/m, damping: 0 N*s/m }} }}",
+            1.1 * length
+        );
+        all.push(case(
+            "units",
+            unit,
+            text,
+            (RK4(time), 100.0 * time),
+            Promise::Stops("unstable_step"),
+        ));
+    }
+    let steps = if reduced { 1e4 } else { 1e6 };
+    all.push(case(
+        "drift",
+        format!("a chain, {steps:.0e} steps"),
+        chain([1.0; 4]),
+        (RK4(1e-3), 1e-3 * steps),
+        Promise::Keeps(1e-3),
+    ));
+    all
+}
+
+/// Runs cases: one table of bounds, what was measured and whether it holds, and how many do not.
+#[must_use]
+pub fn run(cases: &[Case]) -> (Table, usize) {
+    let mut table = Table::new("Extremes")
+        .column("what", "")
+        .column("how much", "")
+        .column("promised", "")
+        .number("energy made or lost", "", 2)
+        .column("stopped by", "")
+        .column("holds", "");
+    let mut broken = 0;
+    for case in cases {
+        let outcome = case.run();
+        let holds = outcome.as_ref().is_ok_and(|outcome| case.holds(outcome));
+        broken += usize::from(!holds);
+        let (lost, stopped): (Cell, Cell) = match &outcome {
+            Ok(Outcome::Ran(lost)) => ((*lost).into(), Cell::Missing),
+            Ok(Outcome::Stopped(status, _)) => (Cell::Missing, (*status).into()),
+            Err(text) => (Cell::Missing, text.as_str().into()),
+        };
+        table.push([
+            case.group.into(),
+            case.amount.as_str().into(),
+            case.promise.to_string().into(),
+            lost,
+            stopped,
+            if holds { "yes" } else { "NO" }.into(),
+        ]);
+    }
+    (table, broken)
+}
+
+/// Writes `report.html` and `extremes.csv` into a folder.
+///
+/// # Errors
+/// The folder or a file cannot be written.
+pub fn publish(table: &Table, folder: &Path) -> io::Result<()> {
+    make_folder(folder)?;
+    write_text(&folder.join("extremes.csv"), &table.csv())?;
+    let report = Report::new("Extremes")
+        .paragraph("Each run keeps the energy that moved within its bound, or is stopped by a typed error: no number is wrong without a word.")
+        .table(table);
+    write_text(&folder.join("report.html"), &report.html())
+}
