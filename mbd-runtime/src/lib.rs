@@ -25,6 +25,7 @@ struct ThePageAboutDriving;
 #[doc(hidden)]
 #[path = "private.rs"]
 pub mod __private;
+mod accuracy;
 mod balance;
 mod chatter;
 mod columns;
@@ -54,7 +55,6 @@ mod slopes;
 mod stiffness;
 mod supply;
 mod system;
-mod trade;
 mod trajectory;
 mod trim;
 mod unilateral;
@@ -132,10 +132,12 @@ pub use unilateral::Mode;
 pub use watch::Instability;
 
 // Derivatives, and what is found by them.
+pub use accuracy::{
+    Accurate, Advice, Deviation, Entry, Failed, Question, Race, TradeError, Variant, trade,
+};
 pub use compiled::{inverse_dynamics, linearise, linearise_along};
 pub use inverse::Efforts;
 pub use linearise::{Linearisation, LinearisationError, Matrix, StateSpace, Vibration};
-pub use trade::{Advice, Deviation, Entry, Failed, Question, Race, TradeError, Variant, trade};
 pub use trim::{Trim, TrimError, Trimmed, trim};
 
 /// What the matrices of [`StateSpace`] are made of, in this version.

@@ -15,6 +15,8 @@ pub enum Failure {
     Mistakes(Mistakes),
     /// The scene is invalid; that is told on the standard output, for a program.
     Told(String),
+    /// The run is less accurate than it should be: its whole result, for the standard output.
+    Inaccurate(String),
     /// The run stopped before its end.
     Aborted(String),
 }
@@ -25,6 +27,7 @@ impl Failure {
         match self {
             Failure::Usage(_) => 1,
             Failure::Invalid(_) | Failure::Mistakes(_) | Failure::Told(_) => 2,
+            Failure::Inaccurate(_) => 3,
             Failure::Aborted(_) => 4,
         }
     }
@@ -37,6 +40,7 @@ impl fmt::Display for Failure {
             Failure::Usage(text)
             | Failure::Invalid(text)
             | Failure::Told(text)
+            | Failure::Inaccurate(text)
             | Failure::Aborted(text) => f.write_str(text),
         }
     }

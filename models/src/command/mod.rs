@@ -33,7 +33,7 @@ use trade::TradeArgs;
 #[command(
     name = "mbd",
     version,
-    after_help = "Exit codes: 0 ok, 1 usage, 2 model or params invalid, 4 run aborted."
+    after_help = "Exit codes: 0 ok, 1 usage, 2 model or params invalid, 3 run done but less accurate than 1 %, 4 run aborted."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -90,7 +90,9 @@ pub fn main() -> ExitCode {
     };
     // The exit code tells of the failure when a stream cannot.
     let _ = match &failure {
-        Failure::Told(text) => writeln!(std::io::stdout(), "{}", text.trim_end()),
+        Failure::Told(text) | Failure::Inaccurate(text) => {
+            writeln!(std::io::stdout(), "{}", text.trim_end())
+        }
         Failure::Mistakes(mistakes) => {
             let colours = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
             let paint = Paint::of(std::io::stderr().is_terminal() && colours);

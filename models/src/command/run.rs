@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use models::progress::Progress;
-use models::run::{Outcome, Plan, Settings, publish, summary_json, warning};
+use models::run::{Outcome, Plan, Settings, doubt, publish, summary_json, warning};
 use toml::Value;
 
 use super::failure::Failure;
@@ -40,6 +40,9 @@ pub struct RunArgs {
     /// Value of a param with its unit, `riser_k=50kN/m`; may be repeated. `mbd check` shows the params with their ranges.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     set: Vec<String>,
+    /// Leave out the second, finer run that tells the error of the first.
+    #[arg(long)]
+    no_estimate: bool,
     /// Print the summary as JSON instead of a table.
     #[arg(long)]
     json: bool,
@@ -71,8 +74,11 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
         .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
     let table = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
     let warning = warning(&scene, &plan, &outcome);
+    let doubt = doubt(&scene, &plan, &outcome);
+    let warning = warning.into_iter().chain(doubt.clone());
+    let warning: Vec<String> = warning.collect();
     let told = if args.json {
-        if let Some(warning) = warning {
+        for warning in &warning {
             eprintln!("{warning}");
         }
         summary_json(&scene, &plan, &outcome).map_err(|error| unwritten(&error))?
@@ -82,6 +88,7 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
         format!("{remarks}{}\n{}", table.text(), written(&outcome, &folder))
     };
     match &outcome.error {
+        None if doubt.is_some() => Err(Failure::Inaccurate(told)),
         None => Ok(told),
         Some(error) => Err(Failure::Aborted(format!("{told}\n{}: {error}", scene.name))),
     }
@@ -108,6 +115,9 @@ fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Failur
     settings.until = value(&args.until).or(settings.until);
     settings.every = value(&args.every).or(settings.every);
     settings.max_steps = args.max_steps.or(settings.max_steps);
+    if args.no_estimate {
+        settings.estimate = Some(false);
+    }
     for set in &args.set {
         let Some((name, given)) = set.split_once('=') else {
             return Err(Failure::Usage(format!(

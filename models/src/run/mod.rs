@@ -1,5 +1,6 @@
 //! Running a scene: what is asked ([`Plan`]), the run itself ([`Outcome`]), how well it kept its laws ([`Quality`]), and what it leaves behind.
 
+mod estimate;
 mod mechanism;
 mod outcome;
 mod plan;
@@ -10,6 +11,7 @@ mod settings;
 mod start;
 mod summary;
 
+pub use estimate::{Estimate, doubt};
 pub use mechanism::drawings;
 pub use outcome::{Outcome, fly, fly_model};
 pub use plan::{Plan, PlanError};

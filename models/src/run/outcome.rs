@@ -4,10 +4,16 @@ use std::time::Instant;
 
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{Content, Model, Moved, ParamError, RunError, Sampling, Simulation, Trajectory};
+use mbd_runtime::{
+    Content, Imbalance, Model, Moved, ParamError, RunError, Sampling, Simulation, Trajectory,
+};
 
+use super::estimate::{Estimate, estimate};
 use super::plan::Plan;
 use crate::progress::Progress;
+
+/// What a history holds.
+pub(super) const CONTENT: Content = Content::ALL;
 
 /// What a run gave, also when it stopped early.
 #[derive(Clone, Debug)]
@@ -20,6 +26,12 @@ pub struct Outcome {
     pub error: Option<RunError>,
     /// What the start moved so that the joints hold, the largest distance first.
     pub moved: Vec<Moved>,
+    /// Energy that the run made or lost; `None` where it cannot be told.
+    pub imbalance: Option<Imbalance>,
+    /// The most that rounding of positions made of forces.
+    pub rounding: f64,
+    /// The quantity that is off most, by a second, finer run, where one was asked for and reached the end.
+    pub estimate: Option<Estimate>,
     /// Time the run took on the clock [s].
     pub wall_s: f64,
 }
@@ -37,9 +49,10 @@ pub fn fly(scene: &Scene, plan: &Plan, progress: &mut Progress) -> Result<Outcom
 #[must_use]
 pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -> Outcome {
     let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
-    let mut trajectory = Trajectory::new(model, sampling, Content::ALL);
+    let mut trajectory = Trajectory::new(model, sampling, CONTENT);
     let started = Instant::now();
     let (mut time, mut moved) = (0.0, Vec::new());
+    let (mut imbalance, mut rounding) = (None, 0.0);
     let mut run = || {
         let mut simulation = Simulation::new(model, plan.options)?;
         plan.begin(&mut simulation)?;
@@ -50,15 +63,24 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
         let stop = simulation.run_while(plan.until, Some(&mut trajectory), &mut watch);
         time = simulation.time();
         moved = simulation.start_moved().to_vec();
+        (imbalance, rounding) = (simulation.imbalance(), simulation.rounding());
         stop
     };
     let error = run().err();
     progress.clear();
+    let wall_s = started.elapsed().as_secs_f64();
+    let estimate = match &error {
+        None if plan.estimate => estimate(model, plan, &trajectory),
+        _ => None,
+    };
     Outcome {
+        imbalance: imbalance.filter(|it| it.moved > 0.0),
+        rounding,
+        estimate,
         time,
         error,
         moved,
-        wall_s: started.elapsed().as_secs_f64(),
+        wall_s,
         trajectory,
     }
 }

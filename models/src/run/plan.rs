@@ -34,6 +34,8 @@ pub struct Plan {
     pub nodes: Option<Vec<f64>>,
     /// What the caller supplies, held constant.
     pub inputs: Vec<f64>,
+    /// Whether a second, finer run tells the error of the first.
+    pub estimate: bool,
     /// When the mechanism is drawn [s]; empty: evenly over the run.
     pub instants: Vec<f64>,
     /// Titles of figures, and the columns each shows.
@@ -111,6 +113,7 @@ impl Plan {
             state,
             placed,
             nodes,
+            estimate: settings.estimate.unwrap_or(true),
             inputs: inputs(scene, &layout, &settings.inputs)?,
         })
     }

@@ -1,4 +1,4 @@
-//! How well a run kept what cannot change: joints closed, energy balanced.
+//! How well a run kept its joints closed.
 
 use mbd_runtime::Trajectory;
 use mbd_runtime::scene::{Gravity, Scene};
@@ -10,36 +10,21 @@ pub struct Quality {
     pub drift: Option<f64>,
     /// max |Φ̇| [m/s]; `None` without joints.
     pub drift_rate: Option<f64>,
-    /// max |E − E(0) − work of loads, dampers and prescribed motions| [J]; `None` where gravity comes from the caller, who alone knows its energy.
-    pub imbalance: Option<f64>,
-    /// The same over the energy that moved: the largest kinetic energy or change of a potential one.
-    pub relative_imbalance: Option<f64>,
 }
 
 impl Quality {
     /// Reads the history of a run.
     #[must_use]
-    pub fn of(scene: &Scene, trajectory: &Trajectory) -> Quality {
+    pub fn of(trajectory: &Trajectory) -> Quality {
         let most = |name: &str| trajectory.column(name).map(largest);
-        let balance = balance(scene, trajectory);
-        let imbalance = balance.as_deref().map(largest);
-        let part = |part: &str| trajectory.column(&format!("energy.{part}"));
-        let moved = [
-            part("kinetic").map(largest),
-            part("gravitational").map(extent),
-            part("elastic").map(extent),
-        ];
-        let moved = moved.into_iter().flatten().fold(0.0, f64::max);
         Quality {
             drift: most("joint_drift"),
             drift_rate: most("joint_drift_rate"),
-            imbalance,
-            relative_imbalance: imbalance.filter(|_| moved > 0.0).map(|most| most / moved),
         }
     }
 }
 
-/// E − E(0) − work of loads, dampers and prescribed motions at every row [J].
+/// E − E(0) − work of loads, dampers and prescribed motions at every row [J]: the curve of what [`Simulation::imbalance`](mbd_runtime::Simulation::imbalance) follows at every step.
 pub fn balance(scene: &Scene, trajectory: &Trajectory) -> Option<Vec<f64>> {
     if scene.gravity == Gravity::Field {
         return None;
@@ -74,10 +59,4 @@ fn largest(column: &[f64]) -> f64 {
             most
         }
     })
-}
-
-fn extent(column: &[f64]) -> f64 {
-    let low = column.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if high > low { high - low } else { 0.0 }
 }

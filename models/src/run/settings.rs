@@ -8,6 +8,7 @@
 //! every = "0.02 s"       # rows of the history
 //! max_steps = 1000000    # accepted and rejected; then the run is given up
 //! locate = true          # steps end on slack/taut switches and on events
+//! estimate = false       # without a second, finer run that tells the error of the first
 //! instants = ["0 s", "1 s"] # when the mechanism is drawn; by itself five times, evenly
 //!
 //! [run.figures]          # columns that share a figure; every output and line not named here has its own
@@ -42,6 +43,8 @@ pub struct Settings {
     pub max_steps: Option<u64>,
     /// Whether steps end on slack/taut switches and on declared events.
     pub locate: Option<bool>,
+    /// Whether a second, finer run tells the error of the first; it does unless this says no.
+    pub estimate: Option<bool>,
     /// When the mechanism is drawn, with units or in seconds.
     pub instants: Option<Vec<Value>>,
     /// Figures: a title, and the columns of the history it shows.

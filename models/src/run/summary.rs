@@ -41,6 +41,8 @@ struct Summary<'a> {
     joint_drift_rate_m_s: Option<f64>,
     energy_imbalance_j: Option<f64>,
     energy_imbalance_relative: Option<f64>,
+    error_estimate: Option<ErrorEstimate<'a>>,
+    rounding_relative: f64,
     freedoms: usize,
     rows: usize,
     rows_kept: usize,
@@ -57,6 +59,14 @@ struct Summary<'a> {
     events: &'a [(f64, String)],
 }
 
+/// The quantity that is off most, by a second, finer run.
+#[derive(Debug, Serialize)]
+struct ErrorEstimate<'a> {
+    column: &'a str,
+    rms: f64,
+    relative: f64,
+}
+
 /// Of the bodies that the settings place the one that the start moved furthest.
 #[derive(Debug, Serialize)]
 struct StartMoved<'a> {
@@ -71,7 +81,7 @@ struct StartMoved<'a> {
 /// Numbers that JSON cannot hold.
 pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result<String> {
     let trajectory = &outcome.trajectory;
-    let quality = Quality::of(scene, trajectory);
+    let quality = Quality::of(trajectory);
     let layout = Layout::new(scene);
     let statistics = trajectory.statistics;
     let per_second = |count: f64| {
@@ -118,8 +128,14 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
         }),
         joint_drift_m: quality.drift,
         joint_drift_rate_m_s: quality.drift_rate,
-        energy_imbalance_j: quality.imbalance,
-        energy_imbalance_relative: quality.relative_imbalance,
+        energy_imbalance_j: outcome.imbalance.map(|it| it.energy),
+        energy_imbalance_relative: outcome.imbalance.map(|it| it.relative()),
+        error_estimate: outcome.estimate.as_ref().map(|it| ErrorEstimate {
+            column: &it.column,
+            rms: it.error,
+            relative: it.relative,
+        }),
+        rounding_relative: outcome.rounding,
         freedoms: layout.freedoms(),
         rows: layout.nc,
         rows_kept: layout.rank(),
@@ -146,7 +162,7 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
 /// The run in one table. The clock is left out: the same run gives the same report.
 pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
     let statistics = outcome.trajectory.statistics;
-    let quality = Quality::of(scene, &outcome.trajectory);
+    let quality = Quality::of(&outcome.trajectory);
     let layout = Layout::new(scene);
     let name = plan.options.method.name();
     let method = match plan.options.method.tolerance() {
@@ -238,10 +254,23 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
             quality.drift_rate.into(),
         ));
     }
-    if let Some(imbalance) = quality.imbalance {
-        rows.push(("energy balance missed by at most [J]", imbalance.into()));
-        let share = quality.relative_imbalance;
+    if let Some(imbalance) = outcome.imbalance {
+        let missed = imbalance.energy;
+        rows.push(("energy balance missed by at most [J]", missed.into()));
+        let share = imbalance.relative();
         rows.push(("the same over the energy that moved", share.into()));
+    }
+    if let Some(estimate) = &outcome.estimate {
+        let unit = match estimate.unit.as_str() {
+            "" => String::new(),
+            unit => format!(" {unit}"),
+        };
+        let off = format!("`{}`, {:.1e}{unit} (rms)", estimate.column, estimate.error);
+        rows.push(("off most, by a second, finer run", off.into()));
+        rows.push((
+            "the same over the largest value of its unit",
+            estimate.relative.into(),
+        ));
     }
     let mut table = Table::new("Run").column("what", "").column("value", "");
     for (what, value) in rows {

@@ -294,7 +294,7 @@ fn the_energy_balance_counts_everything_that_acts_along_a_joint() {
         .unwrap();
         let outcome = fly(&scene, &plan, &mut Progress::silent()).unwrap();
         assert_eq!(outcome.error, None, "{field}");
-        let missed = Quality::of(&scene, &outcome.trajectory).relative_imbalance;
+        let missed = outcome.imbalance.map(|it| it.relative());
         assert!(
             missed.is_some_and(|missed| missed < bound),
             "{field}: {missed:?}"

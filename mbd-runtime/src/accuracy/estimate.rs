@@ -1,0 +1,155 @@
+//! The error of a run by a second, finer one, and a run that is tightened until its error is small enough.
+//!
+//! Half a fixed step, or a tenth of a tolerance: what is left of the error then is a sixteenth, or about a tenth, so that the difference of the two
+//! runs is the error of the first. Rejected: the sum of the embedded errors of the steps, which knows nothing of how the motion carries an error on
+//! (a pendulum forgets, a double pendulum multiplies by a thousand a second).
+
+use super::{Deviation, Question, TradeError, Unanswered, Variant};
+use crate::options::{Method, Options};
+use crate::trajectory::Trajectory;
+
+/// The finest tolerance whose error a tenth of it can still tell: doubles hold 1e-16.
+const FINEST: f64 = 1e-13;
+/// How much finer a tolerance is.
+const TENTH: f64 = 0.1;
+/// Part of the wanted error that a tightened run aims at.
+const AIM: f64 = 0.3;
+/// How often a run is tightened.
+const TRIES: usize = 12;
+
+impl Options {
+    /// The same with half the step, or a tenth of the tolerance; `None` where nothing finer is told apart from rounding.
+    #[must_use]
+    pub fn finer(self) -> Option<Options> {
+        match (self.method.fixed_step(), self.method.tolerance()) {
+            (Some(_), _) => Some(self.tightened(0.5)),
+            (None, Some([rtol, _])) if rtol * TENTH >= FINEST => Some(self.tightened(TENTH)),
+            (None, _) => None,
+        }
+    }
+
+    /// The same with its step, or its tolerance, times a factor.
+    fn tightened(self, factor: f64) -> Options {
+        let mut options = self;
+        match &mut options.method {
+            Method::Rk4 { step } => *step *= factor,
+            Method::Tsit5 { rtol, .. }
+            | Method::Vern7 { rtol, .. }
+            | Method::Rodas5P { rtol, .. }
+            | Method::Auto { rtol, .. } => *rtol *= factor,
+        }
+        options
+    }
+}
+
+/// A run that is accurate enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accurate {
+    /// What to run it with.
+    pub options: Options,
+    /// Its error, by a finer run.
+    pub error: Deviation,
+}
+
+impl Variant<'_> {
+    /// The error of a run with these options, by a finer one; where nothing finer is told apart from rounding, the error of ten times the tolerance,
+    /// which is more.
+    ///
+    /// # Errors
+    /// A run that does not reach its end, or an unknown column.
+    pub fn error(&self, question: &Question, options: Options) -> Result<Deviation, TradeError> {
+        let other = options
+            .finer()
+            .unwrap_or_else(|| options.tightened(1.0 / TENTH));
+        self.against(question, options, other)
+    }
+
+    /// How far a run with these options is from one with others.
+    ///
+    /// # Errors
+    /// As [`Variant::error`].
+    pub fn against(
+        &self,
+        question: &Question,
+        options: Options,
+        others: Options,
+    ) -> Result<Deviation, TradeError> {
+        question.check()?;
+        let answer = |options: Options| {
+            self.answer(question, options).map_err(|why| match why {
+                Unanswered::Run(error) => TradeError::NoReference(Box::new(error)),
+                Unanswered::Column(known) => TradeError::Column(question.column.clone(), known),
+            })
+        };
+        let (one, other) = (answer(options)?, answer(others)?);
+        Ok(Deviation::between(&one.values, &other.values))
+    }
+
+    /// Tightens a run until its error (rms over the window) is at most `error`, in the unit of the column.
+    ///
+    /// # Errors
+    /// As [`Variant::error`], or [`TradeError::Unreached`] with the best that was reached.
+    pub fn accurate_to(
+        &self,
+        question: &Question,
+        error: f64,
+        options: Options,
+    ) -> Result<Accurate, TradeError> {
+        let mut options = options;
+        let mut best = f64::INFINITY;
+        for _ in 0..TRIES {
+            let found = match self.error(question, options) {
+                Ok(found) => found,
+                // A step that is too long says nothing but that.
+                Err(TradeError::NoReference(_)) if options.finer().is_some() => {
+                    options = options.tightened(0.25);
+                    continue;
+                }
+                Err(other) => return Err(other),
+            };
+            if found.rms <= error {
+                return Ok(Accurate {
+                    options,
+                    error: found,
+                });
+            }
+            best = best.min(found.rms);
+            let ratio = AIM * error / found.rms;
+            let factor = match options.method.fixed_step() {
+                Some(_) => ratio.powf(0.25).clamp(0.05, 0.7),
+                None => ratio.clamp(1e-3, 0.3),
+            };
+            let tighter = options.tightened(factor);
+            options = match tighter.method.tolerance() {
+                Some([rtol, _]) if rtol < FINEST => break,
+                _ => tighter,
+            };
+        }
+        Err(TradeError::Unreached {
+            wanted: error,
+            best,
+        })
+    }
+}
+
+impl Trajectory {
+    /// How far this history is from a finer one of the same run at the same times, column by column, with the largest value of the column: what is not
+    /// a number in both is left out.
+    ///
+    /// `rows` are those of this history that the other has.
+    #[must_use]
+    pub fn deviations(&self, rows: &[usize], finer: &Trajectory) -> Vec<(Deviation, f64)> {
+        let names = self.names().iter();
+        let columns = names.map(|name| {
+            let [own, other] = [self, finer].map(|history| history.column(&name.name));
+            let own = own.unwrap_or_default();
+            let picked = rows.iter().filter_map(|row| own.get(*row));
+            let pairs = picked.zip(other.unwrap_or_default());
+            let (own, other): (Vec<f64>, Vec<f64>) =
+                pairs.filter(|(a, b)| !(a.is_nan() && b.is_nan())).unzip();
+            let size = other.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            (Deviation::between(&own, &other), size)
+        });
+        columns.collect()
+    }
+}

@@ -1,0 +1,244 @@
+//! How accurate runs are, measured: one question asked of runs with other methods, steps and tolerances, and of other models of the same thing.
+//!
+//! ```
+//! use mbd_runtime::{PointState, Question, Simulation, Variant, model, trade};
+//!
+//! model! {
+//!     /// A mass that is drawn to the origin: 10 rad/s.
+//!     model Oscillator {
+//!         gravity: none;
+//!         point bob { mass: 1.0 kg }
+//!         load pull on bob = -100 N/m * bob.position;
+//!         output x = bob.position.x;
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let oscillator = Oscillator::new(OscillatorParams::default())?;
+//! let mut start = OscillatorState::at_origin();
+//! start.set_bob(PointState { position: [0.1, 0.0, 0.0], velocity: [0.0; 3] });
+//! let begin = move |run: &mut Simulation<f64>| run.set_state(0.0, &start.to_vec());
+//!
+//! let variants = [Variant::new("as declared", &oscillator, begin)];
+//! let race = trade(&variants, &Question::new("x", [0.0, 2.0]))?;
+//! let advice = race.advise(1e-6).expect("some setting is that good");
+//! assert!(advice.choice.error.rms < 1e-6 / 3.0);
+//! println!("{advice}");
+//! # Ok(())
+//! # }
+//! ```
+
+use std::fmt;
+use std::time::Instant;
+
+use mbd_scene::Model;
+
+use crate::compiled::Scalar;
+use crate::error::{RunError, Statistics};
+use crate::options::Options;
+use crate::simulation::Simulation;
+use crate::trajectory::{Content, Sampling, Trajectory};
+
+mod estimate;
+mod race;
+
+pub use estimate::Accurate;
+pub use race::{Advice, Entry, Failed, Race, trade};
+
+/// Places in the window at which a run is compared.
+const SAMPLES: usize = 200;
+/// What is asked of every run: a column of its history over a window of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// The column of a [`Trajectory`]: an output, `riser.tension`, a coordinate.
+    pub column: String,
+    /// From and to [s]; runs begin at their start, whatever the window.
+    pub window: [f64; 2],
+    /// At how many times, evenly spread, the ends among them.
+    pub samples: usize,
+}
+
+impl Question {
+    /// A column over a window [s], at 200 times.
+    #[must_use]
+    pub fn new(column: impl Into<String>, window: [f64; 2]) -> Self {
+        Question {
+            column: column.into(),
+            window,
+            samples: SAMPLES,
+        }
+    }
+
+    fn times(&self) -> Vec<f64> {
+        let [from, to] = self.window;
+        let last = self.samples.max(2) - 1;
+        let at = |index: usize| from + (to - from) * index as f64 / last as f64;
+        (0..=last).map(at).collect()
+    }
+
+    fn check(&self) -> Result<(), TradeError> {
+        let [from, to] = self.window;
+        match from.is_finite() && to.is_finite() && from < to {
+            true => Ok(()),
+            false => Err(TradeError::Window(self.window)),
+        }
+    }
+}
+
+/// What flies a variant with options, and keeps a history at these times.
+type Fly<'a> = Box<dyn Fn(Options, Vec<f64>) -> Result<Trajectory, RunError> + 'a>;
+
+/// A model of what is asked about, and how its runs begin: with another model of a node, another scalar, another mass.
+pub struct Variant<'a> {
+    name: String,
+    fly: Fly<'a>,
+}
+
+impl<'a> Variant<'a> {
+    /// A model with a name for tables; `begin` sets what a run of it starts from: its state, its inputs.
+    pub fn new<T: Scalar>(
+        name: impl Into<String>,
+        model: &(impl Model<T> + ?Sized),
+        begin: impl Fn(&mut Simulation<T>) -> Result<(), RunError> + 'a,
+    ) -> Self {
+        let model = model.share();
+        let fly = move |options: Options, times: Vec<f64>| {
+            let content = Content {
+                energy: false,
+                reactions: false,
+                ..Content::ALL
+            };
+            let until = times.last().copied().unwrap_or(0.0);
+            let mut run = Simulation::new(&*model, options)?;
+            begin(&mut run)?;
+            let mut history = Trajectory::new(&*model, Sampling::At(times), content);
+            run.record(until, &mut history)?;
+            Ok(history)
+        };
+        Variant {
+            name: name.into(),
+            fly: Box::new(fly),
+        }
+    }
+
+    /// The name for tables.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The answer of a run with these options, its counters, and how long it took.
+    fn answer(&self, question: &Question, options: Options) -> Result<Answer, Unanswered> {
+        let clock = Instant::now();
+        let history = (self.fly)(options, question.times()).map_err(Unanswered::Run)?;
+        let seconds = clock.elapsed().as_secs_f64();
+        let values = history.column(&question.column);
+        let values = values.ok_or_else(|| Unanswered::Column(known(&history)))?;
+        Ok(Answer {
+            values: values.to_vec(),
+            statistics: history.statistics,
+            seconds,
+        })
+    }
+}
+
+/// The columns of a history.
+fn known(history: &Trajectory) -> Vec<String> {
+    let names = history.names().iter();
+    names.map(|name| name.name.clone()).collect()
+}
+
+/// What a run says.
+struct Answer {
+    values: Vec<f64>,
+    statistics: Statistics,
+    seconds: f64,
+}
+
+/// Why a run says nothing.
+enum Unanswered {
+    Run(RunError),
+    Column(Vec<String>),
+}
+
+/// How far a run is from the reference, in the unit of the column.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Deviation {
+    /// At the worst time of the window.
+    pub largest: f64,
+    /// The root of the mean square over the window.
+    pub rms: f64,
+}
+
+impl Deviation {
+    fn between(a: &[f64], b: &[f64]) -> Self {
+        let count = a.len().min(b.len()).max(1) as f64;
+        let differences = || a.iter().zip(b).map(|(a, b)| (a - b).abs());
+        // What is not a number is off without bound.
+        let infinite = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
+        Deviation {
+            largest: differences().map(infinite).fold(0.0, f64::max),
+            rms: infinite((differences().map(|d| d * d).sum::<f64>() / count).sqrt()),
+        }
+    }
+}
+
+/// Why no trade was measured.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum TradeError {
+    /// Nothing to race.
+    Nothing,
+    /// A window without length [s].
+    Window([f64; 2]),
+    /// The history has no such column; there are these.
+    Column(String, Vec<String>),
+    /// Fewer than two references of different methods ran to the end: what stopped the last one.
+    NoReference(Box<RunError>),
+    /// No tolerance reaches the error that is wanted.
+    Unreached {
+        /// The error that is wanted.
+        wanted: f64,
+        /// The best that was reached.
+        best: f64,
+    },
+    /// The references of the first variant disagree: by this, where the values of the column reach that.
+    Unresolved {
+        /// How far they are apart.
+        apart: Deviation,
+        /// The largest value of the column over the window.
+        size: f64,
+    },
+}
+
+impl fmt::Display for TradeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            TradeError::Nothing => write!(f, "there is no model to race"),
+            TradeError::Window([from, to]) => write!(
+                f,
+                "the window {from} s to {to} s has no length: give its start and a later end"
+            ),
+            TradeError::Column(column, known) => write!(
+                f,
+                "the history has no column `{column}`; there are: {}",
+                known.join(", ")
+            ),
+            TradeError::NoReference(error) => {
+                write!(f, "no two references ran to the end: {error}")
+            }
+            TradeError::Unreached { wanted, best } => write!(
+                f,
+                "no tolerance reaches an error of {wanted:.1e}: the best is {best:.1e}"
+            ),
+            TradeError::Unresolved { apart, size } => write!(
+                f,
+                "unresolved: two references of different methods are {:.1e} apart (rms; values reach {size:.1e}). The motion is chaotic or not smooth: \
+                 compare over a shorter window, or a quantity that does not follow every bounce",
+                apart.rms
+            ),
+        }
+    }
+}
+
+impl std::error::Error for TradeError {}

@@ -1,0 +1,133 @@
+//! The error of a run: by a second, finer one, and by the energy that it made or lost.
+
+use mbd_runtime::scene::Scene;
+use mbd_runtime::{Model, Sampling, Simulation, Trajectory};
+
+use super::outcome::{CONTENT, Outcome};
+use super::plan::Plan;
+
+/// At most so many rows are compared.
+const ROWS: usize = 400;
+/// An angle that is nothing beside a turn [rad], and what is nothing in any unit.
+const SMALL_ANGLE: f64 = 1e-3;
+const NOTHING: f64 = 1e-9;
+/// An error beyond this part of the size of what it is an error of is told.
+const LARGE: f64 = 0.01;
+
+/// The error of the quantity that is off most, of its own size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Its column.
+    pub column: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its error, the root of the mean square over the run [its unit].
+    pub error: f64,
+    /// The same over the largest value of its unit in the history.
+    pub relative: f64,
+}
+
+/// Flies the plan again with finer steps, and compares outputs and lines, or where there are none the motion of bodies and points.
+pub fn estimate(model: &dyn Model<f64>, plan: &Plan, first: &Trajectory) -> Option<Estimate> {
+    let rows = rows(first);
+    let times: Vec<f64> = rows
+        .iter()
+        .filter_map(|row| first.times().get(*row))
+        .copied()
+        .collect();
+    let until = *times.last()?;
+    let mut finer = Trajectory::new(model, Sampling::At(times), CONTENT);
+    let mut run = Simulation::new(model, plan.options.finer()?).ok()?;
+    plan.begin(&mut run).ok()?;
+    run.record(until, &mut finer).ok()?;
+    let outputs = model
+        .scene()
+        .outputs
+        .iter()
+        .map(|output| output.name.as_str());
+    let lines = model.scene().lines.iter().map(|line| line.name.as_str());
+    let bodies = model.scene().bodies.iter().map(|body| body.name.as_str());
+    let points = model.scene().points.iter().map(|point| point.name.as_str());
+    let mut asked: Vec<&str> = outputs.chain(lines).collect();
+    if asked.is_empty() {
+        asked.extend(bodies.chain(points));
+    }
+    let counts = |name: &str| {
+        // An output or one of its components, or a line.
+        let owner = name.split('.').next().unwrap_or(name);
+        asked.contains(&name) || asked.contains(&owner)
+    };
+    let deviations = first.deviations(&rows, &finer);
+    // Small against everything of its unit is what rounding leaves of zero.
+    let scale = |unit: &str| {
+        let same = first.names().iter().zip(&deviations);
+        let sizes = same.filter(|(name, _)| name.unit == unit);
+        let largest = sizes.map(|(_, (_, size))| *size).fold(0.0, f64::max);
+        match unit {
+            "rad" => largest.max(SMALL_ANGLE),
+            "deg" => largest.max(SMALL_ANGLE.to_degrees()),
+            _ => largest,
+        }
+    };
+    let all = first.names().iter().zip(&deviations);
+    let told = all.filter(|(name, _)| counts(&name.name));
+    let estimates = told.filter_map(|(name, (deviation, _))| {
+        let scale = scale(&name.unit);
+        (scale > NOTHING).then(|| Estimate {
+            column: name.name.clone(),
+            unit: name.unit.clone(),
+            error: deviation.rms,
+            relative: deviation.rms / scale,
+        })
+    });
+    estimates.max_by(|a, b| a.relative.total_cmp(&b.relative))
+}
+
+/// Rows at increasing times, evenly chosen; of rows at one time, an event, the last.
+fn rows(history: &Trajectory) -> Vec<usize> {
+    let times = history.times();
+    let every = times.len().div_ceil(ROWS).max(1);
+    let last = times.len().saturating_sub(1);
+    let chosen = (0..times.len()).filter(|row| row % every == 0 || *row == last);
+    let mut rows: Vec<usize> = Vec::new();
+    for row in chosen {
+        let before = rows.last().and_then(|before| times.get(*before));
+        if before.is_some_and(|before| times.get(row).is_none_or(|time| time <= before)) {
+            rows.pop();
+        }
+        rows.push(row);
+    }
+    rows
+}
+
+/// What makes a run less accurate than it should be, and what to change; `None` where nothing does.
+#[must_use]
+pub fn doubt(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> {
+    let change = match plan.options.method.fixed_step() {
+        Some(step) => format!("take a shorter step than {step} s"),
+        None => "take a tighter tolerance".to_owned(),
+    };
+    let by_energy = outcome
+        .imbalance
+        .map(|it| it.relative())
+        .filter(|part| *part > LARGE);
+    let by_estimate = outcome.estimate.as_ref().filter(|it| it.relative > LARGE);
+    let by_rounding = Some(outcome.rounding).filter(|part| *part > 1e-3);
+    let doubts = [
+        by_estimate.map(|it| {
+            format!(
+                "`{}` is off by about {:.1e} {}, {:.1} % of the largest value of its kind: {change}; where that does not help, the motion is chaotic over this time",
+                it.column,
+                it.error,
+                it.unit,
+                100.0 * it.relative
+            )
+        }),
+        by_energy.map(|part| format!("the run made or lost {:.1} % of the energy that moved: {change}", 100.0 * part)),
+        by_rounding.map(|part| {
+            format!("rounding of positions makes {:.1} % of the forces: put the origin of the world near what moves", 100.0 * part)
+        }),
+    ];
+    let doubts: Vec<String> = doubts.into_iter().flatten().collect();
+    (!doubts.is_empty()).then(|| format!("warning: {}: {}", scene.name, doubts.join("; ")))
+}

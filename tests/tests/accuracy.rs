@@ -1,0 +1,134 @@
+//! How accurate runs are, measured: the error that a run tells is its error, a run is tightened until its error is what was asked for, and advice
+//! meets what it promises.
+
+use mbd_runtime::{Generic, Options, Question, Simulation, TradeError, Variant, trade};
+use tests::declared::read;
+
+/// Scenes of every kind of motion: what is declared, the column that counts, the end [s], a step of RK4 that suits it [s].
+const SCENES: &[(&str, &str, f64, f64)] = &[
+    ("model Rope { gravity: [0, 0, -9.81] m/s^2; point bob { mass: 1 kg, start at [0.9, 0, -0.6] m }
+      spring rope from world to bob { free_length: 1 m, stiffness: 200 N/m, damping: 1 N*s/m } }", "bob.z", 3.0, 0.01),
+    ("model Bounce { gravity: [0, 0, -9.81] m/s^2; point bob { mass: 1 kg, start at [0, 0, -0.5] m }
+      line rope from world to bob { free_length: 1 m, stiffness: 2 kN/m, damping: 4 N*s/m } }", "bob.z", 2.0, 0.004),
+    ("model Tumble { gravity: none;
+      body b { mass: 1 kg, inertia: diag(0.1, 0.2, 0.3) kg*m^2, frame eye at [0.3, 0.2, 0.1] m, start at [1, 0.2, 0] m }
+      joint loose: free from world to b.com;
+      spring s from world to b.eye { free_length: 0.5 m, stiffness: 20 N/m, damping: 0 N*s/m } }",
+        "b.y",
+        4.0,
+        0.02,
+    ),
+    ("model Chain { gravity: [0, 0, -9.81] m/s^2;
+      body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+      body b { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+      joint p: hinge from world to a.top { axis: y, start: 1.0 rad }
+      joint q: hinge from a.end to b.top { axis: y, start: 0.5 rad } }", "b.x", 3.0, 0.01),
+    ("model Damped { gravity: [0, 0, -9.81] m/s^2;
+      body arm { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+      joint pin: hinge from world to arm.top { axis: y, damping: 0.2 N*m*s, stiffness: 2 N*m, start: 1.2 rad } }", "arm.x", 4.0, 0.02),
+    ("model Drag { gravity: [0, 0, -9.81] m/s^2; point stone { mass: 1 kg, start at [0, 0, 0] m velocity [20, 0, 20] m/s }
+      load drag on stone = -0.05 kg/m * norm(stone.velocity) * stone.velocity; }", "stone.x", 3.0, 0.05),
+    ("model Servo { gravity: [0, 0, -9.81] m/s^2;
+      body arm { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+      body bob { mass: 0.5 kg, inertia: diag(0.02, 0.02, 0.02) kg*m^2, frame top at [0, 0, 0.3] m }
+      joint pin: hinge from world to arm.top { axis: y, motor: 0.5 rad * sin(2 rad/s * time) }
+      joint ball: spherical from arm.end to bob.top; }", "bob.z", 4.0, 0.01),
+    ("model Stops { gravity: [0, 0, -9.81] m/s^2; body b { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+      joint rail: prismatic from world to b.com { axis: z, stops: [-0.3 m, 1 m], stop_stiffness: 3 kN/m, stop_damping: 20 N*s/m } }", "b.z", 1.0, 0.002),
+];
+
+fn methods(step: f64) -> [Options; 6] {
+    [
+        Options::rk4(step),
+        Options::rk4(step / 4.0),
+        Options::tsit5(1e-4),
+        Options::tsit5(1e-7),
+        Options::vern7(1e-6),
+        Options::rodas5p(1e-5),
+    ]
+}
+
+/// Calls with a scene as something to run.
+fn each(mut visit: impl FnMut(&Variant<'_>, &Question, f64)) {
+    for &(text, column, until, step) in SCENES {
+        let model = Generic::<f64>::with_defaults(read(text)).expect("defaults");
+        let variant = Variant::new(column, &model, |_: &mut Simulation<f64>| Ok(()));
+        visit(&variant, &Question::new(column, [0.0, until]), step);
+    }
+}
+
+#[test]
+fn the_error_that_is_told_is_within_a_factor_of_three_of_the_truth() {
+    let (mut all, mut within) = (0, 0);
+    each(|variant, question, step| {
+        for options in methods(step) {
+            let told = variant.error(question, options).expect("a run").rms;
+            let truth = variant
+                .against(question, options, Options::vern7(1e-13))
+                .expect("a reference")
+                .rms;
+            let ratio = told / truth;
+            println!(
+                "{}, {}: {told:.2e} for {truth:.2e}",
+                variant.name(),
+                options.method
+            );
+            all += 1;
+            within += i32::from((1.0 / 3.0..=3.0).contains(&ratio));
+        }
+    });
+    assert!(all == 48 && within * 100 >= all * 95, "{within} of {all}");
+}
+
+#[test]
+fn a_run_is_tightened_until_its_error_is_what_was_asked_for() {
+    each(|variant, question, step| {
+        for options in [Options::rk4(20.0 * step), Options::tsit5(1e-2)] {
+            let found = variant
+                .accurate_to(question, 1e-6, options)
+                .expect("it can be reached");
+            let truth = variant.against(question, found.options, Options::vern7(1e-13));
+            let truth = truth.expect("a reference").rms;
+            println!("{}: {} {truth:.1e}", variant.name(), found.options.method);
+            assert!(truth < 2e-6, "{}: {truth:e}", variant.name());
+        }
+    });
+}
+
+#[test]
+fn advice_keeps_what_it_promises() {
+    each(|variant, question, _| {
+        let race = trade(std::slice::from_ref(variant), question).expect("a race");
+        let advice = race.advise(1e-4).expect("1e-4 is not hard");
+        assert!(advice.choice.error.rms <= 1e-4 / 3.0);
+        // Nothing that is as good is cheaper in the same race.
+        let cheaper = race
+            .entries
+            .iter()
+            .filter(|entry| entry.error.rms <= 1e-4 / 3.0);
+        assert!(
+            cheaper
+                .into_iter()
+                .all(|entry| entry.seconds >= advice.choice.seconds)
+        );
+        // Errors fall along the front while its costs rise.
+        let front = race.front(None);
+        assert!(front.windows(2).all(
+            |pair| pair[1].error.rms < pair[0].error.rms && pair[1].seconds >= pair[0].seconds
+        ));
+    });
+}
+
+#[test]
+fn references_that_disagree_are_told_as_unresolved() {
+    // A double pendulum from high up for half a minute.
+    let text = "model Wild { gravity: [0, 0, -9.81] m/s^2;
+      body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+      body b { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+      joint p: hinge from world to a.top { axis: y, start: 3.0 rad }
+      joint q: hinge from a.end to b.top { axis: y, start: 0.1 rad } }";
+    let model = Generic::<f64>::with_defaults(read(text)).expect("defaults");
+    let variant = Variant::new("wild", &model, |_: &mut Simulation<f64>| Ok(()));
+    let error = trade(&[variant], &Question::new("b.x", [20.0, 60.0])).expect_err("chaos");
+    assert!(matches!(error, TradeError::Unresolved { .. }), "{error}");
+}
