@@ -56,8 +56,18 @@ fn the_car_axis_ends_where_the_test_set_says() {
     let file = load("ivp/ivp_car_axis.json");
     let model = CarAxis::<f64>::new(Default::default()).expect("no params");
     assert_eq!((model.layout().nv, model.layout().nc), (6, 2));
-    let mut run = Simulation::new(&model, Options::tsit5(1e-13)).expect("options");
-    run.set_state(0.0, &start(&file)).expect("a state");
+    for options in [
+        Options::tsit5(1e-13),
+        Options::vern7(1e-13),
+        Options::rodas5p(1e-11),
+    ] {
+        ends_as_published(&file, &model, options);
+    }
+}
+
+fn ends_as_published(file: &Value, model: &CarAxis<f64>, options: Options) {
+    let mut run = Simulation::new(model, options).expect("options");
+    run.set_state(0.0, &start(file)).expect("a state");
     run.run(3.0).expect("a run to the end");
     let got = run.state().to_vec();
     let mut multipliers = [0.0; 2];
@@ -69,7 +79,8 @@ fn the_car_axis_ends_where_the_test_set_says() {
         let velocity = largest_difference(&planar(&got[6..]), &want[4..8]);
         let force = largest_difference(&of_the_file(&multipliers), &want[8..]);
         println!(
-            "{source}: positions {position:e} m, velocities {velocity:e} m/s, multipliers {force:e}"
+            "{:?} {source}: positions {position:e} m, velocities {velocity:e} m/s, multipliers {force:e}",
+            options.method
         );
         assert!(position < 1e-9, "{source}: {position:e}");
         assert!(velocity < 1e-9, "{source}: {velocity:e}");
@@ -85,7 +96,12 @@ fn the_car_axis_follows_its_reference_history_and_multipliers() {
     let file = load("ivp/ivp_car_axis.json");
     let history = &file["time_history"];
     let model = CarAxis::<f64>::new(Default::default()).expect("no params");
-    for options in [Options::tsit5(1e-12), Options::rk4(2.5e-4)] {
+    for options in [
+        Options::tsit5(1e-12),
+        Options::vern7(1e-12),
+        Options::rodas5p(1e-10),
+        Options::rk4(2.5e-4),
+    ] {
         let mut run = Simulation::new(&model, options).expect("options");
         run.set_state(0.0, &start(&file)).expect("a state");
         for (k, time) in field(history, "t").into_iter().enumerate() {
