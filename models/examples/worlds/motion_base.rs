@@ -28,9 +28,8 @@ model! {
     }
 }
 
-/// Between two samples, and the time of the filters [s].
+/// Between two samples [s].
 const PERIOD: f64 = 0.01;
-const TAU: f64 = 0.01;
 
 /// A corner of the platform about its centre, or of the base.
 fn corner(radius: f64, apart: f64, i: usize) -> Vector3<f64> {
@@ -94,6 +93,9 @@ pub fn run() -> Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The time of the filters [s].
+    const TAU: f64 = 0.01;
 
     fn seen(simulation: &Simulation<f64>) -> MotionBaseState {
         MotionBaseState::from_slice(simulation.state()).expect("the state of this model")
