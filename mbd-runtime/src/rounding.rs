@@ -2,14 +2,15 @@
 //! depth or a joint's gap has no digits left.
 //!
 //! ```text
-//! ε |p| K / m   against   a = max(|g|, |v̇|, V²/L)        what lines, springs and stops hold                     (1)
+//! ε |p| K   against   m a,  a = max(|g|, |v̇|, V²/L)      what lines, springs and stops hold                     (1)
 //! ε |p|         against   the longest arm of the joints                                                          (2)
 //! ```
 //!
-//! ε of the scalar, |p| the largest coordinate of a body, ΣK/m of what holds it, V and L the scales of the run. Source: derived, from a stretch
-//! d − L0 whose d comes from positions rounded to ε |p|.
+//! ε of the scalar, |p| the largest coordinate of a body, ΣK of what holds it, m the largest mass that it is tied to, V and L the scales of the run: a
+//! light point passes on the forces between heavy bodies, and it is these that must have digits. So a light body that hangs on a heavy one is
+//! measured against the heavy one, too. Source: derived, from a stretch d − L0 whose d comes from positions rounded to ε |p|.
 
-use mbd_scene::{Float, Layout, Part};
+use mbd_scene::{Float, Joint, Layout, Part};
 
 use crate::integrate::Scales;
 use crate::moving::{Moving, moving};
@@ -21,7 +22,7 @@ pub(crate) const REFUSED: f64 = 0.1;
 /// What is known of (1) and (2) before a run.
 #[derive(Debug)]
 pub(crate) struct Rounding {
-    /// Bodies and points with what holds them over their mass [1/s²].
+    /// Bodies and points with what holds them over the largest mass that they are tied to [1/s²].
     parts: Vec<(Moving, f64)>,
     /// The least that an acceleration is measured against [m/s²].
     acceleration: f64,
@@ -42,18 +43,21 @@ pub(crate) struct Hurt {
 impl Rounding {
     /// That of a model, whose joints reach `arm` far [m].
     pub(crate) fn new(
-        layout: &Layout,
+        (layout, joints): (&Layout, &[Joint]),
         stiffness: &Stiffness,
         scales: Scales,
         arm: Option<f64>,
     ) -> Self {
-        let parts = moving(layout).map(|part| {
-            let rate = stiffness.moving(&part, false) / stiffness.mass(&part);
-            (part, if rate.is_finite() { rate } else { 0.0 })
+        let parts: Vec<Moving> = moving(layout).collect();
+        let tied = stiffness.heaviest_tied(joints, &parts);
+        let rates = parts.iter().zip(tied).map(|(part, mass)| {
+            let rate = stiffness.moving(part, false) / mass;
+            if rate.is_finite() { rate } else { 0.0 }
         });
+        let rates: Vec<f64> = rates.collect();
         let own = scales.speed * scales.speed / scales.length;
         Rounding {
-            parts: parts.collect(),
+            parts: parts.into_iter().zip(rates).collect(),
             acceleration: own.max(stiffness.gravity()),
             arm,
         }

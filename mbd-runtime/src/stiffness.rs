@@ -1,7 +1,7 @@
 //! How stiffly lines, springs and stops hold a body or a point with mass: what the rates of a scene and the resolution of its forces follow from.
 
 use mbd_scene::laws::{GravityNumbers, Numbers};
-use mbd_scene::{Float, Model, Part, Place, StopSlots};
+use mbd_scene::{Float, Joint, Model, Part, Place, StopSlots};
 
 use crate::moving::Moving;
 use crate::unilateral::is_node_line;
@@ -104,6 +104,38 @@ impl Stiffness {
         mass.unwrap_or(0.0)
     }
 
+    /// The largest mass of everything that hangs together with each of `parts` by lines, springs and joints; the world does not tie [kg].
+    pub(crate) fn heaviest_tied(&self, joints: &[Joint], parts: &[Moving]) -> Vec<f64> {
+        let lines = self.lines.iter().map(|line| line.ends);
+        let ends = lines.chain(joints.iter().map(|joint| [joint.parent, joint.child]));
+        // Bodies, then points, those without mass among them: they tie what their lines lead to.
+        let bodies = self.numbers.bodies.len();
+        let number = |place: Place| match place {
+            Place::Body(body, _) => Some(body),
+            Place::Point(point) => Some(bodies + point),
+            Place::World(_) => None,
+        };
+        let mut groups = Groups::of(bodies + self.numbers.points.len());
+        for [a, b] in ends {
+            if let (Some(a), Some(b)) = (number(a), number(b)) {
+                groups.join(a, b);
+            }
+        }
+        let own = |part: &Moving| match part.part {
+            Part::Body(body) => body,
+            Part::Point(point) | Part::Joint(point) => bodies + point,
+        };
+        let mut heaviest = vec![0.0_f64; bodies + self.numbers.points.len()];
+        for part in parts {
+            let group = groups.root(own(part));
+            if let Some(most) = heaviest.get_mut(group) {
+                *most = most.max(self.mass(part));
+            }
+        }
+        let mut of = |part: &Moving| heaviest.get(groups.root(own(part))).copied();
+        parts.iter().map(|part| of(part).unwrap_or(0.0)).collect()
+    }
+
     /// Gravity where it is the same everywhere, else zero [m/s²].
     pub(crate) fn gravity(&self) -> f64 {
         match &self.numbers.gravity {
@@ -125,6 +157,34 @@ impl Stiffness {
         let ends = lines.flat_map(|line| line.ends.map(|end| (end, line.stiffness)));
         ends.filter_map(|(end, stiffness)| Some(stiffness * lever(end)?))
             .sum()
+    }
+}
+
+/// What hangs together, by the number of one of a group.
+struct Groups(Vec<usize>);
+
+impl Groups {
+    fn of(count: usize) -> Self {
+        Groups((0..count).collect())
+    }
+
+    /// The number that stands for a group.
+    fn root(&mut self, mut of: usize) -> usize {
+        while let Some(&next) = self.0.get(of).filter(|next| **next != of) {
+            let further = self.0.get(next).copied().unwrap_or(next);
+            if let Some(slot) = self.0.get_mut(of) {
+                *slot = further;
+            }
+            of = next;
+        }
+        of
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        if let Some(slot) = self.0.get_mut(a) {
+            *slot = b;
+        }
     }
 }
 

@@ -57,7 +57,8 @@ impl<T: Float> Simulation<T> {
         let fixed = options.method.fixed_step().is_some();
         let length = system.length();
         let arm = system.projection.any().then(|| system.reach());
-        let rounding = Rounding::new(model.layout(), &stiffness, scales, arm);
+        let joined = (model.layout(), model.scene().joints.as_slice());
+        let rounding = Rounding::new(joined, &stiffness, scales, arm);
         let starts = starts(model.scene(), model.params());
         let explicit = match options.method {
             Method::Rk4 { .. } => Some(Explicit::new(&RK4, length)),

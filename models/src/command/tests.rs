@@ -831,3 +831,41 @@ fn a_trade_that_cannot_be_measured_says_why() {
     let told = run(&["advise", &file, "--output", "height", "--within", "1e-20"]).unwrap();
     assert!(told.contains("no advice"), "{told}");
 }
+
+#[test]
+fn every_promise_at_the_extremes_is_kept() {
+    let folder = Folder::new("extremes");
+    let out = folder.0.join("out").display().to_string();
+    let told =
+        run(&["extremes", "--reduced", "--out", &out]).unwrap_or_else(|error| panic!("{error}"));
+    assert!(told.contains("57 of 57 promises kept"), "{told}");
+    assert!(folder.0.join("out/report.html").is_file());
+}
+
+#[test]
+fn a_run_that_is_less_accurate_than_one_percent_says_what_to_change() {
+    let folder = Folder::new("inaccurate");
+    let out = folder.0.join("out").display().to_string();
+    // A double pendulum at a loose tolerance for half a minute: chaos.
+    let text = "model Wild { gravity: [0, 0, -9.81] m/s^2;
+          body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+          body b { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+          joint p: hinge from world to a.top { axis: y, start: 3.0 rad }
+          joint q: hinge from a.end to b.top { axis: y, start: 0.1 rad }
+          output swing = b.position.x; }
+        [run]\nuntil = \"30 s\"\ntolerance = 1e-4\n";
+    let file = folder.file("wild.mbd", text);
+    let error = run(&["run", &file, "--out", &out]).unwrap_err();
+    assert_eq!(error.code(), 3, "{error}");
+    let told = error.to_string();
+    for part in [
+        "warning: Wild: `swing` is off by about",
+        "tighter tolerance",
+        "written to",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    // Without the second run there is only the energy, which is kept well enough.
+    let told = run(&["run", &file, "--out", &out, "--no-estimate"]);
+    assert!(told.is_ok_and(|told| !told.contains("off most")));
+}
