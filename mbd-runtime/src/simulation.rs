@@ -117,6 +117,8 @@ pub struct Simulation<T: Float> {
     watched: bool,
     /// The balance of energy, where this run can tell it.
     balance: Option<Balance>,
+    /// Whether fixed steps are judged by it.
+    judged: bool,
     /// How the energy is read.
     meter: Meter,
     /// What rounding of positions makes of forces.

@@ -78,11 +78,12 @@ impl<T: Float> Simulation<T> {
     }
 
     fn find_meter(&mut self) -> Meter {
+        self.judged = self.watched && !self.is_driven();
         let scene = self.system.model.scene();
         let exchanges = scene.exchanges_energy();
         let integrates = self.system.length() > self.system.nx;
         let tells = match self.pace {
-            Pace::Fixed(_) => integrates || (self.watched && !self.is_driven()),
+            Pace::Fixed(_) => integrates || self.judged,
             Pace::Adaptive(..) => !exchanges || integrates,
         };
         if !self.options.watch || !tells || scene.gravity == Gravity::Field {
@@ -252,7 +253,7 @@ impl<T: Float> Simulation<T> {
 
     /// What steps that are too long made (positive) or lost of the energy that moved; zero in a run that is not judged by it.
     fn excess(&self, balance: &Balance) -> f64 {
-        match self.watched && !self.is_driven() {
+        match self.judged {
             true => balance.excess(T::EPSILON.to_f64()),
             false => 0.0,
         }

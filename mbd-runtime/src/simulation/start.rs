@@ -129,6 +129,7 @@ impl<T: Float> Simulation<T> {
             watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(&*model).is_none(),
             balance: None,
+            judged: false,
             meter: Meter::Nothing,
             good: Snapshot::default(),
             rounding,
