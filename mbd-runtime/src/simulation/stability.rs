@@ -143,7 +143,11 @@ impl<T: Float> Simulation<T> {
             .system
             .energy_and_power(self.meter, end, self.method.next())
         else {
-            return Ok(());
+            // What has a motion but no energy has overflowed.
+            return match self.judged {
+                true => Err(self.unstable(step, Instability::Energy(f64::INFINITY))),
+                false => Ok(()),
+            };
         };
         if jumped {
             // The torque of a spring jumped with its angle, which is counted.
@@ -244,7 +248,7 @@ impl<T: Float> Simulation<T> {
         if !self.watched || !self.system.counters.steps.is_multiple_of(every) {
             return;
         }
-        if self.is_calm() {
+        if self.watch.is_calm(self.excess_now()) {
             let mut good = std::mem::take(&mut self.good);
             self.save_into(&mut good);
             self.good = good;
@@ -259,28 +263,22 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// Whether nothing has begun to grow.
-    fn is_calm(&self) -> bool {
-        let excess = self
-            .balance
-            .as_ref()
-            .map_or(0.0, |balance| self.excess(balance));
-        self.watch.is_calm(excess)
+    /// The same at the last accepted step.
+    fn excess_now(&self) -> f64 {
+        let balance = self.balance.as_ref();
+        balance.map_or(0.0, |balance| self.excess(balance))
     }
 
     /// Why a step cannot be made: where a fixed-step run has begun to grow, its step is too long, though joints come apart or numbers overflow first.
     #[cold]
     pub(super) fn blame(&self, step: f64, cause: StepError) -> StepError {
-        let excess = self
-            .balance
-            .as_ref()
-            .map_or(0.0, |balance| self.excess(balance));
+        let excess = self.excess_now();
         match cause {
             StepError::JointsApart { .. }
             | StepError::NonFinite {
                 source: Source::State(_),
                 ..
-            } if self.watched && !self.is_calm() => {
+            } if self.watched && !self.watch.is_calm(excess) => {
                 self.unstable(step, Instability::Energy(excess))
             }
             cause => cause,
