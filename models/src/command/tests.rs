@@ -869,3 +869,15 @@ fn a_run_that_is_less_accurate_than_one_percent_says_what_to_change() {
     let told = run(&["run", &file, "--out", &out, "--no-estimate"]);
     assert!(told.is_ok_and(|told| !told.contains("off most")));
 }
+
+#[test]
+fn the_advice_for_a_stiff_scene_is_the_stiff_method() {
+    let folder = Folder::new("stiff_advice");
+    let text = "model Stiff { gravity: [0, 0, -9.81] m/s^2; point bob { mass: 1 kg, start at [0, 0, -1.5] m }
+          spring rope from world to bob { free_length: 1 m, stiffness: 1e3 N/m, damping: 1e9 N*s/m }
+          output height = bob.position.z; }
+        [run]\nuntil = \"2 s\"\n";
+    let file = folder.file("stiff.mbd", text);
+    let told = run(&["advise", &file, "--output", "height"]).unwrap();
+    assert!(told.contains("Rodas5P"), "{told}");
+}
