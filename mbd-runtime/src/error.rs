@@ -6,6 +6,7 @@
 use std::error::Error;
 use std::fmt;
 
+use crate::node::UNEVEN;
 use crate::watch::Instability;
 
 /// Counters of a run so far. They only grow, and saturate instead of overflowing.
@@ -128,6 +129,31 @@ impl fmt::Display for Stiff {
     }
 }
 
+/// The softest and the stiffest taut line of a network whose balance was not found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnevenLines {
+    /// The softest taut line.
+    pub softest: String,
+    /// The stiffest taut line.
+    pub stiffest: String,
+    /// Stiffness of the second over that of the first. With damped stepwise lines: as a step sees it, K and what C adds.
+    pub ratio: f64,
+}
+
+impl fmt::Display for UnevenLines {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let UnevenLines {
+            softest,
+            stiffest,
+            ratio,
+        } = self;
+        write!(
+            f,
+            "`{stiffest}` is {ratio:.1e} times as stiff as `{softest}`"
+        )
+    }
+}
+
 /// Declares the errors of a step, each with its name in tables, its sentence and its advice.
 macro_rules! step_errors {
     ($(
@@ -226,10 +252,18 @@ step_errors! {
         residual_n: f64,
         /// Iterations spent.
         iterations: u64,
+        /// The lines of its network whose stiffnesses are furthest apart, where that is too far.
+        uneven: Option<Box<UnevenLines>>,
     }
     "newton_not_converged",
-    format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n:.3e} N left after {iterations} iterations"),
-    "take a smaller step, or bring the stiffnesses of the lines of this point closer together";
+    match uneven {
+        None => format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n:.3e} N left after {iterations} iterations"),
+        Some(lines) => format!("at {time:.9} s no equilibrium of `{point}` was found: {residual_n:.3e} N left after {iterations} iterations, and {lines}"),
+    },
+    match uneven {
+        None => "take a smaller step, or bring the stiffnesses of the lines of this point closer together".into(),
+        Some(lines) => format!("make `{}` softer or `{}` stiffer, until they differ by less than a factor of {UNEVEN:.0e}, or give the points between them a mass", lines.stiffest, lines.softest),
+    };
 
     /// The step fell below what time can resolve, or ten trials in a row were rejected.
     StepCollapse {

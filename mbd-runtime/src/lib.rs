@@ -124,7 +124,7 @@ pub use system::{External, NoLoads};
 
 // What it leaves.
 pub use columns::{Name, state_names};
-pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Stiff};
+pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Stiff, UnevenLines};
 pub use event::{Happening, Occurrence};
 pub use node::NodeMemory;
 pub use trajectory::{Content, Sampling, Trajectory};

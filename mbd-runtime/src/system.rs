@@ -7,7 +7,7 @@ use mbd_scene::{Float, Model, Quantity, Scene, Work};
 
 use crate::columns::{line_name, node_name};
 use crate::commands::Commands;
-use crate::error::{Source, Statistics, StepError};
+use crate::error::{Source, Statistics, StepError, UnevenLines};
 use crate::fallback::Fallback;
 use crate::laws::Laws;
 use crate::linearise::Jacobian;
@@ -475,11 +475,19 @@ impl<T: Float> System<T> {
                 node,
                 residual_n,
                 iterations,
+                uneven,
             } => StepError::NoEquilibrium {
                 point: name(node),
                 time,
                 residual_n,
                 iterations: iterations as u64,
+                uneven: uneven.map(|pair| {
+                    Box::new(UnevenLines {
+                        softest: line_name(scene, pair.softest).to_owned(),
+                        stiffest: line_name(scene, pair.stiffest).to_owned(),
+                        ratio: pair.ratio,
+                    })
+                }),
             },
             NodeError::InvalidLine { line, what, value } => StepError::InvalidInput {
                 slot: format!("{what} of line {}", line_name(scene, line)),

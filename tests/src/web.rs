@@ -153,19 +153,10 @@ impl<T: Float> Web<T> {
         let mut nodes = start.to_vec();
         let (k, l) = self.constants();
         let outcome = solver.solve(&mut balance, &k, &l, nodes.as_flattened_mut(), tolerance);
+        outcome.check(Some(0), || solver.uneven(&balance, &k, &l))?;
         let tensions = match outcome {
-            Outcome::NotConverged {
-                residual,
-                iterations,
-            } => {
-                return Err(NodeError::NotConverged {
-                    node: 0,
-                    residual_n: residual.to_f64(),
-                    iterations,
-                });
-            }
             Outcome::Slack { .. } => vec![T::zero(); self.lines.len()],
-            Outcome::Taut { .. } => self.tensions(&nodes),
+            Outcome::Taut { .. } | Outcome::NotConverged { .. } => self.tensions(&nodes),
         };
         Ok(Equilibrium {
             outcome,

@@ -5,6 +5,20 @@ use std::fmt;
 
 use mbd_scene::Float;
 
+/// Stiffnesses of one network further apart than this are named where its balance is not found: its sum cancels so many digits.
+pub const UNEVEN: f64 = 1e5;
+
+/// The softest and the stiffest taut line of a network.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uneven {
+    /// Index of the softest taut line.
+    pub softest: usize,
+    /// Index of the stiffest taut line.
+    pub stiffest: usize,
+    /// Stiffness of the second over that of the first, above [`UNEVEN`].
+    pub ratio: f64,
+}
+
 /// Why a node could not be placed. No force may be taken from the solver after one of these.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NodeError {
@@ -55,6 +69,8 @@ pub enum NodeError {
         residual_n: f64,
         /// Newton steps in all strategies.
         iterations: usize,
+        /// Lines too unlike each other, where there are such.
+        uneven: Option<Uneven>,
     },
 }
 
@@ -131,10 +147,21 @@ impl fmt::Display for NodeError {
                 node,
                 residual_n,
                 iterations,
-            } => write!(
-                f,
-                "node {node}: no balance after {iterations} iterations, residual {residual_n} N"
-            ),
+                uneven,
+            } => {
+                write!(
+                    f,
+                    "node {node}: no balance after {iterations} iterations, residual {residual_n} N"
+                )?;
+                match uneven {
+                    Some(it) => write!(
+                        f,
+                        "; line {} is {:.1e} times as stiff as line {}",
+                        it.stiffest, it.ratio, it.softest
+                    ),
+                    None => Ok(()),
+                }
+            }
         }
     }
 }

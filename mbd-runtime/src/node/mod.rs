@@ -23,7 +23,7 @@ mod stepwise;
 
 pub(crate) use balance::triple;
 pub use balance::{Balance, Evaluation, Tie, Tied};
-pub use error::NodeError;
+pub use error::{NodeError, UNEVEN, Uneven};
 pub use factor::{Block, BlockCholesky};
 pub use memory::NodeMemory;
 pub use rate::{Leg, RateNode, Spread};

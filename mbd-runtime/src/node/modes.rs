@@ -146,6 +146,7 @@ impl<T: Float> Nodes<T> {
                 node,
                 residual_n: f64::NAN,
                 iterations: 0,
+                uneven: None,
             }),
         }
     }

@@ -5,6 +5,7 @@ use mbd_scene::{At, Clamp, Difference, Float, Layout, LineEnd, Model, NodeModel,
 use nalgebra::Vector3;
 
 use super::balance::{Balance, Evaluation, triple};
+use super::error::Uneven;
 use super::rate::RateNode;
 use super::solver::Solver;
 use super::stage::Stage;
@@ -158,6 +159,16 @@ impl<T: Float> Plan<T> {
             load.copy_from_slice(triple(ends, 6 * anchors + 3 * node).as_slice());
         }
     }
+}
+
+/// The same two lines by their indices in the scene.
+pub(crate) fn of_scene(uneven: Uneven, lines: &[PlanLine]) -> Option<Uneven> {
+    let index = |line: usize| lines.get(line).map(|line| line.line);
+    Some(Uneven {
+        softest: index(uneven.softest)?,
+        stiffest: index(uneven.stiffest)?,
+        ratio: uneven.ratio,
+    })
 }
 
 /// Of the anchors of a network those that carry a node along: its own, or all if it has none.

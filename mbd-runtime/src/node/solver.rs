@@ -6,16 +6,17 @@
 //! search       ψ(t) = g(p + t δ)·δ rises with t; accept |ψ(t)| ≤ |ψ(0)|/10
 //! strategy 1       Newton from the given start, at most 12 steps
 //! strategy 2       from the stiffness-weighted mean of the anchors through K_max (K/K_max)^a, a = 1/8 … 1
-//! strategy 3       slope search to a cap of 300
+//! strategy 3       slope search to a cap of 300, of 5000 for more than one node
 //! ```
 //!
 //! Strategy 3 descends a convex function with Lipschitz gradient and compact level sets, so it converges from everywhere; the slope and not
 //! the energy decides the step, because the energy cannot resolve the last digits. Plain Newton alone cycles (`tests/node_counterexamples.rs`).
 
 use mbd_scene::Float;
+use mbd_scene::laws::line;
 
 use super::balance::{Balance, Evaluation, inner, norm};
-use super::error::NodeError;
+use super::error::{NodeError, UNEVEN, Uneven};
 use super::factor::BlockCholesky;
 
 /// When a balance counts as solved.
@@ -88,8 +89,15 @@ pub enum Outcome<T> {
 }
 
 impl<T: Float> Outcome<T> {
-    /// The error of a solve that found no balance, at the first `node` of its network.
-    pub(crate) fn check(&self, node: Option<usize>) -> Result<(), NodeError> {
+    /// The error of a solve that found no balance, at the first `node` of its network, with the lines that are `uneven`.
+    ///
+    /// # Errors
+    /// [`NodeError::NotConverged`].
+    pub fn check(
+        &self,
+        node: Option<usize>,
+        uneven: impl FnOnce() -> Option<Uneven>,
+    ) -> Result<(), NodeError> {
         match *self {
             Outcome::NotConverged {
                 residual,
@@ -98,6 +106,7 @@ impl<T: Float> Outcome<T> {
                 node: node.unwrap_or_default(),
                 residual_n: residual.to_f64(),
                 iterations,
+                uneven: uneven(),
             }),
             Outcome::Taut { .. } | Outcome::Slack { .. } => Ok(()),
         }
@@ -160,6 +169,8 @@ const HOMOTOPY_STAGES: usize = 8;
 const HOMOTOPY_PLAIN: usize = 15;
 const HOMOTOPY_CAP: usize = 40;
 const SEARCH_CAP: usize = 300;
+/// Stiff lines in series with soft ones make a valley along which the search of a network creeps.
+const NETWORK_SEARCH_CAP: usize = 5000;
 const SEARCH_EVALUATIONS: usize = 40;
 
 impl<T: Float> Solver<T> {
@@ -192,7 +203,7 @@ impl<T: Float> Solver<T> {
     }
 
     /// Solves g(p) = 0 from `p` with stiffness `k` > 0 [N/m] and free length `l` ≥ 0 [m]; `p` holds the balance if one was found and is
-    /// unchanged otherwise. At most 12 + 8·40 + 300 Newton steps.
+    /// unchanged otherwise. At most 12 + 8·40 + 300 Newton steps, with 5000 for the 300 where there is more than one node.
     pub fn solve<B: Balance<T>>(
         &mut self,
         balance: &mut B,
@@ -216,9 +227,35 @@ impl<T: Float> Solver<T> {
         tolerance: Tolerance<T>,
     ) -> Outcome<T> {
         self.descent.begin(p);
-        let limits = Limits::search(tolerance);
+        let limits = Limits::search(tolerance, balance.nodes());
         let verdict = self.descent.newton(balance, k, l, limits);
         self.descent.end(Strategy::Search, verdict, p)
+    }
+
+    /// After a solve that found no balance: the softest and the stiffest line taut at the best point seen, by their places in `k`, where they
+    /// are further apart than [`UNEVEN`].
+    pub fn uneven<B: Balance<T>>(&self, balance: &B, k: &[T], l: &[T]) -> Option<Uneven> {
+        let mut pair: Option<[(usize, T); 2]> = None;
+        for (index, (&k, &l)) in k.iter().zip(l).enumerate() {
+            let [from, to] = balance.places(index, &self.descent.p);
+            if line::geometry(&(to - from), l).stretch <= T::zero() {
+                continue;
+            }
+            let [soft, stiff] = pair.get_or_insert([(index, k); 2]);
+            if k < soft.1 {
+                *soft = (index, k);
+            }
+            if k > stiff.1 {
+                *stiff = (index, k);
+            }
+        }
+        let [(softest, soft), (stiffest, stiff)] = pair?;
+        let ratio = (stiff / soft).to_f64();
+        (ratio > UNEVEN).then_some(Uneven {
+            softest,
+            stiffest,
+            ratio,
+        })
     }
 
     fn escalate<B: Balance<T>>(
@@ -237,9 +274,8 @@ impl<T: Float> Solver<T> {
         if !matches!(homotopy, Verdict::Stopped) {
             return (Strategy::Homotopy, homotopy);
         }
-        let search = self
-            .descent
-            .newton(balance, k, l, Limits::search(tolerance));
+        let limits = Limits::search(tolerance, balance.nodes());
+        let search = self.descent.newton(balance, k, l, limits);
         (Strategy::Search, search)
     }
 
@@ -286,8 +322,12 @@ impl<T: Float> Limits<T> {
         }
     }
 
-    fn search(balanced: Tolerance<T>) -> Self {
-        Limits::steps(balanced, 0, SEARCH_CAP)
+    fn search(balanced: Tolerance<T>, nodes: usize) -> Self {
+        let cap = match nodes {
+            0 | 1 => SEARCH_CAP,
+            _ => NETWORK_SEARCH_CAP,
+        };
+        Limits::steps(balanced, 0, cap)
     }
 
     fn homotopy(target: Tolerance<T>, last: bool) -> Self {

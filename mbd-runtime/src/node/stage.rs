@@ -6,7 +6,7 @@ use mbd_scene::{At, Float, Layout, LineEnd, Model, Quantity, Work};
 use super::balance::triple;
 use super::error::NodeError;
 use super::memory::NodeMemory;
-use super::scene::{Plan, PlanLine, SceneBalance};
+use super::scene::{Plan, PlanLine, SceneBalance, of_scene};
 use super::solver::{Outcome, Strategy, Tolerance};
 use super::stepwise::{History, effective};
 use crate::unilateral::{Mode, has_mode};
@@ -349,6 +349,10 @@ impl<T: Float> Nodes<T> {
             &mut plan.p,
             Tolerance::inside_step(),
         );
+        let checked = outcome.check(plan.nodes.first().copied(), || {
+            let uneven = plan.solver.uneven(&balance, &plan.k, &plan.l);
+            uneven.and_then(|it| of_scene(it, &plan.lines))
+        });
         balance.scatter(&plan.p, &plan.k, &plan.l);
         self.statistics.count(&outcome);
         if let Outcome::Slack { .. } = outcome {
@@ -356,7 +360,7 @@ impl<T: Float> Nodes<T> {
                 self.effective[2 * at..2 * at + 2].fill(T::zero());
             }
         }
-        outcome.check(plan.nodes.first().copied())
+        checked
     }
 
     /// Stretches of the node lines with the nodes where the last solve put them.

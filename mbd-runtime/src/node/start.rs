@@ -4,7 +4,7 @@ use mbd_scene::laws::line as law;
 use mbd_scene::{Clamp, Difference, Float, Model, Work};
 
 use super::balance::{Tie, Tied, triple};
-use super::error::NodeError;
+use super::error::{NodeError, Uneven};
 use super::memory::NodeMemory;
 use super::scene::Plan;
 use super::solver::Tolerance;
@@ -205,7 +205,16 @@ impl<T: Float> Nodes<T> {
             .solver
             .solve(&mut balance, &plan.k, &plan.l, &mut plan.p, tolerance);
         self.statistics.count(&outcome);
-        outcome.check(plan.nodes.first().copied())
+        outcome.check(plan.nodes.first().copied(), || {
+            let uneven = plan.solver.uneven(&balance, &plan.k, &plan.l)?;
+            let [softest, stiffest] =
+                [uneven.softest, uneven.stiffest].map(|leg| plan.legs.get(leg));
+            Some(Uneven {
+                softest: softest?.1.line,
+                stiffest: stiffest?.1.line,
+                ..uneven
+            })
+        })
     }
 
     /// Decides which lines of a node carry, all taut ones assumed to at first; one that must lie between its anchors is put there.

@@ -1,6 +1,8 @@
 //! Coupled nodes, and single nodes against an independent reference.
 
+use mbd_compiler::read_text;
 use mbd_runtime::node::{Balance, BlockCholesky, Evaluation, NodeError, Outcome, Tolerance};
+use mbd_runtime::{Generic, Options, Simulation, StepError};
 use nalgebra::DMatrix;
 use tests::assert_close;
 use tests::random::Random;
@@ -259,4 +261,138 @@ fn confluences_agree_with_forty_digit_references() {
         }
     }
     assert_eq!(seen, 6);
+}
+
+/// Nodes held by lines of stiffness 1e4 or `stiff` [N/m], each tied to an anchor or to a node that is.
+fn uneven_network(random: &mut Random, nodes: usize, stiff: f64) -> Web<f64> {
+    let anchors: Vec<[f64; 3]> = (0..3 + nodes).map(|_| random.vector(2.0)).collect();
+    let lines = (0..3 * nodes)
+        .map(|i| {
+            let node = i % nodes;
+            let to = match random.below(2) {
+                1 if node > 0 => Tie::Node(random.below(node)),
+                _ => Tie::Anchor(random.below(anchors.len())),
+            };
+            WebLine {
+                ends: [Tie::Node(node), to],
+                stiffness: if random.below(2) == 0 { 1e4 } else { stiff },
+                free_length: random.uniform(0.1, 2.0),
+            }
+        })
+        .collect();
+    Web {
+        loads: (0..nodes).map(|_| random.vector(1e3)).collect(),
+        anchors,
+        lines,
+    }
+}
+
+/// Of `count` networks: how many found no balance and named two lines, how many named none, and the most steps a balance took.
+fn unsolved(random: &mut Random, count: usize, nodes: usize, stiff: f64) -> [usize; 3] {
+    let (mut named, mut unnamed, mut most) = (0, 0, 0);
+    for _ in 0..count {
+        let web = uneven_network(random, nodes, stiff);
+        let start: Vec<[f64; 3]> = web.loads.iter().map(|_| random.vector(2.0)).collect();
+        match web.solve(&start, Tolerance::inside_step()) {
+            Ok(found) => most = most.max(found.outcome.iterations()),
+            Err(NodeError::NotConverged { uneven, .. }) => match uneven {
+                Some(pair) => {
+                    assert_eq!(web.lines[pair.softest].stiffness, 1e4);
+                    assert_eq!(web.lines[pair.stiffest].stiffness, stiff);
+                    assert_eq!(pair.ratio, stiff / 1e4);
+                    named += 1;
+                }
+                None => unnamed += 1,
+            },
+            Err(other) => panic!("{other}"),
+        }
+    }
+    println!(
+        "{count} networks of {nodes} nodes, {stiff:e} N/m: {named} named, {unnamed} unnamed, at most {most} steps"
+    );
+    [named, unnamed, most]
+}
+
+#[test]
+fn networks_with_lines_a_million_times_as_stiff_as_others_balance() {
+    let [named, unnamed, most] = unsolved(&mut Random::new(2), 1000, 5, 1e10);
+    assert_eq!([named, unnamed], [0, 0]);
+    // More than 12 + 8·40 + 300, which was the cap.
+    assert!(most > 632);
+    let [named, unnamed, _] = unsolved(&mut Random::new(1), 20, 50, 1e10);
+    assert_eq!([named, unnamed], [0, 0]);
+}
+
+#[test]
+fn networks_with_lines_a_billion_times_as_stiff_as_others_balance_or_name_two_of_them() {
+    let [named, unnamed, _] = unsolved(&mut Random::new(1), 1000, 5, 1e13);
+    assert!(named > 0);
+    assert_eq!(unnamed, 0);
+}
+
+/// The network as a declaration; a body that moves freely makes it a scene that runs.
+fn declaration(web: &Web<f64>) -> String {
+    let mut frames = String::new();
+    for (i, [x, y, z]) in web.anchors.iter().enumerate() {
+        frames += &format!("frame post{i} at [{x:?}, {y:?}, {z:?}] m, ");
+    }
+    let mut items = String::new();
+    for (i, [x, y, z]) in web.loads.iter().enumerate() {
+        items += &format!("point knot{i} {{ equilibrium: static }}\n");
+        items += &format!("load weight{i} on knot{i} = [{x:?}, {y:?}, {z:?}] N;\n");
+    }
+    let place = |tie: Tie| match tie {
+        Tie::Anchor(a) => format!("world.post{a}"),
+        Tie::Node(n) => format!("knot{n}"),
+    };
+    for (i, line) in web.lines.iter().enumerate() {
+        let [from, to] = line.ends.map(place);
+        let (stiffness, free_length) = (line.stiffness, line.free_length);
+        items += &format!(
+            "line stay{i} from {from} to {to} {{ stiffness: {stiffness:?} N/m, free_length: {free_length:?} m }}\n"
+        );
+    }
+    format!(
+        "model Network {{ gravity: [0.0, 0.0, 0.0] m/s^2;
+            world {{ {frames} }}
+            point bob {{ mass: 1 kg }}
+            {items} }}"
+    )
+}
+
+#[test]
+fn a_run_that_finds_no_balance_names_its_softest_and_its_stiffest_line_and_says_what_to_change() {
+    let mut random = Random::new(1);
+    let stiff = 1e16;
+    let mut told = 0;
+    for _ in 0..60 {
+        let web = uneven_network(&mut random, 5, stiff);
+        let scene = read_text(&declaration(&web)).scene.expect("a network");
+        let model = Generic::<f64>::with_defaults(scene).expect("no params");
+        let mut run = Simulation::<f64>::new(&model, Options::rk4(1e-3)).expect("options");
+        let Err(error) = run.run(1e-3) else { continue };
+        let StepError::NoEquilibrium {
+            uneven: Some(pair), ..
+        } = &error.cause
+        else {
+            continue;
+        };
+        told += 1;
+        let stiffness = |name: &str| {
+            let index = name.strip_prefix("stay").and_then(|i| i.parse().ok());
+            index.map(|i: usize| web.lines[i].stiffness)
+        };
+        assert_eq!(stiffness(&pair.softest), Some(1e4));
+        assert_eq!(stiffness(&pair.stiffest), Some(stiff));
+        assert_eq!(pair.ratio, stiff / 1e4);
+        let (soft, hard) = (&pair.softest, &pair.stiffest);
+        let text = error.to_string();
+        for part in [
+            format!("`{hard}` is 1.0e12 times as stiff as `{soft}`"),
+            format!("make `{hard}` softer or `{soft}` stiffer"),
+        ] {
+            assert!(text.contains(&part), "{text}");
+        }
+    }
+    assert!(told > 0);
 }
