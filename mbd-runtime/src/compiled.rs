@@ -309,7 +309,8 @@ impl<T: Scalar> Simulation<T> {
         T::drive(self, until, Some(trajectory), &mut |_| true)
     }
 
-    /// Runs until a time [s] or until `go_on`, called with the time of every accepted step, returns false.
+    /// Runs until a time [s] or until `go_on`, called with the time of every accepted step and of every row inside a step, returns false. A
+    /// run that is cancelled at a row inside a step stands before that step, with the rows up to there.
     ///
     /// # Errors
     /// As [`Simulation::run`], and [`StepError::Cancelled`].

@@ -342,7 +342,7 @@ step_errors! {
         Some(_) => "take a method for stiff systems: `rodas5p`, or `auto`, which takes it where it pays (`Options::rodas5p`, `Options::auto`)",
     };
 
-    /// The caller's `go on` said no, at a step boundary.
+    /// The caller's `go on` said no, at a step boundary or at a row inside a step.
     Cancelled
     "cancelled", "the run was cancelled".into(), "run again: the state is the last accepted step";
 

@@ -667,3 +667,57 @@ fn stiff_lines_neither_push_nor_make_energy_at_loose_tolerances() {
         }
     }
 }
+
+#[test]
+fn a_run_is_cancelled_between_the_rows_of_one_step_and_goes_on_as_if_it_had_not_been() {
+    let (model, state, nodes) = case3(&RATE);
+    let rows = 100_000;
+    let times: Vec<f64> = (1..=rows)
+        .map(|k| 1e-3 * f64::from(k) / f64::from(rows))
+        .collect();
+    for options in [Options::rk4(1e-3), Options::tsit5(1e-6)] {
+        let record = |limit: u32| {
+            let mut simulation = begin(&model, options, &state, &nodes, &RATE);
+            let content = Content {
+                lines: false,
+                nodes: false,
+                reactions: false,
+                outputs: false,
+                energy: false,
+                ..Content::ALL
+            };
+            let mut trajectory = Trajectory::new(&model, Sampling::At(times.clone()), content);
+            let mut asked = 0;
+            let outcome = simulation.run_while(1e-3, Some(&mut trajectory), &mut |_| {
+                asked += 1;
+                asked < limit
+            });
+            (simulation, trajectory, asked, outcome)
+        };
+        let (whole, all, asked, outcome) = record(u32::MAX);
+        outcome.unwrap();
+        assert!(asked >= rows);
+        assert_eq!(all.times(), times);
+        let (mut simulation, mut trajectory, asked, outcome) = record(50_000);
+        assert_eq!(outcome.unwrap_err().cause, StepError::Cancelled);
+        assert_eq!(asked, 50_000);
+        assert!(
+            trajectory
+                .times()
+                .last()
+                .is_none_or(|last| *last <= simulation.time())
+        );
+        assert!(simulation.time() < 0.5e-3);
+        simulation.record(1e-3, &mut trajectory).unwrap();
+        assert_eq!(simulation.snapshot(), whole.snapshot());
+        assert_eq!(trajectory.names(), all.names());
+        for name in all.names() {
+            assert_eq!(
+                trajectory.column(&name.name),
+                all.column(&name.name),
+                "{}",
+                name.name
+            );
+        }
+    }
+}

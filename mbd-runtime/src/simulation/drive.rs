@@ -3,13 +3,24 @@
 use mbd_scene::Float;
 
 use super::{Pace, Simulation, Stop};
+use crate::balance::Balance;
 use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
-use crate::integrate::Verdict;
+use crate::integrate::{Control, Stiffness, Verdict};
 use crate::trajectory::{Trajectory, resolution};
+use crate::watch::Watch;
 
 /// A step beyond this says nothing about a scene [s].
 const LONGEST: f64 = 1e9;
+
+/// What the tests of a step remember, as it was before the step.
+struct Judgement {
+    control: Option<Control>,
+    watch: Watch,
+    balance: Option<Balance>,
+    stiffness: Stiffness,
+    angle_jumps: u64,
+}
 
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::step`] does.
@@ -17,7 +28,7 @@ impl<T: Float> Simulation<T> {
         self.enter()?;
         let steps = self.system.counters.steps;
         while self.system.counters.steps == steps {
-            if let Err(cause) = self.advance(f64::INFINITY, &mut None) {
+            if let Err(cause) = self.advance(f64::INFINITY, &mut None, &mut |_| true) {
                 self.go_back(&cause, &mut None)?;
                 return Err(self.failed(cause));
             }
@@ -98,7 +109,7 @@ impl<T: Float> Simulation<T> {
             }
             trials += 1;
             let seen = self.events.len();
-            self.advance(until, trajectory)?;
+            self.advance(until, trajectory, go_on)?;
             if self.options.stop_at_events
                 && let Some(event) = self.declared_since(seen)
             {
@@ -116,17 +127,19 @@ impl<T: Float> Simulation<T> {
         &mut self,
         until: f64,
         trajectory: &mut Option<&mut Trajectory>,
+        go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<(), StepError> {
         self.sample()?;
         let until = until.min(self.next_sample());
         let (step, lands) = self.propose(until);
+        let before = self.judgement();
         if !self.attempt(step)? {
             return Ok(());
         }
         let Some(found) = self.find_event(step)? else {
             self.watch_step(step)?;
             let changes = self.sees_stiffness(step);
-            self.record_inside(step, trajectory)?;
+            self.record_inside(step, trajectory, go_on, before)?;
             self.count += 1;
             let end = match self.pace {
                 _ if lands => until,
@@ -145,7 +158,7 @@ impl<T: Float> Simulation<T> {
         };
         if found.step > 0.0 {
             self.watch_step(found.step)?;
-            self.record_inside(found.step, trajectory)?;
+            self.record_inside(found.step, trajectory, go_on, before)?;
             self.take(found.step, self.time + found.step)?;
         }
         self.regrid();
@@ -267,11 +280,14 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// Rows due strictly inside the attempted step, or at its end.
+    /// Rows due strictly inside the attempted step, or at its end. Between two of them the run may be cancelled: the step then is not taken, and
+    /// its rows are dropped, so that a run that goes on writes them as if nothing had been.
     fn record_inside(
         &mut self,
         step: f64,
         trajectory: &mut Option<&mut Trajectory>,
+        go_on: &mut dyn FnMut(f64) -> bool,
+        before: Judgement,
     ) -> Result<(), StepError> {
         let Some(trajectory) = trajectory else {
             return Ok(());
@@ -293,8 +309,39 @@ impl<T: Float> Simulation<T> {
                 &self.inside,
                 &mut self.scratch,
             )?;
+            if theta < 1.0 && !go_on(due) {
+                trajectory.cut(self.time);
+                self.judge_anew(before);
+                return Err(StepError::Cancelled);
+            }
         }
         Ok(())
+    }
+
+    /// What a step changes before it is taken.
+    fn judgement(&self) -> Judgement {
+        Judgement {
+            control: match &self.pace {
+                Pace::Fixed(_) => None,
+                Pace::Adaptive(control, _) => Some(control.clone()),
+            },
+            watch: self.watch,
+            balance: self.balance,
+            stiffness: self.stiffness,
+            angle_jumps: self.system.counters.angle_jumps,
+        }
+    }
+
+    /// Takes back what an attempted step changed: it will be made again.
+    #[cold]
+    fn judge_anew(&mut self, before: Judgement) {
+        if let (Pace::Adaptive(control, _), Some(before)) = (&mut self.pace, before.control) {
+            *control = before;
+        }
+        (self.watch, self.balance) = (before.watch, before.balance);
+        self.stiffness = before.stiffness;
+        self.system.follow_angles(self.time, &self.state, true);
+        self.system.counters.angle_jumps = before.angle_jumps;
     }
 
     /// A row at the accepted step, when every step is asked for.

@@ -2,6 +2,7 @@
 
 use mbd_scene::Unit;
 
+use super::chain::Chain;
 use super::{Cursor, Value, Word, unit};
 use crate::lexeme::{Bracket, Kind, Region};
 use crate::messages::{Report, syntax as say};
@@ -139,7 +140,7 @@ impl Parser {
     }
 
     fn sum(&mut self, cursor: &mut Cursor<'_>) -> Deep {
-        self.chain(cursor, &['+', '-'], Self::product)
+        self.chain(cursor, ['+', '-'], Self::product)
     }
 
     /// A sum, or two with a comparison between them.
@@ -159,7 +160,7 @@ impl Parser {
     }
 
     fn product(&mut self, cursor: &mut Cursor<'_>) -> Deep {
-        let found = self.chain(cursor, &['*', '/'], Self::negative)?;
+        let found = self.chain(cursor, ['*', '/'], Self::negative)?;
         let here = cursor.here();
         match cursor.sign('%') {
             Some(_) => Err(say::remainder(here)),
@@ -167,26 +168,21 @@ impl Parser {
         }
     }
 
-    /// Operands of one rank, grouped from the left.
+    /// Operands of one rank.
     fn chain(
         &mut self,
         cursor: &mut Cursor<'_>,
-        signs: &[char],
+        signs: [char; 2],
         operand: fn(&mut Self, &mut Cursor<'_>) -> Deep,
     ) -> Deep {
-        let (mut left, mut depth) = operand(self, cursor)?;
-        while let Some(sign) = signs.iter().find(|&&s| cursor.sign(s).is_some()) {
-            let (right, other) = operand(self, cursor)?;
-            depth = depth.max(other) + 1;
-            if depth > DEEPEST {
-                return Err(say::deep_expression(right.at()));
-            }
-            left = Expression::Binary {
-                sign: *sign,
-                sides: Box::new([left, right]),
-            };
+        let here = cursor.here();
+        let mut chain = Chain::new(signs, operand(self, cursor)?);
+        while let Some(sign) = signs.into_iter().find(|&s| cursor.sign(s).is_some()) {
+            chain.push(sign, operand(self, cursor)?);
         }
-        Ok((left, depth))
+        let tree = chain.grouped(DEEPEST);
+        tree.filter(|(_, depth)| *depth <= DEEPEST)
+            .ok_or_else(|| say::deep_expression(here))
     }
 
     fn negative(&mut self, cursor: &mut Cursor<'_>) -> Deep {

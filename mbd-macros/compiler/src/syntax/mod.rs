@@ -1,5 +1,6 @@
 //! Reading: lexemes to a tree of items. Values stay lexemes; [`expression`] and [`unit`] parse them when their meaning is known.
 
+pub mod chain;
 pub mod cursor;
 pub mod expression;
 pub mod item;
