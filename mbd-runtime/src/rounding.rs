@@ -30,9 +30,9 @@ pub(crate) struct Rounding {
     arm: Option<f64>,
 }
 
-/// The body or point that rounding hurts most.
+/// The body or point whose forces rounding changes most.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Hurt {
+pub(crate) struct Affected {
     pub part: Part,
     /// Its largest coordinate [m].
     pub distance: f64,
@@ -64,24 +64,24 @@ impl Rounding {
     }
 
     /// The worst of (1) and (2) at a state with its rates.
-    pub(crate) fn worst<T: Float>(&self, state: &[T], rates: &[T]) -> Option<Hurt> {
+    pub(crate) fn worst<T: Float>(&self, state: &[T], rates: &[T]) -> Option<Affected> {
         let precision = T::EPSILON.to_f64();
         let largest = |list: &[T], range: std::ops::Range<usize>| {
             let own = list.get(range).unwrap_or_default();
             own.iter()
                 .fold(0.0, |most: f64, x| most.max(x.to_f64().abs()))
         };
-        let hurts = self.parts.iter().map(|(part, rate)| {
+        let affected = self.parts.iter().map(|(part, rate)| {
             let distance = largest(state, part.position.clone());
             let acceleration = self.acceleration.max(largest(rates, part.velocity.clone()));
             let force = precision * distance * rate / acceleration;
             let gap = self.arm.map_or(0.0, |arm| precision * distance / arm);
-            Hurt {
+            Affected {
                 part: part.part,
                 distance,
                 share: force.max(gap),
             }
         });
-        hurts.max_by(|a, b| a.share.total_cmp(&b.share))
+        affected.max_by(|a, b| a.share.total_cmp(&b.share))
     }
 }

@@ -11,7 +11,7 @@ use crate::balance::Balance;
 use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
-use crate::integrate::{Control, ErrorNorm, Stepper, Stiffness};
+use crate::integrate::{Control, ErrorNorm, Stepper, StiffnessTest};
 use crate::node::NodeMemory;
 use crate::options::Options;
 use crate::rounding::Rounding;
@@ -110,7 +110,7 @@ pub struct Simulation<T: Float> {
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,
-    stiffness: Stiffness,
+    stiffness: StiffnessTest,
     watch: Watch,
     watch_weights: Vec<T>,
     /// Whether the stability watch runs.

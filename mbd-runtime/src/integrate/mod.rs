@@ -9,7 +9,7 @@ mod rodas5p;
 mod rosenbrock;
 mod shifted;
 mod stepper;
-mod stiffness;
+mod stiffness_test;
 mod tableau;
 mod trees;
 mod tsit5;
@@ -27,7 +27,7 @@ pub(crate) use rodas5p::RODAS5P;
 pub(crate) use rosenbrock::Rosenbrock;
 pub(crate) use shifted::Attached;
 pub(crate) use stepper::Stepper;
-pub(crate) use stiffness::Stiffness;
+pub(crate) use stiffness_test::StiffnessTest;
 pub(crate) use tsit5::TSIT5;
 pub(crate) use vern7::VERN7;
 

@@ -18,7 +18,7 @@ use mbd_scene::Float;
 
 use super::Rates;
 use super::shifted::{Attached, Shifted};
-use super::stiffness::fastest;
+use super::stiffness_test::fastest;
 use super::trees::{Weights, same, weighted};
 use crate::error::StepError;
 

@@ -6,7 +6,7 @@ use super::{Pace, Simulation, Stop};
 use crate::balance::Balance;
 use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
-use crate::integrate::{Control, Stiffness, Verdict};
+use crate::integrate::{Control, StiffnessTest, Verdict};
 use crate::trajectory::{Trajectory, resolution};
 use crate::watch::Watch;
 
@@ -18,7 +18,7 @@ struct Judgement {
     control: Option<Control>,
     watch: Watch,
     balance: Option<Balance>,
-    stiffness: Stiffness,
+    stiffness: StiffnessTest,
     angle_jumps: u64,
 }
 

@@ -8,7 +8,7 @@ use crate::balance::Balance;
 use crate::columns::state_names;
 use crate::error::{RunError, StepError};
 use crate::fallback::SavedStrategy;
-use crate::integrate::{Control, Stiffness};
+use crate::integrate::{Control, StiffnessTest};
 use crate::node::NodeMemory;
 use crate::watch::Watch;
 
@@ -26,7 +26,7 @@ pub struct Snapshot<T> {
     memory: NodeMemory<T>,
     control: Option<Control>,
     watch: Watch,
-    stiffness: Stiffness,
+    stiffness: StiffnessTest,
     /// Whether the stiff method makes the steps.
     stiff: bool,
     watch_weights: Vec<T>,

@@ -223,18 +223,18 @@ impl<T: Float> Simulation<T> {
     }
 
     pub(super) fn watch_rounding(&mut self) -> Result<(), StepError> {
-        let Some(hurt) = self.rounding.worst(&self.state, self.method.first()) else {
+        let Some(affected) = self.rounding.worst(&self.state, self.method.first()) else {
             return Ok(());
         };
-        self.rounded = self.rounded.max(hurt.share);
-        if hurt.share < REFUSED {
+        self.rounded = self.rounded.max(affected.share);
+        if affected.share < REFUSED {
             return Ok(());
         }
         let scene = self.system.model.scene();
         Err(StepError::FarFromOrigin {
-            part: part_name(scene, hurt.part).to_owned(),
-            distance: hurt.distance,
-            share: hurt.share,
+            part: part_name(scene, affected.part).to_owned(),
+            distance: affected.distance,
+            share: affected.share,
         })
     }
 

@@ -18,12 +18,12 @@ use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{
     Attached, Control, ErrorNorm, Explicit, RK4, RODAS5P, Resolution, Rosenbrock, Scales, Stepper,
-    Stiffness, TSIT5, VERN7,
+    StiffnessTest, TSIT5, VERN7,
 };
 use crate::moving::moving;
 use crate::options::{Method, Options, Stabilise};
 use crate::rounding::Rounding;
-use crate::stiffness;
+use crate::stiffness::Stiffness;
 use crate::supply::Law;
 use crate::system::{System, WORKS};
 use crate::watch::Watch;
@@ -52,7 +52,7 @@ impl<T: Float> Simulation<T> {
         system.frozen(options.locate);
         system.projection.stabilise = options.stabilise;
         system.projection.length = scales.length;
-        let stiffness = stiffness::Stiffness::new(&*model);
+        let stiffness = Stiffness::new(&*model);
         let resolution = Resolution::new(model.layout(), &stiffness, scales);
         let fixed = options.method.fixed_step().is_some();
         let length = system.length();
@@ -124,7 +124,7 @@ impl<T: Float> Simulation<T> {
             noisy: fixed && options.guard_tolerance.is_none(),
             stalled: f64::NAN,
             pace,
-            stiffness: Stiffness::default(),
+            stiffness: StiffnessTest::default(),
             watch: Watch::default(),
             watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(&*model).is_none(),
@@ -264,7 +264,7 @@ impl<T: Float> Simulation<T> {
         self.origin = self.time;
         self.count = 0;
         self.chatter = Chatter::new();
-        self.stiffness = Stiffness::default();
+        self.stiffness = StiffnessTest::default();
         self.stalled = f64::NAN;
         let started = self.consistent_start();
         started.map_err(|cause| {

@@ -432,11 +432,11 @@ impl Resolver<'_> {
                 }
                 _ => (turn, true),
             };
-            let turned = Typed {
+            let rotated = Typed {
                 angle: 1,
                 ..Typed::of(formula, vector, units::NONE, at)
             };
-            return self.tail(turned, after);
+            return self.tail(rotated, after);
         }
         if word == "angular_acceleration" {
             self.follows(scope, step, owner)?;

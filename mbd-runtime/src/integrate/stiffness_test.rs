@@ -23,14 +23,14 @@ const BLIND: i32 = 4;
 
 /// The last twenty steps of an adaptive run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Stiffness {
+pub(crate) struct StiffnessTest {
     /// Those at the limit, one bit each.
     above: u32,
     /// Steps of a stiff method that would have been stable without it, one after the other.
     easy: u32,
 }
 
-impl Stiffness {
+impl StiffnessTest {
     /// Records a step of an explicit method with hρ over its limit; true when the system is stiff.
     pub(crate) fn sees(&mut self, part: f64) -> bool {
         let kept = (1 << WINDOW) - 1;
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn fifteen_of_twenty_steps_at_the_limit_are_stiffness() {
-        let mut seen = Stiffness::default();
+        let mut seen = StiffnessTest::default();
         let verdicts: Vec<bool> = (0..20)
             .map(|k| seen.sees(if k % 4 == 0 { 0.1 } else { 1.0 }))
             .collect();
