@@ -62,15 +62,25 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
                 .map(|component| Name::new(owner, component, unit)),
         );
     };
-    for body in &scene.bodies {
+    let joints = |speeds: bool| {
+        let own = layout.joint_links().flat_map(move |(_, link)| match speeds {
+            false => link.slots.q..link.slots.q + link.coordinates,
+            true => layout.nq + link.slots.v..layout.nq + link.slots.v + link.speeds,
+        });
+        own.filter_map(|index| layout.joint_number(scene, index))
+    };
+    let bodies = || layout.own_bodies().filter_map(|(body, _)| scene.bodies.get(body));
+    for body in bodies() {
         list(&body.name, &places, "m");
         list(&body.name, attitude.0, attitude.1);
     }
+    joints(false).for_each(|(joint, name, unit)| list(joint_name(scene, joint), &[name], unit));
     masses().for_each(|point| list(point, &places, "m"));
-    for body in &scene.bodies {
+    for body in bodies() {
         list(&body.name, &speeds, "m/s");
         list(&body.name, turn, "rad/s");
     }
+    joints(true).for_each(|(joint, name, unit)| list(joint_name(scene, joint), &[name], unit));
     masses().for_each(|point| list(point, &speeds, "m/s"));
     for node in layout.nodes.iter().filter(|node| node.z.is_some()) {
         list(node_name(scene, node.point), &["x", "y", "z"], "m");
@@ -106,7 +116,7 @@ pub(crate) fn part_name(scene: &Scene, part: Part) -> &str {
     match part {
         Part::Body(body) => body_name(scene, body),
         Part::Point(point) => node_name(scene, point),
-        Part::Joint(joint) => joint_name(scene, joint),
+        Part::Joint(joint) | Part::Coordinates(joint) => joint_name(scene, joint),
     }
 }
 

@@ -390,7 +390,7 @@ fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
             names.push(Name::new(line_name(scene, line), "stretch", "m"));
         }
     }
-    if content.reactions && layout.nc > 0 {
+    if content.reactions && layout.len(Quantity::Reactions) > 0 {
         for joint in 0..scene.joints.len() {
             for (kind, unit) in [("force", "N"), ("torque", "N m")] {
                 let owner = format!("{}.{kind}", joint_name(scene, joint));

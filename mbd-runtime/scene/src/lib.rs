@@ -26,6 +26,7 @@ mod scalar;
 mod scene;
 pub mod similar;
 mod starts;
+mod tree;
 mod vocabulary;
 
 pub use evaluate::{
@@ -39,8 +40,8 @@ pub use joints::{
 };
 pub use layout::{
     Anchor, Asked, Below, Carrying, Elimination, HeldMotor, InputSlots, InputSource, JointSlots,
-    Layout, LineEnd, LineSlots, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots,
-    Step, StopSlots,
+    Layout, LineEnd, LineSlots, Link, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots,
+    Step, StopSlots, Tree,
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};
@@ -58,6 +59,7 @@ pub use scene::{
     Gravity, Inertia, Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter,
     PartStart, Point, PointKind, Scene, Starts, State, Triple,
 };
+pub use tree::to_relative;
 pub use starts::{declared_parts, place_declared};
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::laws::body::attitude_of;
 use crate::laws::constant;
 use crate::placement::place_near;
-use crate::{Formula, JointStart, Layout, Part, PlacementError, PointSlots, Scene, Triple};
+use crate::{Formula, JointStart, Layout, Part, PlacementError, Scene, Triple};
 
 /// Writes the declared starts of bodies and points into a state; returns which these are.
 pub fn declared_parts(
@@ -18,14 +18,7 @@ pub fn declared_parts(
     let of = |formula: &Formula| constant(scene, params, formula);
     let vector = |triple: &Triple| Vector3::from(triple.each_ref().map(of));
     for start in &scene.starts.parts {
-        let slots = match start.part {
-            Part::Body(body) => layout.bodies.get(body).copied(),
-            Part::Point(point) => match layout.points.get(point) {
-                Some(PointSlots::Mass(slots)) => Some(*slots),
-                _ => None,
-            },
-            Part::Joint(_) => None,
-        };
+        let slots = layout.own_slots(start.part);
         let Some(slots) = slots else { continue };
         let v = layout.nq + slots.v;
         if let Some(position) = &start.position {

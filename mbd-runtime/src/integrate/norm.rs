@@ -124,11 +124,11 @@ impl ErrorNorm {
                 });
             }
         };
-        let attitude = match layout.directions.plane {
-            None => Kind::Rotation,
-            Some(_) => Kind::Angle,
-        };
         for part in moving(layout) {
+            let attitude = match part.has_quaternion() {
+                true => Kind::Rotation,
+                false => Kind::Angle,
+            };
             let owner = Some(part.part);
             let [length, angle] = resolution(&part);
             block(Kind::Position, part.position, owner, length);
