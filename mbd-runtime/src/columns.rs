@@ -91,6 +91,29 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
     names
 }
 
+/// Of the bodies that joints of a tree carry, position, attitude and velocities, named as in absolute coordinates.
+pub(crate) fn carried_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
+    let turn = match scene.angular_velocity {
+        AngularVelocity::Body => ["omega_body_x", "omega_body_y", "omega_body_z"],
+        AngularVelocity::World => ["omega_world_x", "omega_world_y", "omega_world_z"],
+    };
+    let components = [
+        (["x", "y", "z"].as_slice(), "m"),
+        (["qw", "qx", "qy", "qz"].as_slice(), ""),
+        (["vx", "vy", "vz"].as_slice(), "m/s"),
+        (turn.as_slice(), "rad/s"),
+    ];
+    let bodies = scene.bodies.iter().zip(&layout.bodies);
+    let carried = bodies.filter(|(_, own)| own.is_none());
+    let names = carried.flat_map(|(body, _)| {
+        let of = |(words, unit): (&[&str], &str)| -> Vec<Name> {
+            words.iter().map(|word| Name::new(&body.name, word, unit)).collect()
+        };
+        components.map(of).into_iter().flatten().collect::<Vec<Name>>()
+    });
+    names.collect()
+}
+
 macro_rules! names {
     ($($(#[$doc:meta])* $name:ident: $list:ident or $none:literal;)*) => {$(
         $(#[$doc])*

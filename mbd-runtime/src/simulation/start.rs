@@ -98,6 +98,7 @@ impl<T: Float> Simulation<T> {
             Quantity::Guards,
             Quantity::Lines,
             Quantity::Outputs,
+            Quantity::Bodies,
             Quantity::Energy,
             Quantity::Constraint,
             Quantity::Reactions,

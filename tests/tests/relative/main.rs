@@ -1,4 +1,5 @@
 //! Relative coordinates: the same mechanics as absolute ones, and the numbers of independent tools.
 
 mod agreement;
+mod generated;
 mod reference;

@@ -21,6 +21,11 @@ impl Layout {
         layout.with(scene, redundancy, None)
     }
 
+    /// Lays out a scene without planning how it is solved: where everything lives, and every row.
+    pub(crate) fn unplanned(scene: &Scene) -> Self {
+        places(scene)
+    }
+
     /// Lays out a scene whose redundancy is known, and finds the order. The default redundancy keeps every row.
     #[must_use]
     pub fn keeping(scene: &Scene, redundancy: Redundancy) -> Self {

@@ -1,4 +1,4 @@
-//! From absolute coordinates to relative ones.
+//! From absolute coordinates to relative ones, and back.
 //!
 //! ```text
 //! R12 = R1ᵀ R2,  s = R1ᵀ (o2 − o1)               q: what the joint measures of them; an attitude is R12 as a quaternion        (1)
@@ -11,7 +11,65 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::laws::kinematics::Kinematics;
 use crate::laws::numbers::Numbers;
-use crate::{AngularVelocity, Arguments, Layout, PointSlots, Relative, Scene, Twist};
+use crate::evaluate::{Scratch, evaluate};
+use crate::{AngularVelocity, Arguments, Coordinates, Layout, PointSlots, Quantity, Relative, Scene, Twist};
+
+/// The same scene in absolute coordinates, as far as states need it: nothing is planned.
+pub(crate) struct Absolute {
+    pub scene: Scene,
+    pub layout: Layout,
+}
+
+impl Absolute {
+    pub fn of(scene: &Scene) -> Self {
+        let scene = scene.in_coordinates(Coordinates::Absolute);
+        let layout = Layout::unplanned(&scene);
+        Absolute { scene, layout }
+    }
+
+    /// The state in absolute coordinates.
+    pub fn state(&self, (scene, layout): (&Scene, &Layout), (params, time): (&[f64], f64), state: &[f64]) -> Vec<f64> {
+        let numbers = Numbers::new(scene, params);
+        let arguments = Arguments {
+            time,
+            state: state.to_vec(),
+            nodes: vec![0.0; 3 * layout.nodes.len()],
+            effective: vec![0.0; 2 * layout.effective_lines],
+            hold: vec![0.0; layout.one_way()],
+            inputs: layout.default_inputs(scene),
+            ..Arguments::default()
+        };
+        let mut bodies = vec![0.0; layout.len(Quantity::Bodies)];
+        let scratch = &mut Scratch::new(layout);
+        evaluate(Quantity::Bodies, scene, layout, &numbers, &arguments.at(), scratch, &mut bodies);
+        let mut out = vec![0.0; self.layout.nx()];
+        for ((_, slots), numbers) in self.layout.own_bodies().zip(bodies.chunks_exact(13)) {
+            let (q, v) = numbers.split_at(7);
+            out[slots.q..slots.q + 7].copy_from_slice(q);
+            let at = self.layout.nq + slots.v;
+            out[at..at + 6].copy_from_slice(v);
+        }
+        copy_others((layout, state), (&self.layout, &mut out));
+        out
+    }
+
+    /// Writes the state in relative coordinates.
+    pub fn relative(&self, scene: (&Scene, &Layout), from: &[f64], at: (&[f64], f64), out: &mut [f64]) {
+        to_relative(scene, (&self.layout, from), at, out);
+    }
+}
+
+/// Copies what both families have alike: points with mass, equilibrium points, declared states.
+fn copy_others((layout, from): (&Layout, &[f64]), (other, to): (&Layout, &mut [f64])) {
+    for (own, slots) in layout.points.iter().zip(&other.points) {
+        if let (PointSlots::Mass(own), PointSlots::Mass(slots)) = (own, slots) {
+            to[slots.q..slots.q + 3].copy_from_slice(&from[own.q..own.q + 3]);
+            let (own, at) = (layout.nq + own.v, other.nq + slots.v);
+            to[at..at + 3].copy_from_slice(&from[own..own + 3]);
+        }
+    }
+    to[other.nq + other.nv..].copy_from_slice(&from[layout.nq + layout.nv..]);
+}
 
 /// Writes a state in relative coordinates from that of the same scene in absolute ones (q, v, z and s). Angles lie in (−π, π]; what the joints of
 /// the tree forbid is taken out of positions and velocities.
@@ -44,16 +102,7 @@ pub fn to_relative(
         let (to, from_v) = (layout.nq + own.v, absolute.nq + slots.v);
         out[to..to + speeds].copy_from_slice(&from[from_v..from_v + speeds]);
     }
-    for (own, slots) in layout.points.iter().zip(&absolute.points) {
-        if let (PointSlots::Mass(own), PointSlots::Mass(slots)) = (own, slots) {
-            out[own.q..own.q + 3].copy_from_slice(&from[slots.q..slots.q + 3]);
-            let (to, from_v) = (layout.nq + own.v, absolute.nq + slots.v);
-            out[to..to + 3].copy_from_slice(&from[from_v..from_v + 3]);
-        }
-    }
-    let rest = absolute.nx() - absolute.nq - absolute.nv;
-    let (to, from_z) = (layout.nq + layout.nv, absolute.nq + absolute.nv);
-    out[to..to + rest].copy_from_slice(&from[from_z..from_z + rest]);
+    copy_others((absolute, from), (layout, out));
     for (joint, link) in layout.joint_links() {
         let law = &scene.joints[joint].law;
         let Some(ends) = evaluation.ends(joint, AngularVelocity::World) else {

@@ -10,5 +10,6 @@ mod rows;
 mod system;
 
 pub(crate) use kinematics::{LinkMotion, read};
+pub(crate) use maps::Absolute;
 pub use maps::to_relative;
 pub(crate) use system::{TreeSystem, factored_len};
