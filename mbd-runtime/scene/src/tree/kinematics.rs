@@ -187,17 +187,23 @@ impl<S: Real> Instant<'_, S> {
             u: self.at.state.get(self.layout.nq + link.slots.v..)?.get(..link.speeds)?,
             numbers: self.numbers.joints.get(joint)?,
         };
-        let mut pose = declared.law.motion(&at);
+        let aligned = declared.law.aligned();
+        let (law, turned) = match &aligned {
+            Some((law, turned)) => (law, Some(turned.map(S::from_f64))),
+            None => (&declared.law, None),
+        };
+        let along = |frame: Matrix3<S>| turned.map_or(frame, |turned| frame * turned);
+        let mut pose = law.motion(&at);
         let mut unit = S::one();
-        if let Some(attitude) = declared.law.attitude() {
+        if let Some(attitude) = law.attitude() {
             let square = at.q[attitude].iter().fold(S::zero(), |sum, &x| sum + x * x);
             unit = S::one() / square.label("square");
             pose.rotation = pose.rotation.map(|x| x * unit);
         }
         let mut columns = [Twist::zero(); 6];
         let columns = &mut columns[..link.speeds];
-        declared.law.subspace(&at, columns);
-        let bias = declared.law.bias(&at);
+        law.subspace(&at, columns);
+        let bias = law.bias(&at);
         let (near, far) = match link.reversed {
             false => (declared.parent, declared.child),
             true => (declared.child, declared.parent),
@@ -205,18 +211,19 @@ impl<S: Real> Instant<'_, S> {
         let inboard = self.inboard(near, link.inboard.and_then(|link| links.get(link)))?;
         let (_, outboard) = frame_of(self.numbers, far)?;
         let (turn, offset, moved) = match link.reversed {
-            false => forward(&pose, columns, declared.law.attitude().is_some(), &bias),
+            false => forward(&pose, columns, law.attitude().is_some(), &bias),
             true => backward(&pose, columns, at.u, &bias),
         };
+        let frame = along(inboard.frame);
         let mut motion = LinkMotion {
-            turn: labelled_matrix(inboard.frame * turn),
-            offset: inboard.place + inboard.frame * offset,
+            turn: labelled_matrix(frame * turn),
+            offset: inboard.place + frame * offset,
             carrier: inboard.omega,
             unit: inboard.unit * unit,
             ..LinkMotion::unknown()
         };
         motion.columns.extend(columns.iter().copied());
-        let body = axes_of(outboard).transpose();
+        let body = along(axes_of(outboard)).transpose();
         motion.body = body;
         motion.centre = -(body * outboard.position);
         let sum = |of: fn(&Twist<S>) -> Vector3<S>| {
