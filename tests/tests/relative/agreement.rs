@@ -1,10 +1,12 @@
 //! The same mechanism in both families: places, accelerations, energy, reactions; loops, springs, loads among them.
 
-use mbd_scene::{Dual, Quantity};
+use mbd_scene::joints::JointLaw;
+use mbd_scene::{AngularVelocity, Dual, Quantity};
 use nalgebra::{DMatrix, DVector};
 use tests::assert_close;
 use tests::looped::mechanism;
-use tests::mechanism::{evaluate, layout};
+use tests::mechanism::{add_body, add_joint, all_joints, empty, evaluate, inertia, layout, random_seat};
+use tests::obeying::obeying;
 use tests::random::Random;
 use tests::relative::Both;
 
@@ -50,6 +52,54 @@ fn bodies_are_and_accelerate_where_absolute_coordinates_have_them() {
             assert_close(&rates[own + 7..own + 13], &want[v..v + 6], 1e-9, 1e-9, &name("acceleration"));
         }
     }
+}
+
+/// A chain of many bodies on joints of all kinds, on the world or afloat.
+fn long_chain(seed: u64) -> Both {
+    let mut random = Random::new(seed + 400);
+    let components = [AngularVelocity::Body, AngularVelocity::World][seed as usize % 2];
+    let laws: Vec<JointLaw> = all_joints().into_iter().map(|(law, _)| law).collect();
+    let mut scene = empty([0.4, -0.3, -9.81], components);
+    for body in 0..16 {
+        let (mass, inertia) = (random.uniform(0.5, 2.0), inertia(&mut random));
+        let own = add_body(&mut scene, mass, &inertia);
+        let near = random_seat(&mut scene, own.checked_sub(1), &mut random);
+        let far = random_seat(&mut scene, Some(own), &mut random);
+        let law = laws[random.below(laws.len())].clone();
+        let afloat = body == 0 && seed >= 4;
+        let attitude = law.attitude().unwrap_or_default();
+        let measured = (0..law.coordinates()).all(|k| attitude.contains(&k) || law.coordinate(k).is_some());
+        let carries = law.freedoms() < 6 && law.couples().is_empty() && measured;
+        let law = match (afloat, carries && body % 5 != 3) {
+            (true, _) => JointLaw::Free(Default::default()),
+            (_, true) => law,
+            (_, false) => JointLaw::Hinge(Default::default()),
+        };
+        add_joint(&mut scene, law, near, far);
+    }
+    let state = obeying(&scene, &mut random);
+    // Some are walked from the child: a hinge forbids the same either way.
+    for joint in scene.joints.iter_mut().skip(3).step_by(5) {
+        std::mem::swap(&mut joint.parent, &mut joint.child);
+    }
+    Both::new(&scene, &state)
+}
+
+#[test]
+fn long_chains_accelerate_by_articulated_bodies_as_in_absolute_coordinates() {
+    let mut articulated = 0;
+    for seed in 0..8 {
+        let both = long_chain(seed);
+        articulated += usize::from(both.layout.elimination.order.articulated);
+        let (_, rates) = bodies_moving(&both, &[]);
+        let absolute = layout(&both.absolute);
+        let want = both.want(Quantity::Derivative, &[]);
+        for (body, slots) in absolute.own_bodies() {
+            let v = absolute.nq + slots.v;
+            assert_close(&rates[13 * body + 7..13 * body + 13], &want[v..v + 6], 1e-8, 1e-8, &format!("chain {seed}, body {body}"));
+        }
+    }
+    assert!(articulated >= 4, "{articulated} chains by articulated bodies");
 }
 
 #[test]

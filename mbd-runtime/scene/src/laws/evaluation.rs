@@ -419,7 +419,11 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
 
     fn coordinate_acceleration(&self, joint: usize, index: usize) -> Option<S> {
         if let Some([_, rate]) = self.carried(joint, index) {
-            return self.accelerations.get(rate - self.layout.nq).copied();
+            // For no accelerations at all what velocities alone do, as of other joints: nothing.
+            return match self.accelerations {
+                [] => Some(S::zero()),
+                all => all.get(rate - self.layout.nq).copied(),
+            };
         }
         let (declared, coordinate) = self.scene.coordinate(joint, index)?;
         S::section(&declared.name);

@@ -117,6 +117,15 @@ impl<S: Real> LinkMotion<S> {
         self.columns.get(k).map_or_else(S::zero, |column| column.dot(push))
     }
 
+    /// Its acceleration by velocities alone, where what carries it has none.
+    pub(super) fn brought(&self) -> Twist<S> {
+        let (w, r) = (&self.carrier, &self.offset);
+        Twist {
+            linear: self.turn.transpose() * w.cross(&w.cross(r)) + self.bias.linear,
+            angular: self.bias.angular,
+        }
+    }
+
     /// The acceleration of the link by (3) of [`super::kinematics`], from that of the link that carries it and the accelerations of its coordinates.
     pub(super) fn accelerated(&self, carrier: &Twist<S>, rates: &[S]) -> Twist<S> {
         let (w, r) = (&self.carrier, &self.offset);

@@ -3,6 +3,7 @@
 //! Everything here is in the axes of the links: the frame of a joint on the body that it carries, origin at the joint's point Q. A body that floats
 //! has its own axes and its centre of mass. What a joint does is what its file says of it: `motion`, `subspace`, `bias`.
 
+mod articulated;
 mod inertia;
 mod kinematics;
 mod maps;

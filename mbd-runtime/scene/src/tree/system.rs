@@ -10,6 +10,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::articulated::Articulated;
 use super::inertia::Inertia;
 use super::rows::{TreeRows, three};
 use crate::elimination::{System, common_fall, enter, factored};
@@ -38,6 +39,7 @@ pub(crate) struct TreeSystem<S: Real> {
     /// What the joints must push the links with.
     pushes: Vec<Twist<S>>,
     composites: Vec<Inertia<S>>,
+    articulated: Vec<Articulated<S>>,
     /// n_v numbers: generalised forces, speeds or accelerations in the components of the links.
     along: Vec<S>,
     /// u̇ in the components of the links, after [`TreeSystem::accelerate`].
@@ -93,6 +95,7 @@ impl<S: Real> TreeSystem<S> {
             accelerations: vec![Twist::zero(); count],
             pushes: vec![Twist::zero(); count],
             composites: vec![Inertia::none(); count],
+            articulated: vec![Articulated::of(&Inertia::none(), Twist::zero()); count],
             along: vec![S::zero(); layout.nv],
             rates: vec![S::zero(); layout.nv],
             multipliers: vec![S::zero(); layout.nc],
@@ -131,15 +134,23 @@ impl<S: Real> TreeSystem<S> {
             let inertia = Inertia::of(body, motion);
             let mut push = inertia.push(&self.accelerations[index]);
             push.add(&inertia.gyroscopic(&motion.omega));
-            if !matches!(numbers.gravity, GravityNumbers::Uniform(_) | GravityNumbers::None) {
-                let weight = body_gravity(evaluation, link.body).map(|g| -(body.mass * g));
-                push.add(&motion.taken([&weight, &Vector3::zeros()], &Vector3::zeros()));
-            }
+            push.add(&self.weight(evaluation, index));
             if let Some(forces) = forces {
                 push = push.plus(&applied(evaluation, index, forces), -S::one());
             }
             self.pushes[index] = push;
         }
+    }
+
+    /// What gravity that is not the same everywhere asks of the joint of a link.
+    fn weight(&self, evaluation: &Evaluation<'_, S>, index: usize) -> Twist<S> {
+        let numbers = evaluation.numbers;
+        if matches!(numbers.gravity, GravityNumbers::Uniform(_) | GravityNumbers::None) {
+            return Twist::zero();
+        }
+        let body = links(evaluation.layout)[index].body;
+        let weight = body_gravity(evaluation, body).map(|g| -(numbers.bodies[body].mass * g));
+        evaluation.links[index].taken([&weight, &Vector3::zeros()], &Vector3::zeros())
     }
 
     /// Hands pushes on from the leaves, and writes what they are along the coordinates.
@@ -247,9 +258,13 @@ impl<S: Real> TreeSystem<S> {
 
     /// Solves (1): u̇ in the components of the links, and λ of all rows.
     pub fn accelerate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
-        self.prepare(evaluation);
         let (layout, numbers) = (evaluation.layout, evaluation.numbers);
         let plan = &layout.elimination;
+        if plan.order.articulated {
+            self.articulate(evaluation, assembly);
+            return self.move_points(evaluation, assembly);
+        }
+        self.prepare(evaluation);
         self.balance(evaluation, Some(assembly));
         self.hand_on(evaluation);
         for (index, step) in plan.steps.iter().enumerate() {
@@ -279,13 +294,56 @@ impl<S: Real> TreeSystem<S> {
         }
         self.system.solve(plan, |part| enter::<S>(evaluation.scene, part));
         self.take_solution(evaluation);
+        self.move_points(evaluation, assembly);
+    }
+
+    /// u̇ of the points that no joint holds.
+    fn move_points(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
+        let layout = evaluation.layout;
         for (point, slots) in layout.points.iter().enumerate() {
-            if let (PointSlots::Mass(slots), None) = (slots, plan.step_of(Part::Point(point))) {
+            let held = layout.elimination.step_of(Part::Point(point));
+            if let (PointSlots::Mass(slots), None) = (slots, held) {
                 S::section(&evaluation.scene.points[point].name);
-                let inverse = numbers.points[point].1;
+                let inverse = evaluation.numbers.points[point].1;
                 let rate = assembly.points[point].map(|f| f * inverse) + point_gravity(evaluation, point, slots.q);
                 write(&mut self.rates, slots.v, &rate);
             }
+        }
+    }
+
+    /// u̇ by articulated bodies, where no rows close loops.
+    fn articulate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
+        let all = links(evaluation.layout);
+        let fall = common_fall(evaluation);
+        for (index, link) in all.iter().enumerate() {
+            S::section(&evaluation.scene.bodies[link.body].name);
+            let motion = &evaluation.links[index];
+            let inertia = Inertia::of(&evaluation.numbers.bodies[link.body], motion);
+            let mut push = inertia.gyroscopic(&motion.omega);
+            push.add(&self.weight(evaluation, index));
+            push = push.plus(&applied(evaluation, index, assembly), -S::one());
+            self.articulated[index] = Articulated::of(&inertia, push);
+        }
+        for (index, link) in all.iter().enumerate().rev() {
+            S::section(&evaluation.scene.bodies[link.body].name);
+            let motion = &evaluation.links[index];
+            let forces = &assembly.along[link.slots.v..link.slots.v + link.speeds];
+            self.articulated[index].release(motion, forces);
+            if let Some(inboard) = link.inboard {
+                let (before, own) = self.articulated.split_at_mut(index);
+                before[inboard].take(&own[0], motion, &motion.brought());
+            }
+        }
+        for (index, link) in all.iter().enumerate() {
+            S::section(&evaluation.scene.bodies[link.body].name);
+            let motion = &evaluation.links[index];
+            let own = match (link.joint, link.inboard) {
+                (None, _) => Twist::slide(motion.axes.transpose() * -fall),
+                (_, Some(inboard)) => motion.accelerated(&self.accelerations[inboard], &[]),
+                (Some(joint), None) => motion.accelerated(&base(evaluation, joint, link.reversed, &fall), &[]),
+            };
+            let rates = &mut self.rates[link.slots.v..link.slots.v + link.speeds];
+            self.accelerations[index] = self.articulated[index].find(motion, own, rates);
         }
     }
 
