@@ -43,6 +43,7 @@ mod laws;
 mod linearise;
 mod list;
 mod locate;
+mod momentum;
 mod moving;
 #[doc(hidden)]
 pub mod node;
@@ -117,6 +118,7 @@ pub use parts::{BodyState, PlanarBodyState, PointState};
 pub use balance::Imbalance;
 pub use compiled::Scalar;
 pub use integrate::Scales;
+pub use momentum::MomentumImbalance;
 pub use options::{Method, Options, Stabilise};
 pub use simulation::{Moved, Simulation, Snapshot, Stop};
 pub use supply::{Inputs, Sample};

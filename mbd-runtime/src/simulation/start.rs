@@ -142,6 +142,7 @@ impl<T: Float> Simulation<T> {
             watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(&*model).is_none(),
             balance: None,
+            momentum: None,
             judged: false,
             meter: Meter::Nothing,
             good: Snapshot::default(),
@@ -331,6 +332,7 @@ impl<T: Float> Simulation<T> {
         self.system.follow_commands(self.time, None, &self.state)?;
         self.begin_margins(&mut |_| ())?;
         self.begin_balance();
+        self.begin_momentum();
         self.rounded = 0.0;
         self.watch_rounding()
     }

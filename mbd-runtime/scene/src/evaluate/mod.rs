@@ -265,6 +265,20 @@ pub fn masses<S: Real>(
     mass::masses(&scratch.kinematics.read(scene, layout, numbers, at), out);
 }
 
+/// Writes momentum, force and torque of gravity and loads, and how much momentum moves: P [kg m/s], L [kg m²/s], F [N], τ [N m], Σ |m v|,
+/// Σ |r × m v| + |I ω|; L and τ about the world origin (14 numbers).
+pub fn impulses<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut [S],
+) {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    energy::impulses(&evaluation, out);
+}
+
 /// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.
 pub fn jumping_angles<S: Real>(
     scene: &Scene,
