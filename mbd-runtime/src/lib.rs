@@ -26,6 +26,7 @@ struct ThePageAboutDriving;
 #[path = "private.rs"]
 pub mod __private;
 mod accuracy;
+mod approach;
 mod balance;
 mod chatter;
 mod columns;

@@ -53,7 +53,8 @@ pub use redundancy::Apart;
 #[doc(hidden)]
 pub use scalar::orthogonal;
 pub use scalar::{
-    Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, symmetric,
+    Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, solve_regular,
+    symmetric,
 };
 pub use scene::{
     Body, Clamp, Constant, CoordinateStart, Coordinates, Difference, Direction, Event, Frame,

@@ -1,5 +1,6 @@
 //! The start of a run: a state that can be used, nodes in balance, a mode for every line, a first step.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use mbd_scene::laws::starts;
@@ -135,6 +136,7 @@ impl<T: Float> Simulation<T> {
             crossed: Vec::with_capacity(layout.events),
             margins,
             noisy,
+            attempted: f64::NAN,
             stalled: f64::NAN,
             pace,
             stiffness: StiffnessTest::default(),
@@ -145,6 +147,7 @@ impl<T: Float> Simulation<T> {
             momentum: None,
             judged: false,
             meter: Meter::Nothing,
+            fingerprint: OnceCell::new(),
             good: Snapshot::default(),
             rounding,
             rounded: 0.0,
