@@ -63,13 +63,19 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
         );
     };
     let joints = |speeds: bool| {
-        let own = layout.joint_links().flat_map(move |(_, link)| match speeds {
-            false => link.slots.q..link.slots.q + link.coordinates,
-            true => layout.nq + link.slots.v..layout.nq + link.slots.v + link.speeds,
-        });
+        let own = layout
+            .joint_links()
+            .flat_map(move |(_, link)| match speeds {
+                false => link.slots.q..link.slots.q + link.coordinates,
+                true => layout.nq + link.slots.v..layout.nq + link.slots.v + link.speeds,
+            });
         own.filter_map(|index| layout.joint_number(scene, index))
     };
-    let bodies = || layout.own_bodies().filter_map(|(body, _)| scene.bodies.get(body));
+    let bodies = || {
+        layout
+            .own_bodies()
+            .filter_map(|(body, _)| scene.bodies.get(body))
+    };
     for body in bodies() {
         list(&body.name, &places, "m");
         list(&body.name, attitude.0, attitude.1);
@@ -107,9 +113,16 @@ pub(crate) fn carried_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
     let carried = bodies.filter(|(_, own)| own.is_none());
     let names = carried.flat_map(|(body, _)| {
         let of = |(words, unit): (&[&str], &str)| -> Vec<Name> {
-            words.iter().map(|word| Name::new(&body.name, word, unit)).collect()
+            words
+                .iter()
+                .map(|word| Name::new(&body.name, word, unit))
+                .collect()
         };
-        components.map(of).into_iter().flatten().collect::<Vec<Name>>()
+        components
+            .map(of)
+            .into_iter()
+            .flatten()
+            .collect::<Vec<Name>>()
     });
     names.collect()
 }

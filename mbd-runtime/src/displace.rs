@@ -23,7 +23,12 @@ pub(crate) fn displace<T: Float>(
         }
         let attitude = state.get_mut(part.attitude.clone()).unwrap_or_default();
         if part.has_quaternion() {
-            rotate(attitude, rotated, share, body_axes || part.carried.is_some());
+            rotate(
+                attitude,
+                rotated,
+                share,
+                body_axes || part.carried.is_some(),
+            );
             continue;
         }
         for (angle, more) in attitude.iter_mut().zip(rotated) {

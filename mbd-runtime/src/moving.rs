@@ -87,7 +87,13 @@ pub(crate) fn moving(layout: &Layout) -> impl Iterator<Item = Moving> + '_ {
 }
 
 /// One of them: first what moves along, `moves` numbers, then what turns, so many coordinates and speeds.
-fn place(layout: &Layout, part: Part, slots: Slots, moves: usize, [attitude, spin]: [usize; 2]) -> Moving {
+fn place(
+    layout: &Layout,
+    part: Part,
+    slots: Slots,
+    moves: usize,
+    [attitude, spin]: [usize; 2],
+) -> Moving {
     let (q, v) = (slots.q, layout.nq + slots.v);
     Moving {
         part,

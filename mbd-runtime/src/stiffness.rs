@@ -123,7 +123,9 @@ impl Stiffness {
         }
         let own = |part: &Moving| match (part.body(), part.part) {
             (Some(body), _) => body,
-            (None, Part::Body(at) | Part::Point(at) | Part::Joint(at) | Part::Coordinates(at)) => bodies + at,
+            (None, Part::Body(at) | Part::Point(at) | Part::Joint(at) | Part::Coordinates(at)) => {
+                bodies + at
+            }
         };
         let mut heaviest = vec![0.0_f64; bodies + self.numbers.points.len()];
         for part in parts {

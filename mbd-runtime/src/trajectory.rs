@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use mbd_scene::{Float, Layout, Model, Quantity, Scene};
 
-use crate::columns::{carried_names, Name, joint_name, line_name, node_name, state_names};
+use crate::columns::{Name, carried_names, joint_name, line_name, node_name, state_names};
 use crate::error::{Statistics, StepError};
 use crate::system::{System, WORKS};
 

@@ -27,7 +27,12 @@ impl Both {
         let absolute = crate::mechanism::layout(scene);
         let mut own = vec![0.0; layout.nx()];
         let params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
-        to_relative((&relative, &layout), (&absolute, state), (&params, 0.0), &mut own);
+        to_relative(
+            (&relative, &layout),
+            (&absolute, state),
+            (&params, 0.0),
+            &mut own,
+        );
         // What the state of the tree says, so that rounding of the given state is not compared.
         let mut from = state.to_vec();
         let bodies = evaluate(&relative, Quantity::Bodies, &own, &[], &[]);
@@ -36,8 +41,15 @@ impl Both {
             let v = absolute.nq + slots.v;
             from[v..v + 6].copy_from_slice(&numbers[7..]);
         }
-        let moved = from.iter().zip(state).take(absolute.nq).map(|(a, b)| (a.abs() - b.abs()).abs());
-        assert!(moved.fold(0.0, f64::max) < 1e-7, "the state does not obey the joints");
+        let moved = from
+            .iter()
+            .zip(state)
+            .take(absolute.nq)
+            .map(|(a, b)| (a.abs() - b.abs()).abs());
+        assert!(
+            moved.fold(0.0, f64::max) < 1e-7,
+            "the state does not obey the joints"
+        );
         Both {
             absolute: scene.clone(),
             from,

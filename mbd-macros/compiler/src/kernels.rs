@@ -308,10 +308,13 @@ fn owner(layout: &Layout, index: usize) -> usize {
         PointSlots::Mass(slots) => Some(*slots),
         PointSlots::Node(_) => None,
     });
-    let begins = bodies.chain(joints).chain(points).map(|slots| match index < layout.nq {
-        true => slots.q,
-        false => layout.nq + slots.v,
-    });
+    let begins = bodies
+        .chain(joints)
+        .chain(points)
+        .map(|slots| match index < layout.nq {
+            true => slots.q,
+            false => layout.nq + slots.v,
+        });
     begins.filter(|&begin| begin <= index).count()
 }
 

@@ -11,6 +11,7 @@
 mod elimination;
 mod evaluate;
 mod fingerprint;
+mod held;
 pub mod joints;
 pub mod laws;
 mod layout;
@@ -30,7 +31,8 @@ mod tree;
 mod vocabulary;
 
 pub use evaluate::{
-    Scratch, commands, evaluate, evaluate_with_multipliers, jumping_angles, masses, sensitivity,
+    Scratch, commands, evaluate, evaluate_with_multipliers, impulses, jumping_angles, masses,
+    sensitivity,
 };
 pub use fingerprint::fingerprint;
 pub use joints::{
@@ -40,8 +42,8 @@ pub use joints::{
 };
 pub use layout::{
     Anchor, Asked, Below, Carrying, Elimination, HeldMotor, InputSlots, InputSource, JointSlots,
-    Layout, LineEnd, LineSlots, Link, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots,
-    Step, StopSlots, Tree,
+    Layout, LineEnd, LineSlots, Link, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat,
+    Slots, Step, StopSlots, Tree,
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};
@@ -52,15 +54,16 @@ pub use redundancy::Apart;
 #[doc(hidden)]
 pub use scalar::orthogonal;
 pub use scalar::{
-    Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, symmetric,
+    Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, solve_regular,
+    symmetric,
 };
 pub use scene::{
     Body, Clamp, Constant, CoordinateStart, Coordinates, Difference, Direction, Event, Frame,
     Gravity, Inertia, Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter,
     PartStart, Point, PointKind, Scene, Starts, State, Triple,
 };
-pub use tree::to_relative;
 pub use starts::{declared_parts, place_declared};
+pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
     Energy, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,

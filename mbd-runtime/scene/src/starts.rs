@@ -120,14 +120,24 @@ fn place_along_tree(
     fixed: &[Part],
     state: &mut [f64],
 ) -> Result<(), PlacementError> {
-    let motors = scene.joints.iter().any(|joint| joint.motors().next().is_some());
+    let motors = scene
+        .joints
+        .iter()
+        .any(|joint| joint.motors().next().is_some());
     let nothing = given.is_empty() && scene.starts.coordinates.is_empty() && !motors;
     if nothing || state.len() != layout.nx() {
         return Ok(());
     }
     let absolute = Absolute::of(scene);
     let mut placed = absolute.state((scene, layout), from, state);
-    place_declared(&absolute.scene, &absolute.layout, from, given, fixed, &mut placed)?;
+    place_declared(
+        &absolute.scene,
+        &absolute.layout,
+        from,
+        given,
+        fixed,
+        &mut placed,
+    )?;
     absolute.relative((scene, layout), &placed, from, state);
     for start in given {
         if let Some(link) = layout.carried(start.joint) {

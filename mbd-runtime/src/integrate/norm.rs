@@ -303,7 +303,7 @@ mod tests {
         let layout = Layout {
             nq: 7,
             nv: 6,
-            bodies: vec![Slots { q: 0, v: 0 }],
+            bodies: vec![Some(Slots { q: 0, v: 0 })],
             ..Layout::default()
         };
         ErrorNorm::new(&layout, 13, (Scales::default(), 1e-6), &[], |_| [1.0; 2])

@@ -1,5 +1,6 @@
 //! The start of a run: a state that can be used, nodes in balance, a mode for every line, a first step.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use mbd_scene::laws::starts;
@@ -136,6 +137,7 @@ impl<T: Float> Simulation<T> {
             crossed: Vec::with_capacity(layout.events),
             margins,
             noisy,
+            attempted: f64::NAN,
             stalled: f64::NAN,
             pace,
             stiffness: StiffnessTest::default(),
@@ -143,8 +145,10 @@ impl<T: Float> Simulation<T> {
             watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(&*model).is_none(),
             balance: None,
+            momentum: None,
             judged: false,
             meter: Meter::Nothing,
+            fingerprint: OnceCell::new(),
             good: Snapshot::default(),
             rounding,
             rounded: 0.0,
@@ -332,6 +336,7 @@ impl<T: Float> Simulation<T> {
         self.system.follow_commands(self.time, None, &self.state)?;
         self.begin_margins(&mut |_| ())?;
         self.begin_balance();
+        self.begin_momentum();
         self.rounded = 0.0;
         self.watch_rounding()
     }

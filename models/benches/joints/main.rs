@@ -319,7 +319,14 @@ fn drop_chain(model: &dyn Model<f64>, start: &[f64], steps: u32, want: [f64; 3])
         return (f64::INFINITY, 0.0);
     }
     let spent = began.elapsed().as_secs_f64();
-    let last = model.layout().bodies.last().copied().flatten().expect("a chain").q;
+    let last = model
+        .layout()
+        .bodies
+        .last()
+        .copied()
+        .flatten()
+        .expect("a chain")
+        .q;
     let at = |i: usize| run.state()[last + i];
     let down = along([at(3), at(4), at(5), at(6)]);
     let miss = (0..3).map(|i| (at(i) - 0.15 * down[i] - want[i]).powi(2));

@@ -13,7 +13,8 @@ fn chain(n: usize) -> Scene {
     let mut from = Place::World(0);
     for index in 0..n {
         let body = add_body(&mut scene, 1.0, &inertia);
-        let [top, end] = [0.15, -0.15].map(|z| add_frame(&mut scene, Some(body), frame("end", [0.0, 0.0, z], None)));
+        let [top, end] = [0.15, -0.15]
+            .map(|z| add_frame(&mut scene, Some(body), frame("end", [0.0, 0.0, z], None)));
         let axis = if index % 2 == 0 { Axis::Y } else { Axis::X };
         add_joint(&mut scene, JointLaw::Hinge(Hinge { axis }), from, top);
         from = end;
@@ -35,7 +36,10 @@ fn a_chain_takes_as_few_operations_as_the_best_generated_code() {
     assert!(sixteen <= 4_200, "{sixteen}");
     assert!(long <= 9_035, "{long}");
     let longer = count(64);
-    assert!(longer < 2 * long + long / 10, "{longer} grows faster than the chain, {long} for half of it");
+    assert!(
+        longer < 2 * long + long / 10,
+        "{longer} grows faster than the chain, {long} for half of it"
+    );
 }
 
 #[test]

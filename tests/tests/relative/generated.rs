@@ -96,7 +96,8 @@ fn runs_are_the_same_in_every_execution() {
         let mut run = Simulation::new(&*model, Options::rk4(2e-3)).expect("a model");
         if model.layout().nc > 0 {
             // The loop closes from where the motor stands.
-            run.set_joints(&[("drive.angle", 0.5)]).expect("a loop that closes");
+            run.set_joints(&[("drive.angle", 0.5)])
+                .expect("a loop that closes");
         }
         agrees_along(&*model, run.state(), (100, 2e-3), 1e-9);
     }

@@ -34,18 +34,51 @@ fn ends(model: &Interpreted<f64>, options: Options, until: f64) -> (Vec<f64>, Ve
     run.start().expect("a start");
     let mut history = Trajectory::new(model, Sampling::At(vec![until]), Content::ALL);
     run.record(until, &mut history).expect("a smooth motion");
-    let columns = ["place.x", "place.y", "place.z", "pull.x", "pull.y", "pull.z", "push.x", "push.y", "push.z", "energy.total"];
-    let row = columns.map(|name| *history.column(name).and_then(|column| column.last()).unwrap_or_else(|| panic!("{name}")));
-    (row.to_vec(), run.events().iter().map(|event| event.time).collect())
+    let columns = [
+        "place.x",
+        "place.y",
+        "place.z",
+        "pull.x",
+        "pull.y",
+        "pull.z",
+        "push.x",
+        "push.y",
+        "push.z",
+        "energy.total",
+    ];
+    let row = columns.map(|name| {
+        *history
+            .column(name)
+            .and_then(|column| column.last())
+            .unwrap_or_else(|| panic!("{name}"))
+    });
+    (
+        row.to_vec(),
+        run.events().iter().map(|event| event.time).collect(),
+    )
 }
 
 #[test]
 fn both_families_move_alike_and_locate_the_same_events() {
     let (relative, absolute) = (model("relative", RIG), model("absolute", RIG));
     assert!(relative.layout().nc == 0 && absolute.layout().nc > 0);
-    for options in [Options::vern7(1e-11), Options::tsit5(1e-10), Options::of(Method::Rodas5P { rtol: 1e-9, max_step: f64::INFINITY })] {
-        let [(got, events), (want, others)] = [&relative, &absolute].map(|model| ends(model, options.clone(), 2.0));
-        assert_close(&got, &want, 0.0, 2e-6, "outputs, reactions, accelerations, energy");
+    for options in [
+        Options::vern7(1e-11),
+        Options::tsit5(1e-10),
+        Options::of(Method::Rodas5P {
+            rtol: 1e-9,
+            max_step: f64::INFINITY,
+        }),
+    ] {
+        let [(got, events), (want, others)] =
+            [&relative, &absolute].map(|model| ends(model, options.clone(), 2.0));
+        assert_close(
+            &got,
+            &want,
+            0.0,
+            2e-6,
+            "outputs, reactions, accelerations, energy",
+        );
         assert_close(&events, &others, 0.0, 1e-8, "times of events");
         assert!(!events.is_empty());
     }
@@ -53,11 +86,18 @@ fn both_families_move_alike_and_locate_the_same_events() {
 
 #[test]
 fn a_tree_without_friction_keeps_its_energy() {
-    let body = RIG.replace(", damping: 0.05 N*m*s", "").replace(", damping: 0.3 N*s/m", "");
+    let body = RIG
+        .replace(", damping: 0.05 N*m*s", "")
+        .replace(", damping: 0.3 N*s/m", "");
     let relative = model("relative", &body);
     let start = ends(&relative, Options::vern7(1e-12), 1e-3).0;
     let end = ends(&relative, Options::vern7(1e-12), 10.0).0;
-    assert!((start[9] - end[9]).abs() < 1e-9 * start[9].abs().max(1.0), "{} {}", start[9], end[9]);
+    assert!(
+        (start[9] - end[9]).abs() < 1e-9 * start[9].abs().max(1.0),
+        "{} {}",
+        start[9],
+        end[9]
+    );
 }
 
 #[test]
@@ -74,17 +114,32 @@ fn frequencies_do_not_depend_on_coordinates() {
         let model = model(family, body);
         let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
         if family == "absolute" {
-            run.set_joints(&[("pin.angle", 0.0), ("elbow.angle1", 0.0), ("elbow.angle2", 0.0)]).expect("a start");
+            run.set_joints(&[
+                ("pin.angle", 0.0),
+                ("elbow.angle1", 0.0),
+                ("elbow.angle2", 0.0),
+            ])
+            .expect("a start");
         }
         run.start().expect("hanging");
         let space = linearise(&model, 0.0, run.state(), &[0.0]).expect("a linear system");
-        let mut all: Vec<f64> = space.vibrations().iter().map(|one| one.frequency()).collect();
+        let mut all: Vec<f64> = space
+            .vibrations()
+            .iter()
+            .map(|one| one.frequency())
+            .collect();
         all.sort_by(f64::total_cmp);
         (all, space.b.norm())
     });
     assert_eq!(relative.0.len(), 3);
     assert_close(&relative.0, &absolute.0, 1e-10, 0.0, "frequencies");
-    assert_close(&[relative.1], &[absolute.1], 1e-9, 0.0, "what the input does");
+    assert_close(
+        &[relative.1],
+        &[absolute.1],
+        1e-9,
+        0.0,
+        "what the input does",
+    );
 }
 
 #[test]
@@ -118,7 +173,9 @@ fn the_tree_takes_the_joints_of_least_freedom_and_leaves_marked_loops() {
     );
     let layout = Layout::new(&scene);
     // The slide and the hinge carry both bodies, so that the ball closes the loop: two speeds in place of four.
-    let carried: Vec<bool> = (0..3).map(|joint| layout.carried(joint).is_some()).collect();
+    let carried: Vec<bool> = (0..3)
+        .map(|joint| layout.carried(joint).is_some())
+        .collect();
     assert_eq!(carried, [false, true, true]);
     assert_eq!((layout.nv, layout.nc), (2, 3));
     let pin = layout.carried(1).expect("a link");

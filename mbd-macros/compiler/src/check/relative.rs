@@ -11,8 +11,13 @@ pub fn check_relative(resolver: &mut Resolver<'_>, model: &Model<'_>) {
     if resolver.scene.coordinates != Coordinates::Relative {
         return;
     }
-    let item = model.items.iter().find(|item| item.word.text == "coordinates");
-    let at = item.and_then(|item| item.clause(":")).map_or(resolver.head, |value| value.at);
+    let item = model
+        .items
+        .iter()
+        .find(|item| item.word.text == "coordinates");
+    let at = item
+        .and_then(|item| item.clause(":"))
+        .map_or(resolver.head, |value| value.at);
     if resolver.scene.planar.is_some() {
         resolver.messages.push(say::relative_in_a_plane(at));
     }

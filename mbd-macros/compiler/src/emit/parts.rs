@@ -52,10 +52,15 @@ fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
     let (scene, layout) = (context.scene(), &context.equations.layout);
     let bodies = layout.own_bodies();
     let bodies = bodies.map(|(body, slots)| (scene.bodies[body].name.as_str(), (slots, Of::Body)));
-    let joints = layout.joint_links().filter(|(_, link)| link.coordinates > 0);
+    let joints = layout
+        .joint_links()
+        .filter(|(_, link)| link.coordinates > 0);
     let joints = joints.map(|(joint, link)| {
         let size = [link.coordinates, link.speeds];
-        (scene.joints[joint].name.as_str(), (link.slots, Of::Joint(size)))
+        (
+            scene.joints[joint].name.as_str(),
+            (link.slots, Of::Joint(size)),
+        )
     });
     let points = scene.points.iter().map(|point| point.name.as_str());
     let points = points.zip(&layout.points);

@@ -17,6 +17,7 @@ use crate::laws::{
     kinematics::Kinematics,
     mass, measured, node,
     numbers::Numbers,
+    rate,
 };
 use crate::scalar::algebra::write;
 use crate::{At, Layout, Quantity, Real, Scene};
@@ -30,6 +31,7 @@ pub struct Scratch<S: Real> {
     reactions: Vec<S>,
     rates: Vec<S>,
     bodies: Vec<[Vector3<S>; 2]>,
+    nodes: Vec<S>,
     assembly: AppliedForces<S>,
     solver: Solver<S>,
 }
@@ -44,6 +46,7 @@ impl<S: Real> Scratch<S> {
             reactions: Vec::new(),
             rates: Vec::new(),
             bodies: Vec::new(),
+            nodes: Vec::new(),
             assembly: AppliedForces::new(layout),
             solver: Solver::new(layout),
         }
@@ -82,6 +85,7 @@ pub fn evaluate<S: Real>(
         reactions,
         rates,
         bodies,
+        nodes,
         assembly,
         solver,
     } = scratch;
@@ -121,10 +125,23 @@ pub fn evaluate<S: Real>(
     };
     match what {
         Quantity::AnchorStates => measured::ends(&evaluation, out),
-        Quantity::Derivative => {
+        Quantity::Derivative | Quantity::Rates => {
+            let (rates, rest) = out.split_at_mut(layout.nx());
+            nodes.clear();
+            nodes.extend_from_slice(at.nodes);
+            if what == Quantity::Rates {
+                let (ends, certificates) = rest.split_at_mut(layout.len(Quantity::AnchorStates));
+                measured::ends(&evaluation, ends);
+                rate::velocities(&evaluation, nodes, certificates);
+            }
+            let at = At { nodes, ..*at };
+            let evaluation = Evaluation {
+                at: &at,
+                ..evaluation
+            };
             assembly.collect(&evaluation);
             solver.accelerate(&evaluation, assembly);
-            solver.write_derivative(&evaluation, assembly, out);
+            solver.write_derivative(&evaluation, assembly, rates);
         }
         Quantity::Balance => {
             assembly.collect(&evaluation);
@@ -208,6 +225,20 @@ pub fn masses<S: Real>(
         Some(tree) => tree.write_masses(&evaluation, out),
         None => mass::masses(&evaluation, out),
     }
+}
+
+/// Writes momentum, force and torque of gravity and loads, and how much momentum moves: P [kg m/s], L [kg m²/s], F [N], τ [N m], Σ |m v|,
+/// Σ |r × m v| + |I ω|; L and τ about the world origin (14 numbers).
+pub fn impulses<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut [S],
+) {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    energy::impulses(&evaluation, out);
 }
 
 /// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.

@@ -41,7 +41,12 @@ impl<S: Real> Solver<S> {
     }
 
     /// Writes ẋ, after [`Solver::accelerate`].
-    pub fn write_derivative(&self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>, out: &mut [S]) {
+    pub fn write_derivative(
+        &self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+        out: &mut [S],
+    ) {
         match self {
             Absolute(constraints) => derivative(evaluation, assembly, constraints, out),
             Relative(tree) => tree.write_derivative(evaluation, out),
@@ -49,7 +54,12 @@ impl<S: Real> Solver<S> {
     }
 
     /// Accelerations of every body for v̇, where they are no part of it.
-    pub fn body_accelerations(&mut self, evaluation: &Evaluation<'_, S>, rates: &[S], out: &mut Vec<[Vector3<S>; 2]>) {
+    pub fn body_accelerations(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        rates: &[S],
+        out: &mut Vec<[Vector3<S>; 2]>,
+    ) {
         match self {
             Absolute(_) => out.clear(),
             Relative(tree) => tree.body_accelerations(evaluation, rates, out),
@@ -57,7 +67,13 @@ impl<S: Real> Solver<S> {
     }
 
     /// Writes multipliers or reactions, after [`Solver::accelerate`].
-    pub fn write_solved(&mut self, what: Quantity, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>, out: &mut [S]) {
+    pub fn write_solved(
+        &mut self,
+        what: Quantity,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+        out: &mut [S],
+    ) {
         match self {
             Absolute(constraints) => constraints.write_forces(what, evaluation, out),
             Relative(tree) => tree.write_solved(what, evaluation, assembly, out),
@@ -65,7 +81,11 @@ impl<S: Real> Solver<S> {
     }
 
     /// Power that prescribed motions put in through the joints [W], after [`Solver::accelerate`].
-    pub fn drive_power(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) -> S {
+    pub fn drive_power(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+    ) -> S {
         match self {
             Absolute(constraints) => constraints.drive_power(evaluation),
             Relative(tree) => tree.drive_power(evaluation, assembly),
@@ -89,7 +109,12 @@ impl<S: Real> Solver<S> {
     }
 
     /// Writes the applied forces f.
-    pub fn write_applied(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>, out: &mut [S]) {
+    pub fn write_applied(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+        out: &mut [S],
+    ) {
         match self {
             Absolute(_) => mass::applied_forces(evaluation, assembly, out),
             Relative(tree) => tree.write_forces(evaluation, assembly, out),
@@ -113,7 +138,12 @@ impl<S: Real> Solver<S> {
     }
 
     /// Writes the equations of motion before they are solved.
-    pub fn write_residual(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>, out: &mut [S]) {
+    pub fn write_residual(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+        out: &mut [S],
+    ) {
         match self {
             Absolute(constraints) => residual(evaluation, assembly, constraints, out),
             Relative(tree) => tree.write_residual(evaluation, assembly, out),

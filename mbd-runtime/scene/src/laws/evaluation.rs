@@ -10,9 +10,9 @@ use crate::laws::formula::{self, Context, Value, of_let};
 use crate::laws::line;
 use crate::laws::node;
 use crate::laws::numbers::{FrameNumbers, Numbers};
-use crate::tree::LinkMotion;
 use crate::layout::Slots;
 use crate::scalar::algebra::{labelled, vector, write};
+use crate::tree::LinkMotion;
 use crate::{
     AngularVelocity, At, FrameMotion, InputSource, Layout, NodeModel, Part, Place, PointSlots,
     Real, Scene,

@@ -107,18 +107,22 @@ impl<S: Real> JointForcesAt<'_, S> {
 
     pub fn value(&self) -> S {
         let evaluation = self.evaluation;
-        *self.value.get_or_init(|| match evaluation.carried(self.joint, self.number()) {
-            Some([value, _]) => evaluation.at.state[value],
-            None => self.ends.value(&self.coordinate),
-        })
+        *self
+            .value
+            .get_or_init(|| match evaluation.carried(self.joint, self.number()) {
+                Some([value, _]) => evaluation.at.state[value],
+                None => self.ends.value(&self.coordinate),
+            })
     }
 
     fn rate(&self) -> S {
         let evaluation = self.evaluation;
-        *self.rate.get_or_init(|| match evaluation.carried(self.joint, self.number()) {
-            Some([_, rate]) => evaluation.at.state[rate],
-            None => self.ends.rate(&self.coordinate),
-        })
+        *self
+            .rate
+            .get_or_init(|| match evaluation.carried(self.joint, self.number()) {
+                Some([_, rate]) => evaluation.at.state[rate],
+                None => self.ends.rate(&self.coordinate),
+            })
     }
 
     /// The coordinate as a row: its columns take Q to the bodies.
@@ -264,7 +268,12 @@ pub fn on_child<S: Real>(evaluation: &Evaluation<'_, S>, joint: usize) -> [Vecto
         if acting.joint == joint {
             let (effort, row) = (acting.effort(), acting.row());
             force += row.child().linear.map(|x| x * effort);
-            torque += acting.ends.child.outward.apply(&row.couple).map(|x| x * effort);
+            torque += acting
+                .ends
+                .child
+                .outward
+                .apply(&row.couple)
+                .map(|x| x * effort);
         }
     });
     [force, torque]

@@ -27,7 +27,10 @@ impl<S: Real> Kinematics<S> {
     pub fn new(layout: &Layout) -> Self {
         Kinematics {
             motions: vec![BodyMotion::unknown(); layout.bodies.len()],
-            links: vec![LinkMotion::unknown(); layout.tree.as_ref().map_or(0, |tree| tree.links.len())],
+            links: vec![
+                LinkMotion::unknown();
+                layout.tree.as_ref().map_or(0, |tree| tree.links.len())
+            ],
             ground: Vec::new(),
             networks: vec![OnceLock::new(); layout.networks.len()],
             lets: vec![OnceLock::new(); layout.lets],

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
+use crate::laws::body::Attitude;
 use crate::laws::formula::Context;
 use crate::laws::{evaluation::Evaluation, forces, formula, joint_forces, line};
-use crate::laws::body::Attitude;
 use crate::scalar::algebra::{elements, quaternion_of, write};
 use crate::{AngularVelocity, Real, Scene};
 
@@ -123,7 +123,12 @@ pub fn lines<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
 
 /// Position, attitude, velocity and angular velocity of every body, as absolute coordinates have them.
 pub fn bodies<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
-    for ((motion, body), out) in evaluation.motions.iter().zip(&evaluation.scene.bodies).zip(out.chunks_exact_mut(13)) {
+    for ((motion, body), out) in evaluation
+        .motions
+        .iter()
+        .zip(&evaluation.scene.bodies)
+        .zip(out.chunks_exact_mut(13))
+    {
         S::section(&body.name);
         write(out, 0, &motion.position);
         let attitude = match motion.attitude {

@@ -11,7 +11,11 @@ const SPIN: [&str; 3] = ["omega_x", "omega_y", "omega_z"];
 impl Layout {
     /// The joint of the tree, the name and the SI unit of a number of the state; `None` where it is none of a joint.
     #[must_use]
-    pub fn joint_number<'s>(&self, scene: &'s Scene, index: usize) -> Option<(usize, &'s str, &'static str)> {
+    pub fn joint_number<'s>(
+        &self,
+        scene: &'s Scene,
+        index: usize,
+    ) -> Option<(usize, &'s str, &'static str)> {
         self.joint_links().find_map(|(joint, link)| {
             let law = &scene.joints.get(joint)?.law;
             let (name, unit) = match index.checked_sub(self.nq) {
@@ -27,7 +31,9 @@ fn coordinate(law: &JointLaw, link: &Link, number: usize) -> Option<(&'static st
     if let Some(own) = law.attitude().filter(|attitude| attitude.contains(&number)) {
         return Some((ATTITUDE[number - own.start], ""));
     }
-    let found = law.coordinate(number).filter(|_| number < link.coordinates)?;
+    let found = law
+        .coordinate(number)
+        .filter(|_| number < link.coordinates)?;
     Some((found.name, if found.is_angle() { "rad" } else { "m" }))
 }
 

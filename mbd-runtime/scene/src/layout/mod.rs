@@ -137,7 +137,11 @@ impl Layout {
     /// Whether accelerations come out of a system that is solved: rows of joints, or a tree.
     #[must_use]
     pub fn solves(&self) -> bool {
-        self.nc > 0 || self.tree.as_ref().is_some_and(|tree| !tree.links.is_empty())
+        self.nc > 0
+            || self
+                .tree
+                .as_ref()
+                .is_some_and(|tree| !tree.links.is_empty())
     }
 
     /// Number of independent rows: those that are kept.
@@ -166,9 +170,13 @@ impl Layout {
 
     /// Where in the state each quaternion starts; a planar scene has none.
     pub fn quaternions(&self) -> impl Iterator<Item = usize> + '_ {
-        let bodies = self.own_bodies().filter(|_| self.directions.plane.is_none());
+        let bodies = self
+            .own_bodies()
+            .filter(|_| self.directions.plane.is_none());
         let bodies = bodies.map(|(_, slots)| slots.q + self.directions.translations().len());
-        let joints = self.joint_links().filter(|(_, link)| link.attitude().is_some());
+        let joints = self
+            .joint_links()
+            .filter(|(_, link)| link.attitude().is_some());
         bodies.chain(joints.filter_map(|(_, link)| Some(link.attitude()?.start)))
     }
 

@@ -26,6 +26,7 @@ impl Layout {
         };
         layout.place_state(scene);
         layout.place_lines(scene);
+        layout.place_loads(scene);
         layout.place_networks();
         layout.place_inputs(scene);
         let laws = laws(&layout);
@@ -48,7 +49,9 @@ impl Layout {
         self.bodies = vec![None; scene.bodies.len()];
         self.tree = (scene.coordinates == Coordinates::Relative).then(|| Tree::span(scene));
         let carried = |tree: &Option<Tree>, body: usize| {
-            let link = tree.as_ref().and_then(|tree| tree.links.get(*tree.of_body.get(body)?));
+            let link = tree
+                .as_ref()
+                .and_then(|tree| tree.links.get(*tree.of_body.get(body)?));
             link.is_some_and(|link| link.joint.is_some())
         };
         for body in 0..scene.bodies.len() {
@@ -76,6 +79,7 @@ impl Layout {
                         network: 0,
                         local: 0,
                         lines: Vec::new(),
+                        loaded: false,
                         z,
                     });
                 }
@@ -102,7 +106,8 @@ impl Layout {
         for link in &mut tree.links {
             if let Some(slots) = self.bodies[link.body] {
                 link.slots = slots;
-                (link.coordinates, link.speeds) = (self.directions.coordinates(), self.directions.speeds());
+                (link.coordinates, link.speeds) =
+                    (self.directions.coordinates(), self.directions.speeds());
                 link.turns = self.directions.rotations().len();
             }
         }
@@ -110,7 +115,10 @@ impl Layout {
             if let Some(link) = link.and_then(|link| tree.links.get_mut(link)) {
                 let law = &scene.joints[joint].law;
                 (link.coordinates, link.speeds) = (law.coordinates(), law.freedoms());
-                let angles = law.measured().filter(|coordinate| coordinate.is_angle()).count();
+                let angles = law
+                    .measured()
+                    .filter(|coordinate| coordinate.is_angle())
+                    .count();
                 link.turns = angles + if law.attitude().is_some() { 3 } else { 0 };
                 link.slots = self.own(link.coordinates, link.speeds);
             }
@@ -196,6 +204,14 @@ impl Layout {
             }
             self.effective_lines += usize::from(effective.is_some());
             self.lines.push(LineSlots { ends, effective });
+        }
+    }
+
+    fn place_loads(&mut self, scene: &Scene) {
+        for load in &scene.loads {
+            if let Some(node) = self.node_at(load.at) {
+                self.nodes[node].loaded = true;
+            }
         }
     }
 

@@ -70,7 +70,8 @@ fn may_carry(scene: &Scene, joint: usize) -> bool {
     };
     let law = &declared.law;
     let attitude = law.attitude().unwrap_or_default();
-    let measured = (0..law.coordinates()).all(|index| attitude.contains(&index) || law.coordinate(index).is_some());
+    let measured = (0..law.coordinates())
+        .all(|index| attitude.contains(&index) || law.coordinate(index).is_some());
     let places = [declared.parent, declared.child];
     let ends = places.map(on);
     measured
@@ -84,7 +85,9 @@ fn may_carry(scene: &Scene, joint: usize) -> bool {
 impl Tree {
     /// The tree of a scene; no coordinates yet.
     pub(crate) fn span(scene: &Scene) -> Self {
-        let mut candidates: Vec<usize> = (0..scene.joints.len()).filter(|&joint| may_carry(scene, joint)).collect();
+        let mut candidates: Vec<usize> = (0..scene.joints.len())
+            .filter(|&joint| may_carry(scene, joint))
+            .collect();
         candidates.sort_by_key(|&joint| scene.joints[joint].law.freedoms());
         // What hangs together: bodies, and behind them the world.
         let world = scene.bodies.len();
@@ -92,9 +95,13 @@ impl Tree {
         let mut carrying: Vec<usize> = Vec::new();
         for joint in candidates {
             let declared = &scene.joints[joint];
-            let [a, b] = [declared.parent, declared.child].map(|place| group[on(place).unwrap_or(world)]);
+            let [a, b] =
+                [declared.parent, declared.child].map(|place| group[on(place).unwrap_or(world)]);
             if a != b {
-                group.iter_mut().filter(|own| **own == a).for_each(|own| *own = b);
+                group
+                    .iter_mut()
+                    .filter(|own| **own == a)
+                    .for_each(|own| *own = b);
                 carrying.push(joint);
             }
         }
@@ -117,7 +124,13 @@ impl Tree {
     }
 
     /// Everything that the world, or a body with its link, carries; depth first, joints in the order of declaration.
-    fn walk(&mut self, scene: &Scene, carrying: &[usize], from: Option<(usize, usize)>, placed: &mut [bool]) {
+    fn walk(
+        &mut self,
+        scene: &Scene,
+        carrying: &[usize],
+        from: Option<(usize, usize)>,
+        placed: &mut [bool],
+    ) {
         let mut open = vec![from];
         while let Some(from) = open.pop() {
             let near = from.map(|(body, _)| body);
@@ -125,8 +138,10 @@ impl Tree {
             for &joint in carrying {
                 let declared = &scene.joints[joint];
                 let [parent, child] = [declared.parent, declared.child].map(on);
-                for (inboard, outboard, reversed) in [(parent, child, false), (child, parent, true)] {
-                    let Some(body) = outboard.filter(|&body| inboard == near && !placed[body]) else {
+                for (inboard, outboard, reversed) in [(parent, child, false), (child, parent, true)]
+                {
+                    let Some(body) = outboard.filter(|&body| inboard == near && !placed[body])
+                    else {
                         continue;
                     };
                     placed[body] = true;
@@ -138,7 +153,13 @@ impl Tree {
         }
     }
 
-    fn add(&mut self, body: usize, joint: Option<usize>, reversed: bool, inboard: Option<usize>) -> usize {
+    fn add(
+        &mut self,
+        body: usize,
+        joint: Option<usize>,
+        reversed: bool,
+        inboard: Option<usize>,
+    ) -> usize {
         let link = self.links.len();
         self.links.push(Link {
             body,
@@ -181,6 +202,7 @@ impl Tree {
     #[must_use]
     pub fn meeting(&self, [a, b]: [Option<usize>; 2]) -> Option<usize> {
         let (a, b) = (a?, b?);
-        self.path(a).find(|link| self.path(b).any(|other| other == *link))
+        self.path(a)
+            .find(|link| self.path(b).any(|other| other == *link))
     }
 }

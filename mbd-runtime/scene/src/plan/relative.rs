@@ -37,7 +37,12 @@ pub(super) fn relative(layout: &Layout) -> Elimination {
     for link in links.iter().rev().filter(|link| link.speeds > 0) {
         graph.push(link.part(), link.speeds);
     }
-    let held = |part: Part| layout.joints.iter().any(|slots| !slots.kept.is_empty() && slots.ends.contains(&Some(part)));
+    let held = |part: Part| {
+        layout
+            .joints
+            .iter()
+            .any(|slots| !slots.kept.is_empty() && slots.ends.contains(&Some(part)))
+    };
     for (point, slots) in layout.points.iter().enumerate() {
         let part = Part::Point(point);
         if matches!(slots, PointSlots::Mass(_)) && held(part) {

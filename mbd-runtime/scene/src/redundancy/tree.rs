@@ -75,7 +75,12 @@ impl JointGraph {
         let mut parts: Vec<Option<Part>> = vec![None];
         let mut edges = Vec::new();
         let mut leader: Vec<usize> = vec![0];
-        let mut joints: Vec<_> = layout.joints.iter().enumerate().filter(|(_, s)| s.len > 0).collect();
+        let mut joints: Vec<_> = layout
+            .joints
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| s.len > 0)
+            .collect();
         joints.sort_by_key(|&(joint, _)| given.is_some_and(|tree| tree.carried(joint).is_none()));
         for (joint, slots) in joints {
             let mut nodes: Vec<usize> = Vec::new();

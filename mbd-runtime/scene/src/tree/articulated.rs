@@ -92,7 +92,8 @@ impl<S: Real> Articulated<S> {
     /// I −= U Uᵀ/D.
     fn take_off(&mut self, push: &Twist<S>, inverse: S) {
         let [u, w] = [push.linear, push.angular];
-        let [scaled_u, scaled_w] = [u, w].map(|v| v.map(|x| if x.is_zero() { x } else { x * inverse }));
+        let [scaled_u, scaled_w] =
+            [u, w].map(|v| v.map(|x| if x.is_zero() { x } else { x * inverse }));
         for i in 0..3 {
             for j in 0..=i {
                 self.linear[(i, j)] -= scaled_u[i] * u[j];

@@ -36,7 +36,10 @@ impl<S: Real> Inertia<S> {
         let square = c.dot(c);
         Inertia {
             mass: body.mass,
-            moment: labelled(c.map(|x| body.mass * x), ["moment_x", "moment_y", "moment_z"]),
+            moment: labelled(
+                c.map(|x| body.mass * x),
+                ["moment_x", "moment_y", "moment_z"],
+            ),
             inertia: symmetric_from(|i, j| {
                 let diagonal = if i == j { square } else { S::zero() };
                 about_centre[(i, j)] + body.mass * (diagonal - c[i] * c[j])
@@ -114,7 +117,9 @@ impl<S: Real> LinkMotion<S> {
 
     /// (3) of column number `k`.
     pub(super) fn along(&self, k: usize, push: &Twist<S>) -> S {
-        self.columns.get(k).map_or_else(S::zero, |column| column.dot(push))
+        self.columns
+            .get(k)
+            .map_or_else(S::zero, |column| column.dot(push))
     }
 
     /// Its acceleration by velocities alone, where what carries it has none.

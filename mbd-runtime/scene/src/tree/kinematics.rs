@@ -128,7 +128,10 @@ fn axes_of<S: Real>(frame: &FrameNumbers<S>) -> Matrix3<S> {
 }
 
 /// The frame of a place on a body.
-fn frame_of<S: Real>(numbers: &Numbers<S>, place: Place) -> Option<(&BodyNumbers<S>, &FrameNumbers<S>)> {
+fn frame_of<S: Real>(
+    numbers: &Numbers<S>,
+    place: Place,
+) -> Option<(&BodyNumbers<S>, &FrameNumbers<S>)> {
     let Place::Body(body, frame) = place else {
         return None;
     };
@@ -165,7 +168,13 @@ pub(crate) fn read<'a, S: Real>(
         S::section(&scene.bodies[link.body].name);
         let motion = match link.joint {
             None => {
-                motions[link.body] = BodyMotion::read(at.state, link.slots, layout.nq, layout.directions, scene.angular_velocity);
+                motions[link.body] = BodyMotion::read(
+                    at.state,
+                    link.slots,
+                    layout.nq,
+                    layout.directions,
+                    scene.angular_velocity,
+                );
                 Some(LinkMotion::floating(&motions[link.body]))
             }
             Some(joint) => instant.carried(link, joint, links),
@@ -183,8 +192,15 @@ impl<S: Real> Instant<'_, S> {
     fn carried(&self, link: &Link, joint: usize, links: &[LinkMotion<S>]) -> Option<LinkMotion<S>> {
         let declared = self.scene.joints.get(joint)?;
         let at = Relative {
-            q: self.at.state.get(link.slots.q..link.slots.q + link.coordinates)?,
-            u: self.at.state.get(self.layout.nq + link.slots.v..)?.get(..link.speeds)?,
+            q: self
+                .at
+                .state
+                .get(link.slots.q..link.slots.q + link.coordinates)?,
+            u: self
+                .at
+                .state
+                .get(self.layout.nq + link.slots.v..)?
+                .get(..link.speeds)?,
             numbers: self.numbers.joints.get(joint)?,
         };
         let aligned = declared.law.aligned();
@@ -228,12 +244,16 @@ impl<S: Real> Instant<'_, S> {
         motion.centre = -(body * outboard.position);
         let sum = |of: fn(&Twist<S>) -> Vector3<S>| {
             let parts = columns.iter().zip(at.u);
-            parts.fold(Vector3::zeros(), |sum: Vector3<S>, (column, &u)| sum + of(column).map(|x| x * u))
+            parts.fold(Vector3::zeros(), |sum: Vector3<S>, (column, &u)| {
+                sum + of(column).map(|x| x * u)
+            })
         };
         let (slide, spin) = (sum(|column| column.linear), sum(|column| column.angular));
         let brought = motion.turn.transpose() * inboard.omega;
         motion.omega = labelled(brought + spin, ["link_w_x", "link_w_y", "link_w_z"]);
-        motion.velocity = motion.turn.transpose() * (inboard.velocity + inboard.omega.cross(&motion.offset)) + slide;
+        motion.velocity = motion.turn.transpose()
+            * (inboard.velocity + inboard.omega.cross(&motion.offset))
+            + slide;
         let two = S::from_f64(2.0);
         motion.bias = Twist {
             linear: moved.linear + brought.cross(&slide).map(|x| two * x),
@@ -302,7 +322,9 @@ fn forward<S: Real>(
         linear: back * twist.linear,
         angular: back * twist.angular,
     };
-    columns.iter_mut().for_each(|column| *column = turned(column));
+    columns
+        .iter_mut()
+        .for_each(|column| *column = turned(column));
     if attitude {
         // The speeds of an attitude are the angular velocity in frame 2.
         let own = columns.iter_mut().rev().zip(units().into_iter().rev());
@@ -330,7 +352,8 @@ fn backward<S: Real>(
     }
     let two = S::from_f64(2.0);
     let moved = Twist {
-        linear: bias.angular.cross(&s) - bias.linear + k.cross(&x).map(|c| two * c) - k.cross(&k.cross(&s)),
+        linear: bias.angular.cross(&s) - bias.linear + k.cross(&x).map(|c| two * c)
+            - k.cross(&k.cross(&s)),
         angular: -bias.angular,
     };
     let back = pose.rotation.transpose();

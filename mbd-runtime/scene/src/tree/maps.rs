@@ -9,10 +9,12 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
+use crate::evaluate::{Scratch, evaluate};
 use crate::laws::kinematics::Kinematics;
 use crate::laws::numbers::Numbers;
-use crate::evaluate::{Scratch, evaluate};
-use crate::{AngularVelocity, Arguments, Coordinates, Layout, PointSlots, Quantity, Relative, Scene, Twist};
+use crate::{
+    AngularVelocity, Arguments, Coordinates, Layout, PointSlots, Quantity, Relative, Scene, Twist,
+};
 
 /// The same scene in absolute coordinates, as far as states need it: nothing is planned.
 pub(crate) struct Absolute {
@@ -28,7 +30,12 @@ impl Absolute {
     }
 
     /// The state in absolute coordinates.
-    pub fn state(&self, (scene, layout): (&Scene, &Layout), (params, time): (&[f64], f64), state: &[f64]) -> Vec<f64> {
+    pub fn state(
+        &self,
+        (scene, layout): (&Scene, &Layout),
+        (params, time): (&[f64], f64),
+        state: &[f64],
+    ) -> Vec<f64> {
         let numbers = Numbers::new(scene, params);
         let arguments = Arguments {
             time,
@@ -41,7 +48,15 @@ impl Absolute {
         };
         let mut bodies = vec![0.0; layout.len(Quantity::Bodies)];
         let scratch = &mut Scratch::new(layout);
-        evaluate(Quantity::Bodies, scene, layout, &numbers, &arguments.at(), scratch, &mut bodies);
+        evaluate(
+            Quantity::Bodies,
+            scene,
+            layout,
+            &numbers,
+            &arguments.at(),
+            scratch,
+            &mut bodies,
+        );
         let mut out = vec![0.0; self.layout.nx()];
         for ((_, slots), numbers) in self.layout.own_bodies().zip(bodies.chunks_exact(13)) {
             let (q, v) = numbers.split_at(7);
@@ -54,7 +69,13 @@ impl Absolute {
     }
 
     /// Writes the state in relative coordinates.
-    pub fn relative(&self, scene: (&Scene, &Layout), from: &[f64], at: (&[f64], f64), out: &mut [f64]) {
+    pub fn relative(
+        &self,
+        scene: (&Scene, &Layout),
+        from: &[f64],
+        at: (&[f64], f64),
+        out: &mut [f64],
+    ) {
         to_relative(scene, (&self.layout, from), at, out);
     }
 }
@@ -95,7 +116,9 @@ pub fn to_relative(
     let at = arguments.at();
     let mut kinematics = Kinematics::new(absolute);
     let evaluation = kinematics.read(scene, absolute, &numbers, &at);
-    let floating = layout.own_bodies().filter_map(|(body, own)| Some((own, (*absolute.bodies.get(body)?)?)));
+    let floating = layout
+        .own_bodies()
+        .filter_map(|(body, own)| Some((own, (*absolute.bodies.get(body)?)?)));
     for (own, slots) in floating {
         let (coordinates, speeds) = (layout.directions.coordinates(), layout.directions.speeds());
         out[own.q..own.q + coordinates].copy_from_slice(&from[slots.q..slots.q + coordinates]);
@@ -144,7 +167,14 @@ pub fn to_relative(
 
 /// (2).
 fn speeds(columns: &[Twist<f64>], along: &Vector3<f64>, about: &Vector3<f64>) -> DVector<f64> {
-    let six = |twist: &Twist<f64>| twist.linear.iter().chain(twist.angular.iter()).copied().collect::<Vec<f64>>();
+    let six = |twist: &Twist<f64>| {
+        twist
+            .linear
+            .iter()
+            .chain(twist.angular.iter())
+            .copied()
+            .collect::<Vec<f64>>()
+    };
     let h = DMatrix::from_fn(6, columns.len(), |i, k| six(&columns[k])[i]);
     let motion = DVector::from_vec(six(&Twist {
         linear: *along,
@@ -152,5 +182,8 @@ fn speeds(columns: &[Twist<f64>], along: &Vector3<f64>, about: &Vector3<f64>) ->
     }));
     let normal = h.transpose() * &h;
     let right = h.transpose() * motion;
-    normal.cholesky().map_or_else(|| DVector::zeros(columns.len()), |factor| factor.solve(&right))
+    normal.cholesky().map_or_else(
+        || DVector::zeros(columns.len()),
+        |factor| factor.solve(&right),
+    )
 }

@@ -57,10 +57,20 @@ impl<S: Real> TreeRows<S> {
     }
 
     /// Runs the rows: all of them, or of each joint those that are in the system, first. `accelerations`: those of the links without u̇, gravity taken off.
-    pub fn run(&mut self, evaluation: &Evaluation<'_, S>, accelerations: &[Twist<S>], in_system: bool) {
+    pub fn run(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        accelerations: &[Twist<S>],
+        in_system: bool,
+    ) {
         let layout = evaluation.layout;
         self.lines.fill(S::zero());
-        for (joint, slots) in layout.joints.iter().enumerate().filter(|(_, slots)| slots.len > 0) {
+        for (joint, slots) in layout
+            .joints
+            .iter()
+            .enumerate()
+            .filter(|(_, slots)| slots.len > 0)
+        {
             let declared = &evaluation.scene.joints[joint];
             S::section(&declared.name);
             if let Some(link) = layout.carried(joint) {
@@ -92,7 +102,10 @@ impl<S: Real> TreeRows<S> {
 
     /// The rows of a joint between its ends.
     fn between(&mut self, evaluation: &Evaluation<'_, S>, joint: usize) {
-        let (declared, slots) = (&evaluation.scene.joints[joint], &evaluation.layout.joints[joint]);
+        let (declared, slots) = (
+            &evaluation.scene.joints[joint],
+            &evaluation.layout.joints[joint],
+        );
         let ends = |joint: usize| evaluation.ends(joint, AngularVelocity::Body);
         let Some(own) = ends(joint) else { return };
         let rows = &mut self.rows[joint];
@@ -106,7 +119,13 @@ impl<S: Real> TreeRows<S> {
     }
 
     /// One row as a line, by (1).
-    fn line(&mut self, evaluation: &Evaluation<'_, S>, joint: usize, (number, row): (usize, &Row<S>), accelerations: &[Twist<S>]) {
+    fn line(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        joint: usize,
+        (number, row): (usize, &Row<S>),
+        accelerations: &[Twist<S>],
+    ) {
         let layout = evaluation.layout;
         let (Some(tree), ends) = (&layout.tree, &layout.joints[joint].ends) else {
             return;
@@ -162,7 +181,11 @@ impl<S: Real> TreeRows<S> {
             }
             self.between(evaluation, joint);
             let Some(tree) = &layout.tree else { continue };
-            for (row, &multiplier) in self.rows[joint].rows().iter().zip(&multipliers[slots.row..]) {
+            for (row, &multiplier) in self.rows[joint]
+                .rows()
+                .iter()
+                .zip(&multipliers[slots.row..])
+            {
                 for (end, columns) in slots.ends.iter().zip(row.columns.iter()) {
                     if let Some(Part::Body(body)) = *end {
                         let link = tree.of_body[body];
@@ -176,7 +199,12 @@ impl<S: Real> TreeRows<S> {
     }
 
     /// Hands out what each row in the system of a joint is made of: its number, a row of the joint, and how much of it.
-    pub fn each_kept(&self, evaluation: &Evaluation<'_, S>, joint: usize, each: impl FnMut(usize, usize, S)) {
+    pub fn each_kept(
+        &self,
+        evaluation: &Evaluation<'_, S>,
+        joint: usize,
+        each: impl FnMut(usize, usize, S),
+    ) {
         kept_parts(evaluation, joint, &self.rows, each);
     }
 
@@ -187,7 +215,12 @@ impl<S: Real> TreeRows<S> {
             *slot = match what {
                 Quantity::Constraint => level.value,
                 Quantity::ConstraintBias => level.bias,
-                _ => level.time + super::system::sparse_dot(line.iter().copied().zip(speeds.iter().copied())),
+                _ => {
+                    level.time
+                        + super::system::sparse_dot(
+                            line.iter().copied().zip(speeds.iter().copied()),
+                        )
+                }
             };
         }
     }

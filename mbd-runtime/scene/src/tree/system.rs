@@ -14,13 +14,15 @@ use super::articulated::Articulated;
 use super::inertia::Inertia;
 use super::rows::{TreeRows, three};
 use crate::elimination::{System, common_fall, enter, factored};
-use crate::laws::joint_forces::on_child;
 use crate::laws::GravityNumbers;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::{body_gravity, point_gravity};
+use crate::laws::joint_forces::on_child;
 use crate::scalar::algebra::write;
-use crate::{AngularVelocity, Layout, Link, Part, Place, PointSlots, Quantity, Real, Relative, Twist};
+use crate::{
+    AngularVelocity, Layout, Link, Part, Place, PointSlots, Quantity, Real, Relative, Twist,
+};
 
 /// Σ a b over the products in which neither is zero.
 pub(super) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
@@ -64,10 +66,15 @@ fn into_link<S: Real>(evaluation: &Evaluation<'_, S>, list: &mut [S]) {
 
 /// The way back.
 fn into_state<S: Real>(evaluation: &Evaluation<'_, S>, list: &mut [S]) {
-    each_floating(evaluation, |link, axes| rotate(evaluation, link, axes, list));
+    each_floating(evaluation, |link, axes| {
+        rotate(evaluation, link, axes, list)
+    });
 }
 
-fn each_floating<S: Real>(evaluation: &Evaluation<'_, S>, mut each: impl FnMut(&Link, &Matrix3<S>)) {
+fn each_floating<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    mut each: impl FnMut(&Link, &Matrix3<S>),
+) {
     for (link, motion) in links(evaluation.layout).iter().zip(evaluation.links) {
         if link.joint.is_none() {
             each(link, &motion.axes);
@@ -109,7 +116,9 @@ impl<S: Real> TreeSystem<S> {
         for (index, link) in links(evaluation.layout).iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let motion = &evaluation.links[index];
-            let rates = rates.get(link.slots.v..link.slots.v + link.speeds).unwrap_or_default();
+            let rates = rates
+                .get(link.slots.v..link.slots.v + link.speeds)
+                .unwrap_or_default();
             self.accelerations[index] = match (link.joint, link.inboard) {
                 (None, _) => {
                     let falling = motion.axes.transpose() * -fall;
@@ -120,7 +129,9 @@ impl<S: Real> TreeSystem<S> {
                     own
                 }
                 (_, Some(inboard)) => motion.accelerated(&self.accelerations[inboard], rates),
-                (Some(joint), None) => motion.accelerated(&base(evaluation, joint, link.reversed, &fall), rates),
+                (Some(joint), None) => {
+                    motion.accelerated(&base(evaluation, joint, link.reversed, &fall), rates)
+                }
             };
         }
     }
@@ -145,7 +156,10 @@ impl<S: Real> TreeSystem<S> {
     /// What gravity that is not the same everywhere asks of the joint of a link.
     fn weight(&self, evaluation: &Evaluation<'_, S>, index: usize) -> Twist<S> {
         let numbers = evaluation.numbers;
-        if matches!(numbers.gravity, GravityNumbers::Uniform(_) | GravityNumbers::None) {
+        if matches!(
+            numbers.gravity,
+            GravityNumbers::Uniform(_) | GravityNumbers::None
+        ) {
             return Twist::zero();
         }
         let body = links(evaluation.layout)[index].body;
@@ -175,7 +189,10 @@ impl<S: Real> TreeSystem<S> {
         let n = layout.nv;
         self.mass.fill(S::zero());
         for (index, link) in all.iter().enumerate() {
-            self.composites[index] = Inertia::of(&evaluation.numbers.bodies[link.body], &evaluation.links[index]);
+            self.composites[index] = Inertia::of(
+                &evaluation.numbers.bodies[link.body],
+                &evaluation.links[index],
+            );
         }
         for (index, link) in all.iter().enumerate().rev() {
             S::section(&evaluation.scene.bodies[link.body].name);
@@ -239,7 +256,8 @@ impl<S: Real> TreeSystem<S> {
                         for j in 0..other.size {
                             // Rows of M belong to what is carried.
                             let value = self.mass[(first + i) * n + to + j];
-                            self.system.set_coupling(plan, (below.step, j), (index, i), value);
+                            self.system
+                                .set_coupling(plan, (below.step, j), (index, i), value);
                         }
                     }
                 } else if let Part::Joint(joint) = other.part {
@@ -247,13 +265,15 @@ impl<S: Real> TreeSystem<S> {
                     for j in 0..other.size {
                         for i in 0..step.size {
                             let value = self.rows.lines[(row + j) * n + first + i];
-                            self.system.set_coupling(plan, (below.step, j), (index, i), value);
+                            self.system
+                                .set_coupling(plan, (below.step, j), (index, i), value);
                         }
                     }
                 }
             }
         }
-        self.system.factor(plan, |part| enter::<S>(evaluation.scene, part));
+        self.system
+            .factor(plan, |part| enter::<S>(evaluation.scene, part));
     }
 
     /// Solves (1): u̇ in the components of the links, and λ of all rows.
@@ -279,7 +299,8 @@ impl<S: Real> TreeSystem<S> {
                 }
                 Part::Point(point) => {
                     if let PointSlots::Mass(slots) = layout.points[point] {
-                        let weight = point_gravity(evaluation, point, slots.q).map(|g| numbers.points[point].0 * g);
+                        let weight = point_gravity(evaluation, point, slots.q)
+                            .map(|g| numbers.points[point].0 * g);
                         write(right, 0, &(assembly.points[point] + weight));
                     }
                 }
@@ -292,7 +313,8 @@ impl<S: Real> TreeSystem<S> {
                 }
             }
         }
-        self.system.solve(plan, |part| enter::<S>(evaluation.scene, part));
+        self.system
+            .solve(plan, |part| enter::<S>(evaluation.scene, part));
         self.take_solution(evaluation);
         self.move_points(evaluation, assembly);
     }
@@ -305,7 +327,8 @@ impl<S: Real> TreeSystem<S> {
             if let (PointSlots::Mass(slots), None) = (slots, held) {
                 S::section(&evaluation.scene.points[point].name);
                 let inverse = evaluation.numbers.points[point].1;
-                let rate = assembly.points[point].map(|f| f * inverse) + point_gravity(evaluation, point, slots.q);
+                let rate = assembly.points[point].map(|f| f * inverse)
+                    + point_gravity(evaluation, point, slots.q);
                 write(&mut self.rates, slots.v, &rate);
             }
         }
@@ -340,7 +363,9 @@ impl<S: Real> TreeSystem<S> {
             let own = match (link.joint, link.inboard) {
                 (None, _) => Twist::slide(motion.axes.transpose() * -fall),
                 (_, Some(inboard)) => motion.accelerated(&self.accelerations[inboard], &[]),
-                (Some(joint), None) => motion.accelerated(&base(evaluation, joint, link.reversed, &fall), &[]),
+                (Some(joint), None) => {
+                    motion.accelerated(&base(evaluation, joint, link.reversed, &fall), &[])
+                }
             };
             let rates = &mut self.rates[link.slots.v..link.slots.v + link.speeds];
             self.accelerations[index] = self.articulated[index].find(motion, own, rates);
@@ -382,7 +407,12 @@ impl<S: Real> TreeSystem<S> {
     }
 
     /// Accelerations of every body, linear in world axes and angular in the components of the state, for v̇.
-    pub fn body_accelerations(&mut self, evaluation: &Evaluation<'_, S>, rates: &[S], out: &mut Vec<[Vector3<S>; 2]>) {
+    pub fn body_accelerations(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        rates: &[S],
+        out: &mut Vec<[Vector3<S>; 2]>,
+    ) {
         out.clear();
         out.resize(evaluation.layout.bodies.len(), [Vector3::zeros(); 2]);
         let mut along = std::mem::take(&mut self.along);
@@ -411,13 +441,17 @@ impl<S: Real> TreeSystem<S> {
         self.rows.run(evaluation, &accelerations, false);
         self.accelerations = accelerations;
         if what == Quantity::ConstraintJacobian {
-            for (to, from) in out.chunks_exact_mut(layout.nv).zip(self.rows.lines.chunks_exact(layout.nv)) {
+            for (to, from) in out
+                .chunks_exact_mut(layout.nv)
+                .zip(self.rows.lines.chunks_exact(layout.nv))
+            {
                 to.copy_from_slice(from);
                 into_state(evaluation, to);
             }
             return;
         }
-        self.along.copy_from_slice(&evaluation.at.state[layout.nq..layout.nq + layout.nv]);
+        self.along
+            .copy_from_slice(&evaluation.at.state[layout.nq..layout.nq + layout.nv]);
         into_link(evaluation, &mut self.along);
         self.rows.write(what, &self.along, out);
     }
@@ -473,14 +507,23 @@ impl<S: Real> TreeSystem<S> {
         for (point, slots) in evaluation.layout.points.iter().enumerate() {
             if let PointSlots::Mass(slots) = slots {
                 let mass = evaluation.numbers.points[point].0;
-                write(out, slots.v, &point_gravity(evaluation, point, slots.q).map(|g| -(mass * g)));
+                write(
+                    out,
+                    slots.v,
+                    &point_gravity(evaluation, point, slots.q).map(|g| -(mass * g)),
+                );
             }
         }
         into_state(evaluation, out);
     }
 
     /// Writes the applied forces f.
-    pub fn write_forces(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>, out: &mut [S]) {
+    pub fn write_forces(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+        out: &mut [S],
+    ) {
         for index in 0..self.pushes.len() {
             self.pushes[index] = applied(evaluation, index, assembly);
         }
@@ -497,7 +540,13 @@ impl<S: Real> TreeSystem<S> {
     }
 
     /// Writes λ, or force and torque of every joint on its child, after [`TreeSystem::accelerate`].
-    pub fn write_solved(&mut self, what: Quantity, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>, out: &mut [S]) {
+    pub fn write_solved(
+        &mut self,
+        what: Quantity,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+        out: &mut [S],
+    ) {
         if what == Quantity::Multipliers {
             return out.copy_from_slice(&self.multipliers);
         }
@@ -531,8 +580,18 @@ impl<S: Real> TreeSystem<S> {
     }
 
     /// Force and torque of a joint of the tree on its child about the origin of frame 2, world axes; what acts along its coordinates is none of it.
-    fn reaction(&self, evaluation: &Evaluation<'_, S>, joint: usize, link: &Link) -> [Vector3<S>; 2] {
-        let Some(index) = evaluation.layout.tree.as_ref().and_then(|tree| *tree.of_joint.get(joint)?) else {
+    fn reaction(
+        &self,
+        evaluation: &Evaluation<'_, S>,
+        joint: usize,
+        link: &Link,
+    ) -> [Vector3<S>; 2] {
+        let Some(index) = evaluation
+            .layout
+            .tree
+            .as_ref()
+            .and_then(|tree| *tree.of_joint.get(joint)?)
+        else {
             return [Vector3::zeros(); 2];
         };
         let (motion, push) = (&evaluation.links[index], &self.pushes[index]);
@@ -552,18 +611,31 @@ impl<S: Real> TreeSystem<S> {
     fn rows_on_child(&self, evaluation: &Evaluation<'_, S>, joint: usize) -> [Vector3<S>; 2] {
         let slots = &evaluation.layout.joints[joint];
         let rows = self.rows.rows[joint].rows().iter();
-        let own = self.multipliers[slots.row..slots.row + slots.len].iter().map(|&x| -x);
+        let own = self.multipliers[slots.row..slots.row + slots.len]
+            .iter()
+            .map(|&x| -x);
         match evaluation.ends(joint, AngularVelocity::Body) {
-            Some(ends) if slots.len > 0 => crate::elimination::reaction(evaluation, &ends.child.outward, rows.zip(own)),
+            Some(ends) if slots.len > 0 => {
+                crate::elimination::reaction(evaluation, &ends.child.outward, rows.zip(own))
+            }
             _ => [Vector3::zeros(); 2],
         }
     }
 
     /// Power that prescribed motions put in through the joints [W], after [`TreeSystem::accelerate`].
-    pub fn drive_power(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) -> S {
+    pub fn drive_power(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+    ) -> S {
         let layout = evaluation.layout;
         let mut power = S::zero();
-        for (joint, slots) in layout.joints.iter().enumerate().filter(|(_, slots)| slots.driven) {
+        for (joint, slots) in layout
+            .joints
+            .iter()
+            .enumerate()
+            .filter(|(_, slots)| slots.driven)
+        {
             let _ = joint;
             for row in slots.row..slots.row + slots.len {
                 power -= self.multipliers[row] * self.rows.levels[row].time;
@@ -612,7 +684,8 @@ impl<S: Real> TreeSystem<S> {
                 });
             }
         }
-        self.system.solve(plan, |part| enter::<S>(evaluation.scene, part));
+        self.system
+            .solve(plan, |part| enter::<S>(evaluation.scene, part));
         self.rates.fill(S::zero());
         self.take_solution(evaluation);
         self.write_rates(evaluation, &mut out[..layout.nv]);
@@ -620,7 +693,12 @@ impl<S: Real> TreeSystem<S> {
     }
 
     /// Writes the equations of motion before they are solved, at given v̇ and λ.
-    pub fn write_residual(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>, out: &mut [S]) {
+    pub fn write_residual(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+        out: &mut [S],
+    ) {
         let (layout, given) = (evaluation.layout, evaluation.at.rows);
         if given.len() != layout.nv + layout.nc {
             return out.fill(S::from_f64(f64::NAN));
@@ -648,7 +726,11 @@ impl<S: Real> TreeSystem<S> {
             if let PointSlots::Mass(slots) = slots {
                 let mass = evaluation.numbers.points[point].0;
                 let fall = three(&own, slots.v) - point_gravity(evaluation, point, slots.q);
-                write(&mut self.along, slots.v, &(fall.map(|x| mass * x) - assembly.points[point]));
+                write(
+                    &mut self.along,
+                    slots.v,
+                    &(fall.map(|x| mass * x) - assembly.points[point]),
+                );
             }
         }
         let rows = out.len() - layout.nc;
@@ -657,7 +739,12 @@ impl<S: Real> TreeSystem<S> {
             out[rows + slots.row..rows + slots.row + slots.len].fill(S::zero());
             for number in slots.row..slots.row + slots.kept.len() {
                 let line = &self.rows.lines[number * n..(number + 1) * n];
-                for (slot, &column) in self.along.iter_mut().zip(line).filter(|(_, column)| !column.is_zero()) {
+                for (slot, &column) in self
+                    .along
+                    .iter_mut()
+                    .zip(line)
+                    .filter(|(_, column)| !column.is_zero())
+                {
                     *slot -= column * multipliers[number];
                 }
                 let left = sparse_dot(line.iter().copied().zip(own.iter().copied()));
@@ -718,7 +805,8 @@ impl<S: Real> TreeSystem<S> {
                 right.copy_from_slice(&asked[from..from + right.len()]);
             }
         }
-        self.system.solve(plan, |part| enter::<S>(evaluation.scene, part));
+        self.system
+            .solve(plan, |part| enter::<S>(evaluation.scene, part));
         out.fill(S::zero());
         for (index, step) in plan.steps.iter().enumerate() {
             let unknowns = self.system.unknowns(plan, index);
@@ -743,7 +831,12 @@ impl<S: Real> TreeSystem<S> {
     }
 
     /// Force and torque of every joint on its child for given u̇, in the components of the state, and λ of all rows.
-    pub fn reactions_for(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>, out: &mut [S]) {
+    pub fn reactions_for(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+        out: &mut [S],
+    ) {
         self.rates.copy_from_slice(evaluation.accelerations);
         into_link(evaluation, &mut self.rates);
         self.multipliers.copy_from_slice(evaluation.multipliers);
@@ -751,7 +844,11 @@ impl<S: Real> TreeSystem<S> {
     }
 
     /// The power of [`TreeSystem::drive_power`] for given u̇ and λ.
-    pub fn drive_power_for(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) -> S {
+    pub fn drive_power_for(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+    ) -> S {
         self.rates.copy_from_slice(evaluation.accelerations);
         into_link(evaluation, &mut self.rates);
         self.multipliers.copy_from_slice(evaluation.multipliers);
@@ -767,18 +864,27 @@ impl<S: Real> TreeSystem<S> {
 pub(crate) fn factored_len(layout: &Layout) -> usize {
     let mut count = 1;
     factored(&layout.elimination, |_, _| count += 1);
-    count + 9 * links(layout).iter().filter(|link| link.joint.is_none()).count()
+    count
+        + 9 * links(layout)
+            .iter()
+            .filter(|link| link.joint.is_none())
+            .count()
 }
 
 /// First speed and number of speeds of a node of the system; `None` for rows.
 fn speeds_of(layout: &Layout, part: Part) -> Option<(usize, usize)> {
     match part {
-        Part::Body(body) => Some((layout.bodies.get(body).copied().flatten()?.v, layout.directions.speeds())),
+        Part::Body(body) => Some((
+            layout.bodies.get(body).copied().flatten()?.v,
+            layout.directions.speeds(),
+        )),
         Part::Point(point) => match *layout.points.get(point)? {
             PointSlots::Mass(slots) => Some((slots.v, layout.directions.translations().len())),
             PointSlots::Node(_) => None,
         },
-        Part::Coordinates(joint) => layout.carried(joint).map(|link| (link.slots.v, link.speeds)),
+        Part::Coordinates(joint) => layout
+            .carried(joint)
+            .map(|link| (link.slots.v, link.speeds)),
         Part::Joint(_) => None,
     }
 }
@@ -786,11 +892,20 @@ fn speeds_of(layout: &Layout, part: Part) -> Option<(usize, usize)> {
 /// Where the joint of a link sits on what carries it.
 fn near<S: Real>(evaluation: &Evaluation<'_, S>, joint: usize, reversed: bool) -> Option<Place> {
     let declared = evaluation.scene.joints.get(joint)?;
-    Some(if reversed { declared.child } else { declared.parent })
+    Some(if reversed {
+        declared.child
+    } else {
+        declared.parent
+    })
 }
 
 /// The acceleration of what carries a link on the world, less the common fall, its axes.
-fn base<S: Real>(evaluation: &Evaluation<'_, S>, joint: usize, reversed: bool, fall: &Vector3<S>) -> Twist<S> {
+fn base<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    joint: usize,
+    reversed: bool,
+    fall: &Vector3<S>,
+) -> Twist<S> {
     let frame = match near(evaluation, joint, reversed) {
         Some(Place::World(frame)) => evaluation.moving(frame),
         _ => None,
@@ -798,7 +913,9 @@ fn base<S: Real>(evaluation: &Evaluation<'_, S>, joint: usize, reversed: bool, f
     let Some(motion) = frame else {
         return Twist::slide(-fall);
     };
-    let back = motion.rotation.map_or_else(Matrix3::identity, |rotation| rotation.transpose());
+    let back = motion
+        .rotation
+        .map_or_else(Matrix3::identity, |rotation| rotation.transpose());
     Twist {
         linear: back * (motion.acceleration - fall),
         angular: back * motion.alpha,
@@ -806,7 +923,11 @@ fn base<S: Real>(evaluation: &Evaluation<'_, S>, joint: usize, reversed: bool, f
 }
 
 /// The forces applied to the body of a link, at its origin.
-fn applied<S: Real>(evaluation: &Evaluation<'_, S>, link: usize, forces: &AppliedForces<S>) -> Twist<S> {
+fn applied<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    link: usize,
+    forces: &AppliedForces<S>,
+) -> Twist<S> {
     let body = links(evaluation.layout)[link].body;
     let (force, torque) = &forces.bodies[body];
     evaluation.links[link].taken([force, torque], &forces.own[body])
@@ -828,7 +949,9 @@ fn write_coordinate_rates<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]
             u: &state[v..v + link.speeds],
             numbers: &evaluation.numbers.joints[joint],
         };
-        scene.joints[joint].law.rates(&at, &mut out[link.slots.q..link.slots.q + link.coordinates]);
+        scene.joints[joint]
+            .law
+            .rates(&at, &mut out[link.slots.q..link.slots.q + link.coordinates]);
     }
     for (point, slots) in layout.points.iter().enumerate() {
         if let PointSlots::Mass(slots) = slots {
