@@ -71,7 +71,7 @@ fn both_families_move_alike_and_locate_the_same_events() {
         }),
     ] {
         let [(got, events), (want, others)] =
-            [&relative, &absolute].map(|model| ends(model, options.clone(), 2.0));
+            [&relative, &absolute].map(|model| ends(model, options, 2.0));
         assert_close(
             &got,
             &want,

@@ -615,7 +615,7 @@ fn turn_inertia<S: Real>(inertia: &mut [[S; MOST]; MOST], axes: &Matrix3<S>) {
 }
 
 /// Σ a b over the products in which neither is zero.
-pub(super) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
+pub(crate) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
     products
         .filter(|(a, b)| !a.is_zero() && !b.is_zero())
         .fold(S::zero(), |sum, (a, b)| sum + a * b)

@@ -4,13 +4,17 @@
 //! has its own axes and its centre of mass. What a joint does is what its file says of it: `motion`, `subspace`, `bias`.
 
 mod articulated;
+mod assemble;
+mod factored;
 mod inertia;
 mod kinematics;
 mod maps;
+mod reactions;
 mod rows;
 mod system;
 
+pub(crate) use factored::factored_len;
 pub(crate) use kinematics::{LinkMotion, read};
 pub(crate) use maps::Absolute;
 pub use maps::to_relative;
-pub(crate) use system::{TreeSystem, factored_len};
+pub(crate) use system::TreeSystem;

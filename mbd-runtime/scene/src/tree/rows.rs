@@ -11,7 +11,7 @@
 use nalgebra::Vector3;
 
 use super::kinematics::LinkMotion;
-use crate::elimination::kept_parts;
+use crate::elimination::{common_fall, kept_parts, sparse_dot};
 use crate::laws::evaluation::Evaluation;
 use crate::rows::{Columns, Row, Rows};
 use crate::scalar::algebra::vector;
@@ -131,7 +131,7 @@ impl<S: Real> TreeRows<S> {
             return;
         };
         let grounded = ends.contains(&None);
-        let fall = crate::elimination::common_fall(evaluation);
+        let fall = common_fall(evaluation);
         let mut bias = row.bias;
         let line = &mut self.lines[number * layout.nv..(number + 1) * layout.nv];
         for (pair, columns) in ends.chunks(2).zip(row.columns.chunks(2)) {
@@ -215,12 +215,7 @@ impl<S: Real> TreeRows<S> {
             *slot = match what {
                 Quantity::Constraint => level.value,
                 Quantity::ConstraintBias => level.bias,
-                _ => {
-                    level.time
-                        + super::system::sparse_dot(
-                            line.iter().copied().zip(speeds.iter().copied()),
-                        )
-                }
+                _ => level.time + sparse_dot(line.iter().copied().zip(speeds.iter().copied())),
             };
         }
     }
