@@ -27,6 +27,7 @@ mod scalar;
 mod scene;
 pub mod similar;
 mod starts;
+mod tree;
 mod vocabulary;
 
 pub use evaluate::{
@@ -41,8 +42,8 @@ pub use joints::{
 };
 pub use layout::{
     Anchor, Asked, Below, Carrying, Elimination, HeldMotor, InputSlots, InputSource, JointSlots,
-    Layout, LineEnd, LineSlots, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots,
-    Step, StopSlots,
+    Layout, LineEnd, LineSlots, Link, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat,
+    Slots, Step, StopSlots, Tree,
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};
@@ -62,6 +63,7 @@ pub use scene::{
     PartStart, Point, PointKind, Scene, Starts, State, Triple,
 };
 pub use starts::{declared_parts, place_declared};
+pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
     Energy, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,
