@@ -118,7 +118,7 @@ pub use balance::Imbalance;
 pub use compiled::Scalar;
 pub use integrate::Scales;
 pub use options::{Method, Options, Stabilise};
-pub use simulation::{Moved, Simulation, Snapshot, Stop};
+pub use simulation::{Acted, Moved, Simulation, Snapshot, Stop};
 pub use supply::{Inputs, Sample};
 pub use system::{External, NoLoads};
 

@@ -123,6 +123,26 @@ impl<T: Float> System<T> {
         Ok(())
     }
 
+    /// The same in a run after an action of an event, which may change speeds, but moves nothing.
+    ///
+    /// # Errors
+    /// Rows that the action leaves further from zero than a step may.
+    pub(crate) fn hold_again(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
+        let own = state.get_mut(..self.nx).unwrap_or_default();
+        if self.projection.any() {
+            self.supply(time, own)?;
+            let norm = self.read_rows(Quantity::Constraint, time, own);
+            if norm > (APART * self.projection.length).max(self.rounding(own)) {
+                return Err(StepError::JointsApart {
+                    time,
+                    norm,
+                    rows: self.worst_joints(),
+                });
+            }
+        }
+        self.assemble(time, state)
+    }
+
     /// Decides how the rows of the first step are solved.
     fn begin_rows(&mut self, time: f64, state: &[T]) {
         self.fallback.margin = f64::NAN;

@@ -10,6 +10,7 @@
 
 mod elimination;
 mod evaluate;
+mod event;
 mod fingerprint;
 pub mod joints;
 pub mod laws;
@@ -30,7 +31,9 @@ mod vocabulary;
 
 pub use evaluate::{
     Scratch, commands, evaluate, evaluate_with_multipliers, jumping_angles, masses, sensitivity,
+    settings,
 };
+pub use event::{Actions, Direction, Event, Settable, Setting};
 pub use fingerprint::fingerprint;
 pub use joints::{
     ConstantAngle, ConstantVelocity, Cylindrical, Distance, Free, Gear, Hinge, JointForces,
@@ -54,9 +57,9 @@ pub use scalar::{
     Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, symmetric,
 };
 pub use scene::{
-    Body, Clamp, Constant, CoordinateStart, Coordinates, Difference, Direction, Event, Frame,
-    Gravity, Inertia, Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter,
-    PartStart, Point, PointKind, Scene, Starts, State, Triple,
+    Body, Clamp, Constant, CoordinateStart, Coordinates, Difference, Frame, Gravity, Inertia,
+    Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter, PartStart, Point,
+    PointKind, Scene, Starts, State, Triple,
 };
 pub use starts::{declared_parts, place_declared};
 pub use vocabulary::{

@@ -1,6 +1,6 @@
 //! What the nodes carry from one accepted step to the next: written on accept, untouched by rejected steps and trial stages.
 
-use mbd_scene::{Float, Layout};
+use mbd_scene::{Float, Layout, LineSlots};
 use serde::{Deserialize, Serialize};
 
 use super::error::NodeError;
@@ -31,6 +31,16 @@ pub struct NodeMemory<T> {
     pub(crate) modes: Vec<Mode>,
 }
 
+/// The mode of every element before a run decides it: what is detached at the start, nothing of the rest.
+fn start_modes(layout: &Layout) -> Vec<Mode> {
+    let of = |slots: &LineSlots| match slots.detached {
+        true => Mode::Detached,
+        false => Mode::Free,
+    };
+    let stops = layout.stops.iter().map(|_| Mode::Free);
+    layout.lines.iter().map(of).chain(stops).collect()
+}
+
 impl<T: Float> NodeMemory<T> {
     /// An empty memory; [`Nodes::start`](super::Nodes::start) fills it.
     #[must_use]
@@ -45,7 +55,7 @@ impl<T: Float> NodeMemory<T> {
             step: T::zero(),
             smooth: vec![false; layout.networks.len()],
             ranks: vec![3; layout.networks.len()],
-            modes: vec![Mode::Free; layout.one_way()],
+            modes: start_modes(layout),
         }
     }
 
@@ -89,6 +99,18 @@ impl<T: Float> NodeMemory<T> {
     #[must_use]
     pub fn modes(&self) -> &[Mode] {
         &self.modes
+    }
+
+    /// Puts an element into a mode that an event or a start says; [`Nodes::start`](super::Nodes::start) decides all others.
+    pub(crate) fn set_mode(&mut self, element: usize, mode: Mode) {
+        if let Some(slot) = self.modes.get_mut(element) {
+            *slot = mode;
+        }
+    }
+
+    /// Every element as it is before a run.
+    pub(crate) fn forget_modes(&mut self, layout: &Layout) {
+        self.modes = start_modes(layout);
     }
 
     /// Whether this memory belongs to that layout (it may have been read from a file).

@@ -186,7 +186,7 @@ impl<T: Float> Nodes<T> {
                 nodes.restore(plan, memory);
                 return Ok(());
             }
-            law(stage.model, plan, span, memory);
+            nodes.law(stage.model, plan, span, memory);
             nodes.carry(plan, memory);
             nodes.balance(stage, plan, work)
         });
@@ -285,11 +285,16 @@ impl<T: Float> Nodes<T> {
     /// Holds the elements outside nodes in their modes, if modes are frozen.
     pub(crate) fn hold_modes(&mut self, model: &dyn Model<T>, memory: &NodeMemory<T>) {
         for (index, (hold, mode)) in self.hold.iter_mut().zip(&mut self.modes).enumerate() {
-            *mode = match has_mode(model, index) {
-                true => memory.modes.get(index).copied().unwrap_or_default(),
+            let carried = memory.modes.get(index).copied().unwrap_or_default();
+            let detached = carried == Mode::Detached;
+            *mode = match detached || has_mode(model, index) {
+                true => carried,
                 false => Mode::Free,
             };
-            *hold = if self.frozen { mode.hold() } else { T::zero() };
+            *hold = match detached || self.frozen {
+                true => mode.hold(),
+                false => T::zero(),
+            };
         }
     }
 
@@ -363,6 +368,23 @@ impl<T: Float> Nodes<T> {
         checked
     }
 
+    /// The line law of a static or stepwise network at `span` after the last accepted step.
+    fn law(&self, model: &dyn Model<T>, plan: &mut Plan<T>, span: T, memory: &NodeMemory<T>) {
+        let smooth = memory.smooth.get(plan.index).copied().unwrap_or_default();
+        let stepwise = plan.stepwise();
+        plan.set_law(model, &self.modes, |line, numbers| match stepwise {
+            Some((formula, clamp)) => {
+                let of = |list: &[T]| list.get(line.line).copied().unwrap_or_default();
+                let history = History {
+                    last: of(&memory.stretch),
+                    before: smooth.then(|| (of(&memory.previous), memory.step)),
+                };
+                effective(numbers, formula, clamp, span, history)
+            }
+            None => [numbers.stiffness, numbers.free_length],
+        });
+    }
+
     /// Stretches of the node lines with the nodes where the last solve put them.
     pub(crate) fn find_stretches(&mut self, model: &dyn Model<T>) {
         let plans = std::mem::take(&mut self.plans);
@@ -385,23 +407,6 @@ impl<T: Float> Nodes<T> {
             self.stretch[line.line] = line::geometry(&vector, numbers.free_length).stretch;
         }
     }
-}
-
-/// The line law of a static or stepwise network at `span` after the last accepted step.
-fn law<T: Float>(model: &dyn Model<T>, plan: &mut Plan<T>, span: T, memory: &NodeMemory<T>) {
-    let smooth = memory.smooth.get(plan.index).copied().unwrap_or_default();
-    let stepwise = plan.stepwise();
-    plan.set_law(model, |line, numbers| match stepwise {
-        Some((formula, clamp)) => {
-            let of = |list: &[T]| list.get(line.line).copied().unwrap_or_default();
-            let history = History {
-                last: of(&memory.stretch),
-                before: smooth.then(|| (of(&memory.previous), memory.step)),
-            };
-            effective(numbers, formula, clamp, span, history)
-        }
-        None => [numbers.stiffness, numbers.free_length],
-    });
 }
 
 impl Statistics {

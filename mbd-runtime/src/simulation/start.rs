@@ -9,6 +9,7 @@ use mbd_scene::{
     Scene, declared_parts, place_declared,
 };
 
+use super::act::Changes;
 use super::moved::moved;
 use super::stability::Meter;
 use super::{Pace, Simulation, Snapshot};
@@ -108,6 +109,13 @@ impl<T: Float> Simulation<T> {
         for (slot, value) in state.iter_mut().zip(start) {
             *slot = value;
         }
+        let changes = Changes {
+            settable: model.scene().set_by_events(),
+            own: model.params().to_vec(),
+            done: vec![false; layout.events],
+            stop: None,
+            all: Vec::new(),
+        };
         Ok(Simulation {
             system,
             method,
@@ -145,6 +153,7 @@ impl<T: Float> Simulation<T> {
             given: vec![T::zero(); layout.ni],
             moved: Vec::new(),
             events: Vec::with_capacity(256),
+            changes,
         })
     }
 
@@ -168,6 +177,7 @@ impl<T: Float> Simulation<T> {
         {
             *to = from;
         }
+        self.take_back_actions()?;
         self.time = time;
         self.as_declared = false;
         self.started = false;
@@ -367,6 +377,19 @@ fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), Step
             ),
             instead: "take Method::Rk4 with a fixed step, or declare the node `rate` or `static`"
                 .into(),
+        });
+    }
+    let mut events = model.scene().events.iter();
+    if let (false, Some(event)) = (
+        options.locate,
+        events.find(|event| !event.actions.is_empty()),
+    ) {
+        return Err(StepError::Unsupported {
+            what: format!(
+                "a run that locates nothing, of the event `{}`, which acts,",
+                event.name
+            ),
+            instead: "leave `locate` on".into(),
         });
     }
     let implicit = options.method.needs_derivatives();

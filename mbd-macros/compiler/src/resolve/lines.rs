@@ -156,6 +156,15 @@ impl Resolver<'_> {
                 self.line_number(&fields, item, &name, field, scope)
             }
         };
+        let detached = fields.value("at_start").map_or(Some(false), |value| {
+            let set = [("detached", true), ("attached", false)];
+            self.choice(value, "start of a line", &set)
+        });
+        if detached? {
+            let starts = &mut self.scene.starts.detached;
+            let place = starts.partition_point(|line| *line < instance.slot);
+            starts.insert(place, instance.slot);
+        }
         let (kind, stiffness) = law?;
         let (free_length, damping) = (length?, damping?);
         let entry = self.scene.lines.get_mut(instance.slot)?;

@@ -6,6 +6,7 @@
 mod bodies;
 mod collect;
 mod coordinates;
+mod events;
 mod fields;
 pub mod fold;
 mod forces;

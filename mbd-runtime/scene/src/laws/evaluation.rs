@@ -229,13 +229,32 @@ impl<'a, S: Real> Evaluation<'a, S> {
         let hold = self.at.hold.get(index).copied()?;
         let tension = element.tension(geometry.stretch, stretching, hold);
         let pull = element.pull(geometry.stretch, stretching);
+        let tangent = element.tangent(geometry.stretch);
         Some(LineMotion {
             geometry,
             rate,
-            tension,
+            tension: self.where_attached(index, tension),
             pull,
-            tangent: element.tangent(geometry.stretch),
+            tangent: line::Tangent {
+                slope: self.where_attached(index, tangent.slope),
+                secant: self.where_attached(index, tangent.secant),
+                ..tangent
+            },
         })
+    }
+
+    /// A number of a line or a spring; zero while it is detached.
+    pub fn where_attached(&self, line: usize, number: S) -> S {
+        let slots = self.layout.lines.get(line);
+        let hold = self.at.hold.get(line).copied();
+        match hold.filter(|_| slots.is_some_and(|slots| slots.detachable)) {
+            Some(hold) => {
+                // Half way between what is slack and what is not there.
+                let detached = hold.lt(S::from_f64(0.5 * (line::DETACHED - 1.0)));
+                S::select(detached, S::zero(), number)
+            }
+            None => number,
+        }
     }
 
     /// Writes q̇ = N(q) v of a body.

@@ -154,7 +154,12 @@ impl Layout {
                 }
             }
             self.effective_lines += usize::from(effective.is_some());
-            self.lines.push(LineSlots { ends, effective });
+            self.lines.push(LineSlots {
+                ends,
+                effective,
+                detachable: scene.is_detachable(index),
+                detached: scene.starts.detached.contains(&index),
+            });
         }
     }
 

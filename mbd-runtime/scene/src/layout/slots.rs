@@ -148,6 +148,10 @@ pub struct LineSlots {
     pub ends: [LineEnd; 2],
     /// Its place in [`At::effective`](crate::At::effective) (two numbers each), for lines of static and stepwise nodes.
     pub effective: Option<usize>,
+    /// Whether a run may detach it.
+    pub detachable: bool,
+    /// Whether it is detached at the start.
+    pub detached: bool,
 }
 
 /// An end of a node line that is not a node.
