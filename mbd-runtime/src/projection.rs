@@ -20,6 +20,7 @@ use crate::list::largest;
 use crate::moving::moving;
 use crate::options::Stabilise;
 use crate::system::System;
+use crate::unilateral::Mode;
 
 mod step;
 
@@ -88,6 +89,9 @@ impl<T: Float> System<T> {
         if !self.projection.any() {
             return self.check_plane(time, state);
         }
+        if self.may_need_repeated_rows() {
+            self.choose_always();
+        }
         let mut norm = self.project_positions(time, state, START)?;
         if !self.holds(norm, state) && self.model.layout().redundancy.lost() > 0 {
             // With these parameters the rows that were left out may ask for more than the others.
@@ -141,6 +145,17 @@ impl<T: Float> System<T> {
             }
         }
         self.assemble(time, state)
+    }
+
+    /// Whether rows were left out because a joint repeats them that may be detached.
+    fn may_need_repeated_rows(&self) -> bool {
+        let layout = self.model.layout();
+        let detachable = |joint: &usize| {
+            let slots = layout.joints.get(*joint);
+            slots.is_some_and(|slots| slots.switch.is_some())
+        };
+        let mut repeats = layout.redundancy.repeats.iter();
+        repeats.any(|repeat| repeat.of.iter().any(detachable))
     }
 
     /// Decides how the rows of the first step are solved.
@@ -461,7 +476,9 @@ impl<T: Float> System<T> {
         let flipped: Vec<String> = joints
             .filter(|(joint, slots)| {
                 let signs = laws::branch(scene, layout, &numbers, &at, *joint);
-                slots.len > 0 && !signs.iter().all(|sign| *sign > T::zero())
+                let joined = slots.switch.and_then(|at| self.modes().get(at));
+                let held = slots.len > 0 && joined != Some(&Mode::Detached);
+                held && !signs.iter().all(|sign| *sign > T::zero())
             })
             .map(|(joint, _)| joint_name(scene, joint).to_owned())
             .collect();

@@ -359,6 +359,14 @@ impl<T: Float> System<T> {
         self.probe.freeze(frozen);
     }
 
+    /// Takes up the modes that the memory has at an accepted state, before nodes are put in balance with them.
+    pub(crate) fn read_modes(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        self.nodes.hold_modes(&*self.model, &self.memory);
+        Ok(())
+    }
+
     /// The mode of every element.
     pub(crate) fn modes(&self) -> &[Mode] {
         self.memory.modes()

@@ -66,7 +66,7 @@ fn what_events_do_is_the_same_in_text_and_toml() {
         told(&again).join("\n")
     );
     let misspelt = document
-        .replace("cd_s = area", "cds = area")
+        .replace("cd_s = 82", "cds = 82")
         .replace("[tie, ", "[ties, ");
     let told = told(&read_toml(&misspelt)).join("\n");
     assert!(

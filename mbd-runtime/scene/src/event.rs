@@ -36,10 +36,10 @@ pub enum Direction {
 pub struct Actions {
     /// Numbers that get other values, each at most once.
     pub set: Vec<Setting>,
-    /// Lines and springs that carry nothing from here on, by index.
-    pub detach: Vec<usize>,
-    /// Lines and springs that carry again, by index.
-    pub attach: Vec<usize>,
+    /// What holds and carries nothing from here on.
+    pub detach: Vec<Detachable>,
+    /// What holds and carries again.
+    pub attach: Vec<Detachable>,
     /// Whether the run ends here, and may go on.
     pub stop: bool,
     /// Whether it acts the first time only.
@@ -58,6 +58,15 @@ impl Actions {
     pub fn changes(&self) -> bool {
         !(self.set.is_empty() && self.detach.is_empty() && self.attach.is_empty())
     }
+}
+
+/// What an event can detach and attach.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Detachable {
+    /// A line or a spring, by index.
+    Line(usize),
+    /// A joint, by index: all its rows, and what acts along its coordinates.
+    Joint(usize),
 }
 
 /// A number that gets another value.

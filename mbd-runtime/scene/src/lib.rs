@@ -33,7 +33,7 @@ pub use evaluate::{
     Scratch, commands, evaluate, evaluate_with_multipliers, jumping_angles, masses, sensitivity,
     settings,
 };
-pub use event::{Actions, Direction, Event, Settable, Setting};
+pub use event::{Actions, Detachable, Direction, Event, Settable, Setting};
 pub use fingerprint::fingerprint;
 pub use joints::{
     ConstantAngle, ConstantVelocity, Cylindrical, Distance, Free, Gear, Hinge, JointForces,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::event::{Event, Settable};
+use crate::event::{Detachable, Event, Settable};
 use crate::joints::{JointForces, JointLaw, Side};
 use crate::lines::LineKind;
 use crate::{
@@ -70,9 +70,9 @@ pub struct Starts {
     pub parts: Vec<PartStart>,
     /// Joint coordinates, in the order of joints and coordinates.
     pub coordinates: Vec<CoordinateStart>,
-    /// Lines and springs that are detached until an event attaches them, by index, rising.
+    /// What is detached until an event attaches it, in rising order.
     #[serde(default)]
-    pub detached: Vec<usize>,
+    pub detached: Vec<Detachable>,
 }
 
 impl Starts {
@@ -240,14 +240,23 @@ impl Scene {
         })
     }
 
-    /// Whether a line or a spring is detached or attached by some event, or detached at the start.
+    /// Whether some event detaches or attaches it, or it is detached at the start.
     #[must_use]
-    pub fn is_detachable(&self, line: usize) -> bool {
+    pub fn is_detachable(&self, what: Detachable) -> bool {
         let by_events = |event: &Event| {
             let actions = &event.actions;
-            actions.detach.contains(&line) || actions.attach.contains(&line)
+            actions.detach.contains(&what) || actions.attach.contains(&what)
         };
-        self.starts.detached.contains(&line) || self.events.iter().any(by_events)
+        self.starts.detached.contains(&what) || self.events.iter().any(by_events)
+    }
+
+    /// The name of what an event detaches or attaches.
+    #[must_use]
+    pub fn detachable_name(&self, what: Detachable) -> &str {
+        match what {
+            Detachable::Line(index) => self.lines.get(index).map_or("", |line| &line.name),
+            Detachable::Joint(index) => self.joints.get(index).map_or("", |joint| &joint.name),
+        }
     }
 
     /// The name of what an event sets.

@@ -1,6 +1,6 @@
 //! What the nodes carry from one accepted step to the next: written on accept, untouched by rejected steps and trial stages.
 
-use mbd_scene::{Float, Layout, LineSlots};
+use mbd_scene::{Float, Layout};
 use serde::{Deserialize, Serialize};
 
 use super::error::NodeError;
@@ -27,18 +27,17 @@ pub struct NodeMemory<T> {
     pub(crate) smooth: Vec<bool>,
     /// Per network: directions spanned by the lines of a `rate` node that stays on the line or plane of its anchors; 3: none is held.
     pub(crate) ranks: Vec<usize>,
-    /// Mode of each line, then of each stop.
+    /// Mode of each line, of each stop, of each joint that may be detached.
     pub(crate) modes: Vec<Mode>,
 }
 
 /// The mode of every element before a run decides it: what is detached at the start, nothing of the rest.
 fn start_modes(layout: &Layout) -> Vec<Mode> {
-    let of = |slots: &LineSlots| match slots.detached {
+    let of = |detached| match detached {
         true => Mode::Detached,
         false => Mode::Free,
     };
-    let stops = layout.stops.iter().map(|_| Mode::Free);
-    layout.lines.iter().map(of).chain(stops).collect()
+    layout.start_detached().map(of).collect()
 }
 
 impl<T: Float> NodeMemory<T> {
@@ -95,7 +94,7 @@ impl<T: Float> NodeMemory<T> {
         &self.stretch
     }
 
-    /// The mode of each line, then of each stop of a joint.
+    /// The mode of each line, of each stop of a joint, of each joint that may be detached.
     #[must_use]
     pub fn modes(&self) -> &[Mode] {
         &self.modes
@@ -133,6 +132,6 @@ impl<T: Float> NodeMemory<T> {
         )?;
         same("memory of networks", self.smooth.len(), networks)?;
         same("memory of networks", self.ranks.len(), networks)?;
-        same("memory of modes", self.modes.len(), layout.one_way())
+        same("memory of modes", self.modes.len(), layout.holds())
     }
 }

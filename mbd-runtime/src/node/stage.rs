@@ -24,7 +24,7 @@ pub struct Nodes<T: Float> {
     pub(crate) hold: Vec<T>,
     /// Stretch of each node line at the last solve.
     pub(crate) stretch: Vec<T>,
-    /// Mode of each line, then of each stop, at the last solve.
+    /// Mode of each line, of each stop, of each joint that may be detached, at the last solve.
     pub(crate) modes: Vec<Mode>,
     /// `Quantity::Guards` of the last request.
     pub(crate) guards: Vec<T>,
@@ -72,9 +72,9 @@ impl<T: Float> Nodes<T> {
             ends: list(layout.len(Quantity::AnchorStates)),
             nodes: list(3 * layout.nodes.len()),
             effective: list(2 * layout.effective_lines),
-            hold: list(layout.one_way()),
+            hold: list(layout.holds()),
             stretch: list(layout.lines.len()),
-            modes: vec![Mode::Free; layout.one_way()],
+            modes: vec![Mode::Free; layout.holds()],
             guards: list(layout.len(Quantity::Guards)),
             frozen: false,
             span: T::zero(),

@@ -180,12 +180,16 @@ impl<T: Float> Simulation<T> {
                     return Err(self.cannot_act(&[index], why));
                 }
             }
-            let memory = &mut self.system.memory;
-            for &line in event.actions.detach.iter().filter(|_| acts) {
-                memory.set_mode(line, Mode::Detached);
-            }
-            for &line in event.actions.attach.iter().filter(|_| acts) {
-                memory.set_mode(line, Mode::Free);
+            let lists = [
+                (&event.actions.detach, Mode::Detached),
+                (&event.actions.attach, Mode::Free),
+            ];
+            for (list, mode) in lists {
+                let switches = list.iter().filter_map(|&what| layout.switch_of(what));
+                let memory = &mut self.system.memory;
+                switches
+                    .filter(|_| acts)
+                    .for_each(|at| memory.set_mode(at, mode));
             }
         }
         if params != model.params() {
@@ -205,13 +209,14 @@ impl<T: Float> Simulation<T> {
 
     /// Makes the changed run consistent: joints hold, nodes in balance from where they are, every element in its mode, the first stage anew.
     fn settle(&mut self, acting: &[usize]) -> Result<(), StepError> {
+        self.system.read_modes(self.time, &self.state)?;
         let held = self.system.hold_again(self.time, &mut self.state);
         held.map_err(|error| match error {
             StepError::JointsApart { norm, rows, .. } => {
                 let joints: Vec<String> =
                     rows.iter().map(|(name, _)| format!("`{name}`")).collect();
                 let why = format!(
-                    "what it sets moves places that {} holds, by {norm:.3e}: the bodies would jump",
+                    "it leaves {} apart by {norm:.3e}: bodies would have to jump",
                     joints.join(", ")
                 );
                 self.cannot_act(acting, why)

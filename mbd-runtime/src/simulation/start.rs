@@ -299,6 +299,7 @@ impl<T: Float> Simulation<T> {
             });
         }
         let set = self.state.clone();
+        self.system.read_modes(self.time, &self.state)?;
         let assembled = self.system.assemble(self.time, &mut self.state);
         let (model, nx) = (&self.system.model, self.system.nx);
         let scene = (model.scene(), model.layout());

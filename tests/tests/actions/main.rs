@@ -1,5 +1,6 @@
 //! What events do: numbers set, lines detached and attached, runs stopped, located to the last digits and booked in the balance of energy.
 
+mod joints;
 mod lines;
 mod numbers;
 mod refused;

@@ -217,7 +217,6 @@ fn equations(scene: &Scene, equations: &Equations, out: &mut String) {
 
 /// What an event does, a sentence each.
 fn event_actions(scene: &Scene, actions: &Actions) -> Vec<String> {
-    let line = |line: &usize| scene.lines.get(*line).map_or("", |line| line.name.as_str());
     let set = actions.set.iter().map(|setting| {
         let (name, value) = (
             scene.settable_name(setting.what),
@@ -228,11 +227,11 @@ fn event_actions(scene: &Scene, actions: &Actions) -> Vec<String> {
     let detach = actions
         .detach
         .iter()
-        .map(|index| format!("{} is detached.", line(index)));
+        .map(|what| format!("{} is detached.", scene.detachable_name(*what)));
     let attach = actions
         .attach
         .iter()
-        .map(|index| format!("{} is attached.", line(index)));
+        .map(|what| format!("{} is attached.", scene.detachable_name(*what)));
     let mut all: Vec<String> = set.chain(detach).chain(attach).collect();
     if actions.stop {
         all.push("the run stops.".to_owned());

@@ -1,6 +1,9 @@
 //! Events: the passage of a value, and what happens then.
 
-use mbd_scene::{Actions, Dimension, Direction, Formula, Function, Settable, Setting};
+use mbd_scene::joints::JointForces;
+use mbd_scene::{
+    Actions, Detachable, Dimension, Direction, Formula, Function, Joint, Settable, Setting,
+};
 
 use super::{Instance, Named, Resolver, Scope, Stage, fold};
 use crate::lexeme::{Bracket, Kind, Region};
@@ -94,11 +97,11 @@ impl Resolver<'_> {
         let set = fields
             .get("set")
             .map(|item| self.set_numbers(item, instance));
-        let mut named: Vec<(usize, Region)> = Vec::new();
+        let mut named: Vec<(Detachable, Region)> = Vec::new();
         let [detach, attach] = ["detach", "attach"].map(|word| {
             let item = fields.get(word);
             item.map_or(Some(Vec::new()), |item| {
-                self.lines_of(item, instance, &mut named)
+                self.detachables(item, instance, &mut named)
             })
         });
         let stop = fields.value("then").map_or(Some(false), |value| {
@@ -118,43 +121,84 @@ impl Resolver<'_> {
         (!fields.doubtful).then_some(actions)
     }
 
-    /// `reef`, or `[reef, leg[0]]`: lines and springs, each named once in the event.
-    fn lines_of(
+    /// Remembers that something is detached at the start.
+    pub fn starts_detached(&mut self, what: Detachable) {
+        let starts = &mut self.scene.starts.detached;
+        let place = starts.partition_point(|other| *other < what);
+        starts.insert(place, what);
+    }
+
+    /// Tells of joints that start detached and cannot be.
+    pub fn detached_starts(&mut self) {
+        for what in self.scene.starts.detached.clone() {
+            if let Detachable::Joint(joint) = what
+                && let Some(at) = self.declared.get(&Named::Joint(joint)).copied()
+            {
+                self.detachable_joint(joint, at);
+            }
+        }
+    }
+
+    /// Refuses joints that are not bare enough to be detached.
+    fn detachable_joint(&mut self, joint: usize, at: Region) -> Option<()> {
+        let declared = self.scene.joints.get(joint)?;
+        let name = declared.name.clone();
+        let holds = declared.law.rows() > 0 || declared.motors().next().is_some();
+        let stops = |forces: &JointForces| forces.stops.iter().any(Option::is_some);
+        let stopped = declared.forces.iter().any(stops);
+        let mut joints = self.scene.joints.iter();
+        let couples = |other: &&Joint| other.law.couples().iter().any(|(of, _)| *of == joint);
+        let coupled = joints.find(couples).map(|other| other.name.clone());
+        match (holds, stopped, coupled) {
+            (false, ..) => self.fail(say::holds_nothing(at, &name)),
+            (_, true, _) => self.fail(say::stopped_joint_detached(at, &name)),
+            (.., Some(other)) => self.fail(say::coupled_joint_detached(at, &name, &other)),
+            _ => Some(()),
+        }
+    }
+
+    /// `reef`, or `[reef, leg[0]]`: lines, springs and joints, each named once in the event.
+    fn detachables(
         &mut self,
         item: &Item<'_>,
         instance: &Instance<'_>,
-        named: &mut Vec<(usize, Region)>,
-    ) -> Option<Vec<usize>> {
-        let mut lines = Some(Vec::new());
+        named: &mut Vec<(Detachable, Region)>,
+    ) -> Option<Vec<Detachable>> {
+        let mut all = Some(Vec::new());
         for part in listed(item.clause(":")?) {
-            let line = self.line_of(part, &item.word.text, instance.scope(Stage::Live));
-            let (Some(line), Some(list)) = (line, lines.as_mut()) else {
-                lines = None;
+            let found = self.detachable(part, &item.word.text, instance.scope(Stage::Live));
+            let (Some(found), Some(list)) = (found, all.as_mut()) else {
+                all = None;
                 continue;
             };
-            if let Some((_, first)) = named.iter().find(|(other, _)| *other == line) {
-                let name = self.scene.lines.get(line).map_or("", |line| &line.name);
+            if let Some((_, first)) = named.iter().find(|(other, _)| *other == found) {
+                let name = self.scene.detachable_name(found);
                 let report = say::event_names_twice(part.at, name, *first);
                 self.messages.push(report);
-                lines = None;
+                all = None;
                 continue;
             }
-            named.push((line, part.at));
-            list.push(line);
+            named.push((found, part.at));
+            list.push(found);
         }
-        lines
+        all
     }
 
-    /// One line or spring by its name.
-    fn line_of(&mut self, value: Value<'_>, word: &str, scope: Scope<'_>) -> Option<usize> {
-        let known = |named| matches!(named, Named::Line(_));
+    /// One line, spring or joint by its name.
+    fn detachable(&mut self, value: Value<'_>, word: &str, scope: Scope<'_>) -> Option<Detachable> {
+        let known = |named| matches!(named, Named::Line(_) | Named::Joint(_));
         let (named, step) = self.thing(value, scope, &known, |at, name, words| {
             say::no_line_of_event(at, word, name, words)
         })?;
         match named {
             Named::Line(line) => {
                 self.mention(named, step.word.at);
-                Some(line)
+                Some(Detachable::Line(line))
+            }
+            Named::Joint(joint) => {
+                self.mention(named, step.word.at);
+                self.detachable_joint(joint, step.word.at.into())?;
+                Some(Detachable::Joint(joint))
             }
             other => {
                 let (at, name) = (step.word.at.into(), &step.word.text);

@@ -1,6 +1,8 @@
 //! Points, lines and springs.
 
-use mbd_scene::{Clamp, Difference, Dimension, Formula, LineKind, NodeModel, Place, PointKind};
+use mbd_scene::{
+    Clamp, Detachable, Difference, Dimension, Formula, LineKind, NodeModel, Place, PointKind,
+};
 
 use super::fields::{Accept, Fields};
 use super::{Instance, Named, Resolver, Scope, Stage};
@@ -161,9 +163,7 @@ impl Resolver<'_> {
             self.choice(value, "start of a line", &set)
         });
         if detached? {
-            let starts = &mut self.scene.starts.detached;
-            let place = starts.partition_point(|line| *line < instance.slot);
-            starts.insert(place, instance.slot);
+            self.starts_detached(Detachable::Line(instance.slot));
         }
         let (kind, stiffness) = law?;
         let (free_length, damping) = (length?, damping?);

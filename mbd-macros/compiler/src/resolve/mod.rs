@@ -163,6 +163,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.loads();
     resolver.outputs();
     resolver.events();
+    resolver.detached_starts();
     resolver
 }
 

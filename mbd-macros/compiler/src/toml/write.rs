@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use mbd_scene::joints::{FILTER, FORCE, MOTOR, NUMBERS, START, START_RATE, STOPS};
 use mbd_scene::{
-    Actions, AngularVelocity, Axis, Body, Clamp, Coordinates, Difference, Dimension, Direction,
-    Fixed, Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, NodeModel,
-    Output, Part, PointKind, Scene, Setting, Triple, Unit,
+    Actions, AngularVelocity, Axis, Body, Clamp, Coordinates, Detachable, Difference, Dimension,
+    Direction, Fixed, Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind,
+    NodeModel, Output, Part, PointKind, Scene, Setting, Triple, Unit,
 };
 
 use toml::Value;
@@ -353,6 +353,9 @@ fn connections(out: &mut String, scene: &Scene) {
             out.push_str("loop = true\n");
         }
         joint_fields(out, &joint.law, scene);
+        if scene.starts.detached.contains(&Detachable::Joint(index)) {
+            entry(out, "at_start", "detached");
+        }
         forces(out, index, joint, scene);
     }
     for (index, line) in scene.lines.iter().enumerate() {
@@ -484,7 +487,7 @@ fn write_line(out: &mut String, (index, line): (usize, &Line), scene: &Scene) {
         None => entry(out, "stiffness", &text(&line.stiffness, scene)),
     }
     entry(out, "damping", &text(&line.damping, scene));
-    if scene.starts.detached.contains(&index) {
+    if scene.starts.detached.contains(&Detachable::Line(index)) {
         entry(out, "at_start", "detached");
     }
 }
@@ -539,17 +542,11 @@ fn actions(out: &mut String, actions: &Actions, scene: &Scene) {
         let name = scene.settable_name(setting.what);
         format!("{name} = {}", text(&setting.value, scene))
     };
-    let line = |&line: &usize| {
-        scene
-            .lines
-            .get(line)
-            .map_or("", |line| &line.name)
-            .to_owned()
-    };
+    let name = |what: &Detachable| scene.detachable_name(*what).to_owned();
     let lists: [(&str, Vec<String>); 3] = [
         ("set", actions.set.iter().map(setting).collect()),
-        ("detach", actions.detach.iter().map(line).collect()),
-        ("attach", actions.attach.iter().map(line).collect()),
+        ("detach", actions.detach.iter().map(name).collect()),
+        ("attach", actions.attach.iter().map(name).collect()),
     ];
     for (word, list) in lists {
         match list.as_slice() {

@@ -246,8 +246,19 @@ impl<'a, S: Real> Evaluation<'a, S> {
     /// A number of a line or a spring; zero while it is detached.
     pub fn where_attached(&self, line: usize, number: S) -> S {
         let slots = self.layout.lines.get(line);
-        let hold = self.at.hold.get(line).copied();
-        match hold.filter(|_| slots.is_some_and(|slots| slots.detachable)) {
+        let switch = slots.filter(|slots| slots.detachable).map(|_| line);
+        self.unless_detached(switch, number)
+    }
+
+    /// The same of a joint.
+    pub fn where_joined(&self, joint: usize, number: S) -> S {
+        let slots = self.layout.joints.get(joint);
+        self.unless_detached(slots.and_then(|slots| slots.switch), number)
+    }
+
+    /// A number of what has a place in the holds; zero while that says that it is detached.
+    fn unless_detached(&self, switch: Option<usize>, number: S) -> S {
+        match switch.and_then(|at| self.at.hold.get(at).copied()) {
             Some(hold) => {
                 // Half way between what is slack and what is not there.
                 let detached = hold.lt(S::from_f64(0.5 * (line::DETACHED - 1.0)));
@@ -255,6 +266,12 @@ impl<'a, S: Real> Evaluation<'a, S> {
             }
             None => number,
         }
+    }
+
+    /// 1 while a joint holds, 0 while it is detached; `None` of one that is never detached.
+    pub fn joined(&self, joint: usize) -> Option<S> {
+        self.layout.joints.get(joint)?.switch?;
+        Some(self.where_joined(joint, S::one()).label("joined"))
     }
 
     /// Writes q̇ = N(q) v of a body.

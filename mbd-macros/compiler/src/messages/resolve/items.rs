@@ -491,7 +491,7 @@ pub fn no_line_of_event(at: Region, action: &str, word: &str, known: &[&str]) ->
     Report::new(
         at,
         format!(
-            "no line or spring named `{word}` to {action}{}",
+            "no line, spring or joint named `{word}` to {action}{}",
             known_or_near(word, known)
         ),
     )
@@ -501,8 +501,33 @@ pub fn not_a_line_of_event(at: Region, action: &str, word: &str, kind: &str) -> 
     Report::new(
         at,
         format!(
-            "`{word}` is {} {kind}; lines and springs are what an event can {action}",
+            "`{word}` is {} {kind}; lines, springs and joints are what an event can {action}",
             article(kind)
+        ),
+    )
+}
+
+pub fn holds_nothing(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!("the joint `{name}` holds nothing that could be detached"),
+    )
+}
+
+pub fn stopped_joint_detached(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the joint `{name}` has stops and cannot be detached: give the stops to a joint that stays, or leave them out"
+        ),
+    )
+}
+
+pub fn coupled_joint_detached(at: Region, name: &str, other: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{other}` couples coordinates of the joint `{name}`, which then cannot be detached: detach `{other}`, or couple others"
         ),
     )
 }
