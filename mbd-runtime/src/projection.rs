@@ -22,6 +22,7 @@ use crate::options::Stabilise;
 use crate::system::System;
 use crate::unilateral::Mode;
 
+mod free_step;
 mod step;
 
 pub(crate) use step::Projection;
@@ -287,18 +288,24 @@ impl<T: Float> System<T> {
         self.solve_rows(time, state);
         let solved = largest(self.projection.moves()).is_finite() && self.is_regular();
         if !solved || self.solves_chosen() {
-            let rows = std::mem::take(&mut self.projection.rows);
-            let mut shift = std::mem::take(&mut self.projection.shift);
-            let moves = shift
-                .split_last_mut()
-                .map_or(&mut [][..], |(_, moves)| moves);
-            self.correct_anew(time, state, &rows, moves);
-            (self.projection.rows, self.projection.shift) = (rows, shift);
+            self.correct_by(|system, rows, moves| system.correct_anew(time, state, rows, moves));
         }
         if largest(self.projection.moves()).is_finite() {
             return Ok(());
         }
         Err(self.singular(time, state))
+    }
+
+    /// Solves for the move without the emitted elimination.
+    #[cold]
+    fn correct_by(&mut self, solve: impl FnOnce(&mut Self, &[T], &mut [T])) {
+        let rows = std::mem::take(&mut self.projection.rows);
+        let mut shift = std::mem::take(&mut self.projection.shift);
+        let moves = shift
+            .split_last_mut()
+            .map_or(&mut [][..], |(_, moves)| moves);
+        solve(self, &rows, moves);
+        (self.projection.rows, self.projection.shift) = (rows, shift);
     }
 
     /// Factorises the rows at a state where no move had to be solved for, to know their margin.

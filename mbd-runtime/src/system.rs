@@ -9,6 +9,7 @@ use crate::columns::{line_name, node_name};
 use crate::commands::Commands;
 use crate::error::{Source, Statistics, StepError, UnevenLines};
 use crate::fallback::Fallback;
+use crate::integrate::FreeMotion;
 use crate::laws::Laws;
 use crate::linearise::Jacobian;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
@@ -96,6 +97,8 @@ pub(crate) struct System<T: Float> {
     works: bool,
     /// Derivatives of the rates, for a method that asks for them.
     jacobian: Option<Box<Jacobian<T>>>,
+    /// Bodies and points that nothing acts on, for a method that asks for their motion.
+    pub free_motion: FreeMotion,
     /// What motors that follow inputs were commanded.
     commands: Option<Commands>,
     /// The angles with a spring or a stop at the last accepted step, and room for those of the next; `None` where there is no such angle.
@@ -159,6 +162,7 @@ impl<T: Float> System<T> {
             laws: None,
             works,
             jacobian: None,
+            free_motion: FreeMotion::default(),
             commands: Commands::new(model.scene()),
             angles: has_jumping_angles(model.scene()).then(Default::default),
             wide: Vec::new(),
@@ -180,7 +184,15 @@ impl<T: Float> System<T> {
         if self.jacobian.is_some() {
             self.provide_derivatives();
         }
+        if !self.free_motion.is_empty() {
+            self.provide_free_motion();
+        }
         self.fallback = Fallback::default();
+    }
+
+    /// Looks up how bodies and points move that nothing acts on.
+    pub(crate) fn provide_free_motion(&mut self) {
+        self.free_motion = FreeMotion::new(&*self.model);
     }
 
     /// Makes room for derivatives of the rates.

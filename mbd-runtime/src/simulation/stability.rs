@@ -302,7 +302,7 @@ impl<T: Float> Simulation<T> {
         cause: &StepError,
         trajectory: &mut Option<&mut Trajectory>,
     ) -> Result<(), RunError> {
-        if !matches!(cause, StepError::UnstableStep { .. }) {
+        if !self.watched || !matches!(cause, StepError::UnstableStep { .. }) {
             return Ok(());
         }
         let good = std::mem::take(&mut self.good);
