@@ -19,6 +19,10 @@
 //! declared events inside it (`event`, `locate`), records it (`trajectory`) and commits state and memory together.
 
 #[cfg(doctest)]
+#[doc = include_str!("../../docs/events.md")]
+struct Events;
+
+#[cfg(doctest)]
 #[doc = include_str!("../../docs/control.md")]
 struct ThePageAboutDriving;
 
@@ -118,7 +122,7 @@ pub use balance::Imbalance;
 pub use compiled::Scalar;
 pub use integrate::Scales;
 pub use options::{Method, Options, Stabilise};
-pub use simulation::{Acted, Moved, Simulation, Snapshot, Stop};
+pub use simulation::{Acted, Handover, Moved, Simulation, Snapshot, Stop};
 pub use supply::{Inputs, Sample};
 pub use system::{External, NoLoads};
 

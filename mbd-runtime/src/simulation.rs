@@ -23,6 +23,7 @@ use crate::watch::Watch;
 mod act;
 mod control;
 mod drive;
+mod handover;
 mod moved;
 mod snapshot;
 mod stability;
@@ -31,6 +32,7 @@ mod stiffness;
 
 pub use act::Acted;
 use act::Changes;
+pub use handover::Handover;
 pub use moved::Moved;
 pub use snapshot::Snapshot;
 use stability::Meter;

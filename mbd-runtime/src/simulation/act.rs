@@ -143,7 +143,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Kinetic, gravitational and elastic energy [J], by the laws: a compiled model need not have been asked for them.
-    fn energies(&mut self) -> Option<[f64; 3]> {
+    pub(super) fn energies(&mut self) -> Option<[f64; 3]> {
         if self.system.model.scene().gravity == Gravity::Field {
             return None;
         }

@@ -1,5 +1,6 @@
 //! What events do: numbers set, lines detached and attached, runs stopped, located to the last digits and booked in the balance of energy.
 
+mod handover;
 mod joints;
 mod lines;
 mod numbers;
@@ -11,8 +12,9 @@ use mbd_runtime::Options;
 const G: f64 = 9.81;
 
 /// Every method, at tolerances at which a parabola and a swing are exact to many digits.
-fn methods() -> [Options; 5] {
+fn methods() -> [Options; 6] {
     [
+        Options::rattle(1e-3),
         Options::rk4(1e-3),
         Options::tsit5(1e-12),
         Options::vern7(1e-12),
