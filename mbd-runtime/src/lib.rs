@@ -8,6 +8,7 @@
 //! | drive it: inputs held, as functions of time and state, by controllers at samples | [`Simulation::set_inputs`], [`Simulation::control`], [`Simulation::control_every`] |
 //! | record named columns with units | [`Trajectory`] with [`Sampling`] and [`Content`] |
 //! | stop a run and continue it to the bit | [`Snapshot`] |
+//! | read what events did, and let another model go on | [`Acted`], [`Handover`] |
 //! | linearise at a state: A, B, C, D in minimal coordinates, eigenvalues | [`linearise`], [`StateSpace`]; in all of x and by parameters: [`Linearisation`] |
 //! | find a state and inputs at which nothing accelerates | [`trim`](crate::trim()) |
 //! | find the efforts that give accelerations | [`inverse_dynamics`] |
@@ -20,7 +21,7 @@
 
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/events.md")]
-struct Events;
+struct ThePageAboutEvents;
 
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/control.md")]

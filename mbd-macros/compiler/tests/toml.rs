@@ -74,7 +74,7 @@ fn what_events_do_is_the_same_in_text_and_toml() {
         "{told}"
     );
     assert!(
-        told.contains("no line or spring named `ties` to attach; did you mean `tie`?"),
+        told.contains("no line, spring or joint named `ties` to attach; did you mean `tie`?"),
         "{told}"
     );
 }

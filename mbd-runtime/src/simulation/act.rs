@@ -57,6 +57,10 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn act(&mut self, crossed: &[usize]) -> Result<bool, StepError> {
         let model = self.system.model.clone();
         let events = &model.scene().events;
+        let acts = |&event: &usize| events.get(event).is_some_and(|it| !it.actions.is_empty());
+        if !crossed.iter().any(acts) {
+            return Ok(false);
+        }
         let done = self.changes.done.clone();
         let mut acting = Vec::new();
         for (index, event) in events.iter().enumerate() {

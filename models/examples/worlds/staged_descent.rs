@@ -21,7 +21,7 @@ model! {
         load drag on capsule = -0.5 * air * cd_s * norm(capsule.velocity) * capsule.velocity;
         load braking on drogue = -0.5 * air * 6 m^2 * norm(drogue.velocity) * drogue.velocity;
         event main_out = capsule.position.z falls 4000 m { detach: strap, set: cd_s = 40 m^2, acts: once }
-        event full = capsule.position.z falls 3500 m { set: cd_s = 400 m^2, acts: once }
+        event disreefed = capsule.position.z falls 3500 m { set: cd_s = 400 m^2, acts: once }
         event shield_off = capsule.position.z falls 2500 m { set: mass = mass - 200 kg, acts: once }
         event landed = capsule.position.z falls 0 m { then: stop }
         output height = capsule.position.z;
