@@ -1,9 +1,9 @@
-//! Elements that switch without end: a line or a stop too stiff for the mass that bounces on it.
+//! What happens without end: a line or a stop too stiff for the mass that bounces on it, an event whose action lets it happen again.
 
-/// Switches allowed in one thousandth of a run.
+/// Switches and actions allowed in one thousandth of a run.
 pub(crate) const MOST_SWITCHES: usize = 200;
 
-/// The times of the last switches, to tell chatter.
+/// The times of the last switches and actions, to tell chatter.
 #[derive(Clone, Debug)]
 pub(crate) struct Chatter {
     /// One thousandth of the run [s].
@@ -21,14 +21,14 @@ impl Chatter {
         }
     }
 
-    /// Records a switch; true when [`MOST_SWITCHES`] fell into one window.
+    /// Records a switch or an action; true when [`MOST_SWITCHES`] fell into one window.
     pub(crate) fn sees(&mut self, time: f64) -> bool {
         let Some(slot) = self.times.get_mut(self.next) else {
             return false;
         };
         let oldest = std::mem::replace(slot, time);
         self.next = (self.next + 1) % MOST_SWITCHES;
-        // Two hundred switches at one instant are chatter in a run of any length.
+        // Two hundred of them at one instant are chatter in a run of any length.
         time <= oldest || self.window.is_finite() && time - oldest < self.window
     }
 }

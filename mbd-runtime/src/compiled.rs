@@ -15,7 +15,7 @@ use crate::generic::Generic;
 use crate::inverse::Efforts;
 use crate::linearise::{Linearisation, LinearisationError, StateSpace};
 use crate::options::Options;
-use crate::simulation::{Simulation, Snapshot, Stop};
+use crate::simulation::{Handover, Simulation, Snapshot, Stop};
 use crate::supply::{self, Inputs, Law, Sample};
 use crate::system::External;
 use crate::trajectory::Trajectory;
@@ -60,6 +60,7 @@ doors! {
     fn give_inputs(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, numbers: &[Self]) -> Result<(), RunError> = Simulation::give_inputs;
     fn add_control(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, every: Option<f64>, law: Law<Self>) -> Result<(), RunError> = Simulation::add_control;
     fn continue_from(run: &mut Simulation<Self>, snapshot: &Snapshot<Self>) -> Result<(), RunError> = Simulation::continue_from;
+    fn go_on_from(run: &mut Simulation<Self>, last: &mut Simulation<Self>, given: &[(&str, &[Self])]) -> Result<Handover, RunError> = Simulation::go_on_from;
     fn save(run: &Simulation<Self>) -> Snapshot<Self> = Simulation::save;
     fn name_event(run: &Simulation<Self>, what: Happening) -> String = Simulation::name_event;
     fn make_generic(scene: Scene, params: &[Self]) -> Result<Generic<Self>, ParamError> = Generic::make;
@@ -329,6 +330,59 @@ impl<T: Scalar> Simulation<T> {
     /// As [`Simulation::run`].
     pub fn step(&mut self) -> Result<(), RunError> {
         T::take_step(self)
+    }
+
+    /// Goes on where a run of another model stands: bodies, points with mass, `rate` nodes and declared states of the same name are where they are,
+    /// inputs are held and lines and joints are detached as there; what this model has not is dropped. What it has besides starts where `given` says
+    /// (position, attitude, velocity, angular velocity of a body, in the order and the axes of the state), or where it is declared. Starts this run.
+    ///
+    /// ```
+    /// use mbd_runtime::{Options, Simulation, model};
+    ///
+    /// model! {
+    ///     /// A capsule with its heat shield.
+    ///     model Both {
+    ///         gravity: [0.0, 0.0, -9.81] m/s^2;
+    ///         emit: [derivative];
+    ///         point capsule { mass: 80 kg, start at [0.0, 0.0, 100.0] m }
+    ///         point shield { mass: 20 kg, start at [0.0, 0.0, 99.0] m }
+    ///         event separated = capsule.position.z falls 50 m { then: stop }
+    ///     }
+    /// }
+    ///
+    /// model! {
+    ///     /// The capsule without it.
+    ///     model Alone {
+    ///         gravity: [0.0, 0.0, -9.81] m/s^2;
+    ///         emit: [derivative];
+    ///         point capsule { mass: 80 kg }
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let (both, alone) = (Both::new(BothParams::default())?, Alone::new(AloneParams::default())?);
+    /// let mut first = Simulation::new(&both, Options::rk4(0.1))?;
+    /// first.run(10.0)?;
+    /// let mut second = Simulation::new(&alone, Options::rk4(0.1))?;
+    /// let handover = second.take_over(&mut first, &[])?;
+    /// assert_eq!((handover.carried, handover.dropped), (vec!["capsule".to_owned()], vec!["shield".to_owned()]));
+    /// assert!((second.state()[2] - 50.0).abs() < 1e-9);
+    /// // 20 kg went with the velocity they had.
+    /// let [before, after] = handover.momentum.map(|momentum| momentum[2]);
+    /// assert!((after - 0.8 * before).abs() < 1e-9);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A body or a point that is new and starts nowhere; a name or a count of `given` that does not fit; models in other planes, or with
+    /// angular velocities in other axes; what a start may return.
+    pub fn take_over(
+        &mut self,
+        last: &mut Simulation<T>,
+        given: &[(&str, &[T])],
+    ) -> Result<Handover, RunError> {
+        T::go_on_from(self, last, given)
     }
 
     /// Everything needed to go on from here later, in this process or another.

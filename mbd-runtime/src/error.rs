@@ -283,18 +283,31 @@ step_errors! {
         Collapse::Event => "look for a load without a limit near this time",
     };
 
-    /// A line or a stop switches without end.
+    /// A line or a stop switches, or an event acts, without end.
     EventChatter {
-        /// The line or the stop.
+        /// The line, the stop or the event.
         line: String,
-        /// Switches counted in the window.
+        /// Switches and actions counted in the window.
         count: usize,
         /// The window [s].
         window: f64,
     }
     "event_limit",
-    format!("`{line}` switched between slack and taut {count} times in {window:.3e} s"),
-    "the line or stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless; where it has much damping, take a method for stiff systems: `rodas5p`, `auto`";
+    format!("`{line}` goes on without end: {count} switches between slack and taut or actions of events in {window:.3e} s"),
+    "a line or a stop is too stiff for the mass that bounces on it: give it more damping, declare it rigid, or make the point massless; where it has much damping, take a method for stiff systems: `rodas5p`, `auto`; an event whose action lets it happen again at once acts `acts: once`, or leaves more room between what it sets and what it waits for";
+
+    /// An event cannot do what it says. The run stands at its instant, before it acted.
+    Action {
+        /// The event.
+        event: String,
+        /// When [s].
+        time: f64,
+        /// What is wrong.
+        why: String,
+    }
+    "action",
+    format!("at {time:.9} s the event `{event}` cannot act: {why}"),
+    "set a value that can be run, or let the event happen elsewhere";
 
     /// The fixed step is too long for what it has to follow. The run stands where nothing had grown yet, and may go on from there, as from a
     /// snapshot, with a shorter step.

@@ -48,6 +48,7 @@ enum Watched {
         event: usize,
         at: usize,
         direction: Direction,
+        acts: bool,
     },
 }
 
@@ -142,6 +143,7 @@ impl Margins {
                     event,
                     at: 2 * layout.one_way() + event,
                     direction: declared.direction,
+                    acts: declared.actions.changes(),
                 }),
         );
         let count = watched.len();
@@ -224,7 +226,10 @@ impl Margins {
     /// Whether a line that is watched does not carry: then a step is looked into.
     pub(crate) fn restless(&self, modes: &[Mode]) -> bool {
         self.watched.iter().any(|watched| match watched {
-            Watched::Element { element, .. } => modes.get(*element) != Some(&Mode::Active),
+            Watched::Element { element, .. } => {
+                let mode = modes.get(*element);
+                !matches!(mode, Some(Mode::Active | Mode::Detached))
+            }
             Watched::Declared { .. } => false,
         })
     }
@@ -292,6 +297,34 @@ impl Margins {
         matches!(self.watched.get(index), Some(Watched::Element { .. }))
     }
 
+    /// Whether an event is watched that acts.
+    pub(crate) fn acts(&self) -> bool {
+        let acts = |watched: &Watched| matches!(watched, Watched::Declared { acts: true, .. });
+        self.watched.iter().any(acts)
+    }
+
+    /// Whether several events are watched of which some act.
+    pub(crate) fn may_act_together(&self) -> bool {
+        let declared = |watched: &&Watched| matches!(watched, Watched::Declared { .. });
+        self.acts() && self.watched.iter().filter(declared).count() > 1
+    }
+
+    /// How many declared events have passed at the last look.
+    pub(crate) fn happened(&self) -> usize {
+        let declared = self.watched.iter().zip(&self.now);
+        let passed = declared
+            .filter(|(watched, now)| matches!(watched, Watched::Declared { .. }) && **now < 0.0);
+        passed.count()
+    }
+
+    /// Whether an event that acts has passed at the last look.
+    pub(crate) fn about_to_act(&self) -> bool {
+        let mut declared = self.watched.iter().zip(&self.now);
+        declared.any(|(watched, now)| {
+            matches!(watched, Watched::Declared { acts: true, .. }) && *now < 0.0
+        })
+    }
+
     /// Sets the side of every declared event from the guards, and reports through `crossed` those that changed in a direction that counts.
     pub(crate) fn take_sides<T: Float>(&mut self, guards: &[T], mut crossed: impl FnMut(usize)) {
         for watched in &self.watched {
@@ -299,6 +332,7 @@ impl Margins {
                 event,
                 at,
                 direction,
+                ..
             } = *watched
             else {
                 continue;

@@ -121,6 +121,21 @@ impl Laws {
         );
     }
 
+    /// What every event would set.
+    pub(crate) fn settings<T: Float>(&mut self, model: &dyn Model<T>, at: &At<'_, T>) -> Vec<f64> {
+        self.arguments.read(at, |x| x.to_f64());
+        let mut values = Vec::new();
+        mbd_scene::settings(
+            model.scene(),
+            model.layout(),
+            &self.numbers,
+            &self.arguments.at(),
+            &mut self.scratch,
+            &mut values,
+        );
+        values
+    }
+
     /// Writes value, rate and acceleration of the motors that follow inputs.
     pub(crate) fn commands<T: Float>(
         &mut self,

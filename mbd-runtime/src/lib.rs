@@ -8,6 +8,7 @@
 //! | drive it: inputs held, as functions of time and state, by controllers at samples | [`Simulation::set_inputs`], [`Simulation::control`], [`Simulation::control_every`] |
 //! | record named columns with units | [`Trajectory`] with [`Sampling`] and [`Content`] |
 //! | stop a run and continue it to the bit | [`Snapshot`] |
+//! | read what events did, and let another model go on | [`Acted`], [`Handover`] |
 //! | linearise at a state: A, B, C, D in minimal coordinates, eigenvalues | [`linearise`], [`StateSpace`]; in all of x and by parameters: [`Linearisation`] |
 //! | find a state and inputs at which nothing accelerates | [`trim`](crate::trim()) |
 //! | find the efforts that give accelerations | [`inverse_dynamics`] |
@@ -17,6 +18,10 @@
 //!
 //! One step of a run: `simulation` tries it (`integrate`: one tableau a method, checked when the crate is built) and puts it back on the joints (`projection`), looks for slack/taut switches and
 //! declared events inside it (`event`, `locate`), records it (`trajectory`) and commits state and memory together.
+
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/events.md")]
+struct ThePageAboutEvents;
 
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/control.md")]
@@ -121,7 +126,7 @@ pub use compiled::Scalar;
 pub use integrate::Scales;
 pub use momentum::MomentumImbalance;
 pub use options::{Method, Options, Stabilise};
-pub use simulation::{Moved, Simulation, Snapshot, Stop};
+pub use simulation::{Acted, Handover, Moved, Simulation, Snapshot, Stop};
 pub use supply::{Inputs, Sample};
 pub use system::{External, NoLoads};
 

@@ -47,7 +47,9 @@ impl<T: Float> Simulation<T> {
             self.margins.resolve(error);
         }
         let restless = self.margins.restless(self.system.modes());
-        let looks = if restless && !self.keeps_away(step)? {
+        // Adaptive steps of a smooth motion can be so long that a guard passes and comes back inside one.
+        let long = self.is_adaptive() && self.margins.acts();
+        let looks = if long || restless && !self.keeps_away(step)? {
             LOOKS
         } else {
             1
@@ -128,6 +130,10 @@ impl<T: Float> Simulation<T> {
                     for (chosen, before) in self.chosen.iter_mut().zip(&self.margins.before) {
                         *chosen &= *before <= 0.0;
                     }
+                    if !self.only_elements() {
+                        // A guard that is zero at the end of a step passes right behind it.
+                        return self.locate(low * step, f64::MIN_POSITIVE, high * step, step);
+                    }
                     // A second switch at one instant would stand still: then the step goes on to where the margin is passed.
                     let theta = if low == 0.0 && self.stalled == self.time {
                         high
@@ -186,6 +192,7 @@ impl<T: Float> Simulation<T> {
         let high = self.close_in(bracket, step)?;
         // The accepted attempt is the last one made.
         self.redo(high)?;
+        let high = self.include_neighbours(high, step)?;
         for (chosen, margin) in self.chosen.iter_mut().zip(&self.margins.now) {
             *chosen &= *margin < 0.0;
         }
@@ -219,7 +226,9 @@ impl<T: Float> Simulation<T> {
         }
         while bracket.low > 0.0 {
             bracket.above = self.redo(bracket.low)?;
-            if bracket.above > 0.0 {
+            // Zero is not passed yet.
+            if bracket.above >= 0.0 {
+                bracket.above = bracket.above.max(f64::MIN_POSITIVE);
                 break;
             }
             (bracket.high, bracket.below) = (bracket.low, bracket.above);
@@ -256,7 +265,8 @@ impl<T: Float> Simulation<T> {
             let slope = (above - below) / (high - low);
             let straight = low + above / slope + 0.5 * resolved;
             let middle = if !halve && straight > low && straight < high {
-                straight
+                // Closer to an end than what is resolved says no more.
+                straight.max(low + 0.5 * resolved)
             } else {
                 0.5 * (low + high)
             };
@@ -285,6 +295,20 @@ impl<T: Float> Simulation<T> {
         let rounding =
             (4.0 * f64::EPSILON * (self.time.abs() + step)).max(T::EPSILON.to_f64() * step);
         POINT.max(rounding)
+    }
+
+    /// Ends the step behind events that happen at the same time as those it ends on, where events act: so that they act together.
+    fn include_neighbours(&mut self, high: f64, step: f64) -> Result<f64, StepError> {
+        if self.only_elements() || !self.margins.may_act_together() {
+            return Ok(high);
+        }
+        let (alone, later) = (self.margins.happened(), high + self.resolved(step));
+        self.redo(later)?;
+        if self.margins.happened() > alone {
+            return Ok(later);
+        }
+        self.redo(high)?;
+        Ok(high)
     }
 
     /// Whether none of the chosen margins is that of a declared event.
@@ -316,13 +340,29 @@ impl<T: Float> Simulation<T> {
     /// Margins at the accepted state after something jumped there; declared events that jumped past their zero happen now.
     pub(crate) fn begin_noting(&mut self) -> Result<(), StepError> {
         let mut crossed = std::mem::take(&mut self.crossed);
-        crossed.clear();
-        let begun = self.begin_margins(&mut |event| crossed.push(event));
-        for event in &crossed {
-            self.note(Happening::Declared(*event));
-        }
+        let noted = self.note_crossed(&mut crossed);
         self.crossed = crossed;
-        begun
+        noted
+    }
+
+    /// Notes what has happened and lets it act, until nothing more happens at this instant.
+    fn note_crossed(&mut self, crossed: &mut Vec<usize>) -> Result<(), StepError> {
+        loop {
+            crossed.clear();
+            self.begin_margins(&mut |event| crossed.push(event))?;
+            let before = self.event_count();
+            for event in crossed.iter() {
+                self.note(Happening::Declared(*event));
+            }
+            match self.act(crossed) {
+                Ok(true) => {}
+                Ok(false) => return Ok(()),
+                Err(cause) => {
+                    self.forget_events(before);
+                    return Err(cause);
+                }
+            }
+        }
     }
 
     fn switch(&mut self, switches: &[(usize, Mode)]) -> Result<(), StepError> {

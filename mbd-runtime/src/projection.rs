@@ -20,6 +20,7 @@ use crate::list::{all_finite, largest};
 use crate::moving::moving;
 use crate::options::Stabilise;
 use crate::system::System;
+use crate::unilateral::Mode;
 
 mod free_step;
 mod step;
@@ -89,6 +90,9 @@ impl<T: Float> System<T> {
         if !self.projection.any() {
             return self.check_plane(time, state);
         }
+        if self.may_need_repeated_rows() {
+            self.choose_always();
+        }
         let mut norm = self.project_positions(time, state, START)?;
         if !self.holds(norm, state) && self.model.layout().redundancy.lost() > 0 {
             // With these parameters the rows that were left out may ask for more than the others.
@@ -122,6 +126,37 @@ impl<T: Float> System<T> {
         }
         self.begin_rows(time, state);
         Ok(())
+    }
+
+    /// The same in a run after an action of an event, which may change speeds, but moves nothing.
+    ///
+    /// # Errors
+    /// Rows that the action leaves further from zero than a step may.
+    pub(crate) fn hold_again(&mut self, time: f64, state: &mut [T]) -> Result<(), StepError> {
+        let own = state.get_mut(..self.nx).unwrap_or_default();
+        if self.projection.any() {
+            self.supply(time, own)?;
+            let norm = self.read_rows(Quantity::Constraint, time, own);
+            if norm > (APART * self.projection.length).max(self.rounding(own)) {
+                return Err(StepError::JointsApart {
+                    time,
+                    norm,
+                    rows: self.worst_joints(),
+                });
+            }
+        }
+        self.assemble(time, state)
+    }
+
+    /// Whether rows were left out because a joint repeats them that may be detached.
+    fn may_need_repeated_rows(&self) -> bool {
+        let layout = self.model.layout();
+        let detachable = |joint: &usize| {
+            let slots = layout.joints.get(*joint);
+            slots.is_some_and(|slots| slots.switch.is_some())
+        };
+        let mut repeats = layout.redundancy.repeats.iter();
+        repeats.any(|repeat| repeat.of.iter().any(detachable))
     }
 
     /// Decides how the rows of the first step are solved.
@@ -448,7 +483,9 @@ impl<T: Float> System<T> {
         let flipped: Vec<String> = joints
             .filter(|(joint, slots)| {
                 let signs = laws::branch(scene, layout, &numbers, &at, *joint);
-                slots.len > 0 && !signs.iter().all(|sign| *sign > T::zero())
+                let joined = slots.switch.and_then(|at| self.modes().get(at));
+                let held = slots.len > 0 && joined != Some(&Mode::Detached);
+                held && !signs.iter().all(|sign| *sign > T::zero())
             })
             .map(|(joint, _)| joint_name(scene, joint).to_owned())
             .collect();

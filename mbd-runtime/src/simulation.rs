@@ -22,14 +22,19 @@ use crate::system::System;
 use crate::unilateral::{Mode, report};
 use crate::watch::Watch;
 
+mod act;
 mod control;
 mod drive;
+mod handover;
 mod moved;
 mod snapshot;
 mod stability;
 pub(crate) mod start;
 mod stiffness;
 
+pub use act::Acted;
+use act::Changes;
+pub use handover::Handover;
 pub use moved::Moved;
 pub use snapshot::Snapshot;
 use stability::Meter;
@@ -39,7 +44,7 @@ use stability::Meter;
 pub enum Stop {
     /// At the requested time.
     Reached,
-    /// On a declared event, by index, because [`Options::stop_at_events`] is set.
+    /// On a declared event, by index, because it says `then: stop`, or [`Options::stop_at_events`] is set.
     Event(usize),
 }
 
@@ -150,6 +155,8 @@ pub struct Simulation<T: Float> {
     as_declared: bool,
     started: bool,
     events: Vec<Occurrence>,
+    /// What events changed.
+    changes: Changes<T>,
 }
 
 impl<T: Float> Simulation<T> {
@@ -253,9 +260,8 @@ impl<T: Float> Simulation<T> {
 
     /// What [`Simulation::set_params`] does.
     pub(crate) fn give_params(&mut self, params: &[T]) -> Result<(), ParamError> {
-        let model = self.system.model.with_params(params)?;
-        self.margins.read_lines(model.lines());
-        self.system.take(model);
+        self.take_params(params)?;
+        self.changes.own = params.to_vec();
         self.start_again();
         self.started = false;
         Ok(())

@@ -107,6 +107,8 @@ pub(crate) struct System<T: Float> {
     wide: Vec<f64>,
     /// Room for joint coordinates.
     measured: Vec<T>,
+    /// Work of the actions of events so far [J].
+    pub action_work: f64,
 }
 
 /// Whether a spring or a stop acts along an angle that jumps at half a turn.
@@ -170,6 +172,7 @@ impl<T: Float> System<T> {
                     .len(Quantity::Coordinates)
                     .max(layout.len(Quantity::Outputs))
             ],
+            action_work: 0.0,
             model,
         }
     }
@@ -295,6 +298,16 @@ impl<T: Float> System<T> {
         }
     }
 
+    /// What every event would set, a number a setting in declaration order [SI], at the stage that was evaluated last.
+    #[cold]
+    pub(crate) fn settings(&mut self, time: f64, state: &[T]) -> Result<Vec<f64>, StepError> {
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        Ok(laws.settings(&*self.model, &at))
+    }
+
     /// Looks at the angles with a spring or a stop at the end of a step that is to be taken, or at a start (`first`); whether one jumped.
     pub(crate) fn follow_angles(&mut self, time: f64, state: &[T], first: bool) -> bool {
         let Some([last, now]) = &mut self.angles else {
@@ -370,6 +383,14 @@ impl<T: Float> System<T> {
     pub(crate) fn frozen(&mut self, frozen: bool) {
         self.nodes.freeze(frozen);
         self.probe.freeze(frozen);
+    }
+
+    /// Takes up the modes that the memory has at an accepted state, before nodes are put in balance with them.
+    pub(crate) fn read_modes(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
+        let state = state.get(..self.nx).unwrap_or_default();
+        self.supply(time, state)?;
+        self.nodes.hold_modes(&self.memory);
+        Ok(())
     }
 
     /// The mode of every element.

@@ -11,7 +11,7 @@ use crate::system::{System, WORKS};
 /// When a row is written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sampling {
-    /// At the start and after every accepted step, located events included.
+    /// At the start and after every accepted step, located events included; where an event acts, a row before it and one after it.
     Steps,
     /// Every so many seconds from the first row on, by the interpolant of the method.
     Every(f64),
@@ -35,7 +35,7 @@ pub struct Content {
     /// The declared outputs.
     pub outputs: bool,
     /// Kinetic, gravitational and elastic energy and their sum [J], power of loads, dampers and prescribed
-    /// motions [W], and their work [J] when the run integrates it.
+    /// motions [W], and their work [J] when the run integrates it; in a scene whose events change something also the work of these actions [J].
     pub energy: bool,
 }
 
@@ -337,6 +337,9 @@ impl Trajectory {
             self.row.extend(energy.iter().skip(3).map(|x| x.to_f64()));
             let works = state.iter().skip(layout.nx()).map(|x| x.to_f64());
             self.row.extend(works.chain([f64::NAN; WORKS]).take(WORKS));
+            if acts(model.scene()) {
+                self.row.push(system.action_work);
+            }
         }
         for (column, value) in self.columns.iter_mut().zip(&self.row) {
             column.push(*value);
@@ -368,6 +371,11 @@ fn read<'s, T: Float>(
 /// Times closer than this are the same time.
 pub(crate) fn resolution(time: f64) -> f64 {
     16.0 * f64::EPSILON * time.abs().max(1e-6)
+}
+
+/// Whether events change what is run.
+fn acts(scene: &Scene) -> bool {
+    scene.events.iter().any(|event| event.actions.changes())
 }
 
 fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
@@ -429,6 +437,9 @@ fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
         let kinds = ["loads", "dampers", "drives"];
         names.extend(kinds.map(|kind| Name::new("power", kind, "W")));
         names.extend(kinds.map(|kind| Name::new("work", kind, "J")));
+        if acts(scene) {
+            names.push(Name::new("work", "actions", "J"));
+        }
     }
     names
 }

@@ -6,11 +6,13 @@
 //! slack     s = 0 upwards        → active        (the force jumps up by C ṡ)
 //! active    pull = 0 downwards   → idle,         s = 0 downwards → slack
 //! idle      pull = 0 upwards     → active,       s = 0 downwards → slack           pull = f(s) + C ṡ
+//! detached  until an event attaches it; the element is not there, whatever its stretch
 //! ```
 //!
 //! s is the stretch, of a stop its depth; without damping stretch and pull vanish together and nothing is idle. Springs and the lines of static
-//! and stepwise nodes have no modes and no guards.
+//! and stepwise nodes have no modes but the last, and no guards.
 
+use mbd_scene::laws::line::DETACHED;
 use mbd_scene::{Float, Layout, LineEnd, Model, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +30,8 @@ pub enum Mode {
     Active,
     /// Taut or touched, but K s + C ṡ would push: carries nothing.
     Idle,
+    /// Not there: a line or a spring that an event has detached, or that starts so.
+    Detached,
 }
 
 impl Mode {
@@ -47,6 +51,7 @@ impl Mode {
             Mode::Free => T::zero(),
             Mode::Active => T::one(),
             Mode::Slack | Mode::Idle => -T::one(),
+            Mode::Detached => T::from_f64(DETACHED),
         }
     }
 
@@ -54,6 +59,7 @@ impl Mode {
     /// its own; elsewhere a line that is not active waits for both to rise.
     pub(crate) fn margin(self, stretch: f64, pull: f64, at_node: bool) -> f64 {
         match (self, at_node) {
+            (Mode::Detached, _) => f64::INFINITY,
             (Mode::Active, _) => stretch.min(pull),
             (_, false) => -stretch.min(pull),
             (Mode::Idle, true) => stretch.min(-pull),
@@ -64,6 +70,7 @@ impl Mode {
     /// The mode that follows when the margin is passed, from stretch and pull there [m].
     pub(crate) fn next(self, stretch: f64, pull: f64, tolerance: f64) -> Self {
         match self {
+            Mode::Detached => Mode::Detached,
             Mode::Slack | Mode::Free => Mode::Active,
             Mode::Active if stretch <= tolerance && stretch <= pull => Mode::Slack,
             Mode::Active => Mode::Idle,
@@ -111,6 +118,7 @@ pub(crate) fn report(scene: &Scene, layout: &Layout, element: usize, mode: Mode)
         Mode::Free | Mode::Active => "taut",
         Mode::Slack => "slack",
         Mode::Idle => "idle",
+        Mode::Detached => "detached",
     };
     format!("{}: {word}", name(scene, layout, element))
 }

@@ -144,7 +144,7 @@ fn random_place(model: &dyn Model<f64>, seed: &mut u64) -> Arguments<f64> {
             .enumerate()
             .map(stiffness)
             .collect(),
-        hold: list(layout.one_way())
+        hold: list(layout.holds())
             .into_iter()
             .map(|x| (1.4 * x).round())
             .collect(),

@@ -10,7 +10,7 @@ use crate::random::Random;
 /// Everything an evaluation depends on besides the parameters, on one scalar.
 pub use mbd_scene::Arguments as Instant;
 
-/// A random instant: positions within ±3 m, unit quaternions or any angle, speeds within ±2, lines slack and taut, every mode of hold.
+/// A random instant: positions within ±3 m, unit quaternions or any angle, speeds within ±2, lines slack and taut, every mode of hold, what may be detached so or not.
 #[must_use]
 pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
     let layout = Layout::new(scene);
@@ -43,8 +43,15 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
     let effective = (0..layout.effective_lines)
         .flat_map(|_| [random.decades(2.0, 4.0), random.uniform(0.2, 3.0)])
         .collect();
-    let hold = (0..layout.one_way())
-        .map(|_| random.below(3) as f64 - 1.0)
+    let detachable = |at: usize| match layout.lines.get(at) {
+        Some(slots) => slots.detachable,
+        None => at >= layout.one_way(),
+    };
+    let hold = (0..layout.holds())
+        .map(|at| match detachable(at) {
+            true => -2.0 * random.below(2) as f64,
+            false => random.below(3) as f64 - 1.0,
+        })
         .collect();
     Instant {
         time: random.uniform(0.0, 10.0),

@@ -138,7 +138,9 @@ pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
     }
     let driven = layout.joints.iter().any(|slots| slots.driven);
     let held = layout.nv > 0 && layout.nodes.is_empty() && layout.freedoms() == 0;
-    if !held || !redundancy.closed || driven || layout.ns > 0 {
+    // What is held may be let go.
+    let lasting = layout.detachable_joints.is_empty();
+    if !held || !redundancy.closed || driven || layout.ns > 0 || !lasting {
         return None;
     }
     let across = scene.planar.and_then(|plane| {

@@ -301,10 +301,11 @@ pub fn rewrite(scene: &mut Scene, change: &mut impl FnMut(&mut Formula)) {
         .outputs
         .iter_mut()
         .for_each(|output| one(&mut output.value, change));
-    scene
-        .events
-        .iter_mut()
-        .for_each(|event| one(&mut event.guard, change));
+    scene.events.iter_mut().for_each(|event| {
+        one(&mut event.guard, change);
+        let settings = event.actions.set.iter_mut();
+        settings.for_each(|setting| one(&mut setting.value, change));
+    });
 }
 
 fn each(parts: &mut [Formula], change: &mut impl FnMut(&mut Formula)) {

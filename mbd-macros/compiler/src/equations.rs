@@ -194,7 +194,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
     let state = slots(layout.nx(), Slot::State);
     let nodes = slots(3 * layout.nodes.len(), Slot::Node);
     let effective = slots(2 * layout.effective_lines, Slot::Effective);
-    let hold = slots(layout.one_way(), Slot::Hold);
+    let hold = slots(layout.holds(), Slot::Hold);
     let ends = slots(layout.len(Quantity::AnchorStates), Slot::Ends);
     let inputs = slots(layout.ni, Slot::Input);
     let rows = slots(layout.nc, Slot::Row);

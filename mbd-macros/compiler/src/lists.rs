@@ -128,7 +128,7 @@ impl Group {
             Group::States => layout.ns,
             Group::Nodes => 3 * layout.nodes.len(),
             Group::Effective => 2 * layout.effective_lines,
-            Group::Hold => layout.one_way(),
+            Group::Hold => layout.holds(),
             Group::Ends => layout.len(mbd_scene::Quantity::AnchorStates),
             Group::Inputs => layout.ni,
             Group::Rows => layout.nc,

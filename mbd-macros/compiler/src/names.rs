@@ -75,7 +75,14 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
             format!("{}_{letter}", line_name(scene, line.unwrap_or_default()))
         }
         Slot::Hold(index) => match index.checked_sub(layout.lines.len()) {
-            Some(stop) => format!("{}_hold", stop_name(scene, layout, stop)),
+            Some(stop) => match stop.checked_sub(layout.stops.len()) {
+                Some(joint) => {
+                    let joint = layout.detachable_joints.get(joint);
+                    let joint = joint.and_then(|it| scene.joints.get(it.joint));
+                    format!("{}_hold", joint.map_or("joint", |joint| &joint.name))
+                }
+                None => format!("{}_hold", stop_name(scene, layout, stop)),
+            },
             None => format!("{}_hold", line_name(scene, index)),
         },
         Slot::Ends(index) => end(scene, layout, index),

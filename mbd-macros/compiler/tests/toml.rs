@@ -44,6 +44,42 @@ fn scene_to_text_to_scene_is_the_identity() {
 }
 
 #[test]
+fn what_events_do_is_the_same_in_text_and_toml() {
+    let text = include_str!("pass/actions.mbd");
+    let scene = read_text(text).scene.unwrap();
+    let document = write_toml(&scene);
+    for kept in [
+        "set = \"cd_s = 82.0\"",
+        "detach = \"reef[0]\"",
+        "attach = \"[tie, reef[0]]\"",
+        "acts = \"once\"",
+        "then = \"stop\"",
+        "at_start = \"detached\"",
+    ] {
+        assert!(document.contains(kept), "{kept}\n{document}");
+    }
+    let again = read_toml(&document);
+    assert_eq!(
+        again.scene.as_ref(),
+        Some(&scene),
+        "{}",
+        told(&again).join("\n")
+    );
+    let misspelt = document
+        .replace("cd_s = 82", "cds = 82")
+        .replace("[tie, ", "[ties, ");
+    let told = told(&read_toml(&misspelt)).join("\n");
+    assert!(
+        told.contains("no param or state named `cds` to set; did you mean `cd_s`?"),
+        "{told}"
+    );
+    assert!(
+        told.contains("no line, spring or joint named `ties` to attach; did you mean `tie`?"),
+        "{told}"
+    );
+}
+
+#[test]
 fn a_document_as_text_keeps_its_consts_repetitions_and_units() {
     let text = toml_to_text(LINK).unwrap();
     for kept in [
@@ -204,7 +240,7 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
             "stiffness",
             "stifness",
             &[
-                "scene.toml:36:1: unknown field `stifness`; did you mean `stiffness`? fields here: free_length, stiffness, force, damping",
+                "scene.toml:36:1: unknown field `stifness`; did you mean `stiffness`? fields here: free_length, stiffness, force, damping, at_start",
             ],
         ),
         (
@@ -230,7 +266,7 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
             "from = \"world.anchor\"\n",
             "",
             &[
-                "scene.toml:32:8: this line has no `from`; its keys: from, to, free_length, stiffness, force, damping",
+                "scene.toml:32:8: this line has no `from`; its keys: from, to, free_length, stiffness, force, damping, at_start",
             ],
         ),
         (

@@ -10,6 +10,7 @@
 
 mod elimination;
 mod evaluate;
+mod event;
 mod fingerprint;
 mod held;
 pub mod joints;
@@ -32,8 +33,9 @@ mod vocabulary;
 
 pub use evaluate::{
     Scratch, commands, evaluate, evaluate_with_multipliers, impulses, jumping_angles, masses,
-    sensitivity,
+    sensitivity, settings,
 };
+pub use event::{Actions, Detachable, Direction, Event, Settable, Setting};
 pub use fingerprint::fingerprint;
 pub use joints::{
     ConstantAngle, ConstantVelocity, Cylindrical, Distance, Free, Gear, Hinge, JointForces,
@@ -58,9 +60,9 @@ pub use scalar::{
     symmetric,
 };
 pub use scene::{
-    Body, Clamp, Constant, CoordinateStart, Coordinates, Difference, Direction, Event, Frame,
-    Gravity, Inertia, Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter,
-    PartStart, Point, PointKind, Scene, Starts, State, Triple,
+    Body, Clamp, Constant, CoordinateStart, Coordinates, Difference, Frame, Gravity, Inertia,
+    Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter, PartStart, Point,
+    PointKind, Scene, Starts, State, Triple,
 };
 pub use starts::{declared_parts, place_declared};
 pub use tree::to_relative;

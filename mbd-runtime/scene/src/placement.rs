@@ -16,6 +16,7 @@ use crate::laws::body::{BodyMotion, attitude_of};
 use crate::laws::branch;
 use crate::laws::ground::{course, ground};
 use crate::laws::kinematics::Kinematics;
+use crate::laws::line::DETACHED;
 use crate::laws::numbers::Numbers;
 use crate::{
     AngularVelocity, Arguments, Formula, FrameMotion, Layout, Part, Place, PointSlots, Quantity,
@@ -269,7 +270,7 @@ fn tree(
     let asked = |joint: usize| given.iter().any(|start| start.joint == joint);
     let mut order: Vec<usize> = (0..layout.joints.len())
         .filter(|&joint| {
-            layout.joints[joint].len > 0 && scene.joints[joint].law.couples().is_empty()
+            layout.starts_joined(joint) && scene.joints[joint].law.couples().is_empty()
         })
         .collect();
     order.sort_by_key(|&joint| (!asked(joint), scene.joints[joint].cut));
@@ -360,7 +361,7 @@ impl Placement<'_> {
         self.walk(state);
         let place = self.here(state);
         let at = place.at();
-        let mut held = (0..self.layout.joints.len()).filter(|&j| self.layout.joints[j].len > 0);
+        let mut held = (0..self.layout.joints.len()).filter(|&j| self.layout.starts_joined(j));
         held.all(|joint| {
             let signs = branch(self.scene, self.layout, &self.numbers, &at, joint);
             signs.iter().all(|sign| *sign > 0.0)
@@ -506,13 +507,15 @@ impl Placement<'_> {
         }
     }
 
-    /// A state with its time and the defaults of the inputs.
+    /// A state with its time, the defaults of the inputs and what is detached.
     fn here(&self, state: &[f64]) -> Arguments<f64> {
+        let hold = |detached| if detached { DETACHED } else { 0.0 };
         Arguments {
             time: self.time,
             state: state.to_vec(),
             nodes: vec![0.0; 3 * self.layout.nodes.len()],
             inputs: self.layout.default_inputs(self.scene),
+            hold: self.layout.start_detached().map(hold).collect(),
             ..Arguments::default()
         }
     }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::event::{Detachable, Event, Settable};
 use crate::joints::{JointForces, JointLaw, Side};
 use crate::lines::LineKind;
 use crate::{
@@ -69,10 +70,13 @@ pub struct Starts {
     pub parts: Vec<PartStart>,
     /// Joint coordinates, in the order of joints and coordinates.
     pub coordinates: Vec<CoordinateStart>,
+    /// What is detached until an event attaches it, in rising order.
+    #[serde(default)]
+    pub detached: Vec<Detachable>,
 }
 
 impl Starts {
-    /// Whether nothing is declared.
+    /// Whether no place and no motion is declared.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.parts.is_empty() && self.coordinates.is_empty()
@@ -243,6 +247,48 @@ impl Scene {
                 .filter(|side| forces.stops[side.index()].is_some())
                 .map(move |side| (joint, forces, side))
         })
+    }
+
+    /// Whether some event detaches or attaches it, or it is detached at the start.
+    #[must_use]
+    pub fn is_detachable(&self, what: Detachable) -> bool {
+        let by_events = |event: &Event| {
+            let actions = &event.actions;
+            actions.detach.contains(&what) || actions.attach.contains(&what)
+        };
+        self.starts.detached.contains(&what) || self.events.iter().any(by_events)
+    }
+
+    /// The name of what an event detaches or attaches.
+    #[must_use]
+    pub fn detachable_name(&self, what: Detachable) -> &str {
+        match what {
+            Detachable::Line(index) => self.lines.get(index).map_or("", |line| &line.name),
+            Detachable::Joint(index) => self.joints.get(index).map_or("", |joint| &joint.name),
+        }
+    }
+
+    /// The name of what an event sets.
+    #[must_use]
+    pub fn settable_name(&self, what: Settable) -> &str {
+        match what {
+            Settable::Param(index) => self.params.get(index).map_or("", |param| &param.name),
+            Settable::State(index) => self.states.get(index).map_or("", |state| &state.name),
+        }
+    }
+
+    /// The params that events set, by index, rising.
+    #[must_use]
+    pub fn set_by_events(&self) -> Vec<usize> {
+        let all = self.events.iter().flat_map(|event| &event.actions.set);
+        let params = all.filter_map(|setting| match setting.what {
+            Settable::Param(param) => Some(param),
+            Settable::State(_) => None,
+        });
+        let mut params: Vec<usize> = params.collect();
+        params.sort_unstable();
+        params.dedup();
+        params
     }
 
     /// Whether a formula is zero by declaration: the number 0, or a `const` of value 0.
@@ -637,28 +683,4 @@ pub struct Output {
     pub components: usize,
     /// Unit of the column: SI, or the one the declaration asks for (`in deg`).
     pub unit: Unit,
-}
-
-/// An instant the runtime locates.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Event {
-    /// Name.
-    pub name: String,
-    /// Documentation.
-    pub doc: String,
-    /// A scalar that passes zero at the event.
-    pub guard: Formula,
-    /// The direction that counts.
-    pub direction: Direction,
-}
-
-/// Which zero passages of a guard count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Direction {
-    /// Both.
-    Crosses,
-    /// From negative to positive.
-    Rises,
-    /// From positive to negative.
-    Falls,
 }

@@ -197,7 +197,7 @@ fn differentiates<T: Float>(model: &dyn Model<T>) -> bool {
         state: &state,
         nodes: &nodes,
         effective: &zeros(2 * layout.effective_lines),
-        hold: &zeros(layout.one_way()),
+        hold: &zeros(layout.holds()),
         ends: &[],
         inputs: &inputs,
         rows: &zeros(layout.nv + layout.nc),

@@ -5,6 +5,7 @@ use mbd_scene::laws::{self, line};
 use nalgebra::Vector3;
 
 use super::factor::Block;
+use super::scene::ENDLESS;
 
 /// Forces on m coupled nodes held by tension-only lines.
 ///
@@ -29,7 +30,8 @@ pub trait Balance<T: Float> {
         for (index, &l) in l.iter().enumerate() {
             let [from, to] = self.places(index, p);
             let slack = -line::geometry(&(to - from), l).stretch;
-            if slack > T::zero() && smallest.is_none_or(|least| slack < least) {
+            let there = l < T::from_f64(ENDLESS);
+            if there && slack > T::zero() && smallest.is_none_or(|least| slack < least) {
                 smallest = Some(slack);
             }
         }

@@ -27,8 +27,17 @@ pub struct NodeMemory<T> {
     pub(crate) smooth: Vec<bool>,
     /// Per network: directions spanned by the lines of a `rate` node that stays on the line or plane of its anchors; 3: none is held.
     pub(crate) ranks: Vec<usize>,
-    /// Mode of each line, then of each stop.
+    /// Mode of each line, of each stop, of each joint that may be detached.
     pub(crate) modes: Vec<Mode>,
+}
+
+/// The mode of every element before a run decides it: what is detached at the start, nothing of the rest.
+fn start_modes(layout: &Layout) -> Vec<Mode> {
+    let of = |detached| match detached {
+        true => Mode::Detached,
+        false => Mode::Free,
+    };
+    layout.start_detached().map(of).collect()
 }
 
 impl<T: Float> NodeMemory<T> {
@@ -45,7 +54,7 @@ impl<T: Float> NodeMemory<T> {
             step: T::zero(),
             smooth: vec![false; layout.networks.len()],
             ranks: vec![3; layout.networks.len()],
-            modes: vec![Mode::Free; layout.one_way()],
+            modes: start_modes(layout),
         }
     }
 
@@ -85,10 +94,22 @@ impl<T: Float> NodeMemory<T> {
         &self.stretch
     }
 
-    /// The mode of each line, then of each stop of a joint.
+    /// The mode of each line, of each stop of a joint, of each joint that may be detached.
     #[must_use]
     pub fn modes(&self) -> &[Mode] {
         &self.modes
+    }
+
+    /// Puts an element into a mode that an event or a start says; [`Nodes::start`](super::Nodes::start) decides all others.
+    pub(crate) fn set_mode(&mut self, element: usize, mode: Mode) {
+        if let Some(slot) = self.modes.get_mut(element) {
+            *slot = mode;
+        }
+    }
+
+    /// Every element as it is before a run.
+    pub(crate) fn forget_modes(&mut self, layout: &Layout) {
+        self.modes = start_modes(layout);
     }
 
     /// Whether this memory belongs to that layout (it may have been read from a file).
@@ -111,6 +132,6 @@ impl<T: Float> NodeMemory<T> {
         )?;
         same("memory of networks", self.smooth.len(), networks)?;
         same("memory of networks", self.ranks.len(), networks)?;
-        same("memory of modes", self.modes.len(), layout.one_way())
+        same("memory of modes", self.modes.len(), layout.holds())
     }
 }

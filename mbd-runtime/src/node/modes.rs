@@ -6,7 +6,7 @@ use super::balance::triple;
 use super::error::NodeError;
 use super::memory::NodeMemory;
 use super::rate::Leg;
-use super::scene::Plan;
+use super::scene::{Plan, is_detached};
 use super::stage::{Nodes, Stage};
 use crate::unilateral::{Mode, has_mode};
 
@@ -34,7 +34,7 @@ impl<T: Float> Nodes<T> {
         memory.check(&self.layout)?;
         for &(element, mode) in switches {
             if let Some(slot) = memory.modes.get_mut(element)
-                && *slot != Mode::Free
+                && !matches!(*slot, Mode::Free | Mode::Detached)
             {
                 *slot = mode;
             }
@@ -53,7 +53,9 @@ impl<T: Float> Nodes<T> {
             let result = nodes.finish_rate(plan, decided);
             memory.ranks[plan.index] = plan.rate.rank();
             for (leg, (_, line)) in plan.rate.legs().iter().zip(&plan.legs) {
-                if let Some(slot) = memory.modes.get_mut(line.line) {
+                if let Some(slot) = memory.modes.get_mut(line.line)
+                    && *slot != Mode::Detached
+                {
                     *slot = leg.mode();
                 }
             }
@@ -75,7 +77,7 @@ impl<T: Float> Nodes<T> {
             .evaluate(Quantity::Guards, &at, work, &mut guards);
         let elements = guards.chunks_exact(2).take(self.layout.one_way());
         for (element, pair) in elements.enumerate() {
-            if has_mode(stage.model, element) {
+            if has_mode(stage.model, element) && memory.modes[element] != Mode::Detached {
                 let mode = Mode::of(pair[0] > T::zero(), pair[1] >= T::zero());
                 self.modes[element] = mode;
                 memory.modes[element] = mode;
@@ -114,7 +116,7 @@ impl<T: Float> Nodes<T> {
         if let Some(z) = plan.z {
             plan.p.copy_from_slice(triple(stage.state, z).as_slice());
         }
-        plan.set_legs(stage.model, &self.ends);
+        plan.set_legs(stage.model, &self.modes, &self.ends);
     }
 
     /// Writes velocity, modes and holds of a rate node.
@@ -129,8 +131,10 @@ impl<T: Float> Nodes<T> {
         let velocity = plan.rate.velocity();
         self.nodes[3 * node..3 * node + 3].copy_from_slice(velocity.as_slice());
         for (leg, (_, line)) in plan.rate.legs().iter().zip(&plan.legs) {
-            self.modes[line.line] = leg.mode();
-            self.hold[line.line] = leg.mode().hold();
+            if !is_detached(&self.modes, line) {
+                self.modes[line.line] = leg.mode();
+                self.hold[line.line] = leg.mode().hold();
+            }
         }
         self.statistics.solves += 1;
         if plan.rate.unbalanced() {

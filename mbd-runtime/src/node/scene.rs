@@ -9,6 +9,15 @@ use super::error::Uneven;
 use super::rate::RateNode;
 use super::solver::Solver;
 use super::stage::Stage;
+use crate::unilateral::Mode;
+
+/// The free length of a line that is detached [m]: no place is so far away, and its square is a number in single precision, too.
+pub(crate) const ENDLESS: f64 = 1e15;
+
+/// Whether a line is detached.
+pub(crate) fn is_detached(modes: &[Mode], line: &PlanLine) -> bool {
+    modes.get(line.line) == Some(&Mode::Detached)
+}
 
 /// One line of a network: where it ends and where its effective numbers live.
 #[derive(Clone, Copy, Debug)]
@@ -129,23 +138,34 @@ impl<T: Float> Plan<T> {
         self.nodes.len() == 1 && self.legs.len() == self.lines.len()
     }
 
-    /// Sets K_e and L_e of every line.
+    /// Sets K_e and L_e of every line; those that are detached are longer than anything.
     pub fn set_law(
         &mut self,
         model: &dyn Model<T>,
+        modes: &[Mode],
         law: impl Fn(&PlanLine, &LineNumbers<T>) -> [T; 2],
     ) {
         for ((line, k), l) in self.lines.iter().zip(&mut self.k).zip(&mut self.l) {
             if let Some(numbers) = line.numbers(model) {
-                [*k, *l] = law(line, numbers);
+                [*k, *l] = match is_detached(modes, line) {
+                    true => [numbers.stiffness, T::from_f64(ENDLESS)],
+                    false => law(line, numbers),
+                };
             }
         }
     }
 
     /// Gives the rate problem anchors, velocities and constants, and places it at `p`.
-    pub fn set_legs(&mut self, model: &dyn Model<T>, ends: &[T]) {
+    pub fn set_legs(&mut self, model: &dyn Model<T>, modes: &[Mode], ends: &[T]) {
         for (index, (anchor, line)) in self.legs.iter().enumerate() {
             if let Some(&numbers) = line.numbers(model) {
+                let numbers = match is_detached(modes, line) {
+                    true => LineNumbers {
+                        free_length: T::from_f64(ENDLESS),
+                        ..numbers
+                    },
+                    false => numbers,
+                };
                 let [place, velocity] = [0, 3].map(|k| triple(ends, 6 * anchor + k));
                 self.rate.set_leg(index, place, velocity, numbers);
             }

@@ -20,6 +20,7 @@ use nalgebra::Vector3;
 use super::balance::{Balance, Evaluation, inner, norm};
 use super::error::{NodeError, UNEVEN, Uneven};
 use super::factor::BlockCholesky;
+use super::scene::ENDLESS;
 
 /// When a balance counts as solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -584,9 +585,15 @@ fn shift<T: Float>(trace: T) -> T {
 fn reach<T: Float, B: Balance<T>>(balance: &B, p: &[T], l: &[T]) -> T {
     balance
         .smallest_slack(p, l)
-        .max(T::from_f64(1e-3) * largest(l))
+        .max(T::from_f64(1e-3) * longest(l))
 }
 
 fn largest<T: Float>(list: &[T]) -> T {
     list.iter().fold(T::zero(), |most, &x| most.max(x))
+}
+
+/// The longest free length of a line that is there.
+fn longest<T: Float>(list: &[T]) -> T {
+    let there = list.iter().filter(|l| **l < T::from_f64(ENDLESS));
+    there.fold(T::zero(), |most, &l| most.max(l))
 }

@@ -24,7 +24,7 @@ pub struct Nodes<T: Float> {
     pub(crate) hold: Vec<T>,
     /// Stretch of each node line at the last solve.
     pub(crate) stretch: Vec<T>,
-    /// Mode of each line, then of each stop, at the last solve.
+    /// Mode of each line, of each stop, of each joint that may be detached, at the last solve.
     pub(crate) modes: Vec<Mode>,
     /// `Quantity::Guards` of the last request.
     pub(crate) guards: Vec<T>,
@@ -76,9 +76,9 @@ impl<T: Float> Nodes<T> {
             ends: list(layout.len(Quantity::AnchorStates)),
             nodes: list(3 * layout.nodes.len()),
             effective: list(2 * layout.effective_lines),
-            hold: list(layout.one_way()),
+            hold: list(layout.holds()),
             stretch: list(layout.lines.len()),
-            modes: vec![Mode::Free; layout.one_way()],
+            modes: vec![Mode::Free; layout.holds()],
             guards: list(layout.len(Quantity::Guards)),
             frozen: false,
             rates: list(layout.len(Quantity::Rates)),
@@ -198,7 +198,7 @@ impl<T: Float> Nodes<T> {
                 nodes.restore(plan, memory);
                 return Ok(());
             }
-            law(stage.model, plan, span, memory);
+            nodes.law(stage.model, plan, span, memory);
             nodes.carry(plan, memory);
             nodes.balance(stage, plan, work)
         });
@@ -299,12 +299,16 @@ impl<T: Float> Nodes<T> {
         Ok(())
     }
 
-    /// Takes the modes of the memory, and holds the elements in them if modes are frozen; those of `rate` nodes are decided afterwards.
+    /// Takes the modes of the memory, and holds the elements in them if modes are frozen, detached ones always; those of `rate` nodes are decided
+    /// afterwards.
     pub(crate) fn hold_modes(&mut self, memory: &NodeMemory<T>) {
         let slots = self.hold.iter_mut().zip(&mut self.modes);
         for ((hold, mode), carried) in slots.zip(&memory.modes) {
             *mode = *carried;
-            *hold = if self.frozen { mode.hold() } else { T::zero() };
+            *hold = match self.frozen || *mode == Mode::Detached {
+                true => mode.hold(),
+                false => T::zero(),
+            };
         }
     }
 
@@ -378,6 +382,23 @@ impl<T: Float> Nodes<T> {
         checked
     }
 
+    /// The line law of a static or stepwise network at `span` after the last accepted step.
+    fn law(&self, model: &dyn Model<T>, plan: &mut Plan<T>, span: T, memory: &NodeMemory<T>) {
+        let smooth = memory.smooth.get(plan.index).copied().unwrap_or_default();
+        let stepwise = plan.stepwise();
+        plan.set_law(model, &self.modes, |line, numbers| match stepwise {
+            Some((formula, clamp)) => {
+                let of = |list: &[T]| list.get(line.line).copied().unwrap_or_default();
+                let history = History {
+                    last: of(&memory.stretch),
+                    before: smooth.then(|| (of(&memory.previous), memory.step)),
+                };
+                effective(numbers, formula, clamp, span, history)
+            }
+            None => [numbers.stiffness, numbers.free_length],
+        });
+    }
+
     /// Stretches of the node lines with the nodes where the last solve put them.
     pub(crate) fn find_stretches(&mut self, model: &dyn Model<T>) {
         let plans = std::mem::take(&mut self.plans);
@@ -400,23 +421,6 @@ impl<T: Float> Nodes<T> {
             self.stretch[line.line] = line::geometry(&vector, numbers.free_length).stretch;
         }
     }
-}
-
-/// The line law of a static or stepwise network at `span` after the last accepted step.
-fn law<T: Float>(model: &dyn Model<T>, plan: &mut Plan<T>, span: T, memory: &NodeMemory<T>) {
-    let smooth = memory.smooth.get(plan.index).copied().unwrap_or_default();
-    let stepwise = plan.stepwise();
-    plan.set_law(model, |line, numbers| match stepwise {
-        Some((formula, clamp)) => {
-            let of = |list: &[T]| list.get(line.line).copied().unwrap_or_default();
-            let history = History {
-                last: of(&memory.stretch),
-                before: smooth.then(|| (of(&memory.previous), memory.step)),
-            };
-            effective(numbers, formula, clamp, span, history)
-        }
-        None => [numbers.stiffness, numbers.free_length],
-    });
 }
 
 impl Statistics {

@@ -6,7 +6,7 @@ use mbd_scene::{Clamp, Difference, Float, Model, Work};
 use super::balance::{Tie, Tied, triple};
 use super::error::{NodeError, Uneven};
 use super::memory::NodeMemory;
-use super::scene::Plan;
+use super::scene::{ENDLESS, Plan, is_detached};
 use super::solver::Tolerance;
 use super::stage::{Nodes, Stage};
 use super::stepwise::{History, effective};
@@ -63,7 +63,9 @@ impl<T: Float> Nodes<T> {
         self.span = T::zero();
         memory.smooth.fill(false);
         memory.ranks.fill(3);
-        memory.modes.fill(Mode::Free);
+        let decided = memory.modes.iter_mut();
+        let decided = decided.filter(|mode| **mode != Mode::Detached);
+        decided.for_each(|mode| *mode = Mode::Free);
         if let Some(guess) = guess {
             NodeError::same_length("guess", guess.len(), self.nodes.len())?;
             NodeError::check_finite("guess", guess)?;
@@ -140,7 +142,9 @@ impl<T: Float> Nodes<T> {
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         let model = stage.model;
-        plan.set_law(model, |_, numbers| [numbers.stiffness, numbers.free_length]);
+        plan.set_law(model, &self.modes, |_, numbers| {
+            [numbers.stiffness, numbers.free_length]
+        });
         // A given z is where its node is.
         let given = |z| triple(stage.state, z);
         let given = plan.z.map(given).filter(|p| *p != triple(&[], 0));
@@ -220,11 +224,11 @@ impl<T: Float> Nodes<T> {
     /// Decides which lines of a node carry, all taut ones assumed to at first; one that must lie between its anchors is put there.
     fn decide_placed(&self, model: &dyn Model<T>, plan: &mut Plan<T>) -> bool {
         plan.rate.hold_rank(3);
-        plan.set_legs(model, &self.ends);
+        plan.set_legs(model, &self.modes, &self.ends);
         let mut decided = decide(plan);
         if let Some(projected) = plan.rate.projected() {
             plan.p.copy_from_slice(projected.as_slice());
-            plan.set_legs(model, &self.ends);
+            plan.set_legs(model, &self.modes, &self.ends);
             decided = decide(plan);
         }
         decided
@@ -269,7 +273,7 @@ impl<T: Float> Nodes<T> {
         let span = shortest.unwrap_or_default() * T::from_f64(TINY_STEP);
         self.place(plan);
         self.stretch_of(model, plan);
-        plan.set_law(model, |line, numbers| {
+        plan.set_law(model, &self.modes, |line, numbers| {
             let last = self.stretch.get(line.line).copied().unwrap_or_default();
             let history = History { last, before: None };
             effective(numbers, Difference::Euler, Clamp::Positive, span, history)
@@ -333,6 +337,11 @@ impl<T: Float> Nodes<T> {
             let (Some(at), Some(numbers)) = (line.effective, line.numbers(model)) else {
                 continue;
             };
+            if is_detached(&self.modes, line) {
+                let pair = [numbers.stiffness, T::from_f64(ENDLESS)];
+                self.effective[2 * at..2 * at + 2].copy_from_slice(&pair);
+                continue;
+            }
             let vector = line.vector(&self.ends, &self.nodes);
             let length = law::geometry(&vector, numbers.free_length).length;
             let pair = if !pulls {

@@ -123,7 +123,7 @@ impl<T: Float> Simulation<T> {
 
     /// After a jump of the rates from those in `inside` an adaptive step is at most one in which the jump moves no block by more than a hundredth of
     /// its scale: what the method has learned about smooth motion says nothing about it.
-    fn limit_pace(&mut self) {
+    pub(super) fn limit_pace(&mut self) {
         let Pace::Adaptive(control, norm) = &mut self.pace else {
             return;
         };

@@ -30,6 +30,7 @@ impl<T: Float> Simulation<T> {
         self.enter()?;
         let steps = self.system.counters.steps;
         while self.system.counters.steps == steps {
+            self.changes.stop = None;
             if let Err(cause) = self.advance(f64::INFINITY, &mut None, &mut |_| true) {
                 self.go_back(&cause, &mut None)?;
                 return Err(self.failed(cause));
@@ -68,6 +69,7 @@ impl<T: Float> Simulation<T> {
                 value: until,
             }));
         }
+        self.changes.stop = None;
         self.enter()?;
         self.chatter.window = 1e-3 * (until - self.time);
         let outcome = self.drive_steps(until, &mut trajectory, go_on);
@@ -88,6 +90,9 @@ impl<T: Float> Simulation<T> {
     ) -> Result<Stop, StepError> {
         if until - self.time > resolution(self.time) {
             self.sample()?;
+        }
+        if let Some(event) = self.changes.stop.take() {
+            return Ok(Stop::Event(event));
         }
         if let Some(trajectory) = trajectory
             && trajectory.open(self.time)?
@@ -112,6 +117,14 @@ impl<T: Float> Simulation<T> {
             trials += 1;
             let seen = self.events.len();
             self.advance(until, trajectory, go_on)?;
+            if let Some(trajectory) = trajectory {
+                let new = self.events.get(seen..).unwrap_or(&[]).iter();
+                let named = new.map(|it| (it.time, self.name_event(it.what)));
+                trajectory.events.extend(named);
+            }
+            if let Some(event) = self.changes.stop.take() {
+                return Ok(Stop::Event(event));
+            }
             if self.options.stop_at_events
                 && let Some(event) = self.declared_since(seen)
             {
@@ -132,6 +145,9 @@ impl<T: Float> Simulation<T> {
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<(), StepError> {
         self.sample()?;
+        if self.changes.stop.is_some() {
+            return Ok(());
+        }
         let until = until.min(self.next_sample());
         let (step, lands) = self.propose(until);
         // Nothing but a row inside the step can make it be taken back.
@@ -159,24 +175,25 @@ impl<T: Float> Simulation<T> {
             }
             return self.look_back();
         };
+        let acts = self.margins.about_to_act();
         if found.step > 0.0 {
             self.watch_step(found.step)?;
             self.record_inside(found.step, trajectory, go_on, before)?;
             self.take(found.step, self.time + found.step)?;
         }
         self.regrid();
-        let before = self.events.len();
+        if acts {
+            // What jumps has two sides.
+            self.record_step(trajectory)?;
+        }
         self.happen()?;
         self.rebase();
-        self.record_step(trajectory)?;
-        if let Some(trajectory) = trajectory {
-            for occurrence in self.events.get(before..).unwrap_or(&[]) {
-                trajectory
-                    .events
-                    .push((occurrence.time, self.name_event(occurrence.what)));
-            }
-        }
-        Ok(())
+        self.record_step(trajectory)
+    }
+
+    /// Whether the error of a step decides the size of the next.
+    pub(crate) fn is_adaptive(&self) -> bool {
+        matches!(self.pace, Pace::Adaptive(..))
     }
 
     /// The size of the next step, and whether it ends at `until`.
@@ -386,6 +403,15 @@ impl<T: Float> Simulation<T> {
             time: self.time,
             what,
         });
+    }
+
+    pub(crate) fn event_count(&self) -> usize {
+        self.events.len()
+    }
+
+    /// Takes back the last events: they are due again.
+    pub(crate) fn forget_events(&mut self, count: usize) {
+        self.events.truncate(count);
     }
 
     fn declared_since(&self, first: usize) -> Option<usize> {

@@ -40,6 +40,12 @@ pub struct Snapshot<T> {
     held: (Vec<T>, bool),
     /// Per controller the first sample [s] and the number of the next.
     samples: Vec<(f64, u64)>,
+    /// The params that events set, in the order of their declaration.
+    params: Vec<T>,
+    /// Per event whether it has acted.
+    done: Vec<bool>,
+    /// Work of the actions so far [J].
+    action_work: f64,
 }
 
 impl<T> Snapshot<T> {
@@ -82,6 +88,13 @@ impl<T: Float> Simulation<T> {
         self.system.fallback.save(&mut to.rows);
         to.held.0.clone_from(&self.system.held);
         to.held.1 = self.system.unsupplied;
+        to.params.clear();
+        let params = self.system.model.params();
+        let settable = self.changes.settable.iter();
+        to.params
+            .extend(settable.filter_map(|&param| params.get(param)));
+        to.done.clone_from(&self.changes.done);
+        to.action_work = self.system.action_work;
         to.samples.clear();
         let samplers = self.samplers.iter();
         to.samples
@@ -103,6 +116,24 @@ impl<T: Float> Simulation<T> {
         fingerprint(words.flat_map(|word| word.into_bytes().into_iter().chain([255])))
     }
 
+    /// Runs with what events had set, where that is something else.
+    fn take_up_params(&mut self, set: &[T]) -> Result<(), StepError> {
+        let mut params = self.system.model.params().to_vec();
+        for (&param, &value) in self.changes.settable.iter().zip(set) {
+            if let Some(slot) = params.get_mut(param) {
+                *slot = value;
+            }
+        }
+        if params == self.system.model.params() {
+            return Ok(());
+        }
+        let taken = self.take_params(&params);
+        taken.map_err(|error| StepError::Unsupported {
+            what: format!("a snapshot whose events had set what cannot be run ({error})"),
+            instead: "restore it into a simulation made with the params it was made with".into(),
+        })
+    }
+
     /// What [`Simulation::restore`] does.
     pub(crate) fn continue_from(&mut self, snapshot: &Snapshot<T>) -> Result<(), RunError> {
         let fits = snapshot.scene == self.fingerprint()
@@ -111,6 +142,8 @@ impl<T: Float> Simulation<T> {
             && snapshot.memory.check(self.system.model.layout()).is_ok()
             && snapshot.sides.len() == self.margins.sides.len()
             && snapshot.held.0.len() == self.system.held.len()
+            && snapshot.params.len() == self.changes.settable.len()
+            && snapshot.done.len() == self.changes.done.len()
             && snapshot.samples.len() == self.samplers.len()
             && snapshot.control.is_some() == matches!(self.pace, Pace::Adaptive(..))
             && (self.method.has_both() || snapshot.stiff == self.method.is_stiff());
@@ -122,6 +155,11 @@ impl<T: Float> Simulation<T> {
                         .into(),
             }));
         }
+        self.take_up_params(&snapshot.params)
+            .map_err(|cause| self.failed(cause))?;
+        self.changes.done.clone_from(&snapshot.done);
+        self.changes.stop = None;
+        self.system.action_work = snapshot.action_work;
         self.time = snapshot.time;
         self.origin = snapshot.origin;
         self.count = snapshot.count;

@@ -10,6 +10,7 @@ use mbd_scene::{
     Scene, declared_parts, place_declared,
 };
 
+use super::act::Changes;
 use super::moved::moved;
 use super::stability::Meter;
 use super::{Pace, Simulation, Snapshot};
@@ -123,6 +124,13 @@ impl<T: Float> Simulation<T> {
         for (slot, value) in state.iter_mut().zip(start) {
             *slot = value;
         }
+        let changes = Changes {
+            settable: model.scene().set_by_events(),
+            own: model.params().to_vec(),
+            done: vec![false; layout.events],
+            stop: None,
+            all: Vec::new(),
+        };
         Ok(Simulation {
             system,
             method,
@@ -163,6 +171,7 @@ impl<T: Float> Simulation<T> {
             given: vec![T::zero(); layout.ni],
             moved: Vec::new(),
             events: Vec::with_capacity(256),
+            changes,
         })
     }
 
@@ -186,6 +195,7 @@ impl<T: Float> Simulation<T> {
         {
             *to = from;
         }
+        self.take_back_actions()?;
         self.time = time;
         self.as_declared = false;
         self.started = false;
@@ -307,6 +317,7 @@ impl<T: Float> Simulation<T> {
             });
         }
         let set = self.state.clone();
+        self.system.read_modes(self.time, &self.state)?;
         let assembled = self.system.assemble(self.time, &mut self.state);
         let (model, nx) = (&self.system.model, self.system.nx);
         let scene = (model.scene(), model.layout());
@@ -386,6 +397,19 @@ fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), Step
             ),
             instead: "take Method::Rk4 with a fixed step, or declare the node `rate` or `static`"
                 .into(),
+        });
+    }
+    let mut events = model.scene().events.iter();
+    if let (false, Some(event)) = (
+        options.locate,
+        events.find(|event| !event.actions.is_empty()),
+    ) {
+        return Err(StepError::Unsupported {
+            what: format!(
+                "a run that locates nothing, of the event `{}`, which acts,",
+                event.name
+            ),
+            instead: "leave `locate` on".into(),
         });
     }
     if let Method::Rattle { .. } = options.method {

@@ -5,8 +5,8 @@
 use std::path::PathBuf;
 
 use mbd_runtime::scene::{
-    Body, Direction, Event, Formula, Frame, Function, Gravity, Inertia, Line, LineKind, Load,
-    LoadKind, NodeModel, Output, Place, Point, PointKind, Scene, Unit,
+    Actions, Body, Direction, Event, Formula, Frame, Function, Gravity, Inertia, Line, LineKind,
+    Load, LoadKind, NodeModel, Output, Place, Point, PointKind, Scene, Unit,
 };
 use mbd_runtime::{Content, Generic, Options, Sampling, Simulation, Trajectory};
 use serde_json::Value;
@@ -94,6 +94,7 @@ pub fn event(name: &str, guard: Formula, direction: Direction) -> Event {
         doc: String::new(),
         guard,
         direction,
+        actions: Actions::default(),
     }
 }
 

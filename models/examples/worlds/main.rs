@@ -18,6 +18,7 @@ mod motion_base;
 mod press;
 mod quadrotor;
 mod quarter_car;
+mod staged_descent;
 mod stewart_platform;
 mod tower_crane;
 mod wind_turbine;
@@ -88,6 +89,11 @@ const WORLDS: &[World] = &[
         "quarter_car",
         "what of the road reaches the body of a car",
         quarter_car::run,
+    ),
+    World(
+        "staged_descent",
+        "a capsule that comes down in phases: drogue, reefed and full parachute, a shield that drops",
+        staged_descent::run,
     ),
     World(
         "stewart_platform",

@@ -94,7 +94,7 @@ fn a_run_in_the_plane_ends_where_the_run_in_space_ends() {
         let mut all = run(&in_space(&planar), &lifted(&planar, &state), (2000, 5e-4));
         let want = lifted(&planar, &flat);
         // Both signs of a quaternion are one attitude.
-        for slots in Layout::new(&in_space(&planar)).bodies {
+        for (_, slots) in Layout::new(&in_space(&planar)).own_bodies() {
             let range = slots.q + 3..slots.q + 7;
             let same: f64 = range.clone().map(|k| all[k] * want[k]).sum();
             range.for_each(|k| all[k] *= same.signum());

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use mbd_scene::{
-    AngularVelocity, Fixed, Formula, Gravity, Layout, LoadKind, NodeModel, Place, PointKind,
-    Quantity, Scene, Triple,
+    Actions, AngularVelocity, Fixed, Formula, Gravity, Layout, LoadKind, NodeModel, Place,
+    PointKind, Quantity, Scene, Triple,
 };
 
 use super::context::{Context, unit_text};
@@ -209,7 +209,37 @@ fn equations(scene: &Scene, equations: &Equations, out: &mut String) {
             event.name,
             text(scene, &event.guard)
         );
+        for action in event_actions(scene, &event.actions) {
+            let _ = writeln!(out, "  then {action}");
+        }
     }
+}
+
+/// What an event does, a sentence each.
+fn event_actions(scene: &Scene, actions: &Actions) -> Vec<String> {
+    let set = actions.set.iter().map(|setting| {
+        let (name, value) = (
+            scene.settable_name(setting.what),
+            text(scene, &setting.value),
+        );
+        format!("{name} = {value}.")
+    });
+    let detach = actions
+        .detach
+        .iter()
+        .map(|what| format!("{} is detached.", scene.detachable_name(*what)));
+    let attach = actions
+        .attach
+        .iter()
+        .map(|what| format!("{} is attached.", scene.detachable_name(*what)));
+    let mut all: Vec<String> = set.chain(detach).chain(attach).collect();
+    if actions.stop {
+        all.push("the run stops.".to_owned());
+    }
+    if actions.once {
+        all.push("never again.".to_owned());
+    }
+    all
 }
 
 fn gravity(scene: &Scene) -> String {

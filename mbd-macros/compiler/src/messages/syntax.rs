@@ -143,13 +143,6 @@ pub fn conditional_end(at: Region, item: &str) -> Report {
     )
 }
 
-pub fn nothing_happens(at: Region) -> Report {
-    Report::new(
-        at,
-        "an `event` tells when something happens; what follows from it, the program that runs the model decides",
-    )
-}
-
 pub fn closed_before(at: Region, next: &str) -> Report {
     Report::new(
         at,

@@ -1,6 +1,6 @@
-//! Loads, outputs and events: expressions over the moving scene.
+//! Loads and outputs: expressions over the moving scene.
 
-use mbd_scene::{Direction, Formula, Function, LoadKind, Place, PointKind, Unit};
+use mbd_scene::{Formula, Function, LoadKind, Place, PointKind, Unit};
 
 use super::{Instance, Named, Resolver, Scope, Stage, Typed};
 use crate::lexeme::{Kind, Region};
@@ -205,72 +205,6 @@ impl Resolver<'_> {
         entry.value = value;
         entry.components = components;
         entry.unit = unit;
-        Some(())
-    }
-
-    /// Fills the events.
-    pub fn events(&mut self) {
-        for instance in self.of("event") {
-            self.poison(Named::Event(instance.slot), |this| this.event(&instance));
-        }
-    }
-
-    fn event(&mut self, instance: &Instance<'_>) -> Option<()> {
-        let item = instance.item;
-        let scope = instance.scope(Stage::Result);
-        let guard = item.clause("=")?;
-        let compared = guard.lexemes.iter().find_map(|lexeme| match lexeme.kind {
-            Kind::Sign(sign @ ('<' | '>')) => Some((sign, lexeme.at)),
-            _ => None,
-        });
-        let conditional = guard
-            .lexemes
-            .iter()
-            .any(|l| l.kind == Kind::Word("if".into()));
-        if let (Some((sign, at)), false) = (compared, conditional) {
-            return self.fail(say::event_compares(at.into(), sign));
-        }
-        let left = self.value(guard, scope);
-        let mut passages = [
-            ("crosses", Direction::Crosses),
-            ("rises", Direction::Rises),
-            ("falls", Direction::Falls),
-        ]
-        .into_iter()
-        .filter_map(|(sign, direction)| item.given(sign).map(|given| (given, direction)));
-        let Some((given, direction)) = passages.next() else {
-            if item.broken {
-                return None;
-            }
-            return self.fail(say::event_without_value(item.name_at()));
-        };
-        if let Some((extra, _)) = passages.next() {
-            return self.fail(say::event_twice(extra.at));
-        }
-        let right = self.value(given.value, scope)?;
-        let left = left?;
-        if left.vector {
-            return self.fail(say::scalar_wanted(left.at, "an event"));
-        }
-        if let (Some(wanted), Some(found)) = (left.dimension, right.dimension)
-            && wanted != found
-        {
-            return self.fail(match &right.bare {
-                Some(text) if found == units::NONE => {
-                    say::needs_unit(right.at, given.sign, wanted, text)
-                }
-                _ => say::wrong_dimension(right.at, given.sign, wanted, found),
-            });
-        }
-        let guard = if right.formula == Formula::Number(0.0) {
-            left.formula
-        } else {
-            let at = left.at.to(right.at);
-            self.alike(Function::Sub, left, right, at)?.formula
-        };
-        let entry = self.scene.events.get_mut(instance.slot)?;
-        entry.guard = guard;
-        entry.direction = direction;
         Some(())
     }
 }

@@ -2,7 +2,7 @@
 
 use mbd_scene::joints::{Axis, Coupled, Field, Fields as Asks};
 use mbd_scene::laws::is_discontinuous;
-use mbd_scene::{Dimension, Formula, JointLaw, Place, PointKind};
+use mbd_scene::{Detachable, Dimension, Formula, JointLaw, Place, PointKind};
 
 use super::fields::Fields;
 use super::{Instance, Named, Resolver, Scope, Stage, fold, joint_forces};
@@ -313,6 +313,7 @@ impl Resolver<'_> {
             names.0.push("coordinates");
         }
         names.0.extend(joint_forces::words(&kind));
+        names.0.push("at_start");
         if let Some(lost) = joint_forces::without_coordinate(&kind, &instance.item.block) {
             let at = lost.word.at.into();
             let couples = !kind.couples().is_empty();
@@ -322,6 +323,13 @@ impl Resolver<'_> {
         let fields = self.fields(&instance.item.block, &names.0);
         if let Some(value) = fields.value("coordinates") {
             self.choice(value, "coordinates of an attitude", &[("quaternion", ())])?;
+        }
+        let detached = fields.value("at_start").map_or(Some(false), |value| {
+            let set = [("detached", true), ("attached", false)];
+            self.choice(value, "start of a joint", &set)
+        });
+        if detached? {
+            self.starts_detached(Detachable::Joint(instance.slot));
         }
         let mut answers = Answers {
             wrong: fields.doubtful || instance.item.broken,

@@ -1,6 +1,8 @@
 //! Points, lines and springs.
 
-use mbd_scene::{Clamp, Difference, Dimension, Formula, LineKind, NodeModel, Place, PointKind};
+use mbd_scene::{
+    Clamp, Detachable, Difference, Dimension, Formula, LineKind, NodeModel, Place, PointKind,
+};
 
 use super::fields::{Accept, Fields};
 use super::{Instance, Named, Resolver, Scope, Stage};
@@ -156,6 +158,13 @@ impl Resolver<'_> {
                 self.line_number(&fields, item, &name, field, scope)
             }
         };
+        let detached = fields.value("at_start").map_or(Some(false), |value| {
+            let set = [("detached", true), ("attached", false)];
+            self.choice(value, "start of a line", &set)
+        });
+        if detached? {
+            self.starts_detached(Detachable::Line(instance.slot));
+        }
         let (kind, stiffness) = law?;
         let (free_length, damping) = (length?, damping?);
         let entry = self.scene.lines.get_mut(instance.slot)?;

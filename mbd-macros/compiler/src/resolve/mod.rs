@@ -6,6 +6,7 @@
 mod bodies;
 mod collect;
 mod coordinates;
+mod events;
 mod fields;
 pub mod fold;
 mod forces;
@@ -162,6 +163,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.loads();
     resolver.outputs();
     resolver.events();
+    resolver.detached_starts();
     resolver
 }
 

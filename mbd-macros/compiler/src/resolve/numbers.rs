@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use mbd_scene::{
-    Constant, Dimension, Direction, Event, Fixed, Formula, Input, Let, Output, Parameter, State,
-    Table, Unit,
+    Actions, Constant, Dimension, Direction, Event, Fixed, Formula, Input, Let, Output, Parameter,
+    State, Table, Unit,
 };
 
 use super::{Instance, Named, Resolver, Stage, Typed, fold};
@@ -105,6 +105,7 @@ impl Resolver<'_> {
                 doc,
                 guard: Formula::Number(1.0),
                 direction: Direction::Crosses,
+                actions: Actions::default(),
             }),
         }
     }

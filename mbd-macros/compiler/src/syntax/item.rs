@@ -138,10 +138,7 @@ fn rest<'a>(
             push_clause(item, sign, at, value)?;
         } else if let Some(block) = cursor.group(Bracket::Brace) {
             if spec.fields.is_none() {
-                return Err(match spec.word {
-                    "event" => say::nothing_happens(block.at),
-                    _ => say::no_fields(block.at, spec),
-                });
+                return Err(say::no_fields(block.at, spec));
             }
             item.block = items(Cursor::new(block), true, messages);
             item.broken |= item.block.iter().any(|field| field.broken);
@@ -193,6 +190,8 @@ fn clause_value<'a>(
 ) -> Result<Value<'a>, Report> {
     let start = *cursor;
     let braces = (sign == "=" && spec.fields.is_none()) || !spec.named;
+    // Braces of `if a < b { … } else { … }` belong to the value.
+    let mut conditional = false;
     while !ends(cursor, inside) {
         // Signs that hold a `=` which begins no value.
         if ["..=", "==", "!=", "<=", ">="]
@@ -206,13 +205,17 @@ fn clause_value<'a>(
             Some(Kind::Open(Bracket::Brace, _))
         );
         let mut ahead = *cursor;
-        if (brace && !braces) || clause(&mut ahead, spec).is_some() {
+        if (brace && !braces && !conditional) || clause(&mut ahead, spec).is_some() {
             break;
         }
         let over = cursor.peek_word().is_some_and(|word| OVER.contains(&word));
         if over && ["line", "spring"].contains(&spec.word) {
             return Err(say::led_over(cursor.here()));
         }
+        conditional = match cursor.peek_word() {
+            Some("if" | "else") => true,
+            _ => conditional && !brace,
+        };
         cursor.take_tree();
     }
     Ok(cursor.since(start))

@@ -94,8 +94,9 @@ const fn marked(mark: &'static str, item: ItemWord) -> ItemWord {
 }
 
 const ENDS: &[Clause] = &[needs("from", "from"), needs("to", "to")];
-const LINE_FIELDS: Option<&[&str]> = Some(&["free_length", "stiffness", "force", "damping"]);
-const SPRING_FIELDS: Option<&[&str]> = Some(&["free_length", "stiffness", "damping"]);
+const LINE_FIELDS: Option<&[&str]> =
+    Some(&["free_length", "stiffness", "force", "damping", "at_start"]);
+const SPRING_FIELDS: Option<&[&str]> = Some(&["free_length", "stiffness", "damping", "at_start"]);
 
 /// A frame on a body or in the world; the only item inside another.
 pub const FRAME: ItemWord = repeated(item(
@@ -242,7 +243,7 @@ pub const ITEMS: &[ItemWord] = &[
             may("rises", "rises"),
             may("falls", "falls"),
         ],
-        None,
+        Some(&["set", "detach", "attach", "then", "acts"]),
         "event NAME = expression crosses value;",
     )),
 ];
@@ -402,6 +403,12 @@ pub const FOREIGN_FIELDS: Dictionary = &[
     ("offset", "rest"),
     ("frictionloss", "friction"),
     ("coulomb", "friction"),
+    ("stop", "then"),
+    ("once", "acts"),
+    ("cut", "detach"),
+    ("release", "detach"),
+    ("jettison", "detach"),
+    ("connect", "attach"),
 ];
 
 /// Fields that people expect, and how what they mean is said here.

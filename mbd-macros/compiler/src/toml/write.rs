@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use mbd_scene::joints::{FILTER, FORCE, MOTOR, NUMBERS, START, START_RATE, STOPS};
 use mbd_scene::{
-    AngularVelocity, Axis, Body, Clamp, Coordinates, Difference, Dimension, Direction, Fixed,
-    Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, NodeModel, Output,
-    Part, PointKind, Scene, Triple, Unit,
+    Actions, AngularVelocity, Axis, Body, Clamp, Coordinates, Detachable, Difference, Dimension,
+    Direction, Fixed, Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind,
+    NodeModel, Output, Part, PointKind, Scene, Setting, Triple, Unit,
 };
 
 use toml::Value;
@@ -353,10 +353,13 @@ fn connections(out: &mut String, scene: &Scene) {
             out.push_str("loop = true\n");
         }
         joint_fields(out, &joint.law, scene);
+        if scene.starts.detached.contains(&Detachable::Joint(index)) {
+            entry(out, "at_start", "detached");
+        }
         forces(out, index, joint, scene);
     }
-    for line in &scene.lines {
-        write_line(out, line, scene);
+    for (index, line) in scene.lines.iter().enumerate() {
+        write_line(out, (index, line), scene);
     }
     for load in &scene.loads {
         table(out, "load", &load.name);
@@ -473,7 +476,7 @@ fn axis(value: &Value) -> Option<String> {
     value.clone().try_into::<Axis>().ok().map(letter)
 }
 
-fn write_line(out: &mut String, line: &Line, scene: &Scene) {
+fn write_line(out: &mut String, (index, line): (usize, &Line), scene: &Scene) {
     table(out, line.kind.word(), &line.name);
     doc(out, &line.doc);
     entry(out, "from", &place(line.from, scene));
@@ -484,6 +487,9 @@ fn write_line(out: &mut String, line: &Line, scene: &Scene) {
         None => entry(out, "stiffness", &text(&line.stiffness, scene)),
     }
     entry(out, "damping", &text(&line.damping, scene));
+    if scene.starts.detached.contains(&Detachable::Line(index)) {
+        entry(out, "at_start", "detached");
+    }
 }
 
 fn states(out: &mut String, scene: &Scene) {
@@ -526,6 +532,34 @@ fn results(out: &mut String, scene: &Scene) {
             Direction::Falls => "falls",
         };
         entry(out, direction, "0.0");
+        actions(out, &event.actions, scene);
+    }
+}
+
+/// What an event does.
+fn actions(out: &mut String, actions: &Actions, scene: &Scene) {
+    let setting = |setting: &Setting| {
+        let name = scene.settable_name(setting.what);
+        format!("{name} = {}", text(&setting.value, scene))
+    };
+    let name = |what: &Detachable| scene.detachable_name(*what).to_owned();
+    let lists: [(&str, Vec<String>); 3] = [
+        ("set", actions.set.iter().map(setting).collect()),
+        ("detach", actions.detach.iter().map(name).collect()),
+        ("attach", actions.attach.iter().map(name).collect()),
+    ];
+    for (word, list) in lists {
+        match list.as_slice() {
+            [] => {}
+            [only] => entry(out, word, only),
+            _ => entry(out, word, &format!("[{}]", list.join(", "))),
+        }
+    }
+    if actions.stop {
+        entry(out, "then", "stop");
+    }
+    if actions.once {
+        entry(out, "acts", "once");
     }
 }
 

@@ -2,9 +2,9 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 use mbd_scene::{
-    AngularVelocity, Arguments, Body, Constant, Direction, Event, Formula, Frame, Function,
-    Gravity, Inertia, Input, Layout, Line, LineKind, Load, LoadKind, NodeModel, Output, Parameter,
-    Place, Point, PointKind, Quantity, Scene, Unit,
+    Actions, AngularVelocity, Arguments, Body, Constant, Direction, Event, Formula, Frame,
+    Function, Gravity, Inertia, Input, Layout, Line, LineKind, Load, LoadKind, NodeModel, Output,
+    Parameter, Place, Point, PointKind, Quantity, Scene, Unit,
 };
 
 pub fn numbers(values: [f64; 3]) -> [Formula; 3] {
@@ -290,6 +290,7 @@ pub fn parachute(model: NodeModel, angular_velocity: AngularVelocity) -> Scene {
             doc: String::new(),
             guard: Formula::Stretch(0),
             direction: Direction::Falls,
+            actions: Actions::default(),
         }],
         ..Scene::default()
     }

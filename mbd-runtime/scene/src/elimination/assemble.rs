@@ -233,9 +233,17 @@ impl<S: Real> Constraints<S> {
         let ends = &layout.joints[joint].ends;
         let rows = in_system(layout, joint, &self.rows, &self.kept);
         let hidden = plan.parent_joints.iter().any(Option::is_some);
+        let left_out = evaluation.joined(joint).map(|joined| S::one() - joined);
         for (number, row) in rows.iter().enumerate() {
+            if let Some(left_out) = left_out {
+                self.system
+                    .set_diagonal(plan, index, (number, number), -left_out);
+            }
             if hidden {
-                let size = self.size(evaluation, joint, row);
+                let mut size = self.size(evaluation, joint, row);
+                if let Some(left_out) = left_out {
+                    size += left_out;
+                }
                 self.system.set_size(plan, index, number, size);
             }
             for (part, columns) in row.parts(ends) {

@@ -10,6 +10,7 @@
 //!
 //! The system is written in body components whatever the state carries: M is constant there and γ and λ are the same numbers. Uniform
 //! gravity is left out of (1) and added to the result: it moves every body alike, so only joints to the world feel it.
+//! The rows of a joint that is detached are zero, and −1 on the diagonal says that its λ are: 0 = −(−λ).
 //! Rows that repeat others are not in the system ([`crate::Redundancy`]): their multipliers are zero.
 //! In a plane the unknowns of a body are its two velocities there and ω, and the columns, masses and forces those of the plane.
 //! Source: Kamman, Connecting Joints I, rows joined to the equations of motion as second-order equations.
@@ -122,6 +123,9 @@ impl<S: Real> Constraints<S> {
                 evaluation.law_rows((index, &own), &ends, slots.law, rows);
                 for (coordinate, course) in evaluation.motors(joint) {
                     rows.motor(&own, &coordinate, &course);
+                }
+                if let Some(joined) = evaluation.joined(index) {
+                    rows.scale(joined);
                 }
                 if !slots.all_kept() {
                     rows.keep(slots.kept, &own, &mut self.kept[index]);

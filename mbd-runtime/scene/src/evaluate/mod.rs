@@ -13,7 +13,7 @@ use crate::laws::{
     energy,
     evaluation::Evaluation,
     forces::{self, AppliedForces},
-    joint_forces,
+    formula, joint_forces,
     kinematics::Kinematics,
     mass, measured, node,
     numbers::Numbers,
@@ -256,6 +256,20 @@ pub fn jumping_angles<S: Real>(
             out.push(acting.value());
         }
     });
+}
+
+/// Appends what every event would set, one number a [`Setting`](crate::Setting) [SI], in declaration order.
+pub fn settings<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut Vec<S>,
+) {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    let all = scene.events.iter().flat_map(|event| &event.actions.set);
+    out.extend(all.map(|setting| formula::scalar(&setting.value, &evaluation)));
 }
 
 /// Appends value, rate and acceleration of every motor whose value is an input, or depends on one: what the caller commands. In the order of

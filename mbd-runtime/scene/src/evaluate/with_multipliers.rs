@@ -113,6 +113,9 @@ fn each<S: Real>(
         for (coordinate, course) in evaluation.motors(joint) {
             rows.motor(&ends, &coordinate, &course);
         }
+        if let Some(joined) = evaluation.joined(index) {
+            rows.scale(joined);
+        }
         look(index, &rows, own, &ends);
     }
 }

@@ -40,14 +40,14 @@ pub fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S])
         let Some(line) = evaluation.element(index) else {
             continue;
         };
-        elastic += line.energy(stretch);
+        elastic += evaluation.where_attached(index, line.energy(stretch));
         let winding = match line.damped {
             true => evaluation.rate_of_winding(index),
             false => None,
         };
         let rate = winding.map_or(rate, |winding| rate - winding);
         if let Some(power) = line.damping_power(stretch, rate, tension) {
-            damping -= power;
+            damping -= evaluation.where_attached(index, power);
         }
     }
     let mut load = forces::load_power(evaluation);

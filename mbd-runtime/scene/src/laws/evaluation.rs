@@ -243,13 +243,49 @@ impl<'a, S: Real> Evaluation<'a, S> {
         let hold = self.at.hold.get(index).copied()?;
         let tension = element.tension(geometry.stretch, stretching, hold);
         let pull = element.pull(geometry.stretch, stretching);
+        let tangent = element.tangent(geometry.stretch);
         Some(LineMotion {
             geometry,
             rate,
-            tension,
+            tension: self.where_attached(index, tension),
             pull,
-            tangent: element.tangent(geometry.stretch),
+            tangent: line::Tangent {
+                slope: self.where_attached(index, tangent.slope),
+                secant: self.where_attached(index, tangent.secant),
+                ..tangent
+            },
         })
+    }
+
+    /// A number of a line or a spring; zero while it is detached.
+    pub fn where_attached(&self, line: usize, number: S) -> S {
+        let slots = self.layout.lines.get(line);
+        let switch = slots.filter(|slots| slots.detachable).map(|_| line);
+        self.unless_detached(switch, number)
+    }
+
+    /// The same of a joint.
+    pub fn where_joined(&self, joint: usize, number: S) -> S {
+        let slots = self.layout.joints.get(joint);
+        self.unless_detached(slots.and_then(|slots| slots.switch), number)
+    }
+
+    /// A number of what has a place in the holds; zero while that says that it is detached.
+    fn unless_detached(&self, switch: Option<usize>, number: S) -> S {
+        match switch.and_then(|at| self.at.hold.get(at).copied()) {
+            Some(hold) => {
+                // Half way between what is slack and what is not there.
+                let detached = hold.lt(S::from_f64(0.5 * (line::DETACHED - 1.0)));
+                S::select(detached, S::zero(), number)
+            }
+            None => number,
+        }
+    }
+
+    /// 1 while a joint holds, 0 while it is detached; `None` of one that is never detached.
+    pub fn joined(&self, joint: usize) -> Option<S> {
+        self.layout.joints.get(joint)?.switch?;
+        Some(self.where_joined(joint, S::one()).label("joined"))
     }
 
     /// Writes q̇ = N(q) v of a body.

@@ -211,6 +211,7 @@ impl<S: Real> JointForcesAt<'_, S> {
         if let Some(force) = self.force() {
             effort += force;
         }
+        let effort = self.evaluation.where_joined(self.joint, effort);
         effort.label("effort")
     }
 
@@ -240,7 +241,7 @@ impl<S: Real> JointForcesAt<'_, S> {
         if let Some(force) = self.force() {
             load += force * self.rate();
         }
-        [elastic, load, damping]
+        [elastic, load, damping].map(|number| self.evaluation.where_joined(self.joint, number))
     }
 
     /// Q times the share of moving frames of the world in the rate [W]; `None` where no end moves by itself.

@@ -53,6 +53,9 @@ pub fn geometry<S: Real>(vector: &Vector3<S>, free_length: S) -> Geometry<S> {
     }
 }
 
+/// What [`At::hold`](crate::At::hold) says of a line or a spring that is detached.
+pub const DETACHED: f64 = -2.0;
+
 /// An element that pulls along one direction: a line, a spring, or a stop, whose stretch is its depth. One law, one list of constants, one
 /// guard, one hold mode for all of them.
 #[derive(Clone, Copy, Debug)]
@@ -103,7 +106,8 @@ impl<S: Real> Element<'_, S> {
         .label("pull")
     }
 
-    /// Tension [N] by (2) or (3). `hold`: 0 the element decides by itself, +1 it carries its pull, −1 it carries nothing.
+    /// Tension [N] by (2) or (3). `hold`: 0 the element decides by itself, +1 it carries its pull, −1 it carries nothing, [`DETACHED`] it is not
+    /// there: that of a spring is read by [`Evaluation::where_attached`](crate::laws::evaluation::Evaluation::where_attached).
     ///
     /// Without damping the force is continuous at the slack edge, but its slope is not: held, a trial step across the edge stays smooth.
     pub fn tension(&self, stretch: S, rate: S, hold: S) -> S {

@@ -11,14 +11,14 @@ mod tree;
 pub use elimination::{Below, Carrying, Elimination, Order, Step};
 pub use repeats::{HeldMotor, Redundancy, Repeat};
 pub use slots::{
-    Anchor, Asked, InputSlots, InputSource, JointSlots, LineEnd, LineSlots, Network, Node,
-    PointSlots, Slots, StopSlots,
+    Anchor, Asked, DetachableJoint, InputSlots, InputSource, JointSlots, LineEnd, LineSlots,
+    Network, Node, PointSlots, Slots, StopSlots,
 };
 pub use tree::{Link, Tree};
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Directions, Part, Scene};
+use crate::{Detachable, Directions, Part, Scene};
 
 /// Index ranges of a scene's state, lines, nodes and inputs.
 ///
@@ -74,6 +74,8 @@ pub struct Layout {
     pub joints: Vec<JointSlots>,
     /// The stops of the joints, which follow the lines in [`At::hold`](crate::At::hold) and in the guards.
     pub stops: Vec<StopSlots>,
+    /// The joints that a run may detach, which follow the stops in [`At::hold`](crate::At::hold).
+    pub detachable_joints: Vec<DetachableJoint>,
     /// Number of rows n_c of all joints.
     pub nc: usize,
     /// Which rows repeat others: those are left out of the system.
@@ -184,6 +186,37 @@ impl Layout {
     #[must_use]
     pub fn one_way(&self) -> usize {
         self.lines.len() + self.stops.len()
+    }
+
+    /// Length of [`At::hold`](crate::At::hold): laws that act one way, then joints that may be detached.
+    #[must_use]
+    pub fn holds(&self) -> usize {
+        self.one_way() + self.detachable_joints.len()
+    }
+
+    /// Whether what has a place in [`At::hold`](crate::At::hold) is detached at the start, in its order.
+    pub fn start_detached(&self) -> impl Iterator<Item = bool> + '_ {
+        let lines = self.lines.iter().map(|slots| slots.detached);
+        let stops = self.stops.iter().map(|_| false);
+        let joints = self.detachable_joints.iter().map(|it| it.detached);
+        lines.chain(stops).chain(joints)
+    }
+
+    /// Whether a joint holds at the start: it has rows and is not detached.
+    #[must_use]
+    pub fn starts_joined(&self, joint: usize) -> bool {
+        let detached = |it: &DetachableJoint| it.joint == joint && it.detached;
+        let rows = self.joints.get(joint).is_some_and(|slots| slots.len > 0);
+        rows && !self.detachable_joints.iter().any(detached)
+    }
+
+    /// The place in [`At::hold`](crate::At::hold) of what an event detaches or attaches; `None` of a joint that holds nothing.
+    #[must_use]
+    pub fn switch_of(&self, what: Detachable) -> Option<usize> {
+        match what {
+            Detachable::Line(line) => Some(line),
+            Detachable::Joint(joint) => self.joints.get(joint)?.switch,
+        }
     }
 
     /// The numbers of the inputs that hold until the caller gives others: declared defaults; zero for external loads and external gravity.

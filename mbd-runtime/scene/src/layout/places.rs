@@ -1,8 +1,9 @@
 //! Lays out a scene: one kind of thing after another gets its place.
 
+use crate::event::Detachable;
 use crate::layout::{
-    Anchor, Asked, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
-    PointSlots, Slots, StopSlots, Tree,
+    Anchor, Asked, DetachableJoint, InputSlots, InputSource, JointSlots, Layout, LineEnd,
+    LineSlots, Network, Node, PointSlots, Slots, StopSlots, Tree,
 };
 use crate::scalar::Few;
 use crate::scene::{LoadKind, NodeModel, PointKind, Scene};
@@ -37,6 +38,18 @@ impl Layout {
             side,
         });
         layout.stops = stops.collect();
+        let joints = (0..scene.joints.len()).map(Detachable::Joint);
+        let detachable = joints.filter(|&joint| scene.is_detachable(joint));
+        for (number, joint) in detachable.enumerate() {
+            let Detachable::Joint(index) = joint else {
+                continue;
+            };
+            layout.detachable_joints.push(DetachableJoint {
+                joint: index,
+                detached: scene.starts.detached.contains(&joint),
+            });
+            layout.joints[index].switch = Some(layout.one_way() + number);
+        }
         layout.asked = [
             Asked::by(scene, scene.outputs.iter().map(|output| &output.value)),
             Asked::by(scene, scene.events.iter().map(|event| &event.guard)),
@@ -157,6 +170,7 @@ impl Layout {
                 holds,
                 kept: RowSet::all(len),
                 ends,
+                switch: None,
                 driven: (len > 0 || in_tree) && (motors > 0 || places.clone().any(moving)),
             });
             self.nc += len;
@@ -203,7 +217,12 @@ impl Layout {
                 }
             }
             self.effective_lines += usize::from(effective.is_some());
-            self.lines.push(LineSlots { ends, effective });
+            self.lines.push(LineSlots {
+                ends,
+                effective,
+                detachable: scene.is_detachable(Detachable::Line(index)),
+                detached: scene.starts.detached.contains(&Detachable::Line(index)),
+            });
         }
     }
 

@@ -22,6 +22,8 @@ pub struct JointSlots {
     pub kept: RowSet,
     /// What its parent end and its child end sit on, and of a coupling those of the other joints that it couples; `None` for the world.
     pub ends: Few<Option<Part>, MOST_ENDS>,
+    /// Its place in [`At::hold`](crate::At::hold), where a run may detach it.
+    pub switch: Option<usize>,
     /// Whether its rows depend on time: motors, or an end on a frame of the world that moves.
     pub driven: bool,
 }
@@ -78,6 +80,15 @@ pub struct StopSlots {
     pub coordinate: usize,
     /// Which end.
     pub side: Side,
+}
+
+/// A joint that a run may detach.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DetachableJoint {
+    /// The joint, by index.
+    pub joint: usize,
+    /// Whether it is detached at the start.
+    pub detached: bool,
 }
 
 /// Offsets into q and into v.
@@ -150,6 +161,10 @@ pub struct LineSlots {
     pub ends: [LineEnd; 2],
     /// Its place in [`At::effective`](crate::At::effective) (two numbers each), for lines of static and stepwise nodes.
     pub effective: Option<usize>,
+    /// Whether a run may detach it.
+    pub detachable: bool,
+    /// Whether it is detached at the start.
+    pub detached: bool,
 }
 
 /// An end of a node line that is not a node.

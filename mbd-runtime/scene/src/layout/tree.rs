@@ -6,13 +6,13 @@
 //!
 //! (1) is a spanning forest of least weight, freedoms as weights, the world as one node: joints enter by their freedoms, those of
 //! equal freedoms in the order of declaration, and one that closes a loop stays a set of rows (Kruskal, 1956). A joint enters only if all its
-//! coordinates can be measured, both its ends are on bodies or on the world, and it is not marked `loop`. A body that no such joint ties to the world
+//! coordinates can be measured, both its ends are on bodies or on the world, it is not marked `loop`, and no event detaches it. A body that no such joint ties to the world
 //! floats: it owns position, attitude and velocity as in absolute coordinates.
 
 use std::ops::Range;
 
 use crate::layout::Slots;
-use crate::{Part, Place, Scene};
+use crate::{Detachable, Part, Place, Scene};
 
 /// A body and what carries it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +76,7 @@ fn may_carry(scene: &Scene, joint: usize) -> bool {
     let ends = places.map(on);
     measured
         && !declared.cut
+        && !scene.is_detachable(Detachable::Joint(joint))
         && law.couples().is_empty()
         && law.freedoms() < 6
         && ends[0] != ends[1]

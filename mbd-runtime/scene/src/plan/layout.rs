@@ -55,6 +55,10 @@ impl Layout {
         let joints = scene.joints.iter().zip(&self.joints);
         let carrying: Vec<Option<Carrying>> = joints
             .map(|(joint, slots)| {
+                // A joint that may be detached stays in the system, where its rows can be taken out.
+                if slots.switch.is_some() {
+                    return None;
+                }
                 let driven = joint.motors();
                 let driven = driven.map(|(index, _)| Some((index, joint.law.coordinate(index)?)));
                 let motors: Vec<_> = driven.collect::<Option<_>>()?;

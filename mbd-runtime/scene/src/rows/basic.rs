@@ -274,6 +274,13 @@ impl<S: Real> Rows<S> {
         }
     }
 
+    /// Every row times a factor: 0 takes them out.
+    pub fn scale(&mut self, factor: S) {
+        for row in &mut self.rows {
+            *row = row.scaled(factor);
+        }
+    }
+
     /// The rows, and how much of each, that make up row `row` of the system.
     pub fn parts(&self, row: usize, ends: &Ends<'_, S>) -> [Option<(usize, S)>; 3] {
         let one = [Some((row, S::one())), None, None];

@@ -132,6 +132,18 @@ impl<S: Real> TreeSystem<S> {
         }
     }
 
+    /// The rows of a joint that is detached are zero, and −1 on the diagonal says that its λ are.
+    fn leave_out_detached(&mut self, evaluation: &Evaluation<'_, S>, step: usize, part: Part) {
+        let plan = &evaluation.layout.elimination;
+        let Part::Joint(joint) = part else { return };
+        if let Some(joined) = evaluation.joined(joint) {
+            for row in 0..plan.steps[step].size {
+                let left_out = joined - S::one();
+                self.system.set_diagonal(plan, step, (row, row), left_out);
+            }
+        }
+    }
+
     /// Assembles and factorises (1); the rows need the accelerations of the links without u̇.
     pub(super) fn prepare(&mut self, evaluation: &Evaluation<'_, S>) {
         let layout = evaluation.layout;
@@ -147,6 +159,7 @@ impl<S: Real> TreeSystem<S> {
         for (index, step) in plan.steps.iter().enumerate() {
             enter::<S>(evaluation.scene, step.part);
             let Some((first, _)) = speeds_of(layout, step.part) else {
+                self.leave_out_detached(evaluation, index, step.part);
                 continue;
             };
             for i in 0..step.size {

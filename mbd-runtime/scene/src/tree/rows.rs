@@ -113,6 +113,9 @@ impl<S: Real> TreeRows<S> {
         for (coordinate, course) in evaluation.motors(declared) {
             rows.motor(&own, &coordinate, &course);
         }
+        if let Some(joined) = evaluation.joined(joint) {
+            rows.scale(joined);
+        }
         if !slots.all_kept() {
             rows.keep(slots.kept, &own, &mut self.kept[joint]);
         }

@@ -1,0 +1,341 @@
+//! Events: the passage of a value, and what happens then.
+
+use mbd_scene::joints::JointForces;
+use mbd_scene::{
+    Actions, Detachable, Dimension, Direction, Formula, Function, Joint, Settable, Setting,
+};
+
+use super::{Instance, Named, Resolver, Scope, Stage, fold};
+use crate::lexeme::{Bracket, Kind, Region};
+use crate::messages::{Report, resolve as say};
+use crate::syntax::expression::{self, Expression, Step};
+use crate::syntax::{Cursor, Item, Value, words};
+use crate::units;
+
+/// A number that an event sets.
+struct Target {
+    what: Settable,
+    name: String,
+    dimension: Dimension,
+    range: Option<[f64; 2]>,
+    at: Region,
+}
+
+impl Resolver<'_> {
+    /// Fills the events.
+    pub fn events(&mut self) {
+        for instance in self.of("event") {
+            self.poison(Named::Event(instance.slot), |this| this.event(&instance));
+        }
+    }
+
+    fn event(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let item = instance.item;
+        let scope = instance.scope(Stage::Result);
+        let guard = item.clause("=")?;
+        let compared = guard.lexemes.iter().find_map(|lexeme| match lexeme.kind {
+            Kind::Sign(sign @ ('<' | '>')) => Some((sign, lexeme.at)),
+            _ => None,
+        });
+        let conditional = guard
+            .lexemes
+            .iter()
+            .any(|l| l.kind == Kind::Word("if".into()));
+        if let (Some((sign, at)), false) = (compared, conditional) {
+            return self.fail(say::event_compares(at.into(), sign));
+        }
+        let left = self.value(guard, scope);
+        let mut passages = [
+            ("crosses", Direction::Crosses),
+            ("rises", Direction::Rises),
+            ("falls", Direction::Falls),
+        ]
+        .into_iter()
+        .filter_map(|(sign, direction)| item.given(sign).map(|given| (given, direction)));
+        let Some((given, direction)) = passages.next() else {
+            if item.broken {
+                return None;
+            }
+            return self.fail(say::event_without_value(item.name_at()));
+        };
+        if let Some((extra, _)) = passages.next() {
+            return self.fail(say::event_twice(extra.at));
+        }
+        let right = self.value(given.value, scope)?;
+        let left = left?;
+        if left.vector {
+            return self.fail(say::scalar_wanted(left.at, "an event"));
+        }
+        if let (Some(wanted), Some(found)) = (left.dimension, right.dimension)
+            && wanted != found
+        {
+            return self.fail(match &right.bare {
+                Some(text) if found == units::NONE => {
+                    say::needs_unit(right.at, given.sign, wanted, text)
+                }
+                _ => say::wrong_dimension(right.at, given.sign, wanted, found),
+            });
+        }
+        let guard = if right.formula == Formula::Number(0.0) {
+            left.formula
+        } else {
+            let at = left.at.to(right.at);
+            self.alike(Function::Sub, left, right, at)?.formula
+        };
+        let actions = self.actions(instance);
+        let entry = self.scene.events.get_mut(instance.slot)?;
+        entry.guard = guard;
+        entry.direction = direction;
+        entry.actions = actions?;
+        Some(())
+    }
+
+    /// What stands between the braces of an event.
+    fn actions(&mut self, instance: &Instance<'_>) -> Option<Actions> {
+        let known = words::find("event", false)?.fields?;
+        let fields = self.fields(&instance.item.block, known);
+        let set = fields
+            .get("set")
+            .map(|item| self.set_numbers(item, instance));
+        let mut named: Vec<(Detachable, Region)> = Vec::new();
+        let [detach, attach] = ["detach", "attach"].map(|word| {
+            let item = fields.get(word);
+            item.map_or(Some(Vec::new()), |item| {
+                self.detachables(item, instance, &mut named)
+            })
+        });
+        let stop = fields.value("then").map_or(Some(false), |value| {
+            self.choice(value, "end of an event", &[("stop", true)])
+        });
+        let once = fields.value("acts").map_or(Some(false), |value| {
+            let set = [("once", true), ("always", false)];
+            self.choice(value, "count of an event", &set)
+        });
+        let actions = Actions {
+            set: set.unwrap_or(Some(Vec::new()))?,
+            detach: detach?,
+            attach: attach?,
+            stop: stop?,
+            once: once?,
+        };
+        (!fields.doubtful).then_some(actions)
+    }
+
+    /// Remembers that something is detached at the start.
+    pub fn starts_detached(&mut self, what: Detachable) {
+        let starts = &mut self.scene.starts.detached;
+        let place = starts.partition_point(|other| *other < what);
+        starts.insert(place, what);
+    }
+
+    /// Tells of joints that start detached and cannot be.
+    pub fn detached_starts(&mut self) {
+        for what in self.scene.starts.detached.clone() {
+            if let Detachable::Joint(joint) = what
+                && let Some(at) = self.declared.get(&Named::Joint(joint)).copied()
+            {
+                self.detachable_joint(joint, at);
+            }
+        }
+    }
+
+    /// Refuses joints that are not bare enough to be detached.
+    fn detachable_joint(&mut self, joint: usize, at: Region) -> Option<()> {
+        let declared = self.scene.joints.get(joint)?;
+        let name = declared.name.clone();
+        let holds = declared.law.rows() > 0 || declared.motors().next().is_some();
+        let stops = |forces: &JointForces| forces.stops.iter().any(Option::is_some);
+        let stopped = declared.forces.iter().any(stops);
+        let mut joints = self.scene.joints.iter();
+        let couples = |other: &&Joint| other.law.couples().iter().any(|(of, _)| *of == joint);
+        let coupled = joints.find(couples).map(|other| other.name.clone());
+        match (holds, stopped, coupled) {
+            (false, ..) => self.fail(say::holds_nothing(at, &name)),
+            (_, true, _) => self.fail(say::stopped_joint_detached(at, &name)),
+            (.., Some(other)) => self.fail(say::coupled_joint_detached(at, &name, &other)),
+            _ => Some(()),
+        }
+    }
+
+    /// `reef`, or `[reef, leg[0]]`: lines, springs and joints, each named once in the event.
+    fn detachables(
+        &mut self,
+        item: &Item<'_>,
+        instance: &Instance<'_>,
+        named: &mut Vec<(Detachable, Region)>,
+    ) -> Option<Vec<Detachable>> {
+        let mut all = Some(Vec::new());
+        for part in listed(item.clause(":")?) {
+            let found = self.detachable(part, &item.word.text, instance.scope(Stage::Live));
+            let (Some(found), Some(list)) = (found, all.as_mut()) else {
+                all = None;
+                continue;
+            };
+            if let Some((_, first)) = named.iter().find(|(other, _)| *other == found) {
+                let name = self.scene.detachable_name(found);
+                let report = say::event_names_twice(part.at, name, *first);
+                self.messages.push(report);
+                all = None;
+                continue;
+            }
+            named.push((found, part.at));
+            list.push(found);
+        }
+        all
+    }
+
+    /// One line, spring or joint by its name.
+    fn detachable(&mut self, value: Value<'_>, word: &str, scope: Scope<'_>) -> Option<Detachable> {
+        let known = |named| matches!(named, Named::Line(_) | Named::Joint(_));
+        let (named, step) = self.thing(value, scope, &known, |at, name, words| {
+            say::no_line_of_event(at, word, name, words)
+        })?;
+        match named {
+            Named::Line(line) => {
+                self.mention(named, step.word.at);
+                Some(Detachable::Line(line))
+            }
+            Named::Joint(joint) => {
+                self.mention(named, step.word.at);
+                self.detachable_joint(joint, step.word.at.into())?;
+                Some(Detachable::Joint(joint))
+            }
+            other => {
+                let (at, name) = (step.word.at.into(), &step.word.text);
+                self.fail(say::not_a_line_of_event(at, word, name, other.kind()))
+            }
+        }
+    }
+
+    /// What a name alone stands for, with its index if it is repeated; `unknown` tells of a name that nothing of a kind has.
+    fn thing(
+        &mut self,
+        value: Value<'_>,
+        scope: Scope<'_>,
+        kind: &dyn Fn(Named) -> bool,
+        unknown: impl Fn(Region, &str, &[&str]) -> Report,
+    ) -> Option<(Named, Step)> {
+        let parsed = match expression::whole(value) {
+            Ok(parsed) => parsed,
+            Err(report) => return self.fail(report),
+        };
+        let step = match parsed {
+            Expression::Path(mut steps) if steps.len() == 1 => steps.pop()?,
+            _ => return self.fail(say::name_wanted(value.at)),
+        };
+        let word = &step.word.text;
+        if self.broken.contains(word) {
+            return None;
+        }
+        let Some(entry) = self.names.get(word).cloned() else {
+            let report = unknown(step.word.at.into(), word, &self.names.words_of(kind));
+            return self.fail(report);
+        };
+        let named = self.member(&entry, &step, scope)?;
+        (!self.bad.contains(&named)).then_some((named, step))
+    }
+
+    /// `cd_s = 82 m^2`, or `[cd_s = 82 m^2, phase = 2]`.
+    fn set_numbers(&mut self, item: &Item<'_>, instance: &Instance<'_>) -> Option<Vec<Setting>> {
+        let mut settings: Option<Vec<Setting>> = Some(Vec::new());
+        let mut firsts: Vec<(Settable, Region)> = Vec::new();
+        for part in listed(item.clause(":")?) {
+            let Some((target, setting)) = self.setting(part, instance) else {
+                settings = None;
+                continue;
+            };
+            if let Some((_, first)) = firsts.iter().find(|(what, _)| *what == setting.what) {
+                let report = say::event_names_twice(target.at, &target.name, *first);
+                self.messages.push(report);
+                settings = None;
+                continue;
+            }
+            firsts.push((setting.what, target.at));
+            if let Some(list) = settings.as_mut() {
+                list.push(setting);
+            }
+        }
+        settings
+    }
+
+    fn setting(&mut self, part: Value<'_>, instance: &Instance<'_>) -> Option<(Target, Setting)> {
+        let scope = instance.scope(Stage::Live);
+        let mut signs = part.lexemes.iter();
+        let Some(sign) = signs.position(|lexeme| lexeme.kind == Kind::Sign('=')) else {
+            return self.fail(say::setting_wanted(part.at));
+        };
+        let [left, right] = [&part.lexemes[..sign], &part.lexemes[sign + 1..]];
+        let [Some(left), Some(right)] = [left, right].map(piece) else {
+            return self.fail(say::setting_wanted(part.at));
+        };
+        let target = self.target(left, scope);
+        let typed = self.value(right, scope);
+        let (target, typed) = (target?, typed?);
+        let at = typed.at;
+        let value = self.fits(typed, &target.name, false, target.dimension)?;
+        let constant = fold::known(&value, &self.scene, false).and_then(|it| it.scalar());
+        match (constant, target.range) {
+            (Some(found), _) if !found.is_finite() => {
+                return self.fail(say::set_to_no_number(at, &target.name));
+            }
+            (Some(found), Some(range)) if !(range[0]..=range[1]).contains(&found) => {
+                return self.fail(say::set_outside(at, &target.name, found, range));
+            }
+            _ => {}
+        }
+        let what = target.what;
+        Some((target, Setting { what, value }))
+    }
+
+    /// The param or the state on the left of a setting.
+    fn target(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Target> {
+        let settable = |named| matches!(named, Named::Param(_) | Named::State(_));
+        let (named, step) = self.thing(value, scope, &settable, say::nothing_to_set)?;
+        let at = Region::from(step.word.at);
+        let (what, name, unit, range) = match named {
+            Named::Param(index) => {
+                let param = self.scene.params.get(index)?;
+                let what = Settable::Param(index);
+                (what, param.name.clone(), &param.unit, param.range)
+            }
+            Named::State(index) => {
+                let state = self.scene.states.get(index)?;
+                (
+                    Settable::State(index),
+                    state.name.clone(),
+                    &state.unit,
+                    None,
+                )
+            }
+            other => {
+                let report = say::cannot_be_set(at, &step.word.text, other.kind());
+                return self.fail(report);
+            }
+        };
+        let dimension = unit.dimension;
+        self.mention(named, step.word.at);
+        Some(Target {
+            what,
+            name,
+            dimension,
+            range,
+            at,
+        })
+    }
+}
+
+/// The parts of `[a, b]`, or the one value.
+fn listed(value: Value<'_>) -> Vec<Value<'_>> {
+    let mut cursor = Cursor::new(value);
+    match cursor.group(Bracket::Square) {
+        Some(group) if cursor.at_end() => Cursor::new(group).comma_separated(),
+        _ => vec![value],
+    }
+}
+
+/// Some lexemes of a value as one of their own.
+fn piece(lexemes: &[crate::lexeme::Lexeme]) -> Option<Value<'_>> {
+    let (first, last) = (lexemes.first()?.at, lexemes.last()?.at);
+    let at = Region { first, last };
+    Some(Value { lexemes, at })
+}

@@ -1,0 +1,264 @@
+//! What events do besides being told: the run that stands on their instant is changed, made consistent again, and goes on.
+//!
+//! Everything that happens at one instant acts together: what is set is evaluated just before the instant, applied in the order of the declaration
+//! (the last value of a number counts), and made consistent once. Actions may let other events happen at the same instant: these act next.
+//! The energy that jumps is the work of the action ([`Acted`]); it counts neither as made nor as lost by the steps.
+
+use mbd_scene::{Float, Gravity, ParamError, Quantity, Settable};
+
+use super::Simulation;
+use crate::chatter::MOST_SWITCHES;
+use crate::error::{RunError, StepError};
+use crate::unilateral::Mode;
+
+/// What events did at an instant: see [`Simulation::actions`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Acted {
+    /// When [s].
+    pub time: f64,
+    /// The events that acted together, by index in the declaration, in its order.
+    pub events: Vec<usize>,
+    /// By how much kinetic, gravitational and elastic energy jumped [J]; `None` where gravity is the caller's.
+    pub energies: Option<[f64; 3]>,
+}
+
+impl Acted {
+    /// The energy that the action gave (positive) or took [J].
+    #[must_use]
+    pub fn work(&self) -> Option<f64> {
+        Some(self.energies?.iter().sum())
+    }
+}
+
+/// What actions changed so far, beside the modes of elements.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Changes<T> {
+    /// The params that events set, by index, rising.
+    pub settable: Vec<usize>,
+    /// All params as the caller gave them.
+    pub own: Vec<T>,
+    /// Per event whether it has acted.
+    pub done: Vec<bool>,
+    /// Whether an event has asked the run to end here, and which.
+    pub stop: Option<usize>,
+    /// Every action.
+    pub all: Vec<Acted>,
+}
+
+impl<T: Float> Simulation<T> {
+    /// What actions of events did so far, in order. [`Simulation::set_state`] takes back what they changed, this list stays.
+    #[must_use]
+    pub fn actions(&self) -> &[Acted] {
+        &self.changes.all
+    }
+
+    /// Lets the events that have just happened act; whether that changed anything. After an error the run is as it was before, and the same
+    /// events are due again.
+    pub(crate) fn act(&mut self, crossed: &[usize]) -> Result<bool, StepError> {
+        let model = self.system.model.clone();
+        let events = &model.scene().events;
+        let acts = |&event: &usize| events.get(event).is_some_and(|it| !it.actions.is_empty());
+        if !crossed.iter().any(acts) {
+            return Ok(false);
+        }
+        let done = self.changes.done.clone();
+        let mut acting = Vec::new();
+        for (index, event) in events.iter().enumerate() {
+            let over = event.actions.once && self.changes.done.get(index) == Some(&true);
+            if over || event.actions.is_empty() || !crossed.contains(&index) {
+                continue;
+            }
+            acting.push(index);
+            if event.actions.stop {
+                self.changes.stop.get_or_insert(index);
+            }
+        }
+        acting.iter().for_each(|&event| {
+            if let Some(done) = self.changes.done.get_mut(event) {
+                *done = true;
+            }
+        });
+        acting.retain(|&index| events.get(index).is_some_and(|it| it.actions.changes()));
+        if acting.is_empty() {
+            return Ok(false);
+        }
+        let before = (self.state.clone(), self.system.memory.clone());
+        let changed = self.change_together(&acting);
+        if changed.is_err() {
+            (self.state, self.system.memory) = before;
+            (self.changes.done, self.changes.stop) = (done, None);
+            self.margins.read_lines(model.lines());
+            self.system.take(model);
+            for &event in crossed {
+                if let Some(side) = self.margins.sides.get_mut(event) {
+                    *side = !*side;
+                }
+            }
+            self.stale = true;
+        }
+        changed.map(|()| true)
+    }
+
+    fn change_together(&mut self, acting: &[usize]) -> Result<(), StepError> {
+        self.count_actions(acting)?;
+        let before = self.energies();
+        self.apply(acting)?;
+        self.settle(acting)?;
+        let after = self.energies();
+        let jump = |(before, after): ([f64; 3], [f64; 3])| [0, 1, 2].map(|k| after[k] - before[k]);
+        let acted = Acted {
+            time: self.time,
+            events: acting.to_vec(),
+            energies: before.zip(after).map(jump),
+        };
+        self.system.action_work += acted.work().unwrap_or(f64::NAN);
+        self.changes.all.push(acted);
+        Ok(())
+    }
+
+    fn count_actions(&mut self, acting: &[usize]) -> Result<(), StepError> {
+        for &event in acting {
+            if self.chatter.sees(self.time) {
+                return Err(StepError::EventChatter {
+                    line: self.event_names(&[event]),
+                    count: MOST_SWITCHES,
+                    window: self.chatter.window,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// `a`, or `a`, `b` for several.
+    fn event_names(&self, events: &[usize]) -> String {
+        let declared = &self.system.model.scene().events;
+        let names = events.iter().filter_map(|&event| declared.get(event));
+        let names: Vec<&str> = names.map(|event| event.name.as_str()).collect();
+        names.join("`, `")
+    }
+
+    #[cold]
+    fn cannot_act(&self, acting: &[usize], why: String) -> StepError {
+        StepError::Action {
+            event: self.event_names(acting),
+            time: self.time,
+            why,
+        }
+    }
+
+    /// Kinetic, gravitational and elastic energy [J], by the laws: a compiled model need not have been asked for them.
+    pub(super) fn energies(&mut self) -> Option<[f64; 3]> {
+        if self.system.model.scene().gravity == Gravity::Field {
+            return None;
+        }
+        let state = self.state.get(..self.system.nx).unwrap_or_default();
+        let mut energy = [0.0; 6];
+        self.system
+            .by_laws(Quantity::Energy, self.time, state, &mut energy);
+        let [kinetic, gravitational, elastic, ..] = energy;
+        Some([kinetic, gravitational, elastic])
+    }
+
+    /// Changes params, states and elements.
+    fn apply(&mut self, acting: &[usize]) -> Result<(), StepError> {
+        let model = self.system.model.clone();
+        let (scene, layout) = (model.scene(), model.layout());
+        let values = self.system.settings(self.time, &self.state)?;
+        let mut params = model.params().to_vec();
+        let mut values = values.into_iter();
+        for (index, event) in scene.events.iter().enumerate() {
+            let acts = acting.contains(&index);
+            let own = values.by_ref().take(event.actions.set.len());
+            for (setting, value) in event.actions.set.iter().zip(own) {
+                let slot = match setting.what {
+                    Settable::Param(param) => params.get_mut(param),
+                    Settable::State(state) => self.state.get_mut(layout.states() + state),
+                };
+                match slot {
+                    Some(slot) if acts => *slot = T::from_f64(value),
+                    _ => continue,
+                }
+                if let (Settable::State(state), false) = (setting.what, value.is_finite()) {
+                    let name = scene.states.get(state).map_or("", |state| &state.name);
+                    let why = format!("it sets the state `{name}` to {value}");
+                    return Err(self.cannot_act(&[index], why));
+                }
+            }
+            let lists = [
+                (&event.actions.detach, Mode::Detached),
+                (&event.actions.attach, Mode::Free),
+            ];
+            for (list, mode) in lists {
+                let switches = list.iter().filter_map(|&what| layout.switch_of(what));
+                let memory = &mut self.system.memory;
+                switches
+                    .filter(|_| acts)
+                    .for_each(|at| memory.set_mode(at, mode));
+            }
+        }
+        if params != model.params() {
+            let changed = self.take_params(&params);
+            changed.map_err(|error| self.cannot_act(acting, error.to_string()))?;
+        }
+        Ok(())
+    }
+
+    /// Runs the same scene with these params from here on.
+    pub(super) fn take_params(&mut self, params: &[T]) -> Result<(), ParamError> {
+        let model = self.system.model.with_params(params)?;
+        self.margins.read_lines(model.lines());
+        self.system.take(model);
+        Ok(())
+    }
+
+    /// Makes the changed run consistent: joints hold, nodes in balance from where they are, every element in its mode, the first stage anew.
+    fn settle(&mut self, acting: &[usize]) -> Result<(), StepError> {
+        self.system.read_modes(self.time, &self.state)?;
+        let held = self.system.hold_again(self.time, &mut self.state);
+        held.map_err(|error| match error {
+            StepError::JointsApart { norm, rows, .. } => {
+                let joints: Vec<String> =
+                    rows.iter().map(|(name, _)| format!("`{name}`")).collect();
+                let why = format!(
+                    "it leaves {} apart by {norm:.3e}: bodies would have to jump",
+                    joints.join(", ")
+                );
+                self.cannot_act(acting, why)
+            }
+            other => other,
+        })?;
+        self.inside.copy_from_slice(self.method.first());
+        let nodes = self.system.memory.nodes().to_vec();
+        self.system
+            .start(self.time, &mut self.state, Some(&nodes))?;
+        self.begin_watch()?;
+        self.method
+            .begin(&mut self.system, self.time, 0.0, &self.state)?;
+        self.method
+            .prepare(&mut self.system, self.time, &self.state)?;
+        self.limit_pace();
+        self.system.follow_angles(self.time, &self.state, true);
+        self.system
+            .follow_commands(self.time, Some(0.0), &self.state)?;
+        self.rebase();
+        Ok(())
+    }
+
+    /// Takes back what actions changed, for another run.
+    pub(super) fn take_back_actions(&mut self) -> Result<(), RunError> {
+        let layout = self.system.model.layout().clone();
+        self.system.memory.forget_modes(&layout);
+        self.changes.done.fill(false);
+        self.changes.stop = None;
+        self.system.action_work = 0.0;
+        if self.changes.own == self.system.model.params() {
+            return Ok(());
+        }
+        let own = self.changes.own.clone();
+        let taken = self.take_params(&own);
+        taken.map_err(|error| {
+            let why = error.to_string();
+            self.failed(self.cannot_act(&[], why))
+        })
+    }
+}

@@ -1,0 +1,24 @@
+//! What events do: numbers set, lines detached and attached, runs stopped, located to the last digits and booked in the balance of energy.
+
+mod handover;
+mod joints;
+mod lines;
+mod numbers;
+mod refused;
+mod repeated;
+
+use mbd_runtime::Options;
+
+const G: f64 = 9.81;
+
+/// Every method, at tolerances at which a parabola and a swing are exact to many digits.
+fn methods() -> [Options; 6] {
+    [
+        Options::rattle(1e-3),
+        Options::rk4(1e-3),
+        Options::tsit5(1e-12),
+        Options::vern7(1e-12),
+        Options::rodas5p(1e-11),
+        Options::auto(1e-11),
+    ]
+}

@@ -1,0 +1,73 @@
+//! Actions that cannot be done end the run by name, and the run stays before them.
+
+use mbd_runtime::{Options, Simulation, StepError, model};
+
+model! {
+    /// A spring whose stiffness is set to what a state says.
+    model Softened {
+        gravity: none;
+        param k = 40 N/m in 10 N/m ..= 100 N/m;
+        state wanted = 40 N/m { rate: -20 N/m/s }
+        point mass { mass: 1.0 kg, start at [1.0, 0.0, 0.0] m }
+        spring tie from world to mass { free_length: 0.5 m, stiffness: k }
+        event softer = time rises 2 s { set: k = wanted }
+    }
+}
+
+model! {
+    /// A pendulum whose length is set.
+    model Longer {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param length = 1 m;
+        body bob { mass: 1.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame top at [0.0, 0.0, length] }
+        joint pin: hinge from world to bob.top { axis: y, start: 0.3 rad }
+        event longer = time rises 1 s { set: length = 1.5 m }
+    }
+}
+
+#[test]
+fn a_value_outside_its_range_ends_the_run_before_the_action() {
+    let model = Softened::new(SoftenedParams::default()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::tsit5(1e-9)).expect("options that fit");
+    for _ in 0..2 {
+        let error = run.run(3.0).expect_err("k would be 0");
+        let StepError::Action { event, time, why } = &error.cause else {
+            panic!("{error}")
+        };
+        assert_eq!(event, "softer");
+        assert!((time - 2.0).abs() < 1e-13);
+        assert!(
+            why.contains("`k`") && why.contains("outside its declared range"),
+            "{why}"
+        );
+        assert_eq!(run.model().params(), [40.0]);
+        assert!((run.time() - 2.0).abs() < 1e-13);
+    }
+    assert!(run.actions().is_empty() && run.events().is_empty());
+}
+
+#[test]
+fn a_param_that_would_move_a_body_on_its_joint_is_refused_by_name() {
+    let model = Longer::new(LongerParams::default()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
+    let error = run.run(2.0).expect_err("the bob would jump");
+    let told = error.to_string();
+    assert!(
+        told.contains("`longer`") && told.contains("`pin`") && told.contains("jump"),
+        "{told}"
+    );
+    assert_eq!(run.model().params(), [1.0]);
+}
+
+#[test]
+fn a_run_that_locates_nothing_refuses_events_that_act() {
+    let model = Softened::new(SoftenedParams::default()).expect("defaults");
+    let options = Options {
+        locate: false,
+        ..Options::rk4(1e-3)
+    };
+    let error = Simulation::new(&model, options)
+        .map(|_| ())
+        .expect_err("nothing would act");
+    assert!(error.to_string().contains("`softer`"), "{error}");
+}
