@@ -26,6 +26,7 @@ struct ThePageAboutDriving;
 #[path = "private.rs"]
 pub mod __private;
 mod accuracy;
+mod approach;
 mod balance;
 mod chatter;
 mod columns;
@@ -112,7 +113,7 @@ pub use mbd_scene::{At, Float, Layout, ParamError, Quantity, Real, Work};
 pub use generated::{CoordInfo, Costs, Energy, LineState, Momentum, ParamInfo, Reaction, Wrench};
 #[doc(inline)]
 pub use mbd_scene::Cost;
-pub use parts::{BodyState, PlanarBodyState, PointState};
+pub use parts::{BodyState, JointState, PlanarBodyState, PointState};
 
 // A run.
 pub use balance::Imbalance;

@@ -16,7 +16,7 @@ use crate::columns::joint_name;
 use crate::displace::{displace, square};
 use crate::error::{Source, StepError};
 use crate::fallback::{Dependence, NEW, dependent};
-use crate::list::largest;
+use crate::list::{all_finite, largest};
 use crate::moving::moving;
 use crate::options::Stabilise;
 use crate::system::System;
@@ -251,11 +251,11 @@ impl<T: Float> System<T> {
     /// Solves for the move that takes the rows out; with rows chosen at this state where those kept cannot be solved.
     fn correct(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
         self.solve_rows(time, state);
-        let solved = largest(self.projection.moves()).is_finite() && self.is_regular();
+        let solved = all_finite(self.projection.moves()) && self.is_regular();
         if !solved || self.solves_chosen() {
             self.correct_by(|system, rows, moves| system.correct_anew(time, state, rows, moves));
         }
-        if largest(self.projection.moves()).is_finite() {
+        if all_finite(self.projection.moves()) {
             return Ok(());
         }
         Err(self.singular(time, state))
@@ -345,7 +345,7 @@ impl<T: Float> System<T> {
         for (speed, more) in trial.iter_mut().skip(nq).zip(self.projection.moves()) {
             *speed += *more;
         }
-        let solved = largest(self.projection.moves()).is_finite() && self.is_regular();
+        let solved = all_finite(self.projection.moves()) && self.is_regular();
         let left = self.read_rows(Quantity::ConstraintRate, time, &trial);
         self.projection.trial = trial;
         solved.then_some(left <= UNSOLVED * asked)

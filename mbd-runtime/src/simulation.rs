@@ -3,6 +3,7 @@
 //! One stage is: inputs → equilibrium points → state derivative. One step is: try, project on the joints, test the error, look for events, record, commit. Nothing is changed
 //! before a step is accepted, so an error or a rejected trial leaves state and memory as they were, to the bit.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use mbd_scene::{Float, Model, ParamError, Quantity};
@@ -108,6 +109,8 @@ pub struct Simulation<T: Float> {
     pub(crate) crossed: Vec<usize>,
     /// Whether the guard tolerance follows the error of each step: fixed steps without a tolerance of their own.
     pub(crate) noisy: bool,
+    /// The size of the last attempt; NaN where it failed [s].
+    pub(crate) attempted: f64,
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,
@@ -128,6 +131,8 @@ pub struct Simulation<T: Float> {
     rounding: Rounding,
     /// The most that it made so far, as a part of what matters.
     rounded: f64,
+    /// What tells the scene from others, once something asks for it.
+    fingerprint: OnceCell<u64>,
     /// The last good state, for fixed steps that turn out too long.
     good: Snapshot<T>,
     /// Fixed steps count from here, so that time does not accumulate rounding.

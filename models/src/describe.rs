@@ -394,12 +394,14 @@ fn quantity(what: Quantity) -> String {
             return format!("equilibrium of network {network}, one iteration");
         }
         Quantity::Derivative => "derivative of the state",
+        Quantity::Rates => "derivative of the state with the velocities of its nodes",
         Quantity::Balance => "balance of the equilibrium points",
         Quantity::Guards => "guards of the events",
         Quantity::Outputs => "outputs",
         Quantity::Coordinates => "joint coordinates",
         Quantity::Energy => "energy",
         Quantity::Momentum => "momentum",
+        Quantity::Bodies => "bodies as absolute coordinates have them",
         Quantity::MassMatrix => "mass matrix",
         Quantity::BiasForce => "bias force",
         Quantity::Forces => "applied forces",

@@ -27,6 +27,7 @@ mod scalar;
 mod scene;
 pub mod similar;
 mod starts;
+mod tree;
 mod vocabulary;
 
 pub use evaluate::{
@@ -41,8 +42,8 @@ pub use joints::{
 };
 pub use layout::{
     Anchor, Asked, Below, Carrying, Elimination, HeldMotor, InputSlots, InputSource, JointSlots,
-    Layout, LineEnd, LineSlots, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots,
-    Step, StopSlots,
+    Layout, LineEnd, LineSlots, Link, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat,
+    Slots, Step, StopSlots, Tree,
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};
@@ -53,7 +54,8 @@ pub use redundancy::Apart;
 #[doc(hidden)]
 pub use scalar::orthogonal;
 pub use scalar::{
-    Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, symmetric,
+    Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, solve_regular,
+    symmetric,
 };
 pub use scene::{
     Body, Clamp, Constant, CoordinateStart, Coordinates, Difference, Direction, Event, Frame,
@@ -61,6 +63,7 @@ pub use scene::{
     PartStart, Point, PointKind, Scene, Starts, State, Triple,
 };
 pub use starts::{declared_parts, place_declared};
+pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
     Energy, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,

@@ -15,6 +15,7 @@ mod factor;
 mod memory;
 mod modes;
 mod rate;
+mod rates;
 mod scene;
 mod solver;
 mod stage;

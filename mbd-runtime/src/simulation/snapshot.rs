@@ -90,6 +90,10 @@ impl<T: Float> Simulation<T> {
 
     /// A number that another scene does not have: of its names and sizes, not of its parameters.
     fn fingerprint(&self) -> u64 {
+        *self.fingerprint.get_or_init(|| self.find_fingerprint())
+    }
+
+    fn find_fingerprint(&self) -> u64 {
         let (scene, layout) = (self.system.model.scene(), self.system.model.layout());
         let names = state_names(scene, layout).into_iter().map(|name| name.name);
         let joints = scene.joints.iter().map(|joint| joint.name.clone());

@@ -1,5 +1,6 @@
 //! The start of a run: a state that can be used, nodes in balance, a mode for every line, a first step.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use mbd_scene::laws::starts;
@@ -111,6 +112,7 @@ impl<T: Float> Simulation<T> {
             Quantity::Guards,
             Quantity::Lines,
             Quantity::Outputs,
+            Quantity::Bodies,
             Quantity::Energy,
             Quantity::Constraint,
             Quantity::Reactions,
@@ -135,6 +137,7 @@ impl<T: Float> Simulation<T> {
             crossed: Vec::with_capacity(layout.events),
             margins,
             noisy,
+            attempted: f64::NAN,
             stalled: f64::NAN,
             pace,
             stiffness: StiffnessTest::default(),
@@ -145,6 +148,7 @@ impl<T: Float> Simulation<T> {
             momentum: None,
             judged: false,
             meter: Meter::Nothing,
+            fingerprint: OnceCell::new(),
             good: Snapshot::default(),
             rounding,
             rounded: 0.0,
@@ -404,6 +408,12 @@ fn reversible<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), S
         Err(StepError::Unsupported { what, instead })
     };
     let method = options.method.name();
+    if model.layout().tree.is_some() {
+        return refuse(
+            format!("{method} in relative coordinates, whose mass matrix changes with them,"),
+            "declare `coordinates: absolute`, or take Method::Vern7",
+        );
+    }
     if T::EPSILON.to_f64() > f64::EPSILON {
         return refuse(
             format!("{method} in f32, where its rotations round away what it keeps,"),

@@ -31,12 +31,14 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::AnchorStates => "anchor_states",
         Quantity::Equilibrium(_) => "equilibrium",
         Quantity::Derivative => "derivative",
+        Quantity::Rates => "rates",
         Quantity::Balance => "balance",
         Quantity::Guards => "guards",
         Quantity::Outputs => "outputs",
         Quantity::Coordinates => "coordinates",
         Quantity::Energy => "energy",
         Quantity::Momentum => "momentum",
+        Quantity::Bodies => "bodies",
         Quantity::MassMatrix => "mass_matrix",
         Quantity::BiasForce => "bias_force",
         Quantity::Forces => "forces",
@@ -118,6 +120,14 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
                 ),
             },
         ),
+        Quantity::Rates => (
+            "State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.",
+            format!(
+                "{nx} ẋ, then {} anchors × 6 [m, m/s], {} nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³] and the largest term of a pull [N], per line stretch and pull [m, N].",
+                layout.anchors.len(),
+                layout.nodes.len(),
+            ),
+        ),
         Quantity::Balance => (
             "Balance of the nodes: `r = Σ T u + W`, the forces on each node.",
             format!("{n} [N], world axes; zero where the nodes are in equilibrium."),
@@ -142,6 +152,13 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
         Quantity::Energy => (
             "Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.",
             "6 [J, J, J, W, W, W].".to_owned(),
+        ),
+        Quantity::Bodies => (
+            "Every body as absolute coordinates have it: position of the centre of mass, attitude, velocity, angular velocity.",
+            format!(
+                "{} bodies × 13: x y z [m], qw qx qy qz, vx vy vz [m/s], ω [rad/s]; world axes, ω in the components of the model.",
+                n / 13
+            ),
         ),
         Quantity::Momentum => (
             "Momentum of bodies and points with mass: `Σ m v`, `Σ r × m v + R I ω`.",

@@ -1,6 +1,6 @@
 //! How long the list of every quantity is, and which quantities a scene has a use for.
 
-use crate::layout::{Asked, Layout, Network};
+use crate::layout::{Asked, Layout, LineEnd, Network, Node};
 use crate::scene::NodeModel;
 use crate::{Differentiated, Quantity, Variable};
 
@@ -17,12 +17,20 @@ impl Layout {
                 .placed(k)
                 .map_or(0, |n| 3 * n.nodes.len() + 6 * n.blocks.len() + 3),
             Quantity::Derivative => self.nx(),
+            Quantity::Rates if self.solves_rates() => {
+                let lines: usize = self.networks.iter().map(|n| n.lines.len()).sum();
+                let ends = self.len(Quantity::AnchorStates);
+                self.nx() + ends + 2 * self.nodes.len() + 2 * lines
+            }
+            Quantity::Rates => 0,
             Quantity::Balance => 3 * self.nodes.len(),
             Quantity::Guards => 2 * self.one_way() + self.events,
             Quantity::Outputs => self.columns,
             Quantity::Coordinates => 2 * self.measured,
             Quantity::Energy => 6,
             Quantity::Momentum => 6,
+            Quantity::Bodies if self.tree.is_some() => 13 * self.bodies.len(),
+            Quantity::Bodies => 0,
             Quantity::MassMatrix => self.nv * self.nv,
             Quantity::BiasForce | Quantity::Forces => self.nv,
             Quantity::Lines => 10 * self.lines.len(),
@@ -37,12 +45,13 @@ impl Layout {
             | Quantity::ConstraintBias
             | Quantity::Multipliers => self.nc,
             Quantity::ConstraintJacobian => self.nc * self.nv,
-            Quantity::Reactions if self.nc > 0 => 6 * self.joints.len(),
+            Quantity::Reactions if self.solves() => 6 * self.joints.len(),
             Quantity::ProjectionStep if self.nc > 0 => self.nv + 1,
             Quantity::JointCoordinates => 3 * self.measured,
             Quantity::Residual => self.nx() + self.nc,
+            Quantity::Factor if self.tree.is_some() => crate::tree::factored_len(self),
             Quantity::Factor if self.nc > 0 => crate::elimination::factored_len(self),
-            Quantity::Solve if self.nc > 0 => self.nv + self.nc,
+            Quantity::Solve if self.solves() => self.nv + self.nc,
             Quantity::Reactions | Quantity::ProjectionStep | Quantity::Factor | Quantity::Solve => {
                 0
             }
@@ -85,6 +94,22 @@ impl Layout {
         found.filter(|network| network.model != NodeModel::Rate)
     }
 
+    /// Whether ẋ and the velocities of the nodes can be found in one evaluation, [`Quantity::Rates`]: all nodes are `rate` nodes without loads, which
+    /// may depend on that velocity, and none is joined to another.
+    #[must_use]
+    pub fn solves_rates(&self) -> bool {
+        let alone = |network: &Network| {
+            let anchored = |&line: &usize| {
+                let ends = self.lines.get(line).map(|line| line.ends);
+                let is_anchor = |end: &LineEnd| matches!(end, LineEnd::Anchor(_));
+                ends.is_some_and(|ends| ends.iter().filter(|end| is_anchor(end)).count() == 1)
+            };
+            network.nodes.len() == 1 && network.lines.iter().all(anchored)
+        };
+        let rate = |node: &Node| node.model == NodeModel::Rate && !node.loaded;
+        !self.nodes.is_empty() && self.nodes.iter().all(rate) && self.networks.iter().all(alone)
+    }
+
     /// How many numbers a variable has.
     #[must_use]
     pub fn variables(&self, by: Variable) -> usize {
@@ -117,7 +142,7 @@ impl Layout {
         let mut all = vec![Quantity::Residual, Quantity::Factor, Quantity::Solve];
         let partials = Variable::ALL.map(|by| Quantity::Partial(Differentiated::Residual, by));
         all.extend(partials);
-        all.retain(|&what| self.nc > 0 && self.len(what) > 0);
+        all.retain(|&what| self.solves() && self.len(what) > 0);
         all
     }
 
@@ -129,12 +154,14 @@ impl Layout {
         all.extend((0..self.networks.len()).map(Quantity::Equilibrium));
         all.extend([
             Quantity::Derivative,
+            Quantity::Rates,
             Quantity::Balance,
             Quantity::Guards,
             Quantity::Outputs,
             Quantity::Coordinates,
             Quantity::Energy,
             Quantity::Momentum,
+            Quantity::Bodies,
             Quantity::MassMatrix,
             Quantity::BiasForce,
             Quantity::Forces,
@@ -159,7 +186,7 @@ impl Layout {
                 all.push(Quantity::Partial(of, by));
             }
         }
-        let through_factor = |what| matches!(what, Quantity::Partial(of, _) if self.nc > 0 && (of == Differentiated::Derivative || self.asks_efforts(of.quantity())));
+        let through_factor = |what| matches!(what, Quantity::Partial(of, _) if self.solves() && (of == Differentiated::Derivative || self.asks_efforts(of.quantity())));
         let undriven = |what| what == Quantity::Coordinates && self.ni == 0;
         all.retain(|&what| self.len(what) > 0 && !through_factor(what) && !undriven(what));
         all

@@ -43,6 +43,32 @@ pub fn inverse<S: Real>(m: &Matrix3<S>) -> Matrix3<S> {
     ])
 }
 
+/// det A over (tr A)³ above which A certainly has full rank.
+const FULL: f64 = 1e-5;
+
+/// Solves A x = b for a symmetric, positive semidefinite 3 × 3 matrix with elements xx xy xz yy yz zz, by cofactors and one division. Also
+/// det A − 1e-5 (tr A)³, which bounds λ_min/λ_max from below by 1e-5 where it is positive: A certainly has full rank there, elsewhere x means nothing.
+pub fn solve_regular<S: Real>(
+    [xx, xy, xz, yy, yz, zz]: [S; 6],
+    right: &Vector3<S>,
+) -> (Vector3<S>, S) {
+    let (a, b, c) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);
+    let (d, e, f) = (xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy);
+    let determinant = (xx * a + xy * b + xz * c).label("det");
+    let trace = xx + yy + zz;
+    let full = S::from_f64(FULL) * (trace * trace * trace);
+    let margin = (determinant - full).label("margin");
+    // Finite also where it means nothing.
+    let regular = S::zero().lt(margin);
+    let scale = S::one() / S::select(regular, determinant, S::one());
+    let adjugate = Vector3::new(
+        a * right.x + b * right.y + c * right.z,
+        b * right.x + d * right.y + e * right.z,
+        c * right.x + e * right.y + f * right.z,
+    );
+    (adjugate.map(|x| scale * x), margin)
+}
+
 /// Rotation body → world of a unit quaternion w x y z.
 ///
 /// Quadratic in the quaternion: off unit length, as inside a step, it gives |q|² R. That turns with the world's axes, so results do not
@@ -85,6 +111,36 @@ pub fn quaternion_rate<S: Real>([w, x, y, z]: [S; 4], omega: &Vector3<S>, in_bod
         w * omega.y + sign * swirl.y,
         w * omega.z + sign * swirl.z,
     ]
+}
+
+/// A unit quaternion w x y z of a rotation, from the largest of its four elements, without a branch. Source: Shepperd, Quaternion from rotation
+/// matrix, 1978.
+pub fn quaternion_of<S: Real>(r: &Matrix3<S>) -> [S; 4] {
+    let one = S::one();
+    let [a, b, c] = [r[(0, 0)], r[(1, 1)], r[(2, 2)]];
+    // Four times the square of each element, and four times its products with all of them.
+    let squares = [
+        one + a + b + c,
+        one + a - b - c,
+        one - a + b - c,
+        one - a - b + c,
+    ];
+    let [wx, wy, wz] = [(2, 1), (0, 2), (1, 0)].map(|(i, j)| r[(i, j)] - r[(j, i)]);
+    let [xy, yz, zx] = [(1, 0), (2, 1), (0, 2)].map(|(i, j)| r[(i, j)] + r[(j, i)]);
+    let products = [
+        [squares[0], wx, wy, wz],
+        [wx, squares[1], xy, zx],
+        [wy, xy, squares[2], yz],
+        [wz, zx, yz, squares[3]],
+    ];
+    let (mut most, mut best) = (squares[0], products[0]);
+    for (square, product) in squares.into_iter().zip(products).skip(1) {
+        let larger = most.lt(square);
+        best = std::array::from_fn(|k| S::select(larger, product[k], best[k]));
+        most = S::select(larger, square, most);
+    }
+    let scale = S::from_f64(0.5) / most.sqrt();
+    best.map(|x| scale * x)
 }
 
 /// Names the three components of a vector.

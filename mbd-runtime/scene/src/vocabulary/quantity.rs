@@ -16,6 +16,11 @@ pub enum Quantity {
     Equilibrium(usize),
     /// ẋ of the state x = [q | v | z | s]. Reads everything but `ends`.
     Derivative,
+    /// ẋ and what it needs of `rate` nodes at once, for scenes whose nodes are all of that kind ([`Layout::solves_rates`](crate::Layout::solves_rates)): ẋ
+    /// with the velocities that balance the lines which [`At::hold`] says carry (> 0); the value of [`Quantity::AnchorStates`]; per node the margin
+    /// det D − 1e-5 (tr D)³ of its damping D [N³ s³/m³], without which all of this means nothing, and the largest term of a pull [N]; per line,
+    /// network by network, stretch [m] and pull K s + C ṡ [N]. Reads everything but `ends`, of `nodes` nothing.
+    Rates,
     /// Balance of all nodes as a function of the state and the node unknowns: Σ T u + W (3 per node) [N]; the residual whose derivatives
     /// carry the node into the linearisation. Reads what `Derivative` reads.
     Balance,
@@ -32,6 +37,9 @@ pub enum Quantity {
     Energy,
     /// Linear momentum [kg m/s] and angular momentum about the world origin [kg m²/s]; of bodies and points with mass.
     Momentum,
+    /// In relative coordinates the state of every body as absolute coordinates have it: position of the centre of mass [m], attitude as a unit
+    /// quaternion w x y z, velocity [m/s], angular velocity in the components of the model [rad/s] (13 numbers).
+    Bodies,
     /// The mass matrix M, dense, row by row (n_v × n_v); only structural non-zeros are written.
     MassMatrix,
     /// The bias force h (n_v): velocity terms and gravity, M v̇ + h = f.
