@@ -8,6 +8,8 @@
 //! nothing: on a smooth motion k₂ − k₁ can vanish in the slow directions and leave any ratio, while an unstable run soon has differences as large as
 //! the rates themselves.
 //!
+//! Rattle shows how forces change along the motion of the last part of a step, hρ = h √(|ΔK|/|Δx|) in the norm of M, and is stable up to 3.0.
+//!
 //! What stays below this limit may still lose or make energy, and what is far above flies apart within a step or two: both show in the
 //! [balance](crate::balance) of energy.
 
@@ -32,17 +34,34 @@ const WINDOW: u32 = 50;
 const ALLOWED: u32 = 5;
 
 /// The last fifty steps of a fixed-step run, one bit each.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Watch {
     above: u64,
+    /// hρ of the last step above the limit.
+    last: f64,
 }
 
 impl Watch {
     /// Records one step; true when the run is unstable.
     pub(crate) fn sees(&mut self, stiffness: f64) -> bool {
         let kept = (1_u64 << WINDOW) - 1;
-        self.above = ((self.above << 1) | u64::from(stiffness > LIMIT)) & kept;
+        let is_above = stiffness > LIMIT;
+        self.above = ((self.above << 1) | u64::from(is_above)) & kept;
+        if is_above {
+            self.last = stiffness;
+        }
         self.above.count_ones() >= ALLOWED
+    }
+
+    /// What grows where a step cannot even be made: energy, or else stages; `None` where nothing does.
+    pub(crate) fn sees_growth(&self, excess: f64) -> Option<Instability> {
+        match self.is_calm(excess) {
+            true => None,
+            false if self.above == 0 || excess.abs() > GOOD * ENERGY => {
+                Some(Instability::Energy(excess))
+            }
+            false => Some(Instability::Stages(self.last)),
+        }
     }
 
     /// Whether nothing grows: no step of the window was above the limit, and the balance of energy, if there is one, holds to a tenth of
@@ -60,7 +79,7 @@ impl Watch {
 /// What a step that is too long shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Instability {
-    /// Stages that grow: step times the largest rate of the scene; RK4 is stable below about 2.8.
+    /// Stages that grow: step times the largest rate of the scene; RK4 is stable below about 2.8, Rattle below 3.0.
     Stages(f64),
     /// Energy from nothing (positive) or lost (negative), over the energy that moved.
     Energy(f64),

@@ -432,6 +432,15 @@ fn steps_too_long_for_a_damper_or_a_spring_say_so() {
             assert!(suggestion < 0.01, "{error}");
         }
     }
+    // Prescribed motions are not judged by their energy: how forces change along the motion shows it.
+    let driven = DRIVEN.replace(
+        "joint q",
+        "point bob { mass: 1 kg, start at [0, 0, -2] m }
+         spring s from b.com to bob { free_length: 1 m, stiffness: 2e5 N/m } joint q",
+    );
+    let mut run = Simulation::new(&interpreted(&driven), Options::rattle(0.01)).expect("options");
+    let told = run.run(1.0).expect_err("too long").to_string();
+    assert!(told.contains("step times rate is"), "{told}");
     // Where they fit they are right.
     let model = interpreted(&hung(100.0, 10.0));
     let run = end(&model, Options::rattle(0.01), 1.0);

@@ -22,6 +22,7 @@ use mbd_scene::Float;
 
 use super::Rates;
 use crate::error::StepError;
+use crate::list::weighted_squares;
 use crate::watch::Instability;
 
 /// 1/(4 − 4^⅓).
@@ -100,6 +101,11 @@ pub(crate) struct Rattle<T> {
     trial: Vec<T>,
     next: Vec<T>,
     error: Vec<T>,
+    /// K at the start of the last part of a step, and the speeds with which that part moved.
+    pushed: Vec<T>,
+    slid: Vec<T>,
+    /// The step that was tried last [s].
+    step: f64,
 }
 
 impl<T: Float> Rattle<T> {
@@ -121,6 +127,9 @@ impl<T: Float> Rattle<T> {
             trial: room(),
             next: room(),
             error: room(),
+            pushed: room(),
+            slid: room(),
+            step: 0.0,
         }
     }
 
@@ -186,8 +195,14 @@ impl<T: Float> Rattle<T> {
         let half = T::from_f64(0.5 * part.span);
         add(half, &self.force, &mut self.now);
         system.move_freely(part.times, part.span, &mut self.now, &mut self.trial)?;
+        let is_last = part.since == part.step;
+        if is_last {
+            self.step = part.step;
+            self.pushed.copy_from_slice(&self.force);
+            self.slid.copy_from_slice(&self.now);
+        }
         self.now.copy_from_slice(&self.trial);
-        if part.since == part.step {
+        if is_last {
             system.project_end(end, &mut self.now)?;
         }
         if !self.at_rest {
@@ -331,6 +346,22 @@ impl<T: Float> Rattle<T> {
         let ends = state.iter().zip(&self.next).zip(rates);
         for (out, ((from, to), (first, last))) in out.iter_mut().zip(ends) {
             *out = *from + toward * (*to - *from) + start * *first + end * *last;
+        }
+    }
+
+    /// h √(|ΔK| / |Δx|) over the last part of the last attempt: step times the largest rate of the system, as forces change along the motion; zero where
+    /// they change by less than `negligible` of themselves. |k|² = Σ weight k² over the speeds.
+    pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {
+        let lists: [&[T]; 4] = [weights, &self.pushed, &self.force, &self.slid];
+        let [weights, before, after, moved] =
+            lists.map(|list| list.get(self.speeds.clone()).unwrap_or_default());
+        let [changed, size] = weighted_squares(weights, before, after);
+        let [_, moved] = weighted_squares(weights, moved, moved);
+        let (changed, size, moved) = (changed.to_f64(), size.to_f64(), moved.to_f64());
+        if moved > 0.0 && changed > negligible * negligible * size {
+            (self.step * (changed / moved).sqrt() / PART).sqrt()
+        } else {
+            0.0
         }
     }
 

@@ -135,11 +135,12 @@ impl<T: Float> Stepper<T> {
         }
     }
 
-    /// What [`Explicit::stiffness`] says of an explicit method.
+    /// What [`Explicit::stiffness`] or [`Rattle::stiffness`] says; zero of a method that is stable whatever the step.
     pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {
         match &self.method {
             Family::Explicit(method) => method.stiffness(weights, negligible),
-            _ => 0.0,
+            Family::Implicit(_) => 0.0,
+            Family::Symmetric(method) => method.stiffness(weights, negligible),
         }
     }
 

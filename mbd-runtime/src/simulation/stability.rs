@@ -273,16 +273,17 @@ impl<T: Float> Simulation<T> {
     /// Why a step cannot be made: where a fixed-step run has begun to grow, its step is too long, though joints come apart or numbers overflow first.
     #[cold]
     pub(super) fn blame(&self, step: f64, cause: StepError) -> StepError {
-        let excess = self.excess_now();
-        match cause {
-            StepError::JointsApart { .. }
-            | StepError::NonFinite {
-                source: Source::State(_),
-                ..
-            } if self.watched && !self.watch.is_calm(excess) => {
-                self.unstable(step, Instability::Energy(excess))
-            }
-            cause => cause,
+        let growth = self.watch.sees_growth(self.excess_now());
+        match (cause, growth) {
+            (
+                StepError::JointsApart { .. }
+                | StepError::NonFinite {
+                    source: Source::State(_),
+                    ..
+                },
+                Some(what),
+            ) if self.watched => self.unstable(step, what),
+            (cause, _) => cause,
         }
     }
 
