@@ -10,7 +10,7 @@ mod planar;
 mod unused;
 mod winding;
 
-pub use inertia::{WrongInertia, inertia};
+pub use inertia::{WrongInertia, inertia, moments_of_a_part};
 pub use winding::wound_by_themselves;
 
 use mbd_scene::{Place, PointKind};
@@ -33,7 +33,7 @@ pub fn check(resolver: &mut Resolver<'_>, model: &Model<'_>, whole: bool) {
     nodes::choose_models(resolver);
     nodes::check_models(resolver);
     planar::check_planar(resolver);
-    unused::check_used(resolver);
+    unused::check_used(resolver, model);
 }
 
 /// Whether anything of this kind has a mistake.

@@ -192,7 +192,7 @@ fn clause_value<'a>(
     inside: bool,
 ) -> Result<Value<'a>, Report> {
     let start = *cursor;
-    let braces = (sign == "=" && spec.fields.is_none()) || !spec.named;
+    let braces = spec.fields.is_none() && (sign == "=" || !spec.named);
     while !ends(cursor, inside) {
         // Signs that hold a `=` which begins no value.
         if ["..=", "==", "!=", "<=", ">="]
