@@ -9,6 +9,7 @@
 use mbd_scene::laws::LineNumbers;
 use mbd_scene::{Direction, Float, Layout, Model, Place, Scene};
 
+use crate::approach::FEW_LOOKS;
 use crate::moving::moving;
 use crate::unilateral::{Mode, is_node_line, switches};
 
@@ -67,6 +68,8 @@ pub(crate) struct Margins {
     pub start: Vec<f64>,
     pub before: Vec<f64>,
     pub now: Vec<f64>,
+    /// Room for those of several looks.
+    pub looks: Vec<f64>,
 }
 
 /// The longest C/K of some lines [s].
@@ -166,6 +169,7 @@ impl Margins {
             start: vec![0.0; count],
             before: vec![0.0; count],
             now: vec![0.0; count],
+            looks: Vec::with_capacity((FEW_LOOKS + 1) * count),
         }
     }
 

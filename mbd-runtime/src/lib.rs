@@ -26,6 +26,7 @@ struct ThePageAboutDriving;
 #[path = "private.rs"]
 pub mod __private;
 mod accuracy;
+mod approach;
 mod balance;
 mod chatter;
 mod columns;
@@ -43,6 +44,7 @@ mod laws;
 mod linearise;
 mod list;
 mod locate;
+mod momentum;
 mod moving;
 #[doc(hidden)]
 pub mod node;
@@ -117,6 +119,7 @@ pub use parts::{BodyState, PlanarBodyState, PointState};
 pub use balance::Imbalance;
 pub use compiled::Scalar;
 pub use integrate::Scales;
+pub use momentum::MomentumImbalance;
 pub use options::{Method, Options, Stabilise};
 pub use simulation::{Moved, Simulation, Snapshot, Stop};
 pub use supply::{Inputs, Sample};

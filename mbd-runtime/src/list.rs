@@ -4,6 +4,8 @@ use mbd_scene::Float;
 
 /// How many numbers are folded beside each other.
 const LANES: usize = 4;
+/// The same where nothing is compared.
+const WIDE: usize = 8;
 
 /// The largest size; infinite where a number is not finite.
 pub(crate) fn largest<T: Float>(list: &[T]) -> f64 {
@@ -30,32 +32,123 @@ pub(crate) fn largest<T: Float>(list: &[T]) -> f64 {
     }
 }
 
-/// Σ w (b − a)² and Σ w a² over three lists.
-pub(crate) fn weighted_squares<T: Float>(weights: &[T], a: &[T], b: &[T]) -> [T; 2] {
+/// Where stretches of [`WIDE`] numbers begin that cover a list of a length, the last two of them overlapping; none in a shorter list.
+fn stretches(length: usize) -> impl Iterator<Item = usize> {
+    let even = (0..length / WIDE).map(|index| WIDE * index);
+    let last = length.checked_sub(WIDE).filter(|last| last % WIDE > 0);
+    even.chain(last)
+}
+
+/// Whether every number is finite.
+#[inline]
+pub(crate) fn all_finite<T: Float>(list: &[T]) -> bool {
     let zero = T::zero();
-    let (mut differences, mut sizes) = ([zero; LANES], [zero; LANES]);
-    let lists = weights
-        .chunks(LANES)
-        .zip(a.chunks(LANES))
-        .zip(b.chunks(LANES));
-    let mut add = |lane: usize, w: T, a: T, b: T| {
-        differences[lane] += w * (b - a) * (b - a);
-        sizes[lane] += w * a * a;
-    };
-    for ((w, a), b) in lists {
-        if let ([p, q, r, s], [i, j, k, l], [t, u, v, x]) = (w, a, b) {
-            add(0, *p, *i, *t);
-            add(1, *q, *j, *u);
-            add(2, *r, *k, *v);
-            add(3, *s, *l, *x);
-        } else {
-            for (lane, ((w, a), b)) in w.iter().zip(a).zip(b).enumerate() {
-                add(lane, *w, *a, *b);
+    if list.len() < WIDE {
+        return list.iter().all(|x| x.is_finite());
+    }
+    let mut faults = [zero; WIDE];
+    for start in stretches(list.len()) {
+        if let Some(own) = own(list, start) {
+            for (fault, x) in faults.iter_mut().zip(own) {
+                *fault += zero * *x;
             }
         }
     }
-    let total = |[a, b, c, d]: [T; LANES]| (a + b) + (c + d);
-    [total(differences), total(sizes)]
+    total(faults) == zero
+}
+
+/// How many lists a combination takes.
+pub(crate) const MOST_TERMS: usize = 16;
+
+/// out = state + h Σ w k over `stages`, which follow each other, at most [`MOST_TERMS`] with a weight: every number in the order of the stages, in
+/// one pass over the state.
+pub(crate) fn combine<T: Float>(state: &[T], h: T, weights: &[T], stages: &[T], out: &mut [T]) {
+    let mut terms: [(T, &[T]); MOST_TERMS] = [(T::zero(), &[]); MOST_TERMS];
+    let (mut count, mut rest) = (0, stages);
+    for weight in weights {
+        let Some((stage, behind)) = rest.split_at_checked(state.len()) else {
+            break;
+        };
+        rest = behind;
+        if let Some(term) = terms.get_mut(count).filter(|_| *weight != T::zero()) {
+            *term = (h * *weight, stage);
+            count += 1;
+        }
+    }
+    let terms = &terms[..count];
+    for start in stretches(out.len()) {
+        let (Some(out), Some(state)) = (own_mut(out, start), own(state, start)) else {
+            continue;
+        };
+        let mut sums = *state;
+        for (scaled, stage) in terms {
+            if let Some(rates) = own(stage, start) {
+                for (sum, rate) in sums.iter_mut().zip(rates) {
+                    *sum += *scaled * *rate;
+                }
+            }
+        }
+        *out = sums;
+    }
+    if out.len() >= WIDE {
+        return;
+    }
+    for (index, (out, x)) in out.iter_mut().zip(state).enumerate() {
+        let parts = terms
+            .iter()
+            .filter_map(|(scaled, stage)| Some(*scaled * *stage.get(index)?));
+        *out = parts.fold(*x, |sum, part| sum + part);
+    }
+}
+
+/// The stretch of a list that begins at a place.
+fn own<T>(list: &[T], start: usize) -> Option<&[T; WIDE]> {
+    list.get(start..)?.first_chunk()
+}
+
+fn own_mut<T>(list: &mut [T], start: usize) -> Option<&mut [T; WIDE]> {
+    list.get_mut(start..)?.first_chunk_mut()
+}
+
+/// The sum of the lanes.
+fn total<T: Float>([a, b, c, d, e, f, g, h]: [T; WIDE]) -> T {
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
+/// Σ w (b − a)² and Σ w a² over three lists.
+pub(crate) fn weighted_squares<T: Float>(weights: &[T], a: &[T], b: &[T]) -> [T; 2] {
+    let [differences, sizes, _] = weighted_differences(weights, a, b, b);
+    [differences, sizes]
+}
+
+/// Σ w (b − a)², Σ w a² and Σ w (c − b)² over four lists.
+#[inline]
+pub(crate) fn weighted_differences<T: Float>(weights: &[T], a: &[T], b: &[T], c: &[T]) -> [T; 3] {
+    let lists = [weights, a, b, c];
+    let common = lists
+        .iter()
+        .fold(usize::MAX, |least, list| least.min(list.len()));
+    let [weights, a, b, c] = lists.map(|list| list[..common].as_chunks::<WIDE>());
+    let terms = |w: T, a: T, b: T, c: T| {
+        let (before, after) = (b - a, c - b);
+        [w * before * before, w * a * a, w * after * after]
+    };
+    let mut sums = [[T::zero(); WIDE]; 3];
+    for (((w, a), b), c) in weights.0.iter().zip(a.0).zip(b.0).zip(c.0) {
+        for lane in 0..WIDE {
+            let [before, size, after] = terms(w[lane], a[lane], b[lane], c[lane]);
+            sums[0][lane] += before;
+            sums[1][lane] += size;
+            sums[2][lane] += after;
+        }
+    }
+    let mut totals = sums.map(total);
+    for (((w, a), b), c) in weights.1.iter().zip(a.1).zip(b.1).zip(c.1) {
+        for (total, term) in totals.iter_mut().zip(terms(*w, *a, *b, *c)) {
+            *total += term;
+        }
+    }
+    totals
 }
 
 #[cfg(test)]
@@ -79,6 +172,36 @@ mod tests {
     }
 
     #[test]
+    fn a_list_is_finite_where_all_its_numbers_are() {
+        for length in 0..40 {
+            let mut list: Vec<f64> = (0..length).map(|i| -1e306 * f64::from(i)).collect();
+            assert!(all_finite(&list));
+            for index in 0..list.len() {
+                for fault in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    let kept = std::mem::replace(&mut list[index], fault);
+                    assert!(!all_finite(&list));
+                    list[index] = kept;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_combination_takes_every_stage_at_every_place() {
+        for length in 0..40 {
+            let state: Vec<f64> = (0..length).map(f64::from).collect();
+            let stages: Vec<f64> = (0..3 * length).map(|i| f64::from(i) + 0.5).collect();
+            let weights = [2.0, 0.0, -1.0, 5.0];
+            let mut out = vec![f64::NAN; state.len()];
+            combine(&state, 0.5, &weights, &stages, &mut out);
+            for (i, out) in out.iter().enumerate() {
+                let [a, c] = [0, 2].map(|stage| stages[stage * state.len() + i]);
+                assert_eq!(*out, state[i] + a - 0.5 * c);
+            }
+        }
+    }
+
+    #[test]
     fn sums_take_every_entry_once() {
         for count in 0..40 {
             let a: Vec<f64> = (0..count).map(f64::from).collect();
@@ -88,6 +211,10 @@ mod tests {
             assert_eq!(sizes, a.iter().map(|x| (x + 1.0) * x * x).sum::<f64>());
             let want = a.iter().map(|x| (x + 1.0) * (1.0 - x) * (1.0 - x));
             assert_eq!(differences, want.sum::<f64>());
+            let c: Vec<f64> = a.iter().map(|x| 3.0 - x).collect();
+            let [_, _, after] = weighted_differences(&weights, &a, &b, &c);
+            let want = a.iter().map(|x| (x + 1.0) * (2.0 - x) * (2.0 - x));
+            assert_eq!(after, want.sum::<f64>());
         }
     }
 }

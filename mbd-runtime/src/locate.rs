@@ -29,11 +29,11 @@ pub(crate) struct Found {
 
 /// Steps between which the chosen margins change sign, and the smallest of them there.
 #[derive(Clone, Copy, Debug)]
-struct Bracket {
-    low: f64,
-    above: f64,
-    high: f64,
-    below: f64,
+pub(crate) struct Bracket {
+    pub low: f64,
+    pub above: f64,
+    pub high: f64,
+    pub below: f64,
 }
 
 impl<T: Float> Simulation<T> {
@@ -46,7 +46,8 @@ impl<T: Float> Simulation<T> {
             let (error, _) = self.method.estimate(step);
             self.margins.resolve(error);
         }
-        let looks = if self.margins.restless(self.system.modes()) {
+        let restless = self.margins.restless(self.system.modes());
+        let looks = if restless && !self.keeps_away(step)? {
             LOOKS
         } else {
             1
@@ -68,7 +69,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Reads the margins at `theta` of the attempted step.
-    fn look_inside(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
+    pub(crate) fn look_inside(&mut self, theta: f64, step: f64) -> Result<(), StepError> {
         if theta >= 1.0 {
             return self.look_at_end(step);
         }
@@ -155,11 +156,13 @@ impl<T: Float> Simulation<T> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Redoes the step with another size and returns the smallest chosen margin at its end.
-    fn redo(&mut self, size: f64) -> Result<f64, StepError> {
-        self.make_step(size)?;
-        let counters = &mut self.system.counters;
-        counters.redone = counters.redone.saturating_add(1);
+    /// Redoes the step with another size, unless it was the last attempt, and returns the smallest chosen margin at its end.
+    pub(crate) fn redo(&mut self, size: f64) -> Result<f64, StepError> {
+        if self.attempted != size {
+            self.make_step(size)?;
+            let counters = &mut self.system.counters;
+            counters.redone = counters.redone.saturating_add(1);
+        }
         self.look_at_end(size)?;
         Ok(self.margins.smallest(&self.chosen))
     }
@@ -172,7 +175,11 @@ impl<T: Float> Simulation<T> {
         high: f64,
         step: f64,
     ) -> Result<Option<Found>, StepError> {
-        let Some(bracket) = self.bracket(low, above, high, step)? else {
+        let bracket = match self.approach(low, above, high, step)? {
+            Some(bracket) => Some(bracket),
+            None => self.bracket(low, above, high, step)?,
+        };
+        let Some(bracket) = bracket else {
             self.margins.start.copy_from_slice(&self.margins.now);
             return Ok(None);
         };
@@ -230,9 +237,7 @@ impl<T: Float> Simulation<T> {
             mut high,
             mut below,
         } = bracket;
-        let rounding =
-            (4.0 * f64::EPSILON * (self.time.abs() + step)).max(T::EPSILON.to_f64() * step);
-        let resolved = POINT.max(rounding);
+        let resolved = self.resolved(step);
         let negligible = if self.only_elements() {
             (1e-3 * self.margins.finest()).min(1e-12)
         } else {
@@ -247,7 +252,9 @@ impl<T: Float> Simulation<T> {
             if high - low <= resolved || passed < 0.0 && -passed <= negligible {
                 return Ok(high);
             }
-            let straight = low + (high - low) * above / (above - below);
+            // A little behind the straight line's zero: the far side is asked for.
+            let slope = (above - below) / (high - low);
+            let straight = low + above / slope + 0.5 * resolved;
             let middle = if !halve && straight > low && straight < high {
                 straight
             } else {
@@ -271,6 +278,13 @@ impl<T: Float> Simulation<T> {
             width = high - low;
         }
         Err(self.collapse(high, Collapse::Event))
+    }
+
+    /// Times inside this step that are the same time [s].
+    pub(crate) fn resolved(&self, step: f64) -> f64 {
+        let rounding =
+            (4.0 * f64::EPSILON * (self.time.abs() + step)).max(T::EPSILON.to_f64() * step);
+        POINT.max(rounding)
     }
 
     /// Whether none of the chosen margins is that of a declared event.

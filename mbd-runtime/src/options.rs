@@ -18,6 +18,12 @@ pub enum Method {
         /// The step [s].
         step: f64,
     },
+    /// Symmetric and symplectic steps of order 4 at a fixed step, for long runs: energy stays bounded, momentum is kept to rounding, and time can be
+    /// reversed. Not in `f32`, and not with `rate` and `stepwise` nodes, whose past cannot be gone back to.
+    Rattle {
+        /// The step [s].
+        step: f64,
+    },
     /// Tsitouras' pair of orders 5(4), adaptive.
     Tsit5 {
         /// Relative tolerance; absolute tolerances are this times [`Options::scales`].
@@ -51,6 +57,19 @@ pub enum Method {
 }
 
 impl Method {
+    /// The words of the methods with a fixed step, as [`Method::fixed`] reads them.
+    pub const FIXED: [&str; 2] = ["rk4", "rattle"];
+
+    /// The method of a word with a fixed step [s]; `None` of another word.
+    #[must_use]
+    pub fn fixed(word: &str, step: f64) -> Option<Method> {
+        Some(match word {
+            "rk4" => Method::Rk4 { step },
+            "rattle" => Method::Rattle { step },
+            _ => return None,
+        })
+    }
+
     /// The words of the adaptive methods, as [`Method::adaptive`] reads them.
     pub const ADAPTIVE: [&str; 4] = ["tsit5", "vern7", "rodas5p", "auto"];
 
@@ -71,7 +90,7 @@ impl Method {
     #[must_use]
     pub fn with_largest_step(mut self, largest: f64) -> Method {
         match &mut self {
-            Method::Rk4 { .. } => {}
+            Method::Rk4 { .. } | Method::Rattle { .. } => {}
             Method::Tsit5 { max_step, .. }
             | Method::Vern7 { max_step, .. }
             | Method::Rodas5P { max_step, .. }
@@ -85,6 +104,7 @@ impl Method {
     pub fn word(&self) -> &'static str {
         match self {
             Method::Rk4 { .. } => "rk4",
+            Method::Rattle { .. } => "rattle",
             Method::Tsit5 { .. } => "tsit5",
             Method::Vern7 { .. } => "vern7",
             Method::Rodas5P { .. } => "rodas5p",
@@ -97,6 +117,7 @@ impl Method {
     pub fn name(&self) -> &'static str {
         match self {
             Method::Rk4 { .. } => "RK4",
+            Method::Rattle { .. } => "Rattle",
             Method::Tsit5 { .. } => "Tsit5",
             Method::Vern7 { .. } => "Vern7",
             Method::Rodas5P { .. } => "Rodas5P",
@@ -108,7 +129,7 @@ impl Method {
     #[must_use]
     pub fn fixed_step(&self) -> Option<f64> {
         match self {
-            Method::Rk4 { step } => Some(*step),
+            Method::Rk4 { step } | Method::Rattle { step } => Some(*step),
             _ => None,
         }
     }
@@ -122,7 +143,7 @@ impl Method {
     #[must_use]
     pub fn tolerance(&self) -> Option<[f64; 2]> {
         match self {
-            Method::Rk4 { .. } => None,
+            Method::Rk4 { .. } | Method::Rattle { .. } => None,
             Method::Tsit5 { rtol, max_step }
             | Method::Vern7 { rtol, max_step }
             | Method::Rodas5P { rtol, max_step }
@@ -155,7 +176,8 @@ pub enum Stabilise {
     },
 }
 
-/// How a simulation runs. Start from [`Options::rk4`], [`Options::tsit5`], [`Options::vern7`] or [`Options::rodas5p`] and change fields.
+/// How a simulation runs. Start from [`Options::rk4`], [`Options::rattle`], [`Options::tsit5`], [`Options::vern7`] or [`Options::rodas5p`]
+/// and change fields.
 ///
 /// ```
 /// use mbd_runtime::{Options, PointState, Simulation, Stop, model};
@@ -207,6 +229,9 @@ pub struct Options {
     /// Whether the work of loads, dampers and prescribed motions is integrated along with the run. Where joints are driven this solves the system of
     /// the joints once more a stage. In a step from a state at which rows lose rank the work of motors is as good as their power times the step.
     pub work: bool,
+    /// Whether a run follows its [momentum](crate::Simulation::momentum_imbalance), where the ground holds nothing of the scene: four evaluations of
+    /// gravity and loads by the laws a step.
+    pub momentum: bool,
     /// Whether a run stops on a declared event.
     pub stop_at_events: bool,
     /// What one unit of error is; by itself [`Scales::of`] the model. Positions of what lines and stops hold are resolved by the amplitude V/ω at
@@ -233,6 +258,7 @@ impl Options {
                 None => 1_000_000,
             },
             work: false,
+            momentum: false,
             stop_at_events: false,
             scales: None,
             guard_tolerance: None,
@@ -244,6 +270,12 @@ impl Options {
     #[must_use]
     pub fn rk4(step: f64) -> Self {
         Options::of(Method::Rk4 { step })
+    }
+
+    /// Fixed steps of Rattle [s].
+    #[must_use]
+    pub fn rattle(step: f64) -> Self {
+        Options::of(Method::Rattle { step })
     }
 
     /// Adaptive steps at a relative tolerance.

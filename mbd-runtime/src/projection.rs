@@ -16,11 +16,12 @@ use crate::columns::joint_name;
 use crate::displace::{displace, square};
 use crate::error::{Source, StepError};
 use crate::fallback::{Dependence, NEW, dependent};
-use crate::list::largest;
+use crate::list::{all_finite, largest};
 use crate::moving::moving;
 use crate::options::Stabilise;
 use crate::system::System;
 
+mod free_step;
 mod step;
 
 pub(crate) use step::Projection;
@@ -250,20 +251,26 @@ impl<T: Float> System<T> {
     /// Solves for the move that takes the rows out; with rows chosen at this state where those kept cannot be solved.
     fn correct(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
         self.solve_rows(time, state);
-        let solved = largest(self.projection.moves()).is_finite() && self.is_regular();
+        let solved = all_finite(self.projection.moves()) && self.is_regular();
         if !solved || self.solves_chosen() {
-            let rows = std::mem::take(&mut self.projection.rows);
-            let mut shift = std::mem::take(&mut self.projection.shift);
-            let moves = shift
-                .split_last_mut()
-                .map_or(&mut [][..], |(_, moves)| moves);
-            self.correct_anew(time, state, &rows, moves);
-            (self.projection.rows, self.projection.shift) = (rows, shift);
+            self.correct_by(|system, rows, moves| system.correct_anew(time, state, rows, moves));
         }
-        if largest(self.projection.moves()).is_finite() {
+        if all_finite(self.projection.moves()) {
             return Ok(());
         }
         Err(self.singular(time, state))
+    }
+
+    /// Solves for the move without the emitted elimination.
+    #[cold]
+    fn correct_by(&mut self, solve: impl FnOnce(&mut Self, &[T], &mut [T])) {
+        let rows = std::mem::take(&mut self.projection.rows);
+        let mut shift = std::mem::take(&mut self.projection.shift);
+        let moves = shift
+            .split_last_mut()
+            .map_or(&mut [][..], |(_, moves)| moves);
+        solve(self, &rows, moves);
+        (self.projection.rows, self.projection.shift) = (rows, shift);
     }
 
     /// Factorises the rows at a state where no move had to be solved for, to know their margin.
@@ -338,7 +345,7 @@ impl<T: Float> System<T> {
         for (speed, more) in trial.iter_mut().skip(nq).zip(self.projection.moves()) {
             *speed += *more;
         }
-        let solved = largest(self.projection.moves()).is_finite() && self.is_regular();
+        let solved = all_finite(self.projection.moves()) && self.is_regular();
         let left = self.read_rows(Quantity::ConstraintRate, time, &trial);
         self.projection.trial = trial;
         solved.then_some(left <= UNSOLVED * asked)

@@ -3,6 +3,7 @@
 //! One stage is: inputs → equilibrium points → state derivative. One step is: try, project on the joints, test the error, look for events, record, commit. Nothing is changed
 //! before a step is accepted, so an error or a rejected trial leaves state and memory as they were, to the bit.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use mbd_scene::{Float, Model, ParamError, Quantity};
@@ -12,6 +13,7 @@ use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Stepper, StiffnessTest};
+use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::options::Options;
 use crate::rounding::Rounding;
@@ -107,6 +109,8 @@ pub struct Simulation<T: Float> {
     pub(crate) crossed: Vec<usize>,
     /// Whether the guard tolerance follows the error of each step: fixed steps without a tolerance of their own.
     pub(crate) noisy: bool,
+    /// The size of the last attempt; NaN where it failed [s].
+    pub(crate) attempted: f64,
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,
@@ -117,7 +121,9 @@ pub struct Simulation<T: Float> {
     watched: bool,
     /// The balance of energy, where this run can tell it.
     balance: Option<Balance>,
-    /// Whether fixed steps are judged by it.
+    /// The balance of momentum, where it was asked for and the ground holds nothing.
+    pub(crate) momentum: Option<MomentumBalance>,
+    /// Whether fixed steps are judged by the balance of energy.
     judged: bool,
     /// How the energy is read.
     meter: Meter,
@@ -125,12 +131,14 @@ pub struct Simulation<T: Float> {
     rounding: Rounding,
     /// The most that it made so far, as a part of what matters.
     rounded: f64,
+    /// What tells the scene from others, once something asks for it.
+    fingerprint: OnceCell<u64>,
     /// The last good state, for fixed steps that turn out too long.
     good: Snapshot<T>,
     /// Fixed steps count from here, so that time does not accumulate rounding.
     origin: f64,
     count: u64,
-    options: Options,
+    pub(crate) options: Options,
     guess: Option<Vec<T>>,
     moved: Vec<Moved>,
     /// Whether what is held has changed since the first stage of the next step was evaluated.

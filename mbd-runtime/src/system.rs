@@ -3,12 +3,13 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use mbd_scene::{Float, Model, Quantity, Scene, Work};
+use mbd_scene::{At, Float, Model, Quantity, Scene, Work};
 
 use crate::columns::{line_name, node_name};
 use crate::commands::Commands;
 use crate::error::{Source, Statistics, StepError, UnevenLines};
 use crate::fallback::Fallback;
+use crate::integrate::FreeMotion;
 use crate::laws::Laws;
 use crate::linearise::Jacobian;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
@@ -96,6 +97,8 @@ pub(crate) struct System<T: Float> {
     works: bool,
     /// Derivatives of the rates, for a method that asks for them.
     jacobian: Option<Box<Jacobian<T>>>,
+    /// Bodies and points that nothing acts on, for a method that asks for their motion.
+    pub free_motion: FreeMotion,
     /// What motors that follow inputs were commanded.
     commands: Option<Commands>,
     /// The angles with a spring or a stop at the last accepted step, and room for those of the next; `None` where there is no such angle.
@@ -157,6 +160,7 @@ impl<T: Float> System<T> {
             laws: None,
             works,
             jacobian: None,
+            free_motion: FreeMotion::default(),
             commands: Commands::new(model.scene()),
             angles: has_jumping_angles(model.scene()).then(Default::default),
             wide: Vec::new(),
@@ -177,7 +181,15 @@ impl<T: Float> System<T> {
         if self.jacobian.is_some() {
             self.provide_derivatives();
         }
+        if !self.free_motion.is_empty() {
+            self.provide_free_motion();
+        }
         self.fallback = Fallback::default();
+    }
+
+    /// Looks up how bodies and points move that nothing acts on.
+    pub(crate) fn provide_free_motion(&mut self) {
+        self.free_motion = FreeMotion::new(&*self.model);
     }
 
     /// Makes room for derivatives of the rates.
@@ -248,6 +260,20 @@ impl<T: Float> System<T> {
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
         laws.evaluate(&*self.model, what, &at, out);
+    }
+
+    /// Hands over the laws at the stage that was evaluated last, or at the state that [`System::look`] saw last (`seen`).
+    pub(crate) fn by_laws_at(
+        &mut self,
+        (time, state): (f64, &[T]),
+        seen: bool,
+        ask: impl FnOnce(&mut Laws, &dyn Model<T>, &At<'_, T>),
+    ) {
+        let state = state.get(..self.nx).unwrap_or_default();
+        let nodes = if seen { &self.probe } else { &self.nodes };
+        let at = nodes.at(T::from_f64(time), state, &self.inputs);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        ask(laws, &*self.model, &at);
     }
 
     /// The same for the multipliers, and the accelerations, that the fallback found last, where those of the model mean nothing: reactions, energy or outputs.

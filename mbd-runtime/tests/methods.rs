@@ -160,8 +160,10 @@ fn single_precision_runs_to_what_it_holds_and_refuses_more() {
 
 #[test]
 fn options_of_every_method_survive_a_text() {
-    for word in Method::ADAPTIVE {
-        let options = adaptive(word, 1e-7);
+    let all = Method::ADAPTIVE.map(|word| (word, adaptive(word, 1e-7)));
+    let fixed = Method::FIXED.map(|word| (word, Method::fixed(word, 0.1).map(Options::of)));
+    let fixed = fixed.map(|(word, options)| (word, options.expect("a fixed step")));
+    for (word, options) in all.into_iter().chain(fixed) {
         let text = serde_json::to_string(&options).unwrap();
         assert_eq!(
             serde_json::from_str::<Options>(&text).unwrap_or(options),

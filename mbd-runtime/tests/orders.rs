@@ -22,6 +22,7 @@ fn a_torque_free_body_follows_the_elliptic_functions() {
         );
         for options in [
             Options::rk4(1e-3),
+            Options::rattle(1e-3),
             Options::tsit5(1e-10),
             Options::vern7(1e-11),
         ] {
@@ -88,21 +89,23 @@ fn bouncing_error(options: Options) -> f64 {
 }
 
 #[test]
-fn a_bouncing_mass_keeps_the_order_of_rk4_across_located_switches() {
-    let errors: Vec<f64> = (0..5)
-        .map(|k| bouncing_error(Options::rk4(4e-3 / f64::from(1 << k))))
-        .collect();
-    let orders = orders(&errors);
-    println!("{errors:?} {orders:?}");
-    assert!(
-        orders.iter().skip(1).all(|order| *order > 3.8),
-        "{errors:?} {orders:?}"
-    );
-    let ignored = bouncing_error(Options {
-        locate: false,
-        ..Options::rk4(2.5e-4)
-    });
-    assert!(ignored > 100.0 * errors[4], "{ignored:e}");
+fn a_bouncing_mass_keeps_the_order_of_rk4_and_rattle_across_located_switches() {
+    for method in [Options::rk4, Options::rattle] {
+        let errors: Vec<f64> = (0..5)
+            .map(|k| bouncing_error(method(4e-3 / f64::from(1 << k))))
+            .collect();
+        let orders = orders(&errors);
+        println!("{errors:?} {orders:?}");
+        assert!(
+            orders.iter().skip(1).all(|order| *order > 3.8),
+            "{errors:?} {orders:?}"
+        );
+        let ignored = bouncing_error(Options {
+            locate: false,
+            ..method(2.5e-4)
+        });
+        assert!(ignored > 100.0 * errors[4], "{ignored:e}");
+    }
 }
 
 #[test]

@@ -394,6 +394,7 @@ fn quantity(what: Quantity) -> String {
             return format!("equilibrium of network {network}, one iteration");
         }
         Quantity::Derivative => "derivative of the state",
+        Quantity::Rates => "derivative of the state with the velocities of its nodes",
         Quantity::Balance => "balance of the equilibrium points",
         Quantity::Guards => "guards of the events",
         Quantity::Outputs => "outputs",

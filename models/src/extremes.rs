@@ -1,36 +1,50 @@
 //! The extremes: mass ratios, stiffness, damping, spin, steps that are too long, flat linkages, slack lines, drift, single precision, far from the
-//! origin, other units. A run of each keeps its energy and its joints within a bound, or is stopped by a typed error: what counts is that no number
-//! is wrong without a word.
+//! origin, other units, long runs and runs back. A run of each keeps its energy, its momentum or its start within a bound, or is stopped by a typed
+//! error: what counts is that no number is wrong without a word.
 
 use std::fmt;
 use std::io;
 use std::path::Path;
 
 use mbd_compiler::read_text;
-use mbd_runtime::{Generic, Method, Options, RunError, Scalar, Simulation};
+use mbd_runtime::{Generic, Method, Options, Quantity, RunError, Scalar, Simulation};
 
 use crate::files::{make_folder, write_text};
 use crate::report::{Cell, Report, Table};
 
+/// What is looked at in a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// Energy made or lost, over the energy that moved.
+    Energy,
+    /// The change of angular momentum about the world origin, over the one at the start.
+    Momentum,
+    /// The largest deviation of a quaternion from length 1.
+    Quaternion,
+    /// The distance from the start after a run out, with all speeds turned round, and back [m, m/s, rad/s].
+    Return,
+}
+
+impl fmt::Display for Measure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Measure::Energy => "energy",
+            Measure::Momentum => "angular momentum",
+            Measure::Quaternion => "unit quaternions",
+            Measure::Return => "way back to the start",
+        })
+    }
+}
+
 /// What a case must do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Promise {
-    /// Reach its end with at most this part of the energy that moved made or lost.
+    /// Reach its end with the measure at most this.
     Keeps(f64),
     /// That, or be stopped by a typed error.
     KeepsOrStops(f64),
     /// Be stopped by the typed error of this status.
     Stops(&'static str),
-}
-
-impl fmt::Display for Promise {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Promise::Keeps(bound) => write!(f, "energy to {bound:.0e}"),
-            Promise::KeepsOrStops(bound) => write!(f, "energy to {bound:.0e}, or stopped"),
-            Promise::Stops(status) => write!(f, "stopped: {status}"),
-        }
-    }
 }
 
 /// One case.
@@ -50,6 +64,8 @@ pub struct Case {
     pub until: f64,
     /// Whether in single precision.
     pub single: bool,
+    /// What is looked at.
+    pub measure: Measure,
     /// What it must do.
     pub promise: Promise,
 }
@@ -57,13 +73,23 @@ pub struct Case {
 /// What came of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// It reached its end; the part of the energy that moved that it made or lost.
+    /// It reached its end; the measure.
     Ran(f64),
     /// It was stopped by the typed error of this status, with its sentence.
     Stopped(&'static str, String),
 }
 
 impl Case {
+    /// What it must do, in words.
+    #[must_use]
+    pub fn promised(&self) -> String {
+        match self.promise {
+            Promise::Keeps(bound) => format!("{} to {bound:.0e}", self.measure),
+            Promise::KeepsOrStops(bound) => format!("{} to {bound:.0e}, or stopped", self.measure),
+            Promise::Stops(status) => format!("stopped: {status}"),
+        }
+    }
+
     /// Runs it.
     ///
     /// # Errors
@@ -97,11 +123,54 @@ impl Case {
                 }
                 run.set_state(0.0, &state)?;
             }
-            run.run(self.until)?;
-            // Without energy that moved there is nothing to lose.
-            Ok(run.imbalance().map_or(0.0, |it| it.relative()))
+            self.look(&mut run)
         };
         Ok(fly())
+    }
+
+    /// Runs to the end and measures.
+    fn look<T: Scalar>(&self, run: &mut Simulation<T>) -> Result<f64, RunError> {
+        let mut worst: f64 = 0.0;
+        match self.measure {
+            Measure::Energy => {
+                run.run(self.until)?;
+                // Without energy that moved there is nothing to lose.
+                worst = run.imbalance().map_or(0.0, |it| it.relative());
+            }
+            Measure::Momentum => {
+                let start = angular_momentum(run)?;
+                let size = start.iter().map(|x| x * x).sum::<f64>().sqrt();
+                for look in 1..=LOOKS {
+                    run.run(self.until * f64::from(look) / f64::from(LOOKS))?;
+                    let now = angular_momentum(run)?;
+                    let changes = now.iter().zip(&start).map(|(now, start)| now - start);
+                    worst = changes.fold(worst, |worst, change| worst.max(change.abs() / size));
+                }
+            }
+            Measure::Quaternion => {
+                for look in 1..=LOOKS {
+                    run.run(self.until * f64::from(look) / f64::from(LOOKS))?;
+                    worst = worst.max(off_unit_length(run));
+                }
+            }
+            Measure::Return => {
+                run.start()?;
+                let start = run.state().to_vec();
+                let speeds = run.model().layout().nq..;
+                for _ in 0..2 {
+                    run.run(self.until)?;
+                    let mut state = run.state().to_vec();
+                    let turned = state.get_mut(speeds.clone()).unwrap_or_default();
+                    turned.iter_mut().for_each(|speed| *speed = -*speed);
+                    run.set_state(0.0, &state)?;
+                }
+                let pairs = run.state().iter().zip(&start);
+                worst = pairs.fold(worst, |worst, (now, then)| {
+                    worst.max((now.to_f64() - then.to_f64()).abs())
+                });
+            }
+        }
+        Ok(worst)
     }
 
     /// Whether an outcome is what was promised.
@@ -116,6 +185,25 @@ impl Case {
             _ => false,
         }
     }
+}
+
+/// The largest | |q| − 1 | of a run's quaternions.
+fn off_unit_length<T: Scalar>(run: &Simulation<T>) -> f64 {
+    let quaternions = run.model().layout().quaternions();
+    let own = quaternions.filter_map(|at| run.state().get(at..at + 4));
+    let off = own.map(|q| {
+        let square: f64 = q.iter().map(|x| x.to_f64().powi(2)).sum();
+        (square.sqrt() - 1.0).abs()
+    });
+    off.fold(0.0, f64::max)
+}
+
+/// About the world origin [kg m²/s].
+fn angular_momentum<T: Scalar>(run: &mut Simulation<T>) -> Result<[f64; 3], RunError> {
+    let mut momentum = [T::zero(); 6];
+    run.evaluate(Quantity::Momentum, &mut momentum)?;
+    let [.., x, y, z] = momentum;
+    Ok([x, y, z].map(|x| x.to_f64()))
 }
 
 fn case(
@@ -139,10 +227,15 @@ fn case(
         options,
         until,
         single: false,
+        measure: Measure::Energy,
         promise,
     }
 }
 
+/// How often a long run is looked at.
+const LOOKS: u32 = 100;
+
+const RATTLE: fn(f64) -> Method = |step| Method::Rattle { step };
 const RK4: fn(f64) -> Method = |step| Method::Rk4 { step };
 const AUTO: fn(f64) -> Method = |rtol| Method::Auto {
     rtol,
@@ -385,6 +478,57 @@ pub fn cases(reduced: bool) -> Vec<Case> {
         (RK4(1e-3), 1e-3 * steps),
         Promise::Keeps(1e-3),
     ));
+    all.extend(long_runs(steps));
+    all
+}
+
+/// What Rattle keeps over many steps, and back again.
+fn long_runs(steps: f64) -> Vec<Case> {
+    let mut all = Vec::new();
+    // Energy is off by (h |ω|)⁴ and stays there; momentum only by rounding.
+    for (spin, step, measure, bound) in [
+        (1.0, 0.01, Measure::Energy, 1e-10),
+        (1.0, 0.1, Measure::Energy, 1e-7),
+        (1.0, 0.1, Measure::Momentum, 1e-11),
+        (1.0, 0.1, Measure::Quaternion, 1e-14),
+        (1e4, 1e-4, Measure::Energy, 1e-3),
+        (1e4, 1e-4, Measure::Momentum, 1e-11),
+    ] {
+        let amount = format!("spin of {spin:.0e} rad/s, h = {step:.0e} s, {steps:.0e} steps");
+        let run = (RATTLE(step), step * steps);
+        all.push(Case {
+            start: vec![(7 + 3, 1e-3 * spin), (7 + 4, spin), (7 + 5, 1e-3 * spin)],
+            measure,
+            ..case("long run", amount, FREE, run, Promise::Keeps(bound))
+        });
+    }
+    let steps = 0.3 * steps;
+    all.push(case(
+        "long run",
+        format!("a chain, {steps:.0e} steps of Rattle"),
+        chain([1.0; 4]),
+        (RATTLE(1e-3), 1e-3 * steps),
+        Promise::Keeps(1e-8),
+    ));
+    for (what, text) in [
+        ("a chain", chain([1.0; 4])),
+        ("a tumbling body", FREE.to_owned()),
+    ] {
+        all.push(Case {
+            start: match what {
+                "a chain" => Vec::new(),
+                _ => vec![(7 + 3, 0.5), (7 + 4, 1.0), (7 + 5, -0.3)],
+            },
+            measure: Measure::Return,
+            ..case(
+                "time reversal",
+                format!("{what}, 2000 steps of Rattle and back"),
+                text,
+                (RATTLE(1e-3), 2.0),
+                Promise::Keeps(1e-12),
+            )
+        });
+    }
     all
 }
 
@@ -395,7 +539,7 @@ pub fn run(cases: &[Case]) -> (Table, usize) {
         .column("what", "")
         .column("how much", "")
         .column("promised", "")
-        .number("energy made or lost", "", 2)
+        .number("measured", "", 2)
         .column("stopped by", "")
         .column("holds", "");
     let mut broken = 0;
@@ -411,7 +555,7 @@ pub fn run(cases: &[Case]) -> (Table, usize) {
         table.push([
             case.group.into(),
             case.amount.as_str().into(),
-            case.promise.to_string().into(),
+            case.promised().into(),
             lost,
             stopped,
             if holds { "yes" } else { "NO" }.into(),
@@ -428,7 +572,7 @@ pub fn publish(table: &Table, folder: &Path) -> io::Result<()> {
     make_folder(folder)?;
     write_text(&folder.join("extremes.csv"), &table.csv())?;
     let report = Report::new("Extremes")
-        .paragraph("Each run keeps the energy that moved within its bound, or is stopped by a typed error: no number is wrong without a word.")
+        .paragraph("Each run keeps the energy that moved, its momentum, or its start when it comes back, within a bound, or is stopped by a typed error: no number is wrong without a word.")
         .table(table);
     write_text(&folder.join("report.html"), &report.html())
 }

@@ -287,6 +287,12 @@ fn fixed_steps_do_not_depend_on_the_origin_or_the_axes_of_the_world() {
         println!("other axes: {worst:e} at {step} s");
         assert!(worst <= 1e-10, "{worst:e} at {step} s");
     }
+    for (knot, damping) in &KNOTS[..2] {
+        let scene = mooring(GRAVITY[2], knot, damping);
+        let worst = difference(&scene, &change, Options::rattle(2e-3));
+        println!("{knot}, Rattle: {worst:e}");
+        assert!(worst <= 1e-10, "{knot}, Rattle: {worst:e}");
+    }
     change.rotation = UnitQuaternion::identity();
     let worst = difference(&scene, &change, Options::rk4(1e-3));
     println!("other origin: {worst:e}");
@@ -329,7 +335,14 @@ fn body_and_world_components_of_angular_velocity_give_the_same_motion() {
         println!("{knot}: {worst:e}");
         assert!(worst <= 1e-10, "{knot}: {worst:e}");
     }
-    // Fixed steps integrate different numbers: the two agree to the error of the method.
+    // Rattle moves bodies, whatever numbers say how they turn.
+    let worst = between_components(
+        &mooring(GRAVITY[0], KNOTS[0].0, KNOTS[0].1),
+        Options::rattle(5e-3),
+    );
+    println!("Rattle: {worst:e}");
+    assert!(worst <= 1e-10, "Rattle: {worst:e}");
+    // Fixed steps of RK4 integrate different numbers: the two agree to the error of the method.
     let scene = mooring(GRAVITY[0], STEPWISE.0, STEPWISE.1);
     let [coarse, fine] = [2e-3, 1e-3].map(|step| between_components(&scene, Options::rk4(step)));
     println!("stepwise: {coarse:e} at 2 ms, {fine:e} at 1 ms");

@@ -179,6 +179,7 @@ fn wanted(reading: &Reading, scene: &Scene, layout: &Layout) -> Vec<Quantity> {
             Quantity::AnchorStates
                 | Quantity::Equilibrium(_)
                 | Quantity::Derivative
+                | Quantity::Rates
                 | Quantity::Balance
                 | Quantity::Guards
                 | Quantity::Coordinates

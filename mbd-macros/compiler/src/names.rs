@@ -107,7 +107,7 @@ pub fn result(scene: &Scene, layout: &Layout, what: Quantity, place: usize) -> O
         Some(format!("{name}_{}", axis(place)))
     };
     match what {
-        Quantity::Derivative if place < layout.nx() => {
+        Quantity::Derivative | Quantity::Rates if place < layout.nx() => {
             Some(format!("{}_rate", state(scene, layout, place)))
         }
         Quantity::BiasForce => Some(format!("{}_bias", speed(place))),

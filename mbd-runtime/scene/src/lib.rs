@@ -11,6 +11,7 @@
 mod elimination;
 mod evaluate;
 mod fingerprint;
+mod held;
 pub mod joints;
 pub mod laws;
 mod layout;
@@ -29,7 +30,8 @@ mod starts;
 mod vocabulary;
 
 pub use evaluate::{
-    Scratch, commands, evaluate, evaluate_with_multipliers, jumping_angles, masses, sensitivity,
+    Scratch, commands, evaluate, evaluate_with_multipliers, impulses, jumping_angles, masses,
+    sensitivity,
 };
 pub use fingerprint::fingerprint;
 pub use joints::{
@@ -51,7 +53,8 @@ pub use redundancy::Apart;
 #[doc(hidden)]
 pub use scalar::orthogonal;
 pub use scalar::{
-    Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, symmetric,
+    Dual, Float, Jet, Real, TINY, elements, inverse, quaternion_rate, rotation, solve_regular,
+    symmetric,
 };
 pub use scene::{
     Body, Clamp, Constant, CoordinateStart, Coordinates, Difference, Direction, Event, Frame,

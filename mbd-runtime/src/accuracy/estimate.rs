@@ -32,7 +32,7 @@ impl Options {
     fn tightened(self, factor: f64) -> Options {
         let mut options = self;
         match &mut options.method {
-            Method::Rk4 { step } => *step *= factor,
+            Method::Rk4 { step } | Method::Rattle { step } => *step *= factor,
             Method::Tsit5 { rtol, .. }
             | Method::Vern7 { rtol, .. }
             | Method::Rodas5P { rtol, .. }

@@ -135,16 +135,14 @@ fn tightest() -> [Method; 4] {
 }
 
 /// The settings of each method, loose first.
-fn families(question: &Question) -> [Vec<Method>; 4] {
+fn families(question: &Question) -> [Vec<Method>; 5] {
     let until = question.window[1].abs();
     let tolerances = |from: i32, to: i32| (from..=to).map(|k| 10.0_f64.powi(-k));
     let max_step = f64::INFINITY;
+    let steps = || (0..14).map(|k| until / f64::from(25 << k));
     [
-        (0..14)
-            .map(|k| Method::Rk4 {
-                step: until / f64::from(25 << k),
-            })
-            .collect(),
+        steps().map(|step| Method::Rk4 { step }).collect(),
+        steps().map(|step| Method::Rattle { step }).collect(),
         tolerances(2, 9)
             .map(|rtol| Method::Tsit5 { rtol, max_step })
             .collect(),

@@ -62,6 +62,8 @@ pub(crate) struct Fallback {
     pub(super) reach: Option<f64>,
     /// Room for h.
     pub(super) bias: Vec<f64>,
+    /// Room for Φ_v at the end of a step.
+    pub(super) ahead: Vec<f64>,
     /// Room for rows chosen in a projection.
     pub(super) spare: Vec<usize>,
     /// The worst strategy used.

@@ -14,6 +14,13 @@
 //! [M  Φ_vᵀ] [ v̇]   [f − h]
 //! [Φ_v   0] [−λ] = [  γ  ]     by elimination with row exchange, not scaled, residuals of the solution in twice the digits        (4)
 //! ```
+//!
+//! and in the same way the move that goes along the normals at the start of a step and takes out rows at its end,
+//!
+//! ```text
+//! [M      Φ_vᵀ] [ δ]   [ 0]
+//! [Φ_v⁺     0 ] [−μ] = [−r]                                                                            (5)
+//! ```
 
 mod blend;
 mod regularised;
@@ -37,6 +44,8 @@ pub(crate) struct Dense {
     pub weights: Vec<f64>,
     /// Φ_v (n_c × n_v).
     pub jacobian: Vec<f64>,
+    /// Φ_v at the end of a step, for (5); empty otherwise.
+    ahead: Vec<f64>,
     /// γ or r (n_c).
     pub right: Vec<f64>,
     /// f − h, then v̇ or δ (n_v).
@@ -69,6 +78,7 @@ impl Dense {
             mass: vec![0.0; nv * nv],
             weights: vec![1.0; nv],
             jacobian: vec![0.0; nc * nv],
+            ahead: Vec::new(),
             right: vec![0.0; nc],
             force: vec![0.0; nv],
             free: 0.0,
@@ -313,12 +323,24 @@ impl Dense {
         }
     }
 
-    /// Element of the matrix of (4).
+    /// δ by (5) into `force`; Φ_v⁺ is in `ahead` (n_c × n_v), r in `right`.
+    pub(crate) fn correct_across(&mut self, chosen: &[usize], ahead: &mut Vec<f64>) {
+        std::mem::swap(&mut self.ahead, ahead);
+        self.force.fill(0.0);
+        self.right.iter_mut().for_each(|row| *row = -*row);
+        self.accelerate_whole(chosen);
+        std::mem::swap(&mut self.ahead, ahead);
+    }
+
+    /// Element of the matrix of (4), or of (5).
     fn element(&self, chosen: &[usize], i: usize, j: usize) -> f64 {
         let n = self.nv;
         match (i.checked_sub(n), j.checked_sub(n)) {
             (None, None) => self.mass[i * n + j],
-            (Some(row), None) => self.jacobian[chosen[row] * n + j],
+            (Some(row), None) => {
+                let ends = [&self.ahead, &self.jacobian];
+                ends[usize::from(self.ahead.is_empty())][chosen[row] * n + j]
+            }
             (None, Some(row)) => self.jacobian[chosen[row] * n + i],
             (Some(_), Some(_)) => 0.0,
         }

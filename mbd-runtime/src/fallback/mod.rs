@@ -229,6 +229,32 @@ impl<T: Float> System<T> {
         }
     }
 
+    /// Solves for the move along the normals at one state that takes `rows` out at another one.
+    #[cold]
+    pub(crate) fn correct_across(
+        &mut self,
+        [start, end]: [f64; 2],
+        [state, other]: [&[T]; 2],
+        rows: &[T],
+        moves: &mut [T],
+    ) {
+        let length = self.model.layout().len(Quantity::ConstraintJacobian);
+        let mut ahead = std::mem::take(&mut self.fallback.ahead);
+        ahead.resize(length, 0.0);
+        self.by_laws(Quantity::ConstraintJacobian, end, other, &mut ahead);
+        self.read_dense(start, state);
+        let Fallback { dense, spare, .. } = &mut self.fallback;
+        dense.choose(spare);
+        for (to, from) in dense.right.iter_mut().zip(rows) {
+            *to = from.to_f64();
+        }
+        dense.correct_across(spare, &mut ahead);
+        for (to, from) in moves.iter_mut().zip(&dense.force) {
+            *to = T::from_f64(*from);
+        }
+        self.fallback.ahead = ahead;
+    }
+
     /// Reads M and Φ_v.
     fn read_dense(&mut self, time: f64, state: &[T]) {
         let model = self.model.clone();

@@ -5,7 +5,7 @@ use mbd_scene::Float;
 use super::Rates;
 use super::tableau::Tableau;
 use crate::error::StepError;
-use crate::list::weighted_squares;
+use crate::list::{MOST_TERMS, combine, weighted_differences, weighted_squares};
 
 /// Rounding units of rates below which two of them agree.
 const ROUNDING: f64 = 1e4;
@@ -34,6 +34,8 @@ pub(crate) struct Explicit<T> {
     complete: bool,
     trial: Vec<T>,
     next: Vec<T>,
+    /// Zero.
+    nothing: Vec<T>,
 }
 
 impl<T: Float> Explicit<T> {
@@ -69,6 +71,7 @@ impl<T: Float> Explicit<T> {
             complete: false,
             trial: vec![T::zero(); length],
             next: vec![T::zero(); length],
+            nothing: vec![T::zero(); length],
         }
     }
 
@@ -100,14 +103,18 @@ impl<T: Float> Explicit<T> {
         system.enter();
         for (i, (c, row)) in self.rows.iter().enumerate().take(self.steps).skip(1) {
             let (done, rest) = self.stages.split_at_mut(i * self.length);
-            combine(state, h, row.iter().copied(), done, &mut self.trial);
             let span = c * step;
+            let trial = if i == last {
+                &mut self.next
+            } else {
+                &mut self.trial
+            };
+            combine(state, h, row, done, trial);
             if i == last {
-                system.project_end(time + span, &mut self.trial)?;
-                self.next.copy_from_slice(&self.trial);
+                system.project_end(time + span, trial)?;
             }
             let (stage, _) = rest.split_at_mut(self.length);
-            system.rates(time + span, span, &self.trial, stage)?;
+            system.rates(time + span, span, trial, stage)?;
         }
         Ok(())
     }
@@ -126,18 +133,8 @@ impl<T: Float> Explicit<T> {
 
     /// The estimate h Σ (b_i − b̂_i) k_i of the error of the last attempt, and the state at its end.
     pub(crate) fn estimate(&mut self, step: f64) -> (&[T], &[T]) {
-        self.trial.fill(T::zero());
         let h = T::from_f64(step);
-        for (weight, stage) in self
-            .error
-            .iter()
-            .zip(self.stages.chunks_exact(self.length.max(1)))
-        {
-            let scaled = h * *weight;
-            for (sum, rate) in self.trial.iter_mut().zip(stage) {
-                *sum += scaled * *rate;
-            }
-        }
+        combine(&self.nothing, h, &self.error, &self.stages, &mut self.trial);
         (&self.trial, &self.next)
     }
 
@@ -155,7 +152,7 @@ impl<T: Float> Explicit<T> {
         let h = T::from_f64(step);
         for (i, (c, row)) in self.rows.iter().enumerate().skip(self.steps) {
             let (done, rest) = self.stages.split_at_mut(i * self.length);
-            combine(state, h, row.iter().copied(), done, &mut self.trial);
+            combine(state, h, row, done, &mut self.trial);
             let span = c * step;
             let (stage, _) = rest.split_at_mut(self.length);
             system.rates_inside(time + span, span, &self.trial, stage)?;
@@ -167,11 +164,12 @@ impl<T: Float> Explicit<T> {
     /// The state at `theta` (0 … 1) of the last attempt, which started at `state`, after [`Explicit::complete`].
     pub(crate) fn interpolate(&self, theta: f64, step: f64, state: &[T], out: &mut [T]) {
         let t = T::from_f64(theta);
-        let weights = self.dense.iter().map(|powers| {
+        let mut weights = [T::zero(); MOST_TERMS];
+        for (weight, powers) in weights.iter_mut().zip(&self.dense) {
             let powers = powers.iter().rev();
-            powers.fold(T::zero(), |sum, power| sum * t + *power) * t
-        });
-        combine(state, T::from_f64(step), weights, &self.stages, out);
+            *weight = powers.fold(T::zero(), |sum, power| sum * t + *power) * t;
+        }
+        combine(state, T::from_f64(step), &weights, &self.stages, out);
     }
 
     /// 2 |k₃ − k₂| / |k₂ − k₁|: step times the largest rate of the system, as the stages of RK4 show it; zero where the stages agree to
@@ -181,8 +179,7 @@ impl<T: Float> Explicit<T> {
         let (Some(k1), Some(k2), Some(k3)) = (stages.next(), stages.next(), stages.next()) else {
             return 0.0;
         };
-        let [below, size] = weighted_squares(weights, k1, k2);
-        let [above, _] = weighted_squares(weights, k2, k3);
+        let [below, size, above] = weighted_differences(weights, k1, k2, k3);
         let (above, below, size) = (above.to_f64(), below.to_f64(), size.to_f64());
         if below > 0.0 && above > negligible * negligible * size {
             2.0 * (above / below).sqrt()
@@ -199,14 +196,17 @@ impl<T: Float> Explicit<T> {
             return 0.0;
         };
         // (b − a)/h.
-        self.trial.fill(T::zero());
-        let stages = self.stages.chunks_exact(self.length.max(1));
-        for ((index, weight), stage) in b.iter().enumerate().zip(stages) {
-            let weight = *weight - a.get(index).copied().unwrap_or_default();
-            for (sum, rate) in self.trial.iter_mut().zip(stage) {
-                *sum += weight * *rate;
-            }
+        let mut apart = [T::zero(); MOST_TERMS];
+        for (index, (apart, weight)) in apart.iter_mut().zip(b).enumerate() {
+            *apart = *weight - a.get(index).copied().unwrap_or_default();
         }
+        combine(
+            &self.nothing,
+            T::one(),
+            &apart,
+            &self.stages,
+            &mut self.trial,
+        );
         let [_, between] = weighted_squares(weights, &self.trial, &self.trial);
         let stage = |stage: usize| {
             let first = stage * self.length;
@@ -240,26 +240,6 @@ impl<T: Float> Explicit<T> {
     /// The rates at the start of the step.
     pub(crate) fn first(&self) -> &[T] {
         self.stages.get(..self.length).unwrap_or(&[])
-    }
-}
-
-/// out = state + h Σ w_i k_i, stages one after the other.
-fn combine<T: Float>(
-    state: &[T],
-    h: T,
-    weights: impl Iterator<Item = T>,
-    stages: &[T],
-    out: &mut [T],
-) {
-    out.copy_from_slice(state);
-    for (weight, stage) in weights.zip(stages.chunks_exact(state.len().max(1))) {
-        if weight == T::zero() {
-            continue;
-        }
-        let scaled = h * weight;
-        for (sum, rate) in out.iter_mut().zip(stage) {
-            *sum += scaled * *rate;
-        }
     }
 }
 

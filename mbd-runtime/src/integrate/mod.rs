@@ -2,7 +2,9 @@
 
 mod control;
 mod explicit;
+mod free_motion;
 mod norm;
+mod rattle;
 mod resolution;
 mod rk4;
 mod rodas5p;
@@ -19,14 +21,16 @@ use crate::error::StepError;
 
 pub(crate) use control::{Control, Verdict};
 pub(crate) use explicit::Explicit;
+pub(crate) use free_motion::FreeMotion;
 pub(crate) use norm::ErrorNorm;
 pub use norm::Scales;
+pub(crate) use rattle::{Rattle, Reversible};
 pub(crate) use resolution::Resolution;
 pub(crate) use rk4::RK4;
 pub(crate) use rodas5p::RODAS5P;
 pub(crate) use rosenbrock::Rosenbrock;
 pub(crate) use shifted::Attached;
-pub(crate) use stepper::Stepper;
+pub(crate) use stepper::{Family, Stepper};
 pub(crate) use stiffness_test::StiffnessTest;
 pub(crate) use tsit5::TSIT5;
 pub(crate) use vern7::VERN7;

@@ -1,65 +1,67 @@
-//! The method of a run: an explicit one, a linearly implicit one, or both of which one is making the steps.
+//! The method of a run: an explicit one, a linearly implicit one, a symmetric one, or the first two, of which one is making the steps.
 
 use mbd_scene::Float;
 
-use super::{Explicit, Rates, Rosenbrock};
+use super::{Explicit, Rates, Rattle, Reversible, Rosenbrock};
 use crate::error::StepError;
+
+/// A method of one family, with its storage.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "a run has one or two of them")]
+pub(crate) enum Family<T> {
+    /// Runge–Kutta.
+    Explicit(Explicit<T>),
+    /// Linearly implicit, for stiff scenes.
+    Implicit(Rosenbrock<T>),
+    /// Symmetric in time, for long runs.
+    Symmetric(Rattle<T>),
+}
 
 /// The methods of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct Stepper<T> {
-    explicit: Option<Explicit<T>>,
-    implicit: Option<Rosenbrock<T>>,
-    /// Whether the linearly implicit one makes the steps.
-    stiff: bool,
+    /// The one that makes the steps.
+    method: Family<T>,
+    /// The one it may change to.
+    other: Option<Family<T>>,
 }
 
 /// Calls the same of the method that makes the steps.
 macro_rules! current {
-    ($self:ident, $borrow:ident, $method:ident => $call:expr, or $none:expr) => {
-        if $self.stiff {
-            $self
-                .implicit
-                .$borrow()
-                .map_or_else(|| $none, |$method| $call)
-        } else {
-            $self
-                .explicit
-                .$borrow()
-                .map_or_else(|| $none, |$method| $call)
+    ($family:expr, $method:ident => $call:expr) => {
+        match $family {
+            Family::Explicit($method) => $call,
+            Family::Implicit($method) => $call,
+            Family::Symmetric($method) => $call,
         }
     };
 }
 
 impl<T: Float> Stepper<T> {
-    /// The methods of a run; where both are there, the explicit one begins.
-    pub(crate) fn new(explicit: Option<Explicit<T>>, implicit: Option<Rosenbrock<T>>) -> Self {
-        Stepper {
-            stiff: explicit.is_none(),
-            explicit,
-            implicit,
-        }
+    /// The methods of a run; the first one begins.
+    pub(crate) fn new(method: Family<T>, other: Option<Family<T>>) -> Self {
+        Stepper { method, other }
     }
 
     /// Order of the error estimate plus one.
     pub(crate) fn exponent(&self) -> f64 {
-        current!(self, as_ref, method => method.exponent, or 1.0)
+        current!(&self.method, method => method.exponent)
     }
 
     /// The power of the error before in the controller.
     pub(crate) fn memory(&self) -> f64 {
-        if self.stiff { 0.3 } else { 0.4 }
+        if self.is_stiff() { 0.3 } else { 0.4 }
     }
 
     /// The first stage: the rates at the start of a step, `span` after the last accepted one. Needed once, and again after anything jumped.
     pub(crate) fn begin(
         &mut self,
-        system: &mut impl Rates<T>,
+        system: &mut impl Reversible<T>,
         time: f64,
         span: f64,
         state: &[T],
     ) -> Result<(), StepError> {
-        current!(self, as_mut, method => method.begin(system, time, span, state), or Ok(()))
+        current!(&mut self.method, method => method.begin(system, time, span, state))
     }
 
     /// Derivatives at a start, so that those of later steps find their room.
@@ -69,45 +71,44 @@ impl<T: Float> Stepper<T> {
         time: f64,
         state: &[T],
     ) -> Result<(), StepError> {
-        let Some(implicit) = &mut self.implicit else {
-            return Ok(());
-        };
-        match implicit.differentiate(system, time, state) {
-            // An explicit method has no use for them yet.
-            Err(_) if !self.stiff => Ok(()),
-            done => done,
+        match (&mut self.method, &mut self.other) {
+            (Family::Implicit(method), _) => method.differentiate(system, time, state),
+            (_, Some(Family::Implicit(other))) => {
+                // The method that begins has no use for them yet.
+                let _ = other.differentiate(system, time, state);
+                Ok(())
+            }
+            _ => Ok(()),
         }
     }
 
     /// Tries a step from `state`; the result is [`Stepper::next`], and `state` is untouched.
     pub(crate) fn attempt(
         &mut self,
-        system: &mut impl Rates<T>,
+        system: &mut impl Reversible<T>,
         time: f64,
         step: f64,
         state: &[T],
     ) -> Result<(), StepError> {
-        current!(self, as_mut, method => method.attempt(system, time, step, state), or Ok(()))
+        current!(&mut self.method, method => method.attempt(system, time, step, state))
     }
 
     /// The state at the end of the last attempt.
     pub(crate) fn next(&self) -> &[T] {
-        current!(self, as_ref, method => method.next(), or Default::default())
+        current!(&self.method, method => method.next())
     }
 
     /// Takes the last attempt.
     pub(crate) fn accept(&mut self, state: &mut [T]) {
-        current!(self, as_mut, method => method.accept(state), or ());
+        current!(&mut self.method, method => method.accept(state));
     }
 
     /// The estimate of the error of the last attempt, and the state at its end.
     pub(crate) fn estimate(&mut self, step: f64) -> (&[T], &[T]) {
-        if self.stiff {
-            let method = self.implicit.as_ref();
-            method.map_or((&[], &[]), Rosenbrock::estimate)
-        } else {
-            let method = self.explicit.as_mut();
-            method.map_or((&[], &[]), |method| method.estimate(step))
+        match &mut self.method {
+            Family::Explicit(method) => method.estimate(step),
+            Family::Implicit(method) => method.estimate(),
+            Family::Symmetric(method) => method.estimate(),
         }
     }
 
@@ -119,68 +120,76 @@ impl<T: Float> Stepper<T> {
         step: f64,
         state: &[T],
     ) -> Result<(), StepError> {
-        match &mut self.explicit {
-            Some(method) if !self.stiff => method.complete(system, time, step, state),
+        match &mut self.method {
+            Family::Explicit(method) => method.complete(system, time, step, state),
             _ => Ok(()),
         }
     }
 
     /// The state at `theta` (0 … 1) of the last attempt, which started at `state`, after [`Stepper::complete`].
     pub(crate) fn interpolate(&self, theta: f64, step: f64, state: &[T], out: &mut [T]) {
-        match (&self.explicit, &self.implicit) {
-            (Some(method), _) if !self.stiff => method.interpolate(theta, step, state, out),
-            (_, Some(method)) => method.interpolate(theta, state, out),
-            _ => {}
+        match &self.method {
+            Family::Explicit(method) => method.interpolate(theta, step, state, out),
+            Family::Implicit(method) => method.interpolate(theta, state, out),
+            Family::Symmetric(method) => method.interpolate(theta, step, state, out),
         }
     }
 
     /// What [`Explicit::stiffness`] says of an explicit method.
     pub(crate) fn stiffness(&self, weights: &[T], negligible: f64) -> f64 {
-        let method = self.explicit.as_ref();
-        method.map_or(0.0, |method| method.stiffness(weights, negligible))
+        match &self.method {
+            Family::Explicit(method) => method.stiffness(weights, negligible),
+            _ => 0.0,
+        }
     }
 
     /// Whether the linearly implicit method makes the steps.
     pub(crate) fn is_stiff(&self) -> bool {
-        self.stiff
+        matches!(self.method, Family::Implicit(_))
     }
 
     /// Whether there are two methods.
     pub(crate) fn has_both(&self) -> bool {
-        self.explicit.is_some() && self.implicit.is_some()
+        self.other.is_some()
     }
 
     /// Goes on with the other method from the accepted state.
     pub(crate) fn change(&mut self) {
-        let (Some(explicit), Some(implicit)) = (&mut self.explicit, &mut self.implicit) else {
+        let Some(other) = &mut self.other else {
             return;
         };
-        if self.stiff {
-            explicit.first_mut().copy_from_slice(implicit.first());
-        } else {
-            implicit.take_over(explicit.first());
+        let first = current!(&self.method, method => method.first());
+        match other {
+            Family::Implicit(other) => other.take_over(first),
+            Family::Explicit(other) => other.first_mut().copy_from_slice(first),
+            Family::Symmetric(other) => other.first_mut().copy_from_slice(first),
         }
-        self.stiff = !self.stiff;
+        std::mem::swap(&mut self.method, other);
     }
 
     /// Takes the method that a run was on.
     pub(crate) fn resume(&mut self, stiff: bool) {
-        self.stiff = stiff;
+        if let Some(other) = &mut self.other
+            && stiff != matches!(self.method, Family::Implicit(_))
+        {
+            std::mem::swap(&mut self.method, other);
+        }
     }
 
     /// |hλ| on the negative real axis up to which the explicit method is stable; infinite without one.
     pub(crate) fn limit(&self) -> f64 {
-        self.explicit
-            .as_ref()
-            .map_or(f64::INFINITY, |method| method.stable)
+        match (&self.method, &self.other) {
+            (Family::Explicit(method), _) | (_, Some(Family::Explicit(method))) => method.stable,
+            _ => f64::INFINITY,
+        }
     }
 
     /// Step times the largest rate of the system in the last attempt, over the limit of the explicit method.
     pub(crate) fn part_of_limit(&mut self, step: f64, weights: &[T]) -> f64 {
         let limit = self.limit();
-        let rho = match (&mut self.explicit, &mut self.implicit) {
-            (Some(method), _) if !self.stiff => method.rate(weights),
-            (Some(_), Some(method)) => step * method.fastest(weights),
+        let rho = match (&mut self.method, &self.other) {
+            (Family::Explicit(method), _) => method.rate(weights),
+            (Family::Implicit(method), Some(_)) => step * method.fastest(weights),
             _ => 0.0,
         };
         rho / limit
@@ -188,23 +197,21 @@ impl<T: Float> Stepper<T> {
 
     /// How the rates of two stages at the same time differ, after [`Stepper::part_of_limit`] of an explicit method.
     pub(crate) fn differences(&self) -> &[T] {
-        let method = self.explicit.as_ref();
-        method.map_or(&[], Explicit::differences)
+        match (&self.method, &self.other) {
+            (Family::Explicit(method), _) | (_, Some(Family::Explicit(method))) => {
+                method.differences()
+            }
+            _ => &[],
+        }
     }
 
     /// The rates at the start of the step, to be changed.
     pub(crate) fn first_mut(&mut self) -> &mut [T] {
-        if self.stiff {
-            let method = self.implicit.as_mut();
-            method.map_or(&mut [], Rosenbrock::first_mut)
-        } else {
-            let method = self.explicit.as_mut();
-            method.map_or(&mut [], Explicit::first_mut)
-        }
+        current!(&mut self.method, method => method.first_mut())
     }
 
     /// The rates at the start of the step.
     pub(crate) fn first(&self) -> &[T] {
-        current!(self, as_ref, method => method.first(), or Default::default())
+        current!(&self.method, method => method.first())
     }
 }

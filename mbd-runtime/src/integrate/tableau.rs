@@ -8,6 +8,7 @@
 //! [`Tableau::checked`] tests the conditions of [`trees`](super::trees) in a `const fn`: a wrong number does not build.
 
 use super::trees::{Weights, same, weighted};
+use crate::list::MOST_TERMS;
 
 /// An explicit Runge–Kutta method with S stages, the last of which lies at the end of the step, N with those of its interpolant of degree D.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +35,10 @@ impl<const S: usize, const N: usize, const D: usize> Tableau<S, N, D> {
     /// The same tableau, after checking that it is explicit, that rows sum to c, that step, embedded step and interpolant have the orders they
     /// claim, that the interpolant ends at the step, and that the stages which are said to be at the same time are. A violation stops the build.
     pub(crate) const fn checked(self) -> Self {
-        assert!(S >= 2 && N >= S, "a step has stages");
+        assert!(
+            S >= 2 && N >= S && N <= MOST_TERMS,
+            "a step has stages, and not more than there is room for"
+        );
         assert!(
             self.c[S - 1] == 1.0,
             "the last stage is the end of the step"

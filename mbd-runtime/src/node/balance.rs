@@ -142,6 +142,15 @@ impl<T: Float> Evaluation<T> {
         }
     }
 
+    /// The elements of H where there is one node: xx xy xz yy yz zz [N/m].
+    #[must_use]
+    pub fn only_block(&self) -> Option<[T; 6]> {
+        match *self.values.as_slice() {
+            [_, _, _, xx, xy, xz, yy, yz, zz, _, _, _] => Some([xx, xy, xz, yy, yz, zz]),
+            _ => None,
+        }
+    }
+
     /// Σ T over the taut lines [N].
     #[must_use]
     pub fn tension(&self) -> T {
@@ -170,8 +179,20 @@ impl<T: Float> Evaluation<T> {
     }
 }
 
-/// The Euclidean length of a list, safe against overflow of the squares.
+/// The Euclidean length of a list, safe against overflow and underflow of the squares.
 pub(crate) fn norm<T: Float>(list: &[T]) -> T {
+    let square = inner(list, list);
+    // Squares in this range lose nothing but what is rounding of the others.
+    let [low, high] = [T::EPSILON * T::EPSILON, T::one() / T::EPSILON];
+    if low < square && square < high * high {
+        return square.sqrt();
+    }
+    scaled_norm(list)
+}
+
+/// The same by the largest of its numbers.
+#[cold]
+fn scaled_norm<T: Float>(list: &[T]) -> T {
     let mut largest = T::zero();
     for &x in list {
         if !x.is_finite() {

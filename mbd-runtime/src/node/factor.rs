@@ -8,7 +8,6 @@
 //! lists and allocate nothing. A pivot that is not positive is reported, never repaired here.
 
 use mbd_scene::Float;
-use nalgebra::{Matrix3, Vector3};
 
 /// A block of `B` × `B` numbers, row by row.
 pub type Block<T, const B: usize> = [[T; B]; B];
@@ -217,17 +216,6 @@ fn least_degree(size: usize, pattern: &[(usize, usize)]) -> (Vec<usize>, Vec<Vec
         touched.push(own);
     }
     (order, touched)
-}
-
-/// Solves A x = b for one symmetric positive definite block; `None` if a pivot is not positive.
-pub(crate) fn solve_block<T: Float>(a: &Matrix3<T>, b: &Vector3<T>) -> Option<Vector3<T>> {
-    // Only the lower triangle is read: columns stand for rows.
-    let (mut lower, mut x): (Block<T, 3>, [T; 3]) = (a.data.0, (*b).into());
-    triangle(&mut lower).then(|| {
-        forward(&lower, &mut x);
-        backward(&lower, &mut x);
-        x.into()
-    })
 }
 
 fn dot<T: Float, const B: usize>(a: &[T; B], b: &[T; B]) -> T {

@@ -9,12 +9,13 @@
 //! Source: B. Raiszadeh, AAS 03-163 (2003); convexity, uniqueness, damping and rank are worked out in the files that use them.
 
 mod balance;
-mod eigen;
+pub(crate) mod eigen;
 mod error;
 mod factor;
 mod memory;
 mod modes;
 mod rate;
+mod rates;
 mod scene;
 mod solver;
 mod stage;

@@ -40,7 +40,7 @@ impl<T: Float> Nodes<T> {
             }
         }
         self.read_ends(stage, work)?;
-        self.hold_modes(stage.model, memory);
+        self.hold_modes(memory);
         self.each_plan(|nodes, plan| {
             if !plan.is_rate() {
                 return Ok(());
@@ -156,7 +156,7 @@ impl<T: Float> Nodes<T> {
     /// [`Nodes::solve`] at its end; `true`: the state changed, solve again.
     pub fn project(&self, state: &mut [T]) -> bool {
         let mut changed = false;
-        for plan in &self.plans {
+        for plan in self.plans.iter().filter(|_| !self.spanned) {
             let crossing = || plan.rate.crossing(self.span).map(|(place, _)| place);
             if let Some(z) = plan.z
                 && let Some(p) = plan.rate.projected().or_else(crossing)

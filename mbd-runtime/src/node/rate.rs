@@ -32,17 +32,19 @@
 //!
 //! Rejected: a dashpot on the node. It makes D regular and the forces wrong.
 
+use mbd_scene::laws::rate::{Dashpots, mean};
 use mbd_scene::laws::{LineNumbers, line as law};
-use mbd_scene::{Float, elements};
+use mbd_scene::{Float, elements, symmetric};
 use nalgebra::{Matrix3, Vector3};
 
 use super::balance::{Balance, Evaluation, triple};
 use super::eigen::eigen;
-use super::factor::solve_block;
 use super::solver::{Outcome, Solver, Tolerance};
 
 /// λ_min over λ_max below which a direction of D is missing.
 const RANK: f64 = 1e-6;
+/// Roundings of the largest term of a pull below which a force is none.
+pub(super) const ROUNDING: f64 = 1e4;
 const MOST_CHANGES: usize = 30;
 /// The vanishing dashpot over the largest damping: it only tells the active set.
 const DASHPOT: f64 = 1e-8;
@@ -237,20 +239,19 @@ impl<T: Float> RateNode<T> {
 
     /// Solves on the present active set (rules 2–4).
     pub fn solve_frozen(&mut self) {
-        let d = self.damping();
-        let mut right = self.load;
+        let mut balance = Dashpots::under(self.load);
         for leg in self.legs.iter().filter(|leg| leg.active) {
-            right += leg.direction.map(|x| leg.push * x);
+            balance.add(&leg.direction, leg.numbers.damping, leg.push);
         }
+        let (d, right) = (symmetric(balance.damping), balance.force);
         let held = self.held < 3 && self.legs.iter().all(|leg| leg.active == leg.carried);
         if held && self.solve_spanned(&eigen(&d), &right, self.held) {
             return;
         }
         (self.spread, self.rank) = (Spread::Full, 3);
-        if certainly_full(&d)
-            && let Some(slip) = solve_block(&d, &right)
-        {
-            self.move_with(slip);
+        let slip = balance.solve();
+        if slip.margin > T::zero() && slip.velocity.iter().all(|x| x.is_finite()) {
+            self.move_with(slip.velocity);
             return;
         }
         let (directions, rank) = spanned(&d);
@@ -389,7 +390,7 @@ impl<T: Float> RateNode<T> {
 
     /// Forces below this are rounding [N].
     fn rounding(&self) -> T {
-        self.scale() * T::EPSILON * T::from_f64(1e4)
+        self.scale() * T::EPSILON * T::from_f64(ROUNDING)
     }
 
     /// The largest term of a pull [N].
@@ -526,13 +527,6 @@ impl<T: Float> Balance<T> for Dashed<'_, T> {
     }
 }
 
-/// The mean of vectors; zero of none.
-fn mean<T: Float>(vectors: impl Iterator<Item = Vector3<T>>) -> Vector3<T> {
-    let add = |(count, sum), vector| (count + T::one(), sum + vector);
-    let (count, sum) = vectors.fold((T::zero(), Vector3::zeros()), add);
-    sum.map(|x| x / count.max(T::one()))
-}
-
 /// Eigenvalue and unit vector.
 type Direction<T> = (T, Vector3<T>);
 
@@ -566,12 +560,4 @@ pub(crate) fn projection<T: Float>(directions: &[Direction<T>], vector: &Vector3
         .iter()
         .map(part)
         .fold(Vector3::zeros(), |a, b| a + b)
-}
-
-/// det D > 1e-5 (tr D)³: bounds λ_min/λ_max from below by 1e-5, without eigenvalues.
-fn certainly_full<T: Float>(d: &Matrix3<T>) -> bool {
-    let minor = |a: usize, b: usize| d[(1, a)] * d[(2, b)] - d[(1, b)] * d[(2, a)];
-    let determinant = d[(0, 0)] * minor(1, 2) - d[(0, 1)] * minor(0, 2) + d[(0, 2)] * minor(0, 1);
-    let trace = d[(0, 0)] + d[(1, 1)] + d[(2, 2)];
-    determinant > T::from_f64(1e-5) * trace * trace * trace
 }

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! balanced     |g| ≤ rel (ΣT + |W|) + abs Σ K (d + |p|₁)            relative, plus the rounding of the lengths
-//! direction    (H + r 1) δ = −g,  r = 4.5 ε tr H, × 100 until every pivot is positive
+//! direction    (H + r 1) δ = −g,  r = 4.5 ε tr H, × 100 until every pivot is positive; by cofactors for one node with
+//!              λ_min > 1e-5 λ_max
 //! search       ψ(t) = g(p + t δ)·δ rises with t; accept |ψ(t)| ≤ |ψ(0)|/10
 //! strategy 1       Newton from the given start, at most 12 steps
 //! strategy 2       from the stiffness-weighted mean of the anchors through K_max (K/K_max)^a, a = 1/8 … 1
@@ -12,8 +13,9 @@
 //! Strategy 3 descends a convex function with Lipschitz gradient and compact level sets, so it converges from everywhere; the slope and not
 //! the energy decides the step, because the energy cannot resolve the last digits. Plain Newton alone cycles (`tests/node_counterexamples.rs`).
 
-use mbd_scene::Float;
 use mbd_scene::laws::line;
+use mbd_scene::{Float, solve_regular};
+use nalgebra::Vector3;
 
 use super::balance::{Balance, Evaluation, inner, norm};
 use super::error::{NodeError, UNEVEN, Uneven};
@@ -462,8 +464,27 @@ impl<T: Float> Descent<T> {
         Ok(residual)
     }
 
+    /// The Newton direction δ of one node where H is certainly regular, as it is at almost every step.
+    fn direction_of_one(&mut self) -> bool {
+        let (Some(elements), [gx, gy, gz]) = (self.here.only_block(), self.here.gradient()) else {
+            return false;
+        };
+        let [xx, xy, xz, yy, yz, zz] = elements;
+        let shift = shift(xx + yy + zz);
+        let shifted = [xx + shift, xy, xz, yy + shift, yz, zz + shift];
+        let (delta, margin) = solve_regular(shifted, &-Vector3::new(*gx, *gy, *gz));
+        let found = margin > T::zero() && delta.iter().all(|x| x.is_finite());
+        if found {
+            self.delta.copy_from_slice(delta.as_slice());
+        }
+        found
+    }
+
     /// The Newton direction δ. `Some(true)`: a loaded node without a taut line moves along its load, and the step must be searched.
     fn direction<B: Balance<T>>(&mut self, balance: &B, l: &[T]) -> Option<bool> {
+        if self.direction_of_one() {
+            return Some(false);
+        }
         let (nodes, here) = (balance.nodes(), &self.here);
         let diagonal = |node: usize| {
             let block = here.block(node);
@@ -480,7 +501,7 @@ impl<T: Float> Descent<T> {
             return None;
         }
         if trace > T::zero() {
-            let mut shift = T::from_f64(4.5) * T::EPSILON * trace;
+            let mut shift = shift(trace);
             while !self.factor.factor(shift, |k| here.block(k)) {
                 shift *= T::from_f64(100.0);
                 if shift > trace * T::from_f64(1e3) {
@@ -552,6 +573,11 @@ impl<T: Float> Descent<T> {
         }
         sum
     }
+}
+
+/// The smallest r of a Newton step: it keeps a line taut whose kink the step would land on.
+fn shift<T: Float>(trace: T) -> T {
+    T::from_f64(4.5) * T::EPSILON * trace
 }
 
 /// How far a node without a taut line is sent along its load [m].

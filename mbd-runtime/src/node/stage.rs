@@ -9,7 +9,7 @@ use super::memory::NodeMemory;
 use super::scene::{Plan, PlanLine, SceneBalance, of_scene};
 use super::solver::{Outcome, Strategy, Tolerance};
 use super::stepwise::{History, effective};
-use crate::unilateral::{Mode, has_mode};
+use crate::unilateral::Mode;
 
 /// The node unknowns, effective line numbers and line modes of one stage, with all the room their solve needs.
 ///
@@ -29,6 +29,10 @@ pub struct Nodes<T: Float> {
     /// `Quantity::Guards` of the last request.
     pub(crate) guards: Vec<T>,
     pub(crate) frozen: bool,
+    /// Room for `Quantity::Rates`; empty where the nodes are not found that way.
+    pub(crate) rates: Vec<T>,
+    /// Whether the last solve found all nodes along with the derivative, by lines that span space.
+    pub(crate) spanned: bool,
     /// Time since the last accepted step, of the last solve.
     pub(crate) span: T,
     pub(crate) statistics: Statistics,
@@ -77,6 +81,8 @@ impl<T: Float> Nodes<T> {
             modes: vec![Mode::Free; layout.one_way()],
             guards: list(layout.len(Quantity::Guards)),
             frozen: false,
+            rates: list(layout.len(Quantity::Rates)),
+            spanned: false,
             span: T::zero(),
             statistics: Statistics::default(),
             layout: layout.clone(),
@@ -104,7 +110,9 @@ impl<T: Float> Nodes<T> {
     /// `Quantity::AnchorStates` of the last solve, for [`At::ends`].
     #[must_use]
     pub fn ends(&self) -> &[T] {
-        &self.ends
+        let first = self.layout.nx();
+        let along = self.rates.get(first..first + self.ends.len());
+        along.filter(|_| self.spanned).unwrap_or(&self.ends)
     }
 
     /// Everything a model may read, with the unknowns of the last solve.
@@ -116,7 +124,7 @@ impl<T: Float> Nodes<T> {
             nodes: &self.nodes,
             effective: &self.effective,
             hold: &self.hold,
-            ends: &self.ends,
+            ends: self.ends(),
             inputs,
             rows: &[],
         }
@@ -172,12 +180,16 @@ impl<T: Float> Nodes<T> {
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
         self.span = span;
+        self.check_shape(stage)?;
         if self.is_idle() {
-            return self.check_shape(stage);
+            return Ok(());
         }
         memory.check(&self.layout)?;
+        self.hold_modes(memory);
+        if self.plans.is_empty() {
+            return Ok(());
+        }
         self.read_ends(stage, work)?;
-        self.hold_modes(stage.model, memory);
         let result = self.each_plan(|nodes, plan| {
             if plan.is_rate() {
                 return nodes.solve_rate(stage, plan, memory);
@@ -235,8 +247,12 @@ impl<T: Float> Nodes<T> {
         memory.stretch.copy_from_slice(&self.stretch);
         memory.nodes.copy_from_slice(&self.nodes);
         for plan in self.plans.iter().filter(|plan| plan.z.is_some()) {
-            let crossing = plan.rate.crossing(self.span);
-            memory.ranks[plan.index] = crossing.map_or(plan.rate.rank(), |(_, rank)| rank);
+            memory.ranks[plan.index] = if self.spanned {
+                3
+            } else {
+                let crossing = plan.rate.crossing(self.span);
+                crossing.map_or(plan.rate.rank(), |(_, rank)| rank)
+            };
             for (&node, p) in plan.nodes.iter().zip(plan.p.chunks_exact(3)) {
                 memory.nodes[3 * node..3 * node + 3].copy_from_slice(p);
             }
@@ -246,13 +262,13 @@ impl<T: Float> Nodes<T> {
         for (carried, now) in memory
             .anchors
             .chunks_exact_mut(3)
-            .zip(self.ends.chunks_exact(6))
+            .zip(self.ends().chunks_exact(6))
         {
             carried.copy_from_slice(&now[..3]);
         }
     }
 
-    fn check_shape(&self, stage: Stage<'_, T>) -> Result<(), NodeError> {
+    pub(super) fn check_shape(&self, stage: Stage<'_, T>) -> Result<(), NodeError> {
         let lines = stage.model.lines().len();
         NodeError::same_length("state", stage.state.len(), self.layout.nx())?;
         NodeError::same_length("inputs", stage.inputs.len(), self.layout.ni)?;
@@ -265,6 +281,7 @@ impl<T: Float> Nodes<T> {
         stage: Stage<'_, T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
+        self.spanned = false;
         self.check_shape(stage)?;
         if self.plans.is_empty() {
             return Ok(());
@@ -282,13 +299,11 @@ impl<T: Float> Nodes<T> {
         Ok(())
     }
 
-    /// Holds the elements outside nodes in their modes, if modes are frozen.
-    pub(crate) fn hold_modes(&mut self, model: &dyn Model<T>, memory: &NodeMemory<T>) {
-        for (index, (hold, mode)) in self.hold.iter_mut().zip(&mut self.modes).enumerate() {
-            *mode = match has_mode(model, index) {
-                true => memory.modes.get(index).copied().unwrap_or_default(),
-                false => Mode::Free,
-            };
+    /// Takes the modes of the memory, and holds the elements in them if modes are frozen; those of `rate` nodes are decided afterwards.
+    pub(crate) fn hold_modes(&mut self, memory: &NodeMemory<T>) {
+        let slots = self.hold.iter_mut().zip(&mut self.modes);
+        for ((hold, mode), carried) in slots.zip(&memory.modes) {
+            *mode = *carried;
             *hold = if self.frozen { mode.hold() } else { T::zero() };
         }
     }

@@ -70,7 +70,7 @@ impl<T: Float> Nodes<T> {
         }
         self.read_ends(stage, work)?;
         self.check_lines(stage.model)?;
-        self.hold_modes(stage.model, memory);
+        self.hold_modes(memory);
         self.each_plan(|nodes, plan| nodes.start_plan(stage, plan, guess, work))?;
         self.find_modes(stage, memory, work);
         self.find_stretches(stage.model);

@@ -7,6 +7,7 @@ use crate::balance::Balance;
 use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
 use crate::integrate::{Control, StiffnessTest, Verdict};
+use crate::momentum::MomentumBalance;
 use crate::trajectory::{Trajectory, resolution};
 use crate::watch::Watch;
 
@@ -18,6 +19,7 @@ struct Judgement {
     control: Option<Control>,
     watch: Watch,
     balance: Option<Balance>,
+    momentum: Option<MomentumBalance>,
     stiffness: StiffnessTest,
     angle_jumps: u64,
 }
@@ -132,7 +134,8 @@ impl<T: Float> Simulation<T> {
         self.sample()?;
         let until = until.min(self.next_sample());
         let (step, lands) = self.propose(until);
-        let before = self.judgement();
+        // Nothing but a row inside the step can make it be taken back.
+        let before = trajectory.is_some().then(|| self.judgement());
         if !self.attempt(step)? {
             return Ok(());
         }
@@ -232,14 +235,17 @@ impl<T: Float> Simulation<T> {
     /// Makes a trial step, of any size, from the last accepted one.
     pub(crate) fn make_step(&mut self, step: f64) -> Result<(), StepError> {
         let (time, state) = (self.time, &self.state);
+        self.attempted = f64::NAN;
         let tried = self.method.attempt(&mut self.system, time, step, state);
         // A stage came too close to a state where rows repeat each other: the step is made with rows chosen at its start.
         match tried {
             Err(StepError::SingularConstraints { .. }) if self.system.escalate(time, state) => {
-                self.method.attempt(&mut self.system, time, step, state)
+                self.method.attempt(&mut self.system, time, step, state)?;
             }
-            tried => tried,
+            tried => tried?,
         }
+        self.attempted = step;
+        Ok(())
     }
 
     #[cold]
@@ -287,9 +293,9 @@ impl<T: Float> Simulation<T> {
         step: f64,
         trajectory: &mut Option<&mut Trajectory>,
         go_on: &mut dyn FnMut(f64) -> bool,
-        before: Judgement,
+        before: Option<Judgement>,
     ) -> Result<(), StepError> {
-        let Some(trajectory) = trajectory else {
+        let (Some(trajectory), Some(before)) = (trajectory, before) else {
             return Ok(());
         };
         let end = self.time + step;
@@ -327,6 +333,7 @@ impl<T: Float> Simulation<T> {
             },
             watch: self.watch,
             balance: self.balance,
+            momentum: self.momentum,
             stiffness: self.stiffness,
             angle_jumps: self.system.counters.angle_jumps,
         }
@@ -339,6 +346,7 @@ impl<T: Float> Simulation<T> {
             *control = before;
         }
         (self.watch, self.balance) = (before.watch, before.balance);
+        self.momentum = before.momentum;
         self.stiffness = before.stiffness;
         self.system.follow_angles(self.time, &self.state, true);
         self.system.counters.angle_jumps = before.angle_jumps;

@@ -131,6 +131,7 @@ impl<T: Float> Simulation<T> {
                 return Err(self.unstable(step, Instability::Stages(rho)));
             }
         }
+        self.follow_momentum(step);
         let Some(mut balance) = self.balance else {
             return Ok(());
         };
@@ -302,7 +303,7 @@ impl<T: Float> Simulation<T> {
         cause: &StepError,
         trajectory: &mut Option<&mut Trajectory>,
     ) -> Result<(), RunError> {
-        if !matches!(cause, StepError::UnstableStep { .. }) {
+        if !self.watched || !matches!(cause, StepError::UnstableStep { .. }) {
             return Ok(());
         }
         let good = std::mem::take(&mut self.good);

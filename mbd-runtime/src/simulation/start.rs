@@ -1,5 +1,6 @@
 //! The start of a run: a state that can be used, nodes in balance, a mode for every line, a first step.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use mbd_scene::laws::starts;
@@ -17,8 +18,8 @@ use crate::columns::{input_name, node_name, state_names};
 use crate::error::{RunError, StepError};
 use crate::event::Margins;
 use crate::integrate::{
-    Attached, Control, ErrorNorm, Explicit, RK4, RODAS5P, Resolution, Rosenbrock, Scales, Stepper,
-    StiffnessTest, TSIT5, VERN7,
+    Attached, Control, ErrorNorm, Explicit, Family, RK4, RODAS5P, Rattle, Resolution, Rosenbrock,
+    Scales, Stepper, StiffnessTest, TSIT5, VERN7,
 };
 use crate::moving::moving;
 use crate::options::{Method, Options, Stabilise};
@@ -60,20 +61,34 @@ impl<T: Float> Simulation<T> {
         let joined = (model.layout(), model.scene().joints.as_slice());
         let rounding = Rounding::new(joined, &stiffness, scales, arm);
         let starts = starts(model.scene(), model.params());
-        let explicit = match options.method {
-            Method::Rk4 { .. } => Some(Explicit::new(&RK4, length)),
-            Method::Tsit5 { .. } => Some(Explicit::new(&TSIT5, length)),
-            Method::Vern7 { .. } => Some(Explicit::new(&VERN7, length)),
-            Method::Rodas5P { .. } => None,
-            Method::Auto { rtol, .. } if rtol >= LOOSE => Some(Explicit::new(&TSIT5, length)),
-            Method::Auto { .. } => Some(Explicit::new(&VERN7, length)),
-        };
-        let implicit = options.method.needs_derivatives().then(|| {
+        let layout = model.layout();
+        let noisy = fixed && options.guard_tolerance.is_none();
+        let behind = length - system.nx;
+        let explicit = |method: Explicit<T>| Family::Explicit(method);
+        let implicit = |system: &mut System<T>| {
             system.provide_derivatives();
-            let behind = length - system.nx;
-            Rosenbrock::new(&RODAS5P, length, attached(model.layout()), behind)
-        });
-        let method = Stepper::new(explicit, implicit);
+            Family::Implicit(Rosenbrock::new(&RODAS5P, length, attached(layout), behind))
+        };
+        let method = match options.method {
+            Method::Rk4 { .. } => Stepper::new(explicit(Explicit::new(&RK4, length)), None),
+            Method::Tsit5 { .. } => Stepper::new(explicit(Explicit::new(&TSIT5, length)), None),
+            Method::Vern7 { .. } => Stepper::new(explicit(Explicit::new(&VERN7, length)), None),
+            Method::Rodas5P { .. } => Stepper::new(implicit(&mut system), None),
+            Method::Auto { rtol, .. } => {
+                let begins = match rtol >= LOOSE {
+                    true => Explicit::new(&TSIT5, length),
+                    false => Explicit::new(&VERN7, length),
+                };
+                Stepper::new(explicit(begins), Some(implicit(&mut system)))
+            }
+            Method::Rattle { .. } => {
+                system.provide_free_motion();
+                let speeds = layout.nq..layout.nq + layout.nv;
+                let asked = noisy && options.locate && layout.len(Quantity::Guards) > 0;
+                let rattle = Rattle::new(length, speeds, behind, asked);
+                Stepper::new(Family::Symmetric(rattle), None)
+            }
+        };
         let (pace, tolerance) = match (options.method.fixed_step(), options.method.tolerance()) {
             (_, Some([rtol, max_step])) => {
                 let control = Control::new(0.0, max_step, [method.exponent(), method.memory()]);
@@ -93,7 +108,6 @@ impl<T: Float> Simulation<T> {
                 .unwrap_or_else(by_itself)
                 .max(finest)
         });
-        let layout = model.layout();
         let room = [
             Quantity::Guards,
             Quantity::Lines,
@@ -121,7 +135,8 @@ impl<T: Float> Simulation<T> {
             switches: Vec::with_capacity(layout.one_way()),
             crossed: Vec::with_capacity(layout.events),
             margins,
-            noisy: fixed && options.guard_tolerance.is_none(),
+            noisy,
+            attempted: f64::NAN,
             stalled: f64::NAN,
             pace,
             stiffness: StiffnessTest::default(),
@@ -129,8 +144,10 @@ impl<T: Float> Simulation<T> {
             watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(&*model).is_none(),
             balance: None,
+            momentum: None,
             judged: false,
             meter: Meter::Nothing,
+            fingerprint: OnceCell::new(),
             good: Snapshot::default(),
             rounding,
             rounded: 0.0,
@@ -318,6 +335,7 @@ impl<T: Float> Simulation<T> {
         self.system.follow_commands(self.time, None, &self.state)?;
         self.begin_margins(&mut |_| ())?;
         self.begin_balance();
+        self.begin_momentum();
         self.rounded = 0.0;
         self.watch_rounding()
     }
@@ -369,6 +387,9 @@ fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), Step
                 .into(),
         });
     }
+    if let Method::Rattle { .. } = options.method {
+        return reversible(model, options);
+    }
     let implicit = options.method.needs_derivatives();
     if implicit && matches!(options.stabilise, Stabilise::Baumgarte { .. }) {
         return Err(StepError::Unsupported {
@@ -377,6 +398,38 @@ fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), Step
         });
     }
     Ok(())
+}
+
+/// Refuses what cannot be run backwards in time, as the middle of a step of Rattle is.
+fn reversible<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), StepError> {
+    let refuse = |what: String, instead: &str| {
+        let instead = instead.to_owned();
+        Err(StepError::Unsupported { what, instead })
+    };
+    let method = options.method.name();
+    if T::EPSILON.to_f64() > f64::EPSILON {
+        return refuse(
+            format!("{method} in f32, where its rotations round away what it keeps,"),
+            "run in f64, or take Method::Rk4",
+        );
+    }
+    if options.stabilise != Stabilise::Projection {
+        return refuse(
+            format!("{method} without Stabilise::Projection"),
+            "leave `stabilise` as it is: this method holds the joints by itself",
+        );
+    }
+    let mut nodes = model.layout().nodes.iter();
+    let Some(node) = nodes.find(|node| node.model != NodeModel::Static) else {
+        return Ok(());
+    };
+    refuse(
+        format!(
+            "{method} with the node `{}`, whose dampers cannot be run backwards in time,",
+            node_name(model.scene(), node.point)
+        ),
+        "declare the node `static` or give the point a mass, or take another method: `rk4`, `tsit5`",
+    )
 }
 
 /// Refuses inputs that are functions of time and state to a method that solves with derivatives of the rates.

@@ -1,13 +1,13 @@
 //! A model as a system of ordinary differential equations: the rates of a stage, their derivatives, and the way back onto the joints.
 
-use mbd_scene::{Float, Quantity};
+use mbd_scene::Float;
 
 use super::{System, stage};
 use crate::columns::state_names;
 use crate::error::{Source, StepError};
 use crate::integrate::Rates;
 use crate::linearise::LinearisationError;
-use crate::list::largest;
+use crate::list::all_finite;
 
 impl<T: Float> System<T> {
     /// A derivative of the rates that is not finite: the first of them, by name.
@@ -52,16 +52,12 @@ impl<T: Float> Rates<T> for System<T> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.supply(time, state)?;
         let stage = stage(&*self.model, time, state, &self.inputs);
-        let (t, span) = (stage.time, T::from_f64(span));
-        let solved = self
-            .nodes
-            .solve_stage(stage, span, &self.memory, &mut self.work);
+        let span = T::from_f64(span);
+        let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
+        let nodes = &mut self.nodes;
+        let solved = nodes.differentiate(stage, span, &self.memory, &mut self.work, derivative);
         solved.map_err(|error| self.node_error(time, error))?;
         self.counters.rhs = self.counters.rhs.saturating_add(1);
-        let at = self.nodes.at(t, state, &self.inputs);
-        let (derivative, works) = out.split_at_mut(self.nx.min(out.len()));
-        self.model
-            .evaluate(Quantity::Derivative, &at, &mut self.work, derivative);
         self.accelerate(time, state, derivative)?;
         self.pull_back(time, state, derivative)?;
         if !works.is_empty() {
@@ -70,7 +66,7 @@ impl<T: Float> Rates<T> for System<T> {
                 *work = *power;
             }
         }
-        if largest(out).is_finite() {
+        if all_finite(out) {
             return Ok(());
         }
         let fault = out.iter().position(|x| !x.is_finite());
@@ -111,7 +107,7 @@ impl<T: Float> Rates<T> for System<T> {
         self.counters.jacobians = self.counters.jacobians.saturating_add(1);
         let found = jacobian.evaluate(&*self.model, &at, &mut self.work, (by_state, by_time));
         match found {
-            Ok(()) if largest(by_state).is_finite() && largest(by_time).is_finite() => Ok(()),
+            Ok(()) if all_finite(by_state) && all_finite(by_time) => Ok(()),
             Ok(()) => Err(self.no_slope(time, by_state, by_time)),
             Err(LinearisationError::DependentRows { .. }) => Err(self.singular(time, state)),
             // The rates themselves have a value here, their equations have none.

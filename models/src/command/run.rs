@@ -19,10 +19,10 @@ pub struct RunArgs {
     /// Folder for history, figures, report and summary [default: out/NAME of a ready scene, out/PATH of a file without its extension].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// The integrator: rk4 (fixed steps), tsit5, vern7 (tight tolerances), rodas5p (stiff), auto [default: rk4 with --dt, else tsit5].
+    /// The integrator: rk4 (fixed steps), rattle (fixed steps, long runs), tsit5, vern7 (tight tolerances), rodas5p (stiff), auto [default: rk4 with --dt, else tsit5].
     #[arg(long, value_name = "METHOD")]
     method: Option<String>,
-    /// Fixed step of RK4, with unit (`0.01s`, `5 ms`) or in seconds [default: 0.001 s if an equilibrium point is stepwise].
+    /// Fixed step of RK4 or Rattle, with unit (`0.01s`, `5 ms`) or in seconds [default: 0.001 s if an equilibrium point is stepwise].
     #[arg(long, value_name = "STEP", conflicts_with = "tol")]
     dt: Option<String>,
     /// Relative tolerance of adaptive steps [default: 1e-8 if no equilibrium point is stepwise].
@@ -34,7 +34,7 @@ pub struct RunArgs {
     /// Distance of the rows of the history, with unit or in seconds [default: every step].
     #[arg(long, value_name = "TIME")]
     every: Option<String>,
-    /// The most steps, accepted and rejected, before the run is given up [default: 10000000 of RK4, 1000000 of adaptive methods].
+    /// The most steps, accepted and rejected, before the run is given up [default: 10000000 of fixed steps, 1000000 of adaptive methods].
     #[arg(long, value_name = "NUMBER")]
     max_steps: Option<u64>,
     /// Value of a param with its unit, `riser_k=50kN/m`; may be repeated. `mbd check` shows the params with their ranges.

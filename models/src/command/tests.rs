@@ -795,7 +795,14 @@ fn a_trade_says_what_meets_the_error_that_is_wanted() {
     let asked = ["--output", "height", "--within", "1e-6", "--out", &out];
     let told = run(&[&["trade", file.as_str()], &asked[..]].concat()).unwrap();
     assert!(told.contains("for height within 1.0e-6: take "), "{told}");
-    for method in ["RK4", "Tsit5", "Vern7", "Rodas5P", "single precision"] {
+    for method in [
+        "RK4",
+        "Rattle",
+        "Tsit5",
+        "Vern7",
+        "Rodas5P",
+        "single precision",
+    ] {
         assert!(told.contains(method), "{method}: {told}");
     }
     for name in ["trade.csv", "trade.svg", "trade.html"] {
@@ -838,7 +845,7 @@ fn every_promise_at_the_extremes_is_kept() {
     let out = folder.0.join("out").display().to_string();
     let told =
         run(&["extremes", "--reduced", "--out", &out]).unwrap_or_else(|error| panic!("{error}"));
-    assert!(told.contains("57 of 57 promises kept"), "{told}");
+    assert!(told.contains("66 of 66 promises kept"), "{told}");
     assert!(folder.0.join("out/report.html").is_file());
 }
 

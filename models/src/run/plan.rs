@@ -100,11 +100,10 @@ impl Plan {
             .map(|value| number("instants", value, "s"))
             .collect::<Result<_, _>>()?;
         let options = options(scene, &layout, settings)?;
-        let step = match options.method {
-            Method::Rk4 { step } => Some(step),
-            _ => None,
-        };
-        if let Some(rows) = every.or(step).map(|every| until / every) {
+        if let Some(rows) = every
+            .or(options.method.fixed_step())
+            .map(|every| until / every)
+        {
             fits(scene, rows)?;
         }
         Ok(Plan {
@@ -221,7 +220,7 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
     if step.is_some() && tolerance.is_some() {
         return Err(wrong(
             "tolerance",
-            "give either a step (fixed RK4) or a tolerance (adaptive)",
+            "give either a step (fixed) or a tolerance (adaptive)",
         ));
     }
     let fixed = || step.map_or(Ok(STEP), |step| positive("step", step, "s"));
@@ -229,20 +228,17 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
     let mut options = match settings.method.as_deref() {
         None if step.is_some() || (stepwise && tolerance.is_none()) => Options::rk4(fixed()?),
         None => Options::tsit5(adaptive()?),
-        Some("rk4") if tolerance.is_some() => {
-            let text = "`rk4` has a fixed step: give `step`, or take an adaptive method";
+        Some(word) if Method::FIXED.contains(&word) && tolerance.is_some() => {
+            let text =
+                format!("`{word}` has a fixed step: give `step`, or take an adaptive method");
             return Err(wrong("tolerance", text));
         }
-        Some("rk4") => Options::rk4(fixed()?),
-        Some(word) => Options {
-            method: method(word, adaptive()?)?,
-            ..Options::tsit5(TOLERANCE)
-        },
+        Some(word) if Method::ADAPTIVE.contains(&word) && step.is_some() => {
+            let text = format!("`{word}` chooses its steps: give `tolerance`, or take `rk4`");
+            return Err(wrong("step", text));
+        }
+        Some(word) => Options::of(method(word, fixed()?, adaptive()?)?),
     };
-    if let (Some(word), Some(_), None) = (&settings.method, step, options.method.fixed_step()) {
-        let text = format!("`{word}` chooses its steps: give `tolerance`, or take `rk4`");
-        return Err(wrong("step", text));
-    }
     options.locate = settings.locate.unwrap_or(true);
     if let Some(steps) = settings.max_steps {
         if steps == 0 {
@@ -255,10 +251,11 @@ fn options(scene: &Scene, layout: &Layout, settings: &Settings) -> Result<Option
     Ok(options)
 }
 
-/// The adaptive method of a word.
-fn method(word: &str, tolerance: f64) -> Result<Method, PlanError> {
-    Method::adaptive(word, tolerance).ok_or_else(|| {
-        let known = || std::iter::once("rk4").chain(Method::ADAPTIVE);
+/// The method of a word, with a step [s] or a tolerance.
+fn method(word: &str, step: f64, tolerance: f64) -> Result<Method, PlanError> {
+    let method = Method::fixed(word, step).or_else(|| Method::adaptive(word, tolerance));
+    method.ok_or_else(|| {
+        let known = || Method::FIXED.into_iter().chain(Method::ADAPTIVE);
         let near = nearest(word, known());
         let near = near.map_or_else(
             || ".".to_owned(),

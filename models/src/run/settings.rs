@@ -3,8 +3,8 @@
 //! ```toml
 //! [run]
 //! until = "70 s"
-//! method = "vern7"       # rk4 (fixed steps), tsit5, vern7 (tight), rodas5p (stiff), auto; left out: rk4 with a step, else tsit5
-//! tolerance = 1e-10      # of adaptive methods; of rk4: step = "0.01 s"
+//! method = "vern7"       # rk4 (fixed steps), rattle (fixed steps, long runs), tsit5, vern7 (tight), rodas5p (stiff), auto; left out: rk4 with a step, else tsit5
+//! tolerance = 1e-10      # of adaptive methods; of rk4 and rattle: step = "0.01 s"
 //! every = "0.02 s"       # rows of the history
 //! max_steps = 1000000    # accepted and rejected; then the run is given up
 //! locate = true          # steps end on slack/taut switches and on events
@@ -31,9 +31,9 @@ use toml::{Table, Value};
 pub struct Settings {
     /// End of the run, with unit or in seconds.
     pub until: Option<Value>,
-    /// The integrator: `rk4`, `tsit5`, `vern7`, `rodas5p`, `auto`; left out, `rk4` with a step, else `tsit5`.
+    /// The integrator: `rk4`, `rattle`, `tsit5`, `vern7`, `rodas5p`, `auto`; left out, `rk4` with a step, else `tsit5`.
     pub method: Option<String>,
-    /// Fixed step of RK4, with unit or in seconds.
+    /// Fixed step of RK4 or Rattle, with unit or in seconds.
     pub step: Option<Value>,
     /// Relative tolerance of adaptive steps.
     pub tolerance: Option<Value>,

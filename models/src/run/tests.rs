@@ -126,6 +126,11 @@ fn the_method_is_chosen_by_its_word() {
     assert_eq!(plan("method = \"vern7\""), Options::vern7(1e-8));
     assert_eq!(plan("method = \"rk4\""), Options::rk4(1e-3));
     assert_eq!(plan("method = \"rk4\"\nstep = 0.1"), Options::rk4(0.1));
+    assert_eq!(plan("method = \"rattle\""), Options::rattle(1e-3));
+    assert_eq!(
+        plan("method = \"rattle\"\nstep = \"5 ms\""),
+        Options::rattle(5e-3)
+    );
 }
 
 #[test]
@@ -180,7 +185,7 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
     fails("[run]\nuntil = 1\nstep = 1\ntolerance = 1", "either a step");
     fails(
         "[run]\nuntil = 1\nmethod = \"ver7\"",
-        "`method`: there is no method `ver7`; did you mean `vern7`? There are: rk4, tsit5, vern7, rodas5p, auto",
+        "`method`: there is no method `ver7`; did you mean `vern7`? There are: rk4, rattle, tsit5, vern7, rodas5p, auto",
     );
     fails(
         "[run]\nuntil = 1\nmethod = \"vern7\"\nstep = 1",
@@ -189,6 +194,14 @@ fn a_setting_that_cannot_be_used_is_named_with_the_remedy() {
     fails(
         "[run]\nuntil = 1\nmethod = \"rk4\"\ntolerance = 1",
         "`tolerance`: `rk4` has a fixed step: give `step`",
+    );
+    fails(
+        "[run]\nuntil = 1\nmethod = \"rattle\"\ntolerance = 1e-6",
+        "`tolerance`: `rattle` has a fixed step: give `step`",
+    );
+    fails(
+        "[run]\nuntil = 1\nmethod = \"ratle\"",
+        "did you mean `rattle`?",
     );
     fails(
         "[run]\nuntil = 1\n[run.start]\nbob.vz = \"1 m\"",

@@ -120,6 +120,7 @@ fn a_parachute_flies_without_asking_for_memory() {
     };
     let mass = ParachuteMass::new(Default::default()).expect("defaults");
     fly("mass, rk4", &mass, Options::rk4(5e-5));
+    fly("mass, rattle", &mass, Options::rattle(1e-4));
     fly("mass, tsit5", &mass, Options::tsit5(1e-6));
     fly("mass, vern7", &mass, Options::vern7(1e-6));
     fly("mass, rodas5p", &mass, Options::rodas5p(1e-6));
@@ -131,6 +132,7 @@ fn a_parachute_flies_without_asking_for_memory() {
     fly("rate, rodas5p", &rate, Options::rodas5p(1e-6));
     let fixed = ParachuteStatic::new(Default::default()).expect("defaults");
     fly("static, rk4", &fixed, Options::rk4(1e-3));
+    fly("static, rattle", &fixed, Options::rattle(1e-3));
     fly("static, rodas5p", &fixed, Options::rodas5p(1e-5));
     let stepwise = ParachuteStepwise::new(Default::default()).expect("defaults");
     fly("stepwise, rk4", &stepwise, Options::rk4(5e-3));
@@ -152,6 +154,7 @@ fn a_machine_runs_without_asking_for_memory() {
     for (kind, model) in both {
         for (method, options) in [
             ("rk4", Options::rk4(1e-3)),
+            ("rattle", Options::rattle(1e-3)),
             ("tsit5", Options::tsit5(1e-7)),
             ("vern7", Options::vern7(1e-9)),
             ("rodas5p", Options::rodas5p(1e-6)),

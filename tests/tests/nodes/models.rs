@@ -104,6 +104,40 @@ fn the_literal_clamp_of_the_paper_does_not_converge_through_the_slack_phase() {
 }
 
 #[test]
+fn the_derivative_with_its_nodes_is_the_derivative_at_the_velocities_of_the_rules() {
+    let mut run = swing(NodeModel::Rate);
+    let layout = run.model.layout().clone();
+    let (nx, ends) = (layout.nx(), layout.len(Quantity::AnchorStates));
+    let mut random = Random::new(7);
+    let start = run.state.clone();
+    let mut certain = 0;
+    for trial in 0..200 {
+        let size = if trial < 100 { 1e-3 } else { 0.1 };
+        let state: Vec<f64> = start
+            .iter()
+            .map(|x| x + size * random.uniform(-1.0, 1.0))
+            .collect();
+        let by_rules = run.slope(0.005, &state).unwrap();
+        let at_once = run.ask(Quantity::Rates, &state);
+        let active = run.nodes.hold().iter().filter(|hold| **hold > 0.0).count();
+        let margin = at_once[nx + ends];
+        // Fewer than three lines leave a direction without damping.
+        assert!(active > 2 || margin.is_nan() || margin <= 0.0, "{margin}");
+        if margin > 0.0 {
+            certain += 1;
+            for (one, other) in at_once.iter().zip(&by_rules) {
+                assert!(
+                    (one - other).abs() < 1e-9 * (1.0 + other.abs()),
+                    "{one} {other}"
+                );
+            }
+            assert_eq!(at_once[nx..nx + ends], *run.nodes.ends());
+        }
+    }
+    assert!(certain > 100, "{certain}");
+}
+
+#[test]
 fn a_rejected_step_leaves_the_memory_as_it_was_and_repeats_bit_by_bit() {
     for model in [NodeModel::Static, EULER, BDF2, NodeModel::Rate] {
         let mut run = swing(model);

@@ -57,6 +57,7 @@ fn serves_runtime(what: Quantity) -> bool {
         what,
         Quantity::AnchorStates
             | Quantity::Equilibrium(_)
+            | Quantity::Rates
             | Quantity::Balance
             | Quantity::Guards
             | Quantity::ProjectionStep

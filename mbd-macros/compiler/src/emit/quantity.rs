@@ -31,6 +31,7 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::AnchorStates => "anchor_states",
         Quantity::Equilibrium(_) => "equilibrium",
         Quantity::Derivative => "derivative",
+        Quantity::Rates => "rates",
         Quantity::Balance => "balance",
         Quantity::Guards => "guards",
         Quantity::Outputs => "outputs",
@@ -117,6 +118,14 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
                     layout.nq, layout.nz
                 ),
             },
+        ),
+        Quantity::Rates => (
+            "State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.",
+            format!(
+                "{nx} ẋ, then {} anchors × 6 [m, m/s], {} nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³] and the largest term of a pull [N], per line stretch and pull [m, N].",
+                layout.anchors.len(),
+                layout.nodes.len(),
+            ),
         ),
         Quantity::Balance => (
             "Balance of the nodes: `r = Σ T u + W`, the forces on each node.",

@@ -232,6 +232,7 @@ impl<T: ::mbd_runtime::Real> ::mbd_runtime::Inputs<T> for ParachuteInputs<T> {
 /// |---|---|---|
 /// | [`anchor_states`](Self::anchor_states) | 27 of 27 | 187 |
 /// | [`derivative`](Self::derivative) | 29 of 29 | 591 |
+/// | [`rates`](Self::rates) | 66 of 66 | 831 |
 /// | [`balance`](Self::balance) | 3 of 3 | 343 |
 /// | [`guards`](Self::guards) | 9 of 9 | 299 |
 /// | [`outputs`](Self::outputs) | 2 of 2 | 100 |
@@ -311,7 +312,7 @@ const _: () = {
         /// The equations in the user's names, what was left out, and what everything costs.
         #[must_use]
         pub fn explain() -> &'static str {
-            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
+            "Parachute\n\nState x = [q | v | z]: 14 + 12 + 3; angular velocities in body axes.\nM v\u{307} + h = f,  q\u{307} = N(q) v,  one block of M a body.\nGravity: −μ d/|d|³, μ = 42828000000000 m³/s², centre at [0, 0, -3404590] m.\n\nBody canopy: m = 16 kg, I = [xx 60, yy 60, zz 90] kg m² about the centre of mass.\nBody capsule: m = m_cap kg, I = [xx 300, yy 310, zz 420, xy -1.5, yz 2] kg m² about the centre of mass.\nPoint confluence: node, rate: its velocity w solves Σ T u + W = 0 with T = K s + C ṡ; ż = w.\nLine riser from canopy.riser_end to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = riser_k N/m, C = 600 N s/m, L0 = 10 m.\nLine leg[0] from capsule.bridle[0] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[1] from capsule.bridle[1] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLine leg[2] from capsule.bridle[2] to confluence: T = max(0, K s + C ṡ) for s > 0, else 0; K = 47000 N/m, C = 470 N s/m, L0 = L_LEG m.\nLoad drag at canopy.cp: force -0.007 * cd_s * norm(canopy.cp.velocity - wind) * (canopy.cp.velocity - wind) N.\nLoad thruster at capsule.com: from the caller.\nOutput riser_force = riser.tension [N].\nOutput tilt = angle(capsule.com.z, world.z) [rad].\nEvent slack: riser.tension crosses 0.\n\nLeft out\n  No joint with rows: no constraint, no multiplier, no linear system for accelerations.\n  Body canopy: principal axes, no products of inertia.\n\nOperations\n  once per set of params: 3 operations (0 additions, 2 multiplications, 1 divisions, 0 roots, 0 trigonometric, 0 selections)\n  anchor_states: 187 operations (99 additions, 88 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  derivative: 591 operations (257 additions, 289 multiplications, 6 divisions, 7 roots, 0 trigonometric, 32 selections)\n  rates: 831 operations (357 additions, 402 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections)\n  balance: 343 operations (159 additions, 144 multiplications, 4 divisions, 4 roots, 0 trigonometric, 32 selections)\n  guards: 299 operations (147 additions, 132 multiplications, 4 divisions, 4 roots, 0 trigonometric, 12 selections)\n  outputs: 100 operations (45 additions, 42 multiplications, 1 divisions, 2 roots, 1 trigonometric, 9 selections)\n  energy: 489 operations (211 additions, 225 multiplications, 6 divisions, 7 roots, 0 trigonometric, 40 selections)\n  mass_matrix: 0 operations (0 additions, 0 multiplications, 0 divisions, 0 roots, 0 trigonometric, 0 selections)\n  bias_force: 57 operations (16 additions, 37 multiplications, 2 divisions, 2 roots, 0 trigonometric, 0 selections)\n  forces: 460 operations (209 additions, 210 multiplications, 4 divisions, 5 roots, 0 trigonometric, 32 selections)\n\nderivative: 591 operations as declared, 591 with every param a const, 591 with every const a param.\n"
         }
     }
     /// The declaration and where everything lives, unpacked once. Which rows repeat others and in which order the system is solved was found when this was generated.
@@ -477,6 +478,28 @@ const _: () = {
             let mut values = [T::zero(); 27];
             let out = &mut values;
             anchor_states(q, v, out);
+            ::mbd_runtime::nalgebra::SVector::from(values)
+        }
+        /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
+        ///
+        /// 29 ẋ, then 4 anchors × 6 \[m, m/s\], 1 nodes × 3 loads \[N\], per node `det D − 1e-5 (tr D)³` \[N³ s³/m³\] and the largest term of a pull \[N\], per line stretch and pull \[m, N\].
+        /// 831 operations (357 additions, 402 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections).
+        #[doc(hidden)]
+        #[must_use]
+        #[inline]
+        pub fn rates(
+            &self,
+            state: &ParachuteState<T>,
+            hold: &[T; 4],
+            inputs: &ParachuteInputs<T>,
+        ) -> ::mbd_runtime::nalgebra::SVector<T, 66> {
+            let [q] = &state.q.data.0;
+            let [v] = &state.v.data.0;
+            let [z] = &state.z.data.0;
+            let inputs = &inputs.to_array();
+            let mut values = [T::zero(); 66];
+            let out = &mut values;
+            rates(q, v, z, hold, inputs, &self.values, &self.derived, out);
             ::mbd_runtime::nalgebra::SVector::from(values)
         }
         /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.
@@ -652,6 +675,17 @@ const _: () = {
                     },
                 ),
                 (
+                    "rates",
+                    ::mbd_runtime::Cost {
+                        adds: 357,
+                        muls: 402,
+                        divs: 7,
+                        sqrts: 7,
+                        trigs: 0,
+                        selects: 58,
+                    },
+                ),
+                (
                     "balance",
                     ::mbd_runtime::Cost {
                         adds: 159,
@@ -813,6 +847,24 @@ const _: () = {
                             &self.derived,
                             out,
                         );
+                    }
+                }
+                ::mbd_runtime::Quantity::Rates => {
+                    if let (
+                        ::core::option::Option::Some((q, v, z)),
+                        ::core::option::Option::Some(hold),
+                        ::core::option::Option::Some(inputs),
+                        ::core::option::Option::Some(out),
+                    ) = (
+                        ::mbd_runtime::__private::split(at.state),
+                        ::mbd_runtime::__private::fixed(at.hold),
+                        ::mbd_runtime::__private::fixed(at.inputs),
+                        ::mbd_runtime::__private::fixed_mut(out),
+                    ) {
+                        let q: &[T; 14] = q;
+                        let v: &[T; 12] = v;
+                        let z: &[T; 3] = z;
+                        rates(q, v, z, hold, inputs, &self.values, &self.derived, out);
                     }
                 }
                 ::mbd_runtime::Quantity::Balance => {
@@ -1647,6 +1699,622 @@ const _: () = {
             confluence_wx,
             confluence_wy,
             confluence_wz,
+        ];
+    }
+    /// State derivative with the velocities of the nodes found along with it, `D w = Σ (K s + C u·v) u` over the lines that carry.
+    /// 29 ẋ, then 4 anchors × 6 [m, m/s], 1 nodes × 3 loads [N], per node `det D − 1e-5 (tr D)³` [N³ s³/m³] and the largest term of a pull [N], per line stretch and pull [m, N].
+    /// 831 operations (357 additions, 402 multiplications, 7 divisions, 7 roots, 0 trigonometric, 58 selections).
+    #[inline(never)]
+    fn rates<T: ::mbd_runtime::Real>(
+        q: &[T; 14],
+        v: &[T; 12],
+        z: &[T; 3],
+        hold: &[T; 4],
+        inputs: &[T; 9],
+        params: &[T; 3],
+        derived: &[T; 3],
+        out: &mut [T; 66],
+    ) {
+        let [canopy_x, canopy_y, canopy_z, canopy_qw, canopy_qx, canopy_qy, canopy_qz,
+        capsule_x, capsule_y, capsule_z, capsule_qw, capsule_qx, capsule_qy, capsule_qz,
+        ] = *q;
+        let [canopy_vx, canopy_vy, canopy_vz, canopy_wx, canopy_wy, canopy_wz,
+        capsule_vx, capsule_vy, capsule_vz, capsule_wx, capsule_wy, capsule_wz] = *v;
+        let [confluence_x, confluence_y, confluence_z] = *z;
+        let [riser_hold, leg_0_hold, leg_1_hold, leg_2_hold] = *hold;
+        let [wind_x, wind_y, wind_z, thruster_x, thruster_y, thruster_z,
+        thruster_couple_x, thruster_couple_y, thruster_couple_z] = *inputs;
+        let [riser_k, _, _] = *params;
+        let [capsule_inverse_mass, derived_1, _] = *derived;
+        let c_m9_5 = T::from_f64(-9.5);
+        let c_0_55 = T::from_f64(0.55);
+        let c_1_23 = T::from_f64(1.23);
+        let c = T::from_f64(-0.2749999999999999);
+        let c_2 = T::from_f64(0.47631397208144133);
+        let c_3 = T::from_f64(-0.27500000000000024);
+        let c_4 = T::from_f64(-0.47631397208144116);
+        let c_0_25 = T::from_f64(0.25);
+        let tiny = T::from_f64(1e-18);
+        let one = T::from_f64(1.0);
+        let c_10 = T::from_f64(10.0);
+        let c_600 = T::from_f64(600.0);
+        let zero = T::from_f64(0.0);
+        let c_2_1 = T::from_f64(2.1);
+        let c_47000 = T::from_f64(47000.0);
+        let c_470 = T::from_f64(470.0);
+        let c_1em5 = T::from_f64(1e-5);
+        let c_1_57 = T::from_f64(1.57);
+        let half = T::from_f64(0.5);
+        let c_0_0625 = T::from_f64(0.0625);
+        let c_5 = T::from_f64(-3404590.0);
+        let c_6 = T::from_f64(4.2828e13);
+        let c_30 = T::from_f64(30.0);
+        let c_m30 = T::from_f64(-30.0);
+        let c_7 = T::from_f64(0.016666666666666666);
+        let c_8 = T::from_f64(0.011111111111111112);
+        let c_300 = T::from_f64(300.0);
+        let c_m1_5 = T::from_f64(-1.5);
+        let c_310 = T::from_f64(310.0);
+        let two = T::from_f64(2.0);
+        let c_420 = T::from_f64(420.0);
+        let c_9 = T::from_f64(0.0033334139829235376);
+        let c_11 = T::from_f64(1.612991804081407e-5);
+        let c_12 = T::from_f64(-7.680913352768604e-8);
+        let c_13 = T::from_f64(0.003225983608162814);
+        let c_14 = T::from_f64(-1.536182670553721e-5);
+        let c_15 = T::from_f64(0.0023810255325081215);
+        /// `canopy`: where it is, how it moves.
+        let canopy_q_ww = canopy_qw * canopy_qw;
+        let canopy_q_xx = canopy_qx * canopy_qx;
+        let canopy_q_yy = canopy_qy * canopy_qy;
+        let canopy_q_zz = canopy_qz * canopy_qz;
+        let canopy_twice_qx = canopy_qx + canopy_qx;
+        let canopy_twice_qy = canopy_qy + canopy_qy;
+        let canopy_twice_q_xy = canopy_qy * canopy_twice_qx;
+        let canopy_twice_q_xz = canopy_qz * canopy_twice_qx;
+        let canopy_twice_q_yz = canopy_qz * canopy_twice_qy;
+        let canopy_twice_q_wx = canopy_qw * canopy_twice_qx;
+        let canopy_twice_q_wy = canopy_qw * canopy_twice_qy;
+        let canopy_twice_q_wz = canopy_qw * (canopy_qz + canopy_qz);
+        let canopy_q_ww_minus_q_xx = canopy_q_ww - canopy_q_xx;
+        let canopy_q_yy_minus_q_zz = canopy_q_yy - canopy_q_zz;
+        let canopy_r11 = canopy_q_ww + canopy_q_xx - (canopy_q_yy + canopy_q_zz);
+        let canopy_r12 = canopy_twice_q_xy - canopy_twice_q_wz;
+        let canopy_r13 = canopy_twice_q_xz + canopy_twice_q_wy;
+        let canopy_r21 = canopy_twice_q_xy + canopy_twice_q_wz;
+        let canopy_r22 = canopy_q_ww_minus_q_xx + canopy_q_yy_minus_q_zz;
+        let canopy_r23 = canopy_twice_q_yz - canopy_twice_q_wx;
+        let canopy_r31 = canopy_twice_q_xz - canopy_twice_q_wy;
+        let canopy_r32 = canopy_twice_q_yz + canopy_twice_q_wx;
+        let canopy_r33 = canopy_q_ww_minus_q_xx - canopy_q_yy_minus_q_zz;
+        /// `capsule`: where it is, how it moves.
+        let capsule_q_ww = capsule_qw * capsule_qw;
+        let capsule_q_xx = capsule_qx * capsule_qx;
+        let capsule_q_yy = capsule_qy * capsule_qy;
+        let capsule_q_zz = capsule_qz * capsule_qz;
+        let capsule_twice_qx = capsule_qx + capsule_qx;
+        let capsule_twice_qy = capsule_qy + capsule_qy;
+        let capsule_twice_q_xy = capsule_qy * capsule_twice_qx;
+        let capsule_twice_q_xz = capsule_qz * capsule_twice_qx;
+        let capsule_twice_q_yz = capsule_qz * capsule_twice_qy;
+        let capsule_twice_q_wx = capsule_qw * capsule_twice_qx;
+        let capsule_twice_q_wy = capsule_qw * capsule_twice_qy;
+        let capsule_twice_q_wz = capsule_qw * (capsule_qz + capsule_qz);
+        let capsule_q_ww_minus_q_xx = capsule_q_ww - capsule_q_xx;
+        let capsule_q_yy_minus_q_zz = capsule_q_yy - capsule_q_zz;
+        let capsule_r11 = capsule_q_ww + capsule_q_xx - (capsule_q_yy + capsule_q_zz);
+        let capsule_r12 = capsule_twice_q_xy - capsule_twice_q_wz;
+        let capsule_r13 = capsule_twice_q_xz + capsule_twice_q_wy;
+        let capsule_r21 = capsule_twice_q_xy + capsule_twice_q_wz;
+        let capsule_r22 = capsule_q_ww_minus_q_xx + capsule_q_yy_minus_q_zz;
+        let capsule_r23 = capsule_twice_q_yz - capsule_twice_q_wx;
+        let capsule_r31 = capsule_twice_q_xz - capsule_twice_q_wy;
+        let capsule_r32 = capsule_twice_q_yz + capsule_twice_q_wx;
+        let capsule_r33 = capsule_q_ww_minus_q_xx - capsule_q_yy_minus_q_zz;
+        /// `riser`: length and tension.
+        let riser_arm_x = c_m9_5 * canopy_r13;
+        let riser_arm_y = c_m9_5 * canopy_r23;
+        let riser_arm_z = c_m9_5 * canopy_r33;
+        let riser_p_x = canopy_x + riser_arm_x;
+        let riser_p_y = canopy_y + riser_arm_y;
+        let riser_p_z = canopy_z + riser_arm_z;
+        let riser_scaled_canopy_wy = c_m9_5 * canopy_wy;
+        let riser_scaled_canopy_wx = c_m9_5 * canopy_wx;
+        let riser_v_x = canopy_vx
+            + (canopy_r11 * riser_scaled_canopy_wy
+                - canopy_r12 * riser_scaled_canopy_wx);
+        let riser_v_y = canopy_vy
+            + (canopy_r21 * riser_scaled_canopy_wy
+                - canopy_r22 * riser_scaled_canopy_wx);
+        let riser_v_z = canopy_vz
+            + (canopy_r31 * riser_scaled_canopy_wy
+                - canopy_r32 * riser_scaled_canopy_wx);
+        /// `leg[0]`: length and tension.
+        let leg_0_scaled_capsule_r13 = c_1_23 * capsule_r13;
+        let leg_0_arm_x = c_0_55 * capsule_r11 + leg_0_scaled_capsule_r13;
+        let leg_0_scaled_capsule_r23 = c_1_23 * capsule_r23;
+        let leg_0_arm_y = c_0_55 * capsule_r21 + leg_0_scaled_capsule_r23;
+        let leg_0_scaled_capsule_r33 = c_1_23 * capsule_r33;
+        let leg_0_arm_z = c_0_55 * capsule_r31 + leg_0_scaled_capsule_r33;
+        let leg_0_p_x = capsule_x + leg_0_arm_x;
+        let leg_0_p_y = capsule_y + leg_0_arm_y;
+        let leg_0_p_z = capsule_z + leg_0_arm_z;
+        let leg_0_scaled_capsule_wy = c_1_23 * capsule_wy;
+        let leg_0_scaled_capsule_wx = c_1_23 * capsule_wx;
+        let leg_0_t = c_0_55 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_0_scaled_capsule_wy_2 = c_0_55 * capsule_wy;
+        let leg_0_v_x = capsule_vx
+            + (capsule_r11 * leg_0_scaled_capsule_wy + capsule_r12 * leg_0_t
+                - capsule_r13 * leg_0_scaled_capsule_wy_2);
+        let leg_0_v_y = capsule_vy
+            + (capsule_r21 * leg_0_scaled_capsule_wy + capsule_r22 * leg_0_t
+                - capsule_r23 * leg_0_scaled_capsule_wy_2);
+        let leg_0_v_z = capsule_vz
+            + (capsule_r31 * leg_0_scaled_capsule_wy + capsule_r32 * leg_0_t
+                - capsule_r33 * leg_0_scaled_capsule_wy_2);
+        /// `leg[1]`: length and tension.
+        let leg_1_arm_x = leg_0_scaled_capsule_r13
+            + (c * capsule_r11 + c_2 * capsule_r12);
+        let leg_1_arm_y = leg_0_scaled_capsule_r23
+            + (c * capsule_r21 + c_2 * capsule_r22);
+        let leg_1_arm_z = leg_0_scaled_capsule_r33
+            + (c * capsule_r31 + c_2 * capsule_r32);
+        let leg_1_p_x = capsule_x + leg_1_arm_x;
+        let leg_1_p_y = capsule_y + leg_1_arm_y;
+        let leg_1_p_z = capsule_z + leg_1_arm_z;
+        let leg_1_t = leg_0_scaled_capsule_wy - c_2 * capsule_wz;
+        let leg_1_t_2 = c * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_1_t_3 = c_2 * capsule_wx - c * capsule_wy;
+        let leg_1_v_x = capsule_vx
+            + (capsule_r11 * leg_1_t + capsule_r12 * leg_1_t_2
+                + capsule_r13 * leg_1_t_3);
+        let leg_1_v_y = capsule_vy
+            + (capsule_r21 * leg_1_t + capsule_r22 * leg_1_t_2
+                + capsule_r23 * leg_1_t_3);
+        let leg_1_v_z = capsule_vz
+            + (capsule_r31 * leg_1_t + capsule_r32 * leg_1_t_2
+                + capsule_r33 * leg_1_t_3);
+        /// `leg[2]`: length and tension.
+        let leg_2_arm_x = leg_0_scaled_capsule_r13
+            + (c_3 * capsule_r11 + c_4 * capsule_r12);
+        let leg_2_arm_y = leg_0_scaled_capsule_r23
+            + (c_3 * capsule_r21 + c_4 * capsule_r22);
+        let leg_2_arm_z = leg_0_scaled_capsule_r33
+            + (c_3 * capsule_r31 + c_4 * capsule_r32);
+        let leg_2_p_x = capsule_x + leg_2_arm_x;
+        let leg_2_p_y = capsule_y + leg_2_arm_y;
+        let leg_2_p_z = capsule_z + leg_2_arm_z;
+        let leg_2_t = leg_0_scaled_capsule_wy - c_4 * capsule_wz;
+        let leg_2_t_2 = c_3 * capsule_wz - leg_0_scaled_capsule_wx;
+        let leg_2_t_3 = c_4 * capsule_wx - c_3 * capsule_wy;
+        let leg_2_v_x = capsule_vx
+            + (capsule_r11 * leg_2_t + capsule_r12 * leg_2_t_2
+                + capsule_r13 * leg_2_t_3);
+        let leg_2_v_y = capsule_vy
+            + (capsule_r21 * leg_2_t + capsule_r22 * leg_2_t_2
+                + capsule_r23 * leg_2_t_3);
+        let leg_2_v_z = capsule_vz
+            + (capsule_r31 * leg_2_t + capsule_r32 * leg_2_t_2
+                + capsule_r33 * leg_2_t_3);
+        let leg_2_t_4 = (leg_2_v_x + (leg_1_v_x + (riser_v_x + leg_0_v_x))) * c_0_25;
+        let leg_2_t_5 = (leg_2_v_y + (leg_1_v_y + (riser_v_y + leg_0_v_y))) * c_0_25;
+        let leg_2_t_6 = (leg_2_v_z + (leg_1_v_z + (riser_v_z + leg_0_v_z))) * c_0_25;
+        /// `riser`.
+        let riser_e_x = confluence_x - riser_p_x;
+        let riser_e_y = confluence_y - riser_p_y;
+        let riser_e_z = confluence_z - riser_p_z;
+        let riser_length = (riser_e_z * riser_e_z
+            + (riser_e_x * riser_e_x + riser_e_y * riser_e_y))
+            .sqrt();
+        let riser_inverse_length = one / riser_length.max(tiny);
+        let riser_u_x = riser_e_x * riser_inverse_length;
+        let riser_u_y = riser_e_y * riser_inverse_length;
+        let riser_u_z = riser_e_z * riser_inverse_length;
+        let riser_stretch = riser_length - c_10;
+        let riser_k_stretch = riser_k * riser_stretch;
+        let riser_pull = riser_k_stretch
+            + c_600
+                * (riser_u_z * (leg_2_t_6 - riser_v_z)
+                    + (riser_u_x * (leg_2_t_4 - riser_v_x)
+                        + riser_u_y * (leg_2_t_5 - riser_v_y)));
+        let riser_t = zero.lt(riser_hold);
+        let riser_t_2 = T::select(riser_t, c_600, zero);
+        let riser_t_3 = T::select(riser_t, -riser_pull, zero);
+        let riser_t_4 = riser_u_x * riser_t_2;
+        let riser_t_5 = riser_u_y * riser_t_2;
+        /// `leg[0]`.
+        let leg_0_e_x = confluence_x - leg_0_p_x;
+        let leg_0_e_y = confluence_y - leg_0_p_y;
+        let leg_0_e_z = confluence_z - leg_0_p_z;
+        let leg_0_length = (leg_0_e_z * leg_0_e_z
+            + (leg_0_e_x * leg_0_e_x + leg_0_e_y * leg_0_e_y))
+            .sqrt();
+        let leg_0_inverse_length = one / leg_0_length.max(tiny);
+        let leg_0_u_x = leg_0_e_x * leg_0_inverse_length;
+        let leg_0_u_y = leg_0_e_y * leg_0_inverse_length;
+        let leg_0_u_z = leg_0_e_z * leg_0_inverse_length;
+        let leg_0_stretch = leg_0_length - c_2_1;
+        let leg_0_scaled_stretch = c_47000 * leg_0_stretch;
+        let leg_0_pull = leg_0_scaled_stretch
+            + c_470
+                * (leg_0_u_z * (leg_2_t_6 - leg_0_v_z)
+                    + (leg_0_u_x * (leg_2_t_4 - leg_0_v_x)
+                        + leg_0_u_y * (leg_2_t_5 - leg_0_v_y)));
+        let leg_0_t_2 = zero.lt(leg_0_hold);
+        let leg_0_t_3 = T::select(leg_0_t_2, c_470, zero);
+        let leg_0_t_4 = T::select(leg_0_t_2, -leg_0_pull, zero);
+        let leg_0_t_5 = leg_0_u_x * leg_0_t_3;
+        let leg_0_t_6 = leg_0_u_y * leg_0_t_3;
+        /// `leg[1]`.
+        let leg_1_e_x = confluence_x - leg_1_p_x;
+        let leg_1_e_y = confluence_y - leg_1_p_y;
+        let leg_1_e_z = confluence_z - leg_1_p_z;
+        let leg_1_length = (leg_1_e_z * leg_1_e_z
+            + (leg_1_e_x * leg_1_e_x + leg_1_e_y * leg_1_e_y))
+            .sqrt();
+        let leg_1_inverse_length = one / leg_1_length.max(tiny);
+        let leg_1_u_x = leg_1_e_x * leg_1_inverse_length;
+        let leg_1_u_y = leg_1_e_y * leg_1_inverse_length;
+        let leg_1_u_z = leg_1_e_z * leg_1_inverse_length;
+        let leg_1_stretch = leg_1_length - c_2_1;
+        let leg_1_scaled_stretch = c_47000 * leg_1_stretch;
+        let leg_1_pull = leg_1_scaled_stretch
+            + c_470
+                * (leg_1_u_z * (leg_2_t_6 - leg_1_v_z)
+                    + (leg_1_u_x * (leg_2_t_4 - leg_1_v_x)
+                        + leg_1_u_y * (leg_2_t_5 - leg_1_v_y)));
+        let leg_1_t_4 = zero.lt(leg_1_hold);
+        let leg_1_t_5 = T::select(leg_1_t_4, c_470, zero);
+        let leg_1_t_6 = T::select(leg_1_t_4, -leg_1_pull, zero);
+        let leg_1_t_7 = leg_1_u_x * leg_1_t_5;
+        let leg_1_t_8 = leg_1_u_y * leg_1_t_5;
+        /// `leg[2]`.
+        let leg_2_e_x = confluence_x - leg_2_p_x;
+        let leg_2_e_y = confluence_y - leg_2_p_y;
+        let leg_2_e_z = confluence_z - leg_2_p_z;
+        let leg_2_length = (leg_2_e_z * leg_2_e_z
+            + (leg_2_e_x * leg_2_e_x + leg_2_e_y * leg_2_e_y))
+            .sqrt();
+        let leg_2_inverse_length = one / leg_2_length.max(tiny);
+        let leg_2_u_x = leg_2_e_x * leg_2_inverse_length;
+        let leg_2_u_y = leg_2_e_y * leg_2_inverse_length;
+        let leg_2_u_z = leg_2_e_z * leg_2_inverse_length;
+        let leg_2_stretch = leg_2_length - c_2_1;
+        let leg_2_scaled_stretch = c_47000 * leg_2_stretch;
+        let leg_2_pull = leg_2_scaled_stretch
+            + c_470
+                * (leg_2_u_z * (leg_2_t_6 - leg_2_v_z)
+                    + (leg_2_u_x * (leg_2_t_4 - leg_2_v_x)
+                        + leg_2_u_y * (leg_2_t_5 - leg_2_v_y)));
+        let leg_2_t_7 = zero.lt(leg_2_hold);
+        let leg_2_t_8 = T::select(leg_2_t_7, c_470, zero);
+        let leg_2_t_9 = T::select(leg_2_t_7, -leg_2_pull, zero);
+        let leg_2_t_10 = leg_2_u_x * leg_2_t_8;
+        let leg_2_t_11 = leg_2_u_y * leg_2_t_8;
+        let leg_2_t_12 = riser_u_x * riser_t_4 + leg_0_u_x * leg_0_t_5
+            + leg_1_u_x * leg_1_t_7 + leg_2_u_x * leg_2_t_10;
+        let leg_2_t_13 = riser_u_y * riser_t_4 + leg_0_u_y * leg_0_t_5
+            + leg_1_u_y * leg_1_t_7 + leg_2_u_y * leg_2_t_10;
+        let leg_2_t_14 = riser_u_z * riser_t_4 + leg_0_u_z * leg_0_t_5
+            + leg_1_u_z * leg_1_t_7 + leg_2_u_z * leg_2_t_10;
+        let leg_2_t_15 = riser_u_y * riser_t_5 + leg_0_u_y * leg_0_t_6
+            + leg_1_u_y * leg_1_t_8 + leg_2_u_y * leg_2_t_11;
+        let leg_2_t_16 = riser_u_z * riser_t_5 + leg_0_u_z * leg_0_t_6
+            + leg_1_u_z * leg_1_t_8 + leg_2_u_z * leg_2_t_11;
+        let leg_2_t_17 = riser_u_z * (riser_u_z * riser_t_2)
+            + leg_0_u_z * (leg_0_u_z * leg_0_t_3) + leg_1_u_z * (leg_1_u_z * leg_1_t_5)
+            + leg_2_u_z * (leg_2_u_z * leg_2_t_8);
+        let leg_2_t_18 = riser_u_x * riser_t_3 + leg_0_u_x * leg_0_t_4
+            + leg_1_u_x * leg_1_t_6 + leg_2_u_x * leg_2_t_9;
+        let leg_2_t_19 = riser_u_y * riser_t_3 + leg_0_u_y * leg_0_t_4
+            + leg_1_u_y * leg_1_t_6 + leg_2_u_y * leg_2_t_9;
+        let leg_2_t_20 = riser_u_z * riser_t_3 + leg_0_u_z * leg_0_t_4
+            + leg_1_u_z * leg_1_t_6 + leg_2_u_z * leg_2_t_9;
+        let leg_2_t_21 = leg_2_t_15 * leg_2_t_17 - leg_2_t_16 * leg_2_t_16;
+        let leg_2_t_22 = leg_2_t_14 * leg_2_t_16 - leg_2_t_13 * leg_2_t_17;
+        let leg_2_t_23 = leg_2_t_13 * leg_2_t_16 - leg_2_t_14 * leg_2_t_15;
+        let leg_2_t_24 = leg_2_t_13 * leg_2_t_14 - leg_2_t_12 * leg_2_t_16;
+        let leg_2_det = leg_2_t_12 * leg_2_t_21 + leg_2_t_13 * leg_2_t_22
+            + leg_2_t_14 * leg_2_t_23;
+        let leg_2_t_25 = leg_2_t_17 + (leg_2_t_12 + leg_2_t_15);
+        let leg_2_margin = leg_2_det - c_1em5 * (leg_2_t_25 * (leg_2_t_25 * leg_2_t_25));
+        let leg_2_t_26 = one / T::select(zero.lt(leg_2_margin), leg_2_det, one);
+        let leg_2_t_27 = leg_2_t_26
+            * (leg_2_t_18 * leg_2_t_21 + leg_2_t_19 * leg_2_t_22
+                + leg_2_t_20 * leg_2_t_23);
+        let leg_2_t_28 = leg_2_t_26
+            * (leg_2_t_18 * leg_2_t_22
+                + leg_2_t_19 * (leg_2_t_12 * leg_2_t_17 - leg_2_t_14 * leg_2_t_14)
+                + leg_2_t_20 * leg_2_t_24);
+        let leg_2_t_29 = leg_2_t_26
+            * (leg_2_t_18 * leg_2_t_23 + leg_2_t_19 * leg_2_t_24
+                + leg_2_t_20 * (leg_2_t_12 * leg_2_t_15 - leg_2_t_13 * leg_2_t_13));
+        let riser_t_6 = c_600
+            * (riser_u_z * leg_2_t_29
+                + (riser_u_x * leg_2_t_27 + riser_u_y * leg_2_t_28));
+        let riser_t_7 = riser_pull + riser_t_6;
+        let leg_0_t_7 = c_470
+            * (leg_0_u_z * leg_2_t_29
+                + (leg_0_u_x * leg_2_t_27 + leg_0_u_y * leg_2_t_28));
+        let leg_0_t_8 = leg_0_pull + leg_0_t_7;
+        let leg_1_t_9 = c_470
+            * (leg_1_u_z * leg_2_t_29
+                + (leg_1_u_x * leg_2_t_27 + leg_1_u_y * leg_2_t_28));
+        let leg_1_t_10 = T::select(leg_1_t_4, leg_1_pull.abs() + leg_1_t_9.abs(), zero);
+        let leg_1_t_11 = leg_1_pull + leg_1_t_9;
+        let leg_2_t_30 = c_470
+            * (leg_2_u_z * leg_2_t_29
+                + (leg_2_u_x * leg_2_t_27 + leg_2_u_y * leg_2_t_28));
+        let leg_2_t_31 = T::select(leg_2_t_7, leg_2_pull.abs() + leg_2_t_30.abs(), zero);
+        let leg_2_t_32 = zero
+            .max(T::select(riser_t, riser_pull.abs() + riser_t_6.abs(), zero))
+            .max(T::select(leg_0_t_2, leg_0_pull.abs() + leg_0_t_7.abs(), zero))
+            .max(leg_1_t_10)
+            .max(leg_2_t_31);
+        let leg_2_t_33 = leg_2_pull + leg_2_t_30;
+        let confluence_x_rate = leg_2_t_4 + leg_2_t_27;
+        let confluence_y_rate = leg_2_t_5 + leg_2_t_28;
+        let confluence_z_rate = leg_2_t_6 + leg_2_t_29;
+        /// `riser`.
+        let riser_rate = riser_u_z * (confluence_z_rate - riser_v_z)
+            + (riser_u_x * (confluence_x_rate - riser_v_x)
+                + riser_u_y * (confluence_y_rate - riser_v_y));
+        let riser_pull_2 = riser_k_stretch + c_600 * riser_rate;
+        let riser_tension = T::select(
+            riser_t,
+            riser_pull_2,
+            T::select(
+                riser_hold.lt(zero),
+                zero,
+                T::select(zero.lt(riser_stretch), riser_pull_2.max(zero), zero),
+            ),
+        );
+        let riser_force_x = riser_u_x * riser_tension;
+        let riser_force_y = riser_u_y * riser_tension;
+        let riser_force_z = riser_u_z * riser_tension;
+        /// `leg[0]`.
+        let leg_0_rate = leg_0_u_z * (confluence_z_rate - leg_0_v_z)
+            + (leg_0_u_x * (confluence_x_rate - leg_0_v_x)
+                + leg_0_u_y * (confluence_y_rate - leg_0_v_y));
+        let leg_0_pull_2 = leg_0_scaled_stretch + c_470 * leg_0_rate;
+        let leg_0_tension = T::select(
+            leg_0_t_2,
+            leg_0_pull_2,
+            T::select(
+                leg_0_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_0_stretch), leg_0_pull_2.max(zero), zero),
+            ),
+        );
+        let leg_0_force_x = leg_0_u_x * leg_0_tension;
+        let leg_0_force_y = leg_0_u_y * leg_0_tension;
+        let leg_0_force_z = leg_0_u_z * leg_0_tension;
+        /// `leg[1]`.
+        let leg_1_rate = leg_1_u_z * (confluence_z_rate - leg_1_v_z)
+            + (leg_1_u_x * (confluence_x_rate - leg_1_v_x)
+                + leg_1_u_y * (confluence_y_rate - leg_1_v_y));
+        let leg_1_pull_2 = leg_1_scaled_stretch + c_470 * leg_1_rate;
+        let leg_1_tension = T::select(
+            leg_1_t_4,
+            leg_1_pull_2,
+            T::select(
+                leg_1_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_1_stretch), leg_1_pull_2.max(zero), zero),
+            ),
+        );
+        let leg_1_force_x = leg_1_u_x * leg_1_tension;
+        let leg_1_force_y = leg_1_u_y * leg_1_tension;
+        let leg_1_force_z = leg_1_u_z * leg_1_tension;
+        /// `leg[2]`.
+        let leg_2_rate = leg_2_u_z * (confluence_z_rate - leg_2_v_z)
+            + (leg_2_u_x * (confluence_x_rate - leg_2_v_x)
+                + leg_2_u_y * (confluence_y_rate - leg_2_v_y));
+        let leg_2_pull_2 = leg_2_scaled_stretch + c_470 * leg_2_rate;
+        let leg_2_tension = T::select(
+            leg_2_t_7,
+            leg_2_pull_2,
+            T::select(
+                leg_2_hold.lt(zero),
+                zero,
+                T::select(zero.lt(leg_2_stretch), leg_2_pull_2.max(zero), zero),
+            ),
+        );
+        let leg_2_force_x = leg_2_u_x * leg_2_tension;
+        let leg_2_force_y = leg_2_u_y * leg_2_tension;
+        let leg_2_force_z = leg_2_u_z * leg_2_tension;
+        /// `drag`: load.
+        let drag_scaled_canopy_wy = c_1_57 * canopy_wy;
+        let drag_scaled_canopy_wx = c_1_57 * canopy_wx;
+        let drag_v_x = canopy_vx
+            + (canopy_r11 * drag_scaled_canopy_wy - canopy_r12 * drag_scaled_canopy_wx);
+        let drag_v_y = canopy_vy
+            + (canopy_r21 * drag_scaled_canopy_wy - canopy_r22 * drag_scaled_canopy_wx);
+        let drag_v_z = canopy_vz
+            + (canopy_r31 * drag_scaled_canopy_wy - canopy_r32 * drag_scaled_canopy_wx);
+        let drag_v_x_minus_wind_x = drag_v_x - wind_x;
+        let drag_v_y_minus_wind_y = drag_v_y - wind_y;
+        let drag_v_z_minus_wind_z = drag_v_z - wind_z;
+        let drag_t = derived_1
+            * (drag_v_z_minus_wind_z * drag_v_z_minus_wind_z
+                + (drag_v_x_minus_wind_x * drag_v_x_minus_wind_x
+                    + drag_v_y_minus_wind_y * drag_v_y_minus_wind_y))
+                .sqrt();
+        let drag_t_2 = drag_v_x_minus_wind_x * drag_t;
+        let drag_t_3 = drag_v_y_minus_wind_y * drag_t;
+        let drag_t_4 = drag_v_z_minus_wind_z * drag_t;
+        let drag_arm_x = c_1_57 * canopy_r13;
+        let drag_arm_y = c_1_57 * canopy_r23;
+        let drag_arm_z = c_1_57 * canopy_r33;
+        let drag_t_5 = drag_t_4 * drag_arm_y - drag_t_3 * drag_arm_z
+            + (riser_arm_y * riser_force_z - riser_arm_z * riser_force_y);
+        let drag_t_6 = drag_t_2 * drag_arm_z - drag_t_4 * drag_arm_x
+            + (riser_arm_z * riser_force_x - riser_arm_x * riser_force_z);
+        let drag_t_7 = drag_t_3 * drag_arm_x - drag_t_2 * drag_arm_y
+            + (riser_arm_x * riser_force_y - riser_arm_y * riser_force_x);
+        let thruster_t = thruster_couple_x
+            + (leg_0_arm_y * leg_0_force_z - leg_0_arm_z * leg_0_force_y
+                + (leg_1_arm_y * leg_1_force_z - leg_1_arm_z * leg_1_force_y)
+                + (leg_2_arm_y * leg_2_force_z - leg_2_arm_z * leg_2_force_y));
+        let thruster_t_2 = thruster_couple_y
+            + (leg_0_arm_z * leg_0_force_x - leg_0_arm_x * leg_0_force_z
+                + (leg_1_arm_z * leg_1_force_x - leg_1_arm_x * leg_1_force_z)
+                + (leg_2_arm_z * leg_2_force_x - leg_2_arm_x * leg_2_force_z));
+        let thruster_t_3 = thruster_couple_z
+            + (leg_0_arm_x * leg_0_force_y - leg_0_arm_y * leg_0_force_x
+                + (leg_1_arm_x * leg_1_force_y - leg_1_arm_y * leg_1_force_x)
+                + (leg_2_arm_x * leg_2_force_y - leg_2_arm_y * leg_2_force_x));
+        /// `canopy`.
+        let canopy_wx_half = canopy_wx * half;
+        let canopy_wy_half = canopy_wy * half;
+        let canopy_wz_half = canopy_wz * half;
+        let canopy_qw_rate = -(canopy_qx * canopy_wx_half + canopy_qy * canopy_wy_half
+            + canopy_qz * canopy_wz_half);
+        let canopy_qx_rate = canopy_qy * canopy_wz_half - canopy_qz * canopy_wy_half
+            + canopy_qw * canopy_wx_half;
+        let canopy_qy_rate = canopy_qz * canopy_wx_half - canopy_qx * canopy_wz_half
+            + canopy_qw * canopy_wy_half;
+        let canopy_qz_rate = canopy_qx * canopy_wy_half - canopy_qy * canopy_wx_half
+            + canopy_qw * canopy_wz_half;
+        let canopy_d_z = canopy_z - c_5;
+        let canopy_d_squared = canopy_d_z * canopy_d_z
+            + (canopy_x * canopy_x + canopy_y * canopy_y);
+        let canopy_distance = canopy_d_squared.sqrt();
+        let canopy_gravity = c_6 / (canopy_d_squared * canopy_distance);
+        let canopy_vx_rate = c_0_0625 * (drag_t_2 + riser_force_x)
+            - canopy_x * canopy_gravity;
+        let canopy_vy_rate = c_0_0625 * (drag_t_3 + riser_force_y)
+            - canopy_y * canopy_gravity;
+        let canopy_vz_rate = c_0_0625 * (drag_t_4 + riser_force_z)
+            - canopy_d_z * canopy_gravity;
+        let canopy_torque_x = canopy_r11 * drag_t_5 + canopy_r21 * drag_t_6
+            + canopy_r31 * drag_t_7;
+        let canopy_torque_y = canopy_r12 * drag_t_5 + canopy_r22 * drag_t_6
+            + canopy_r32 * drag_t_7;
+        let canopy_torque_z = canopy_r13 * drag_t_5 + canopy_r23 * drag_t_6
+            + canopy_r33 * drag_t_7;
+        let canopy_gyro_x = c_30 * (canopy_wy * canopy_wz);
+        let canopy_gyro_y = c_m30 * (canopy_wx * canopy_wz);
+        let canopy_alpha_x = c_7 * (canopy_torque_x - canopy_gyro_x);
+        let canopy_alpha_y = c_7 * (canopy_torque_y - canopy_gyro_y);
+        let canopy_alpha_z = c_8 * canopy_torque_z;
+        /// `capsule`.
+        let capsule_wx_half = capsule_wx * half;
+        let capsule_wy_half = capsule_wy * half;
+        let capsule_wz_half = capsule_wz * half;
+        let capsule_qw_rate = -(capsule_qx * capsule_wx_half
+            + capsule_qy * capsule_wy_half + capsule_qz * capsule_wz_half);
+        let capsule_qx_rate = capsule_qy * capsule_wz_half - capsule_qz * capsule_wy_half
+            + capsule_qw * capsule_wx_half;
+        let capsule_qy_rate = capsule_qz * capsule_wx_half - capsule_qx * capsule_wz_half
+            + capsule_qw * capsule_wy_half;
+        let capsule_qz_rate = capsule_qx * capsule_wy_half - capsule_qy * capsule_wx_half
+            + capsule_qw * capsule_wz_half;
+        let capsule_d_z = capsule_z - c_5;
+        let capsule_d_squared = capsule_d_z * capsule_d_z
+            + (capsule_x * capsule_x + capsule_y * capsule_y);
+        let capsule_distance = capsule_d_squared.sqrt();
+        let capsule_gravity = c_6 / (capsule_d_squared * capsule_distance);
+        let capsule_vx_rate = capsule_inverse_mass
+            * (thruster_x + (leg_0_force_x + leg_1_force_x + leg_2_force_x))
+            - capsule_x * capsule_gravity;
+        let capsule_vy_rate = capsule_inverse_mass
+            * (thruster_y + (leg_0_force_y + leg_1_force_y + leg_2_force_y))
+            - capsule_y * capsule_gravity;
+        let capsule_vz_rate = capsule_inverse_mass
+            * (thruster_z + (leg_0_force_z + leg_1_force_z + leg_2_force_z))
+            - capsule_d_z * capsule_gravity;
+        let capsule_torque_x = capsule_r11 * thruster_t + capsule_r21 * thruster_t_2
+            + capsule_r31 * thruster_t_3;
+        let capsule_torque_y = capsule_r12 * thruster_t + capsule_r22 * thruster_t_2
+            + capsule_r32 * thruster_t_3;
+        let capsule_torque_z = capsule_r13 * thruster_t + capsule_r23 * thruster_t_2
+            + capsule_r33 * thruster_t_3;
+        let capsule_spin_x = c_300 * capsule_wx + c_m1_5 * capsule_wy;
+        let capsule_spin_y = c_m1_5 * capsule_wx + c_310 * capsule_wy + two * capsule_wz;
+        let capsule_spin_z = two * capsule_wy + c_420 * capsule_wz;
+        let capsule_gyro_x = capsule_wy * capsule_spin_z - capsule_wz * capsule_spin_y;
+        let capsule_gyro_y = capsule_wz * capsule_spin_x - capsule_wx * capsule_spin_z;
+        let capsule_gyro_z = capsule_wx * capsule_spin_y - capsule_wy * capsule_spin_x;
+        let capsule_torque_x_minus_gyro_x = capsule_torque_x - capsule_gyro_x;
+        let capsule_torque_y_minus_gyro_y = capsule_torque_y - capsule_gyro_y;
+        let capsule_torque_z_minus_gyro_z = capsule_torque_z - capsule_gyro_z;
+        let capsule_alpha_x = c_9 * capsule_torque_x_minus_gyro_x
+            + c_11 * capsule_torque_y_minus_gyro_y
+            + c_12 * capsule_torque_z_minus_gyro_z;
+        let capsule_alpha_y = c_11 * capsule_torque_x_minus_gyro_x
+            + c_13 * capsule_torque_y_minus_gyro_y
+            + c_14 * capsule_torque_z_minus_gyro_z;
+        let capsule_alpha_z = c_12 * capsule_torque_x_minus_gyro_x
+            + c_14 * capsule_torque_y_minus_gyro_y
+            + c_15 * capsule_torque_z_minus_gyro_z;
+        *out = [
+            canopy_vx,
+            canopy_vy,
+            canopy_vz,
+            canopy_qw_rate,
+            canopy_qx_rate,
+            canopy_qy_rate,
+            canopy_qz_rate,
+            capsule_vx,
+            capsule_vy,
+            capsule_vz,
+            capsule_qw_rate,
+            capsule_qx_rate,
+            capsule_qy_rate,
+            capsule_qz_rate,
+            canopy_vx_rate,
+            canopy_vy_rate,
+            canopy_vz_rate,
+            canopy_alpha_x,
+            canopy_alpha_y,
+            canopy_alpha_z,
+            capsule_vx_rate,
+            capsule_vy_rate,
+            capsule_vz_rate,
+            capsule_alpha_x,
+            capsule_alpha_y,
+            capsule_alpha_z,
+            confluence_x_rate,
+            confluence_y_rate,
+            confluence_z_rate,
+            riser_p_x,
+            riser_p_y,
+            riser_p_z,
+            riser_v_x,
+            riser_v_y,
+            riser_v_z,
+            leg_0_p_x,
+            leg_0_p_y,
+            leg_0_p_z,
+            leg_0_v_x,
+            leg_0_v_y,
+            leg_0_v_z,
+            leg_1_p_x,
+            leg_1_p_y,
+            leg_1_p_z,
+            leg_1_v_x,
+            leg_1_v_y,
+            leg_1_v_z,
+            leg_2_p_x,
+            leg_2_p_y,
+            leg_2_p_z,
+            leg_2_v_x,
+            leg_2_v_y,
+            leg_2_v_z,
+            zero,
+            zero,
+            zero,
+            leg_2_margin,
+            leg_2_t_32,
+            riser_stretch,
+            riser_t_7,
+            leg_0_stretch,
+            leg_0_t_8,
+            leg_1_stretch,
+            leg_1_t_11,
+            leg_2_stretch,
+            leg_2_t_33,
         ];
     }
     /// Balance of the nodes: `r = Σ T u + W`, the forces on each node.

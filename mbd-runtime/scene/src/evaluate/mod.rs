@@ -14,6 +14,7 @@ use crate::laws::{
     kinematics::Kinematics,
     mass, measured, node,
     numbers::Numbers,
+    rate,
 };
 use crate::scalar::algebra::write;
 use crate::{At, Layout, PointSlots, Quantity, Real, Scene};
@@ -25,6 +26,7 @@ pub struct Scratch<S: Real> {
     multipliers: Vec<S>,
     reactions: Vec<S>,
     rates: Vec<S>,
+    nodes: Vec<S>,
     assembly: AppliedForces<S>,
     constraints: Constraints<S>,
 }
@@ -39,6 +41,7 @@ impl<S: Real> Scratch<S> {
             multipliers: Vec::new(),
             reactions: Vec::new(),
             rates: Vec::new(),
+            nodes: Vec::new(),
             assembly: AppliedForces::new(bodies, points),
             constraints: Constraints::new(layout),
         }
@@ -119,14 +122,30 @@ pub fn evaluate<S: Real>(
     };
     match what {
         Quantity::AnchorStates => measured::ends(&evaluation, out),
-        Quantity::Derivative => {
+        Quantity::Derivative | Quantity::Rates => {
+            let (rates, rest) = out.split_at_mut(layout.nx());
+            scratch.nodes.clear();
+            scratch.nodes.extend_from_slice(at.nodes);
+            if what == Quantity::Rates {
+                let (ends, certificates) = rest.split_at_mut(layout.len(Quantity::AnchorStates));
+                measured::ends(&evaluation, ends);
+                rate::velocities(&evaluation, &mut scratch.nodes, certificates);
+            }
+            let at = At {
+                nodes: &scratch.nodes,
+                ..*at
+            };
+            let evaluation = Evaluation {
+                at: &at,
+                ..evaluation
+            };
             scratch.assembly.collect(&evaluation);
             if layout.nc > 0 {
                 scratch
                     .constraints
                     .accelerate(&evaluation, &scratch.assembly);
             }
-            derivative(&evaluation, &scratch.assembly, &scratch.constraints, out);
+            derivative(&evaluation, &scratch.assembly, &scratch.constraints, rates);
         }
         Quantity::Balance => {
             scratch.assembly.collect(&evaluation);
@@ -263,6 +282,20 @@ pub fn masses<S: Real>(
     out: &mut [S],
 ) {
     mass::masses(&scratch.kinematics.read(scene, layout, numbers, at), out);
+}
+
+/// Writes momentum, force and torque of gravity and loads, and how much momentum moves: P [kg m/s], L [kg m²/s], F [N], τ [N m], Σ |m v|,
+/// Σ |r × m v| + |I ω|; L and τ about the world origin (14 numbers).
+pub fn impulses<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut [S],
+) {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    energy::impulses(&evaluation, out);
 }
 
 /// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.

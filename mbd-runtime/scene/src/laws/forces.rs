@@ -158,6 +158,22 @@ pub fn node_load<S: Real>(evaluation: &Evaluation<'_, S>, point: usize) -> Vecto
     total
 }
 
+/// Force of all loads [N] and their torque about the world origin [N m]; loads on nodes, which their lines pass on, among them.
+pub fn loads<S: Real>(evaluation: &Evaluation<'_, S>) -> (Vector3<S>, Vector3<S>) {
+    let (mut total, mut torque) = (Vector3::zeros(), Vector3::zeros());
+    for (index, load) in evaluation.scene.loads.iter().enumerate() {
+        let (force, couple) = wrench(evaluation, index);
+        if let (Some(force), Some(position)) = (force, evaluation.position_of(load.at)) {
+            total += force;
+            torque += position.cross(&force);
+        }
+        if let Some(couple) = couple {
+            torque += couple;
+        }
+    }
+    (total, torque)
+}
+
 /// Power of the loads on bodies and points with mass [W]; loads on nodes do work on the bodies through the lines and are not counted here.
 pub fn load_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
     let mut power = S::zero();

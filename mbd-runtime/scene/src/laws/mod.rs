@@ -16,6 +16,7 @@ pub(crate) mod mass;
 pub(crate) mod measured;
 pub(crate) mod node;
 pub(crate) mod numbers;
+pub mod rate;
 mod table;
 mod winding;
 

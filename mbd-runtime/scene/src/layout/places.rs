@@ -26,6 +26,7 @@ impl Layout {
         };
         layout.place_state(scene);
         layout.place_lines(scene);
+        layout.place_loads(scene);
         layout.place_networks();
         layout.place_inputs(scene);
         let laws = laws(&layout);
@@ -73,6 +74,7 @@ impl Layout {
                         network: 0,
                         local: 0,
                         lines: Vec::new(),
+                        loaded: false,
                         z,
                     });
                 }
@@ -155,6 +157,14 @@ impl Layout {
             }
             self.effective_lines += usize::from(effective.is_some());
             self.lines.push(LineSlots { ends, effective });
+        }
+    }
+
+    fn place_loads(&mut self, scene: &Scene) {
+        for load in &scene.loads {
+            if let Some(node) = self.node_at(load.at) {
+                self.nodes[node].loaded = true;
+            }
         }
     }
 

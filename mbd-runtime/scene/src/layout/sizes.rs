@@ -1,6 +1,6 @@
 //! How long the list of every quantity is, and which quantities a scene has a use for.
 
-use crate::layout::{Asked, Layout, Network};
+use crate::layout::{Asked, Layout, LineEnd, Network, Node};
 use crate::scene::NodeModel;
 use crate::{Differentiated, Quantity, Variable};
 
@@ -17,6 +17,12 @@ impl Layout {
                 .placed(k)
                 .map_or(0, |n| 3 * n.nodes.len() + 6 * n.blocks.len() + 3),
             Quantity::Derivative => self.nx(),
+            Quantity::Rates if self.solves_rates() => {
+                let lines: usize = self.networks.iter().map(|n| n.lines.len()).sum();
+                let ends = self.len(Quantity::AnchorStates);
+                self.nx() + ends + 2 * self.nodes.len() + 2 * lines
+            }
+            Quantity::Rates => 0,
             Quantity::Balance => 3 * self.nodes.len(),
             Quantity::Guards => 2 * self.one_way() + self.events,
             Quantity::Outputs => self.columns,
@@ -85,6 +91,22 @@ impl Layout {
         found.filter(|network| network.model != NodeModel::Rate)
     }
 
+    /// Whether ẋ and the velocities of the nodes can be found in one evaluation, [`Quantity::Rates`]: all nodes are `rate` nodes without loads, which
+    /// may depend on that velocity, and none is joined to another.
+    #[must_use]
+    pub fn solves_rates(&self) -> bool {
+        let alone = |network: &Network| {
+            let anchored = |&line: &usize| {
+                let ends = self.lines.get(line).map(|line| line.ends);
+                let is_anchor = |end: &LineEnd| matches!(end, LineEnd::Anchor(_));
+                ends.is_some_and(|ends| ends.iter().filter(|end| is_anchor(end)).count() == 1)
+            };
+            network.nodes.len() == 1 && network.lines.iter().all(anchored)
+        };
+        let rate = |node: &Node| node.model == NodeModel::Rate && !node.loaded;
+        !self.nodes.is_empty() && self.nodes.iter().all(rate) && self.networks.iter().all(alone)
+    }
+
     /// How many numbers a variable has.
     #[must_use]
     pub fn variables(&self, by: Variable) -> usize {
@@ -129,6 +151,7 @@ impl Layout {
         all.extend((0..self.networks.len()).map(Quantity::Equilibrium));
         all.extend([
             Quantity::Derivative,
+            Quantity::Rates,
             Quantity::Balance,
             Quantity::Guards,
             Quantity::Outputs,

@@ -111,6 +111,8 @@ pub struct Node {
     pub local: usize,
     /// Its lines, by index.
     pub lines: Vec<usize>,
+    /// Whether a declared load acts on it.
+    pub loaded: bool,
     /// Offset of its position in z (`rate` only).
     pub z: Option<usize>,
 }

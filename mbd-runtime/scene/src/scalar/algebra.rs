@@ -43,6 +43,32 @@ pub fn inverse<S: Real>(m: &Matrix3<S>) -> Matrix3<S> {
     ])
 }
 
+/// det A over (tr A)³ above which A certainly has full rank.
+const FULL: f64 = 1e-5;
+
+/// Solves A x = b for a symmetric, positive semidefinite 3 × 3 matrix with elements xx xy xz yy yz zz, by cofactors and one division. Also
+/// det A − 1e-5 (tr A)³, which bounds λ_min/λ_max from below by 1e-5 where it is positive: A certainly has full rank there, elsewhere x means nothing.
+pub fn solve_regular<S: Real>(
+    [xx, xy, xz, yy, yz, zz]: [S; 6],
+    right: &Vector3<S>,
+) -> (Vector3<S>, S) {
+    let (a, b, c) = (yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy);
+    let (d, e, f) = (xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy);
+    let determinant = (xx * a + xy * b + xz * c).label("det");
+    let trace = xx + yy + zz;
+    let full = S::from_f64(FULL) * (trace * trace * trace);
+    let margin = (determinant - full).label("margin");
+    // Finite also where it means nothing.
+    let regular = S::zero().lt(margin);
+    let scale = S::one() / S::select(regular, determinant, S::one());
+    let adjugate = Vector3::new(
+        a * right.x + b * right.y + c * right.z,
+        b * right.x + d * right.y + e * right.z,
+        c * right.x + e * right.y + f * right.z,
+    );
+    (adjugate.map(|x| scale * x), margin)
+}
+
 /// Rotation body → world of a unit quaternion w x y z.
 ///
 /// Quadratic in the quaternion: off unit length, as inside a step, it gives |q|² R. That turns with the world's axes, so results do not

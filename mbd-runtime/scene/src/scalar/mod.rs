@@ -8,7 +8,7 @@ mod jet;
 pub mod orthogonal;
 mod real;
 
-pub use algebra::{elements, inverse, quaternion_rate, rotation, symmetric};
+pub use algebra::{elements, inverse, quaternion_rate, rotation, solve_regular, symmetric};
 pub use dual::Dual;
 pub(crate) use few::Few;
 pub use jet::{Jet, OfTime, split};

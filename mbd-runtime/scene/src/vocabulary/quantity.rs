@@ -16,6 +16,11 @@ pub enum Quantity {
     Equilibrium(usize),
     /// ẋ of the state x = [q | v | z | s]. Reads everything but `ends`.
     Derivative,
+    /// ẋ and what it needs of `rate` nodes at once, for scenes whose nodes are all of that kind ([`Layout::solves_rates`](crate::Layout::solves_rates)): ẋ
+    /// with the velocities that balance the lines which [`At::hold`] says carry (> 0); the value of [`Quantity::AnchorStates`]; per node the margin
+    /// det D − 1e-5 (tr D)³ of its damping D [N³ s³/m³], without which all of this means nothing, and the largest term of a pull [N]; per line,
+    /// network by network, stretch [m] and pull K s + C ṡ [N]. Reads everything but `ends`, of `nodes` nothing.
+    Rates,
     /// Balance of all nodes as a function of the state and the node unknowns: Σ T u + W (3 per node) [N]; the residual whose derivatives
     /// carry the node into the linearisation. Reads what `Derivative` reads.
     Balance,
