@@ -81,9 +81,9 @@ def by_mbd(mbd, path, values, free, unchecked, folder):
     if written.returncode != 0:
         return written.stderr.strip()
     names = re.findall(r"^\[joint\.(\w+)\]", written.stdout, re.M)
-    # The joint of a free base comes first.
-    names = names[int(free):]
-    assert len(names) == len(values), (names, list(values))
+    # A name that a link has, too, gets `_joint` behind it.
+    word = lambda name: re.sub(r"\W", "_", name)
+    names = [next(n for n in (word(name), word(name) + "_joint") if n in names) for name in values]
     text = [head]
     for index, (name, (_, (at, rate))) in enumerate(zip(names, values.items())):
         text.append(f"extend {name} {{ start: {at!r} {{u}}, start_rate: {rate!r} {{u}}/s }}")

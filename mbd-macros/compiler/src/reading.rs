@@ -111,10 +111,17 @@ pub(crate) fn complete(
     lexed: bool,
     folder: &Path,
 ) -> Reading {
-    let file = urdf::take(&model, folder, &mut places, &mut messages);
-    let Some(file) = file.filter(|_| lexed) else {
-        urdf::nothing_to_extend(&mut model, &mut messages);
-        return finish(&model, &places, messages, lexed);
+    let named = model.items.iter().any(|item| item.word.text == "urdf");
+    let file = match lexed {
+        true => urdf::take(&model, folder, &mut places, &mut messages),
+        false => None,
+    };
+    let Some(file) = file else {
+        if !named {
+            urdf::nothing_to_extend(&mut model, &mut messages);
+        }
+        // Without the file that it names, a declaration is not to be blamed.
+        return finish(&model, &places, messages, lexed && !named);
     };
     let model = file.joined(model, &mut messages);
     let mut reading = finish(&model, &places, messages, file.whole);

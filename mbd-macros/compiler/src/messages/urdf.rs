@@ -171,8 +171,10 @@ pub fn negative(at: At, joint: &str, name: &str, found: f64) -> Report {
 
 pub fn impossible_inertia(at: At, link: &str, wrong: WrongInertia) -> Report {
     let instead = match wrong {
-        // Nothing can be computed with a negative moment.
-        WrongInertia::NotPositive(_) => "",
+        // Nothing can be computed with a body that has a negative moment.
+        WrongInertia::NotPositive(_) => {
+            "; if it is fixed to others and their sum is positive, `urdf: \"…\" { inertias: unchecked }` takes it as it stands"
+        }
         WrongInertia::Triangle(..) => {
             "; to compute with it as it stands, declare `urdf: \"…\" { inertias: unchecked }`"
         }

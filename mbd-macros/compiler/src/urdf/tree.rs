@@ -11,6 +11,8 @@ use crate::messages::{Report, urdf as say};
 pub struct Group {
     /// Its links, the one that a joint carries first.
     pub members: Vec<Member>,
+    /// The joint that carries it; `None` for the group of the root.
+    pub joint: Option<usize>,
 }
 
 /// A link of a group.
@@ -126,21 +128,22 @@ pub fn mistakes(robot: &mut Robot) -> Vec<Report> {
     Vec::new()
 }
 
-/// The bodies of a robot: first that of the root, the others in the order in which the file names the links that their joints carry.
+/// The bodies of a robot, each after the one it hangs on: whatever the order of the file, all that follows is the same.
 pub fn groups(robot: &Robot) -> Vec<Group> {
     let mut on: Vec<Vec<usize>> = vec![Vec::new(); robot.links.len()];
     for (index, joint) in robot.joints.iter().enumerate() {
         on[joint.parent].push(index);
     }
-    let mut open = vec![robot.root];
+    let mut open = vec![(robot.root, None)];
     let mut reached = vec![false; robot.links.len()];
     let mut groups = Vec::new();
-    while let Some(first) = open.pop() {
+    while let Some((first, joint)) = open.pop() {
         let mut members = vec![Member {
             link: first,
             placed: Placed::HERE,
         }];
         reached[first] = true;
+        let mut carried = Vec::new();
         let mut next = 0;
         while let Some(&member) = members.get(next) {
             next += 1;
@@ -154,15 +157,13 @@ pub fn groups(robot: &Robot) -> Vec<Group> {
                         link: joint.child,
                         placed: member.placed.then(joint.origin),
                     }),
-                    _ => open.push(joint.child),
+                    _ => carried.push((joint.child, Some(index))),
                 }
             }
         }
-        groups.push(Group { members });
+        open.extend(carried.into_iter().rev());
+        groups.push(Group { members, joint });
     }
-    let root = groups.remove(0);
-    groups.sort_by_key(|group| group.members[0].link);
-    groups.insert(0, root);
     groups
 }
 

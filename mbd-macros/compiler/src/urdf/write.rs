@@ -56,11 +56,8 @@ impl Writer<'_> {
             );
             items.push((self.robot.links[root].at, text));
         }
-        for (index, joint) in self.robot.joints.iter().enumerate() {
-            if joint.kind != Kind::Fixed {
-                items.push(self.joint(index, joint));
-            }
-        }
+        let carrying = self.groups.iter().filter_map(|group| group.joint);
+        items.extend(carrying.map(|index| self.joint(index, &self.robot.joints[index])));
         for (index, joint) in self.robot.joints.iter().enumerate() {
             match self.gear(index, joint) {
                 Ok(gear) => items.extend(gear),
