@@ -1,5 +1,7 @@
 //! From a declaration to Rust.
 
+use std::path::Path;
+
 use mbd_scene::{Layout, Quantity, Scene};
 use proc_macro2::{Span, TokenStream};
 use quote::{quote, quote_spanned};
@@ -36,7 +38,19 @@ pub fn emit(reading: &Reading) -> TokenStream {
             without_equations(reading, errors.collect())
         }
     };
-    quote!(#warnings #model)
+    let tracked = reading.file.as_deref().map(tracked);
+    quote!(#warnings #tracked #model)
+}
+
+/// Tells cargo that the model depends on a file: it is named in the code, and so compiled again when the file changes.
+fn tracked(path: &str) -> TokenStream {
+    let path = match Path::new(path).is_absolute() {
+        true => quote!(#path),
+        false => quote!(::core::concat!(::core::env!("CARGO_MANIFEST_DIR"), "/", #path)),
+    };
+    quote!(
+        const _: &[u8] = ::core::include_bytes!(#path);
+    )
 }
 
 /// The Rust of what was read as formatted text, for reading.

@@ -28,6 +28,7 @@ mod titles;
 #[cfg(feature = "toml")]
 mod toml;
 mod units;
+mod urdf;
 
 #[cfg(feature = "pretty")]
 pub use compile::expand;
@@ -44,10 +45,11 @@ pub use number::read_number;
 pub use operation::{Binary, Comparison, Op, Unary};
 pub use partition::{Block, Local, partition};
 pub use program::{Instruction, Operand, Program, Register};
-pub use reading::{Options, Reading, Spans, read_text, read_tokens};
+pub use reading::{Options, Reading, Spans, read_text, read_text_in, read_tokens};
 pub use resolve::Named;
 pub use solution::{Member, Solution};
 pub use strided::{Item, StridedRun};
 pub use syntax::quantities;
 #[cfg(feature = "toml")]
-pub use toml::{read_toml, toml_to_text, write_text, write_toml};
+pub use toml::{read_toml, read_toml_in, toml_to_text, write_text, write_toml};
+pub use urdf::read_urdf;

@@ -1,5 +1,7 @@
 //! Reading a declaration: from tokens, from text, from TOML, to a [`Scene`] or to messages.
 
+use std::path::Path;
+
 use mbd_scene::Scene;
 use proc_macro2::{Span, TokenStream};
 
@@ -9,6 +11,7 @@ use crate::lexeme::{self, Lexeme, Places};
 use crate::messages::{Location, Message, Messages, syntax as say};
 use crate::resolve::{Named, Resolver, resolve};
 use crate::syntax::{self, Model};
+use crate::urdf;
 
 /// What reading a declaration gives.
 #[derive(Clone, Debug)]
@@ -31,6 +34,8 @@ pub struct Reading {
     pub joints: Vec<Location>,
     /// What is asked for besides the scene.
     pub options: Options,
+    /// The file that it takes in, as it is named, if it could be read.
+    pub file: Option<String>,
 }
 
 /// What a declaration asks for besides the scene.
@@ -63,22 +68,29 @@ pub struct Spans {
     pub references: Vec<(Named, Span)>,
 }
 
-/// Reads the tokens of `model! { … }`.
+/// Reads the tokens of `model! { … }`. A file that it names lies relative to the folder of the manifest that is being built.
 #[must_use]
 pub fn read_tokens(tokens: TokenStream) -> Reading {
+    let folder = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default();
     let (lexemes, places, messages) = lexeme::from_tokens(tokens);
-    read(&lexemes, &places, messages)
+    read(&lexemes, places, messages, Path::new(&folder))
 }
 
-/// Reads the same language from a text.
+/// Reads the same language from a text. A file that it names lies relative to the working directory.
 #[must_use]
 pub fn read_text(text: &str) -> Reading {
+    read_text_in(text, Path::new(""))
+}
+
+/// Reads the same language from a text. A file that it names lies relative to `folder`.
+#[must_use]
+pub fn read_text_in(text: &str, folder: &Path) -> Reading {
     let (lexemes, places, messages) = lexeme::from_text(text);
-    read(&lexemes, &places, messages)
+    read(&lexemes, places, messages, folder)
 }
 
 /// Reads lexemes. What could not be lexed is told alone: everything after it may be its consequence.
-fn read(lexemes: &[Lexeme], places: &Places, mut messages: Messages) -> Reading {
+fn read(lexemes: &[Lexeme], places: Places, mut messages: Messages, folder: &Path) -> Reading {
     let lexed = messages.is_empty();
     let mut syntax = Messages::default();
     let model = syntax::model(lexemes, &mut syntax);
@@ -88,7 +100,34 @@ fn read(lexemes: &[Lexeme], places: &Places, mut messages: Messages) -> Reading 
             messages.push(say::no_model(Region::START));
         }
     }
-    finish(&model.unwrap_or_default(), places, messages, lexed)
+    complete(model.unwrap_or_default(), places, messages, lexed, folder)
+}
+
+/// Takes in the file that a model names, and finishes it.
+pub(crate) fn complete(
+    mut model: Model<'_>,
+    mut places: Places,
+    mut messages: Messages,
+    lexed: bool,
+    folder: &Path,
+) -> Reading {
+    let named = model.items.iter().any(|item| item.word.text == "urdf");
+    let file = match lexed {
+        true => urdf::take(&model, folder, &mut places, &mut messages),
+        false => None,
+    };
+    let Some(file) = file else {
+        if !named {
+            urdf::nothing_to_extend(&mut model, &mut messages);
+        }
+        // Without the file that it names, a declaration is not to be blamed.
+        return finish(&model, &places, messages, lexed && !named);
+    };
+    let model = file.joined(model, &mut messages);
+    let mut reading = finish(&model, &places, messages, file.whole);
+    reading.notes.extend(file.notes.iter().cloned());
+    reading.file = file.found.then_some(file.path);
+    reading
 }
 
 /// Resolves and checks a model and gathers what came of it.
@@ -126,6 +165,7 @@ pub(crate) fn finish(
             generic: model.generic,
             visibility: model.visibility.parse().unwrap_or_default(),
         },
+        file: None,
     }
 }
 
@@ -152,6 +192,7 @@ fn spans(resolver: &Resolver<'_>, places: &Places) -> Spans {
         references: resolver
             .used
             .iter()
+            .filter(|(_, at)| !places.is_taken(*at))
             .map(|(named, at)| (*named, places.span(*at)))
             .collect(),
     }

@@ -61,6 +61,9 @@ pub struct Scene {
     /// Where a run starts, as far as it is declared.
     #[serde(default)]
     pub starts: Starts,
+    /// Bodies, by their index, whose inertia need not be that of a rigid body: its principal moments are positive, and no more is asked of them.
+    #[serde(default)]
+    pub unchecked: Vec<usize>,
 }
 
 /// Where a run starts: formulas of consts and params.

@@ -16,7 +16,7 @@ use super::scene_file::SceneFile;
 /// What to check, and how to tell it.
 #[derive(Args, Debug)]
 pub struct CheckArgs {
-    /// A ready scene (`mbd list`), or a file: `.toml`, or the text of a `model!` declaration in a file of any other name.
+    /// A ready scene (`mbd list`), or a file: `.toml`, `.urdf`, or the text of a `model!` declaration in a file of any other name.
     scene: PathBuf,
     /// Print what it contains, or its mistakes with their places, as JSON.
     #[arg(long)]

@@ -20,7 +20,7 @@ pub enum Form {
 /// What to convert, and into what.
 #[derive(Args, Debug)]
 pub struct ConvertArgs {
-    /// A ready scene (`mbd list`), or a file: `.toml`, or the text of a `model!` declaration in a file of any other name.
+    /// A ready scene (`mbd list`), or a file: `.toml`, `.urdf`, or the text of a `model!` declaration in a file of any other name.
     scene: PathBuf,
     /// The form to write.
     #[arg(long, value_name = "FORM", default_value = "toml")]

@@ -82,7 +82,7 @@ enum Listed {
 /// A scene.
 #[derive(Args, Debug)]
 struct SceneArgs {
-    /// A ready scene (`mbd list`), or a file: `.toml`, or the text of a `model!` declaration in a file of any other name.
+    /// A ready scene (`mbd list`), or a file: `.toml`, `.urdf`, or the text of a `model!` declaration in a file of any other name.
     scene: PathBuf,
 }
 

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use mbd_compiler::{Message, Reading, immovable, read_text, read_toml, write_toml};
+use mbd_compiler::{
+    Message, Reading, immovable, read_text_in, read_toml_in, read_urdf, write_toml,
+};
 use mbd_runtime::Layout;
 use mbd_runtime::scene::Scene;
 use models::run::{Settings, split};
@@ -33,6 +35,32 @@ pub struct SceneFile {
     pub fly: Option<Fly>,
 }
 
+/// How a scene is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    /// The text of a declaration.
+    Text,
+    /// A declaration in TOML.
+    Toml,
+    /// A robot.
+    Urdf,
+}
+
+impl Form {
+    /// By the end of the file's name.
+    fn of(path: &Path) -> Form {
+        let is = |word: &str| {
+            path.extension()
+                .is_some_and(|end| end.eq_ignore_ascii_case(word))
+        };
+        match (is("toml"), is("urdf")) {
+            (true, _) => Form::Toml,
+            (_, true) => Form::Urdf,
+            _ => Form::Text,
+        }
+    }
+}
+
 /// Files above this size are no scenes [bytes].
 const LARGEST: u64 = 10_000_000;
 
@@ -42,7 +70,12 @@ impl SceneFile {
         match scene.to_str().and_then(list::ready) {
             Some(Ready::Compiled(ready)) if !scene.is_file() => SceneFile::of_compiled(ready),
             Some(Ready::Written(ready)) if !scene.is_file() => {
-                SceneFile::of_text(ready.text, ready.name, ready.is_toml)
+                let form = if ready.is_toml {
+                    Form::Toml
+                } else {
+                    Form::Text
+                };
+                SceneFile::of_text(ready.text, Path::new(ready.name), form)
             }
             _ if scene.exists() || scene.extension().is_some() => SceneFile::read(scene),
             _ => Err(Failure::Usage(list::unknown(&scene.display().to_string()))),
@@ -52,7 +85,7 @@ impl SceneFile {
     /// The declaration of a compiled scene, read back from its data.
     fn of_compiled(ready: &scenes::Ready) -> Result<SceneFile, Failure> {
         let text = format!("{}\n{}", write_toml(&(ready.scene)()), (ready.run)());
-        let mut file = SceneFile::of_text(&text, ready.name, true)?;
+        let mut file = SceneFile::of_text(&text, Path::new(ready.name), Form::Toml)?;
         file.fly = Some(ready.fly);
         // Its names were checked when it was compiled; in its data consts are folded and would seem unused.
         file.remarks.clear();
@@ -64,21 +97,26 @@ impl SceneFile {
         Ok(file)
     }
 
-    /// Reads `.toml`, or the text of a `model!` declaration from a file of any other name.
+    /// Reads `.toml`, `.urdf`, or the text of a `model!` declaration from a file of any other name.
     fn read(path: &Path) -> Result<SceneFile, Failure> {
-        let text = read_file(path)?;
-        let is_toml = path
-            .extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-        SceneFile::of_text(&text, &path.display().to_string(), is_toml)
+        SceneFile::of_text(&read_file(path)?, path, Form::of(path))
     }
 
-    /// Reads a text; `name` is the file's name in messages.
-    fn of_text(text: &str, name: &str, is_toml: bool) -> Result<SceneFile, Failure> {
-        let (scene, run) = split(text);
-        let read = if is_toml { read_toml } else { read_text };
-        let document = is_toml.then(|| scene.clone());
-        let (reading, settings) = (read(&scene), Settings::read(&run));
+    /// Reads a text; `path` is the file's name in messages, and what it names lies beside it.
+    fn of_text(text: &str, path: &Path, form: Form) -> Result<SceneFile, Failure> {
+        let name = &path.display().to_string();
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let (scene, run) = match form {
+            Form::Urdf => (text.to_owned(), String::new()),
+            Form::Toml | Form::Text => split(text),
+        };
+        let reading = match form {
+            Form::Toml => read_toml_in(&scene, folder),
+            Form::Text => read_text_in(&scene, folder),
+            Form::Urdf => read_urdf(&scene),
+        };
+        let document = (form == Form::Toml).then(|| scene.clone());
+        let settings = Settings::read(&run);
         let mut errors = reading.errors.clone();
         let scene = reading.scene.as_ref();
         errors.extend(scene.and_then(|scene| immovable(&reading, &Layout::new(scene))));

@@ -32,27 +32,43 @@ pub fn inertia(inertia: &Inertia, scene: &Scene) -> Result<(), WrongInertia> {
     let [Some(xx), Some(yy), Some(zz), Some(xy), Some(xz), Some(yz)] = elements else {
         return Ok(());
     };
-    let scale = [xx, yy, zz, xy, xz, yz]
-        .iter()
-        .fold(0.0, |largest: f64, element| largest.max(element.abs()));
-    if !scale.is_finite() || scale == 0.0 {
-        return Err(WrongInertia::NotPositive(scale));
-    }
-    let matrix = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz) / scale;
-    let mut moments: Vec<f64> = matrix
-        .symmetric_eigenvalues()
-        .iter()
-        .map(|moment| moment * scale)
-        .collect();
-    moments.sort_by(f64::total_cmp);
-    let [smallest, middle, largest] = moments[..] else {
-        return Ok(());
-    };
+    let matrix = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let moments = principal_moments(&matrix)?;
+    let [smallest, _, largest] = moments;
     if smallest <= ROUNDING * ROUNDING * largest.abs() {
         return Err(WrongInertia::NotPositive(smallest));
     }
-    if largest > (smallest + middle) * (1.0 + ROUNDING) {
-        return Err(WrongInertia::Triangle(largest, smallest + middle));
+    within_triangle(moments)
+}
+
+/// Checks a part of a body, which may be a point or a rod: no principal moment is negative, c ≤ a + b.
+pub fn moments_of_a_part(matrix: &Matrix3<f64>) -> Result<(), WrongInertia> {
+    let moments = principal_moments(matrix)?;
+    let [smallest, _, largest] = moments;
+    if smallest < -ROUNDING * largest.abs() {
+        return Err(WrongInertia::NotPositive(smallest));
     }
-    Ok(())
+    within_triangle(moments)
+}
+
+/// The principal moments, the smallest first [kg·m²].
+fn principal_moments(matrix: &Matrix3<f64>) -> Result<[f64; 3], WrongInertia> {
+    let scale = matrix.amax();
+    if scale == 0.0 {
+        return Ok([0.0; 3]);
+    }
+    if !matrix.iter().all(|element| element.is_finite()) {
+        return Err(WrongInertia::NotPositive(f64::NAN));
+    }
+    let moments = (matrix / scale).symmetric_eigenvalues() * scale;
+    let mut moments: [f64; 3] = moments.into();
+    moments.sort_by(f64::total_cmp);
+    Ok(moments)
+}
+
+fn within_triangle([smallest, middle, largest]: [f64; 3]) -> Result<(), WrongInertia> {
+    match largest > (smallest + middle) * (1.0 + ROUNDING) {
+        true => Err(WrongInertia::Triangle(largest, smallest + middle)),
+        false => Ok(()),
+    }
 }

@@ -11,7 +11,7 @@ mod relative;
 mod unused;
 mod winding;
 
-pub use inertia::{WrongInertia, inertia};
+pub use inertia::{WrongInertia, inertia, moments_of_a_part};
 pub use winding::wound_by_themselves;
 
 use mbd_scene::{Place, PointKind};
@@ -35,7 +35,7 @@ pub fn check(resolver: &mut Resolver<'_>, model: &Model<'_>, whole: bool) {
     nodes::check_models(resolver);
     planar::check_planar(resolver);
     relative::check_relative(resolver, model);
-    unused::check_used(resolver);
+    unused::check_used(resolver, model);
 }
 
 /// Whether anything of this kind has a mistake.

@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 use crate::lexeme::Kind;
 use crate::messages::check as say;
 use crate::resolve::{Named, Resolver};
-use crate::syntax::Item;
+use crate::syntax::{Item, Model};
 
 /// Warns about consts, params, inputs, tables, lets and frames that nothing uses; of a repetition one use is enough, and what an empty one would
-/// use with more members counts. A name that begins with `_` is meant to be unused. After an error the use may be what was not understood.
-pub fn check_used(resolver: &mut Resolver<'_>) {
+/// use with more members counts. A name that begins with `_` is meant to be unused, what a file declares
+/// that is taken in is another's. After an error the use may be what was not understood.
+pub fn check_used(resolver: &mut Resolver<'_>, model: &Model<'_>) {
     if !resolver.whole || !resolver.messages.is_empty() {
         return;
     }
@@ -25,6 +26,9 @@ pub fn check_used(resolver: &mut Resolver<'_>) {
         let Some(name) = name(resolver, named) else {
             continue;
         };
+        if model.taken.is_some_and(|first| at.first >= first) {
+            continue;
+        }
         let plain = without_indices(&name);
         let meant = plain
             .rsplit('.')

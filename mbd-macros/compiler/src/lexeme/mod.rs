@@ -96,7 +96,7 @@ pub enum Kind {
     Close(Bracket),
     /// One line of a doc comment.
     Doc(String),
-    /// A string; the language has none, so it only appears in a message.
+    /// A string: the path of a file. Anywhere else it only appears in a message.
     Text(String),
 }
 
@@ -125,30 +125,120 @@ impl Lexeme {
 
 /// Where every lexeme lies in its source.
 #[derive(Clone, Debug)]
-pub enum Places {
+pub struct Places {
+    source: Source,
+    /// A file that the declaration takes in; its lexemes come after those of the declaration.
+    taken: Option<Taken>,
+}
+
+/// The source of a declaration.
+#[derive(Clone, Debug)]
+enum Source {
     /// Tokens of a macro call.
     Tokens(Vec<Span>),
     /// Lines and columns of a text, both from 1; columns count characters.
     Text(Vec<(usize, usize)>),
 }
 
+/// A file that a declaration takes in.
+#[derive(Clone, Debug)]
+struct Taken {
+    /// Its name in messages.
+    file: String,
+    /// Where the declaration names it.
+    named: Region,
+    /// The index of its first lexeme.
+    first: usize,
+    /// Lines and columns of the file.
+    positions: Vec<(usize, usize)>,
+}
+
 impl Places {
+    fn of_tokens() -> Self {
+        Places {
+            source: Source::Tokens(Vec::new()),
+            taken: None,
+        }
+    }
+
+    fn of_text() -> Self {
+        Places {
+            source: Source::Text(Vec::new()),
+            taken: None,
+        }
+    }
+
     fn len(&self) -> usize {
-        match self {
-            Places::Tokens(spans) => spans.len(),
-            Places::Text(positions) => positions.len(),
+        let own = match &self.source {
+            Source::Tokens(spans) => spans.len(),
+            Source::Text(positions) => positions.len(),
+        };
+        own + self.taken.as_ref().map_or(0, |file| file.positions.len())
+    }
+
+    /// What follows lies in the file that the declaration names there.
+    fn take(&mut self, file: String, named: Region) {
+        self.taken = Some(Taken {
+            file,
+            named,
+            first: self.len(),
+            positions: Vec::new(),
+        });
+    }
+
+    /// Line and column of a lexeme of a text or of a file.
+    pub fn position(&self, at: At) -> (usize, usize) {
+        match (self.in_file(at), &self.source) {
+            (Some((_, line, column)), _) => (line, column),
+            (None, Source::Text(positions)) => {
+                let known = positions.get(at.0 as usize).copied();
+                known.unwrap_or((1, 1))
+            }
+            (None, Source::Tokens(_)) => (1, 1),
+        }
+    }
+
+    /// Whether a lexeme lies in a file that the declaration takes in.
+    pub fn is_taken(&self, at: At) -> bool {
+        let first = self.taken.as_ref().map(|file| file.first);
+        first.is_some_and(|first| at.0 as usize >= first)
+    }
+
+    /// The lines and columns that are being added to: those of a text, or of the file that is taken in.
+    fn positions(&mut self) -> Option<&mut Vec<(usize, usize)>> {
+        match (&mut self.taken, &mut self.source) {
+            (Some(file), _) => Some(&mut file.positions),
+            (None, Source::Text(positions)) => Some(positions),
+            (None, Source::Tokens(_)) => None,
+        }
+    }
+
+    /// File, line and column of a lexeme that is taken in.
+    pub fn in_file(&self, at: At) -> Option<(&str, usize, usize)> {
+        let file = self.taken.as_ref()?;
+        let index = (at.0 as usize).checked_sub(file.first)?;
+        let (line, column) = file.positions.get(index).copied().unwrap_or((1, 1));
+        Some((&file.file, line, column))
+    }
+
+    /// The region itself, or where the declaration names the file in which it lies.
+    fn declared(&self, region: Region) -> Region {
+        match &self.taken {
+            Some(file) if self.is_taken(region.first) => file.named,
+            _ => region,
         }
     }
 
     /// The location of a region, for a message.
     pub fn location(&self, region: Region) -> Location {
+        let region = self.declared(region);
         let (first, last) = (region.first.0 as usize, region.last.0 as usize);
-        match self {
-            Places::Tokens(spans) => {
+        match &self.source {
+            Source::Tokens(spans) => {
                 let get = |i: usize| spans.get(i).copied().unwrap_or_else(Span::call_site);
                 Location::Tokens(get(first), get(last))
             }
-            Places::Text(positions) => {
+            Source::Text(positions) => {
                 let (line, column) = positions.get(first).copied().unwrap_or((1, 1));
                 Location::Text { line, column }
             }
@@ -157,20 +247,22 @@ impl Places {
 
     /// A key that sorts lexemes by their place in the source.
     pub fn order(&self, at: At) -> (usize, usize) {
-        match self {
-            Places::Tokens(_) => (at.0 as usize, 0),
-            Places::Text(positions) => positions.get(at.0 as usize).copied().unwrap_or((0, 0)),
+        let at = self.declared(at.into()).first;
+        match &self.source {
+            Source::Tokens(_) => (at.0 as usize, 0),
+            Source::Text(positions) => positions.get(at.0 as usize).copied().unwrap_or((0, 0)),
         }
     }
 
     /// The span of a lexeme; of a text it is the call site.
     pub fn span(&self, at: At) -> Span {
-        match self {
-            Places::Tokens(spans) => spans
+        let at = self.declared(at.into()).first;
+        match &self.source {
+            Source::Tokens(spans) => spans
                 .get(at.0 as usize)
                 .copied()
                 .unwrap_or_else(Span::call_site),
-            Places::Text(_) => Span::call_site(),
+            Source::Text(_) => Span::call_site(),
         }
     }
 }
@@ -192,6 +284,19 @@ impl Lexer {
             places,
             open: Vec::new(),
         }
+    }
+
+    /// A lexer of a file that a declaration takes in where it is `named`.
+    pub fn of_file(mut places: Places, file: String, named: Region) -> Self {
+        places.take(file, named);
+        Lexer::new(places)
+    }
+
+    /// Whether what comes next is the path of a file: `urdf: "robot.urdf"`.
+    fn awaits_path(&self) -> bool {
+        let mut last = self.lexemes.iter().rev().map(|lexeme| &lexeme.kind);
+        let sign = matches!(last.next(), Some(Kind::Sign(':' | '=')));
+        sign && matches!(last.next(), Some(Kind::Word(word)) if word == "urdf")
     }
 
     fn next_at(&self) -> At {
@@ -261,7 +366,6 @@ impl Lexer {
 }
 
 pub use text::from_text;
-#[cfg(feature = "toml")]
 pub use text::{Lines, piece};
 pub use tokens::from_tokens;
 

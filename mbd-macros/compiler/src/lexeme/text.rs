@@ -43,7 +43,7 @@ impl<'a> Lines<'a> {
 
 /// The lexemes of a text in the language of `model!`.
 pub fn from_text(text: &str) -> Lexed {
-    let mut lexer = Lexer::new(Places::Text(Vec::new()));
+    let mut lexer = Lexer::new(Places::of_text());
     let mut messages = Messages::default();
     piece(&mut lexer, &Lines::new(text), text, Some(0), &mut messages);
     (lexer.lexemes, lexer.places, messages)
@@ -51,16 +51,14 @@ pub fn from_text(text: &str) -> Lexed {
 
 impl Lexer {
     /// A lexer of pieces of one text.
-    #[cfg(feature = "toml")]
     pub fn of_text() -> Self {
-        Lexer::new(Places::Text(Vec::new()))
+        Lexer::new(Places::of_text())
     }
 
     /// A place that has no lexeme.
-    #[cfg(feature = "toml")]
     pub fn place(&mut self, position: (usize, usize)) -> At {
         let at = self.next_at();
-        if let Places::Text(positions) = &mut self.places {
+        if let Some(positions) = self.places.positions() {
             positions.push(position);
         }
         at
@@ -69,7 +67,7 @@ impl Lexer {
     /// Adds a lexeme at a line and column.
     pub fn positioned(&mut self, kind: Kind, position: (usize, usize)) -> At {
         let at = self.next_at();
-        if let Places::Text(positions) = &mut self.places {
+        if let Some(positions) = self.places.positions() {
             positions.push(position);
         }
         self.push(kind, at);
@@ -86,10 +84,8 @@ pub fn piece(
     messages: &mut Messages,
 ) {
     let opened = lexer.open.len();
-    let anchor = match &lexer.places {
-        Places::Text(positions) => positions.last().copied().unwrap_or((1, 1)),
-        Places::Tokens(_) => (1, 1),
-    };
+    let last = lexer.places.positions().and_then(|all| all.last().copied());
+    let anchor = last.unwrap_or((1, 1));
     let place = |offset: usize| base.map_or(anchor, |base| lines.position(base + offset));
     let mut at = 0;
     while let Some(next) = text[at..].chars().next() {
@@ -125,9 +121,11 @@ pub fn piece(
         } else if next == '"' {
             let end = rest[1..].find('"').map_or(rest.len(), |end| end + 2);
             let shown = rest[..end].trim_matches('"').to_string();
-            let report = lexer.string_after();
+            let (path, report) = (lexer.awaits_path(), lexer.string_after());
             let string = lexer.positioned(Kind::Text(shown), place(at));
-            messages.push(report.unwrap_or_else(|| say::string(string.into())));
+            if !path {
+                messages.push(report.unwrap_or_else(|| say::string(string.into())));
+            }
             at += end;
         } else if let Some((bracket, opens)) = Bracket::of(next) {
             at += 1;

@@ -2,7 +2,7 @@
 
 use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
 
-use super::{At, Bracket, Kind, Lexed, Lexer, Places};
+use super::{At, Bracket, Kind, Lexed, Lexer, Places, Source};
 use crate::messages::{Messages, syntax as say};
 
 /// Groups deeper than this are refused.
@@ -10,7 +10,7 @@ const DEEPEST: usize = 200;
 
 /// The lexemes of the tokens between the braces of `model! { … }`.
 pub fn from_tokens(tokens: TokenStream) -> Lexed {
-    let mut lexer = Lexer::new(Places::Tokens(Vec::new()));
+    let mut lexer = Lexer::new(Places::of_tokens());
     let mut messages = Messages::default();
     lexer.tokens(tokens, 0, &mut messages);
     (lexer.lexemes, lexer.places, messages)
@@ -19,7 +19,7 @@ pub fn from_tokens(tokens: TokenStream) -> Lexed {
 impl Lexer {
     fn spanned(&mut self, kind: Kind, span: Span) -> At {
         let at = self.next_at();
-        if let Places::Tokens(spans) = &mut self.places {
+        if let Source::Tokens(spans) = &mut self.places.source {
             spans.push(span);
         }
         self.push(kind, at);
@@ -84,10 +84,16 @@ impl Lexer {
         };
         let end = super::text::number_end(digits);
         if end == 0 {
-            let shown = text.trim_matches('"').to_string();
+            let path = self.awaits_path();
+            let shown = match string(text) {
+                Some(string) if path => string,
+                _ => text.trim_matches('"').to_string(),
+            };
             let report = self.string_after();
             let at = self.spanned(Kind::Text(shown), span);
-            messages.push(report.unwrap_or_else(|| say::string(at.into())));
+            if !path {
+                messages.push(report.unwrap_or_else(|| say::string(at.into())));
+            }
             return;
         }
         if sign {
@@ -115,6 +121,13 @@ fn doc_of(group: &Group) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// What a string literal of Rust stands for.
+fn string(literal: &str) -> Option<String> {
+    syn::parse_str::<syn::LitStr>(literal)
+        .ok()
+        .map(|literal| literal.value())
 }
 
 /// The tokens without invisible groups.

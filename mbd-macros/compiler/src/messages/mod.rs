@@ -16,6 +16,7 @@ pub mod resolve;
 pub mod syntax;
 #[cfg(feature = "toml")]
 pub mod toml;
+pub mod urdf;
 
 /// Where a message points.
 #[derive(Clone, Copy, Debug)]
@@ -156,6 +157,11 @@ impl Report {
 
     /// With locations instead of regions.
     pub fn located(self, places: &Places) -> Message {
+        // Of a file that is taken in, the place is part of the text: the declaration only names it.
+        let placed = |at: Region, text: String| match places.in_file(at.first) {
+            Some((file, line, column)) => format!("{file}:{line}:{column}: {text}"),
+            None => text,
+        };
         let mut all = vec![Place {
             location: places.location(self.at),
             note: None,
@@ -163,11 +169,11 @@ impl Report {
         if let Some((note, at)) = self.also {
             all.push(Place {
                 location: places.location(at),
-                note: Some(note),
+                note: Some(placed(at, note)),
             });
         }
         Message {
-            text: self.text,
+            text: placed(self.at, self.text),
             places: all,
             about: self.about,
         }

@@ -4,6 +4,7 @@ use mbd_scene::{Formula, Function, Inertia, Unit};
 
 use super::fields::Accept;
 use super::{Instance, Named, Resolver, Scope, Stage, Typed, fold};
+use crate::check::WrongInertia;
 use crate::lexeme::{Bracket, Kind, Lexeme, Region};
 use crate::messages::resolve as say;
 use crate::syntax::expression::{self, Expression};
@@ -79,11 +80,14 @@ impl Resolver<'_> {
         }
         match fields.value("inertia") {
             Some(value) => {
-                let inertia = self.inertia(&name, value, scope);
-                if let (Some(inertia), Some(body)) =
-                    (inertia, self.scene.bodies.get_mut(instance.slot))
+                let read = self.inertia(&name, value, scope);
+                if let (Some((inertia, unchecked)), Some(body)) =
+                    (read, self.scene.bodies.get_mut(instance.slot))
                 {
                     body.inertia = inertia;
+                    self.scene
+                        .unchecked
+                        .extend(unchecked.then_some(instance.slot));
                 }
             }
             None if !doubtful => self.messages.push(say::no_inertia(at, &name)),
@@ -304,8 +308,14 @@ impl Resolver<'_> {
         Some((rows != identity).then_some(rows))
     }
 
-    /// `diag(…) unit`, or `full { … } unit (matrix elements)`.
-    fn inertia(&mut self, owner: &str, value: Value<'_>, scope: Scope<'_>) -> Option<Inertia> {
+    /// `diag(…) unit`, or `full { … } unit (matrix elements)`; `(unchecked)` behind it lets through moments that no rigid body has. They must be
+    /// positive all the same, or nothing could be computed. Hands back whether that was said, too.
+    fn inertia(
+        &mut self,
+        owner: &str,
+        value: Value<'_>,
+        scope: Scope<'_>,
+    ) -> Option<(Inertia, bool)> {
         let mut cursor = Cursor::new(value);
         let form = cursor.word();
         let inertia = match form.as_ref().map(|word| word.text.as_str()) {
@@ -316,11 +326,13 @@ impl Resolver<'_> {
                 return self.fail(shape.unwrap_or_else(|| say::inertia_form(value.at)));
             }
         };
+        let unchecked = unchecked(&mut cursor);
         if let Err(report) = cursor.finish("the end of the inertia") {
             return self.fail(report);
         }
         match crate::check::inertia(&inertia, &self.scene) {
-            Ok(()) => Some(inertia),
+            Ok(()) => Some((inertia, unchecked)),
+            Err(WrongInertia::Triangle(..)) if unchecked => Some((inertia, true)),
             Err(wrong) => self.fail(say::impossible_inertia(value.at, owner, wrong)),
         }
     }
@@ -434,6 +446,20 @@ impl Resolver<'_> {
         };
         self.fits(typed, field, false, units::INERTIA)
     }
+}
+
+/// Takes `(unchecked)`.
+fn unchecked(cursor: &mut Cursor<'_>) -> bool {
+    let mut ahead = *cursor;
+    let group = ahead.group(Bracket::Round);
+    let said = group.is_some_and(|group| {
+        let mut inside = Cursor::new(group);
+        inside.keyword("unchecked").is_some() && inside.at_end()
+    });
+    if said {
+        *cursor = ahead;
+    }
+    said
 }
 
 fn negative(formula: &Formula) -> Formula {

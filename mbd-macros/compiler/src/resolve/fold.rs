@@ -198,7 +198,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// Sine and cosine, exact at whole quarter turns: an aligned axis has true zeros, which cost nothing later.
-fn sin_cos(angle: f64) -> (f64, f64) {
+pub fn sin_cos(angle: f64) -> (f64, f64) {
     let turns = angle / std::f64::consts::FRAC_PI_2;
     let whole = turns.round();
     if (turns - whole).abs() <= 4.0 * f64::EPSILON * whole.abs().max(1.0) && whole.abs() < 1e6 {

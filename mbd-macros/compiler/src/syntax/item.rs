@@ -189,7 +189,7 @@ fn clause_value<'a>(
     inside: bool,
 ) -> Result<Value<'a>, Report> {
     let start = *cursor;
-    let braces = (sign == "=" && spec.fields.is_none()) || !spec.named;
+    let braces = spec.fields.is_none() && (sign == "=" || !spec.named);
     // Braces of `if a < b { … } else { … }` belong to the value.
     let mut conditional = false;
     while !ends(cursor, inside) {

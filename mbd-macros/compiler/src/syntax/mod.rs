@@ -106,4 +106,6 @@ pub struct Model<'a> {
     pub generic: bool,
     /// Its items.
     pub items: Vec<Item<'a>>,
+    /// The first place in a file that it takes in; what such a file declares may stay unused.
+    pub taken: Option<At>,
 }

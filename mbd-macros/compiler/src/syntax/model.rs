@@ -1,7 +1,7 @@
 //! The head of a model: `/// doc`, `pub model Name<T> { … }`.
 
 use super::item::items;
-use super::{Cursor, Model, Value};
+use super::{Cursor, Given, Item, Model, Value};
 use crate::lexeme::{Bracket, Kind, Lexeme, Region};
 use crate::messages::{Messages, Report, syntax as say};
 
@@ -19,6 +19,13 @@ pub fn model<'a>(lexemes: &'a [Lexeme], messages: &mut Messages) -> Option<Model
         doc: docs(&mut cursor),
         ..Model::default()
     };
+    if let Some(item) = robot(&mut cursor) {
+        // `urdf = "robot.urdf", items`: the model has the name of the robot.
+        model.visibility = "pub".to_string();
+        model.items = items(cursor, false, messages);
+        model.items.insert(0, item);
+        return Some(model);
+    }
     if let Err(report) = head(&mut cursor, &mut model) {
         messages.push(report);
     }
@@ -33,6 +40,32 @@ pub fn model<'a>(lexemes: &'a [Lexeme], messages: &mut Messages) -> Option<Model
         None => {}
     }
     Some(model)
+}
+
+/// Takes `urdf = "robot.urdf",`, which stands for the item `urdf: "robot.urdf";`.
+fn robot<'a>(cursor: &mut Cursor<'a>) -> Option<Item<'a>> {
+    let mut ahead = *cursor;
+    let word = ahead.word().filter(|word| word.text == "urdf")?;
+    let sign = ahead.sign('=')?;
+    let start = ahead;
+    ahead.take();
+    let given = Given {
+        sign: ":",
+        at: sign.into(),
+        value: ahead.since(start),
+    };
+    ahead.sign(',').or_else(|| ahead.sign(';'));
+    *cursor = ahead;
+    Some(Item {
+        doc: String::new(),
+        marked: None,
+        at: word.at.into(),
+        word,
+        name: None,
+        clauses: vec![given],
+        block: Vec::new(),
+        broken: false,
+    })
 }
 
 /// Takes doc comments: one line each, without the space after `///`.

@@ -48,6 +48,9 @@ const fn may(sign: &'static str, key: &'static str) -> Clause {
     }
 }
 
+/// The key of the clause that holds the path of a file, a string.
+pub const FILE: &str = "file";
+
 const VALUE: &[Clause] = &[needs(":", "value")];
 
 const fn setting(word: &'static str, form: &'static str) -> ItemWord {
@@ -131,6 +134,21 @@ pub const ITEMS: &[ItemWord] = &[
     setting("units", "units: si;"),
     setting("gravity", "gravity: [0.0, 0.0, -9.81] m/s^2;"),
     setting("emit", "emit: [derivative, outputs];"),
+    ItemWord {
+        word: "urdf",
+        named: false,
+        repeats: false,
+        mark: None,
+        clauses: &[needs(":", FILE)],
+        fields: Some(&["base", "inertias", "angle", "slide"]),
+        form: "urdf: \"robot.urdf\" { base: free }",
+    },
+    item(
+        "extend",
+        &[],
+        Some(&["frame", "start"]),
+        "extend NAME { fields of the body or joint NAME of the URDF }",
+    ),
     ItemWord {
         word: "verify",
         named: false,

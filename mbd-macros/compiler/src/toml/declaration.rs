@@ -129,7 +129,11 @@ impl Writer<'_> {
             };
             if let Some(given) = given {
                 let space = if clause.sign == ":" { "" } else { " " };
-                let _ = write!(head, "{space}{} {}", clause.sign, self.value(given));
+                let value = match clause.key {
+                    words::FILE => format!("{:?}", self.value(given)),
+                    _ => self.value(given),
+                };
+                let _ = write!(head, "{space}{} {value}", clause.sign);
             }
         }
         head

@@ -10,5 +10,5 @@ mod read;
 mod write;
 
 pub use declaration::{toml_to_text, write_text};
-pub use read::read_toml;
+pub use read::{read_toml, read_toml_in};
 pub use write::write_toml;

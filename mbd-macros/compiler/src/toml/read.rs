@@ -1,20 +1,27 @@
 //! A TOML document as items.
 
 use std::ops::Range;
+use std::path::Path;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::lexeme::{At, Lexeme, Lexer, Lines, Region, piece};
+use crate::lexeme::{At, Kind, Lexeme, Lexer, Lines, Region, piece};
 use crate::messages::{Messages, resolve as say_resolve, syntax as say, toml as say_toml};
-use crate::reading::{Reading, finish};
+use crate::reading::{Reading, complete};
 use crate::syntax::item::push_clause;
 use crate::syntax::words::{self, ItemWord};
 use crate::syntax::{Cursor, Item, Model, Name, Value, Word, model};
 
-/// Reads a scene from TOML.
+/// Reads a scene from TOML. A file that it names lies relative to the working directory.
 #[must_use]
 pub fn read_toml(text: &str) -> Reading {
+    read_toml_in(text, Path::new(""))
+}
+
+/// Reads a scene from TOML. A file that it names lies relative to `folder`.
+#[must_use]
+pub fn read_toml_in(text: &str, folder: &Path) -> Reading {
     let mut reader = Reader {
         text,
         lines: Lines::new(text),
@@ -36,8 +43,11 @@ pub fn read_toml(text: &str) -> Reading {
     };
     let lexed = reader.messages.is_empty();
     let mut messages = reader.messages;
-    let model = drafts.model(&reader.lexer.lexemes, &mut messages);
-    finish(&model, &reader.lexer.places, messages, lexed)
+    let Lexer {
+        lexemes, places, ..
+    } = reader.lexer;
+    let model = drafts.model(&lexemes, &mut messages);
+    complete(model, places, messages, lexed, folder)
 }
 
 /// A value: lexemes from here to there, and its place.
@@ -145,6 +155,10 @@ impl<'t> Reader<'t> {
         let mut item = draft(spec.word, at, Some(spec));
         match value.get_ref() {
             DeValue::Table(table) if spec.fields.is_some() => self.fields(&mut item, spec, table),
+            DeValue::String(path) if spec.clauses.iter().any(|c| c.key == words::FILE) => {
+                let path = self.path(path, value.span().start);
+                item.clauses.push((":", path));
+            }
             _ if spec.fields.is_some() => {
                 self.messages.push(say_toml::table(at.into(), spec));
                 return None;
@@ -188,6 +202,10 @@ impl<'t> Reader<'t> {
             let clause = spec.clauses.iter().find(|clause| clause.key == word);
             let inner = words::find(word, true).filter(|_| spec.fields.is_some());
             match (clause, inner, value.get_ref()) {
+                (Some(clause), _, DeValue::String(path)) if clause.key == words::FILE => {
+                    let path = self.path(path, value.span().start);
+                    item.clauses.push((clause.sign, path));
+                }
                 (Some(clause), ..) => {
                     let value = self.value(value);
                     item.broken |= value.is_none();
@@ -233,6 +251,17 @@ impl<'t> Reader<'t> {
                     item.block.push(field);
                 }
             }
+        }
+    }
+
+    /// The path of a file, which is no language.
+    fn path(&mut self, path: &str, offset: usize) -> Piece {
+        let position = self.lines.position(offset);
+        let first = self.lexer.lexemes.len();
+        let at = self.lexer.positioned(Kind::Text(path.to_owned()), position);
+        Piece {
+            range: first..self.lexer.lexemes.len(),
+            at,
         }
     }
 

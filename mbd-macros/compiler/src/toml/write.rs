@@ -248,7 +248,12 @@ fn bodies(out: &mut String, scene: &Scene) {
         table(out, "body", &body.name);
         doc(out, &body.doc);
         entry(out, "mass", &text(&body.mass, scene));
-        entry(out, "inertia", &inertia(&body.inertia, scene));
+        let unchecked = match scene.unchecked.contains(&index) {
+            true => " (unchecked)",
+            false => "",
+        };
+        let inertia = inertia(&body.inertia, scene);
+        entry(out, "inertia", &format!("{inertia}{unchecked}"));
         frames(out, body, scene);
         start(out, ("body", &body.name), Part::Body(index), scene);
     }

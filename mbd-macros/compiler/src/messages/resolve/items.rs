@@ -309,17 +309,31 @@ pub fn products_sign(at: Region) -> Report {
 
 pub fn impossible_inertia(at: Region, owner: &str, wrong: WrongInertia) -> Report {
     let text = match wrong {
-        WrongInertia::NotPositive(smallest) => format!(
-            "the inertia of `{owner}` must be positive about every axis: its smallest principal moment is {} kg*m^2",
-            short(smallest)
+        WrongInertia::NotPositive(_) => format!(
+            "the inertia of `{owner}` must be positive about every axis: {}",
+            no_body(wrong)
         ),
-        WrongInertia::Triangle(largest, others) => format!(
-            "no rigid body has these principal moments: the largest ({}) exceeds the sum of the other two ({}). check the unit, and that it is about the centre of mass",
-            short(largest),
-            short(others)
+        WrongInertia::Triangle(..) => format!(
+            "{}. check the unit, and that it is about the centre of mass",
+            no_body(wrong)
         ),
     };
     Report::new(at, text)
+}
+
+/// Why principal moments are those of no rigid body.
+pub fn no_body(wrong: WrongInertia) -> String {
+    match wrong {
+        WrongInertia::NotPositive(smallest) => format!(
+            "its smallest principal moment is {} kg*m^2",
+            short(smallest)
+        ),
+        WrongInertia::Triangle(largest, others) => format!(
+            "no rigid body has these principal moments: the largest ({}) exceeds the sum of the other two ({})",
+            short(largest),
+            short(others)
+        ),
+    }
 }
 
 /// A number with six digits, without zeros at its end.

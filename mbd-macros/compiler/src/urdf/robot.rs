@@ -1,0 +1,171 @@
+//! What a URDF says: links and joints, with their places in the file.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::lexeme::At;
+use crate::resolve::fold::sin_cos;
+
+/// A robot.
+#[derive(Debug, Default)]
+pub struct Robot {
+    /// Its name; empty where the file gives none.
+    pub name: String,
+    /// Its links, in the order of the file.
+    pub links: Vec<Link>,
+    /// Its joints, in the order of the file.
+    pub joints: Vec<Joint>,
+    /// The link that carries all others.
+    pub root: usize,
+    /// What the file holds beside links and joints, by the name of its elements, and how many.
+    pub unread: Vec<(String, usize)>,
+}
+
+/// A rigid link.
+#[derive(Debug)]
+pub struct Link {
+    /// Its name in the file.
+    pub name: String,
+    /// Its element.
+    pub at: At,
+    /// Mass and inertia, if any.
+    pub inertial: Option<Inertial>,
+}
+
+/// `<inertial>`.
+#[derive(Clone, Debug)]
+pub struct Inertial {
+    /// The centre of mass, and the axes of the inertia, in those of the link.
+    pub origin: Origin,
+    /// Mass [kg], not negative.
+    pub mass: f64,
+    /// About the centre of mass in the axes of `origin` [kg·m²].
+    pub inertia: Matrix3<f64>,
+    /// Its element `<inertia>`.
+    pub at: At,
+}
+
+/// A joint between two links.
+#[derive(Debug)]
+pub struct Joint {
+    /// Its name in the file.
+    pub name: String,
+    /// Its element.
+    pub at: At,
+    /// What it allows.
+    pub kind: Kind,
+    /// The link it hangs on.
+    pub parent: usize,
+    /// The link it carries; its frame is that of the joint where all coordinates are zero.
+    pub child: usize,
+    /// The joint's frame in that of the parent.
+    pub origin: Origin,
+    /// The axis in the joint's frame, of any length but zero.
+    pub axis: [f64; 3],
+    /// The range of its coordinate and what drives it.
+    pub limit: Limit,
+    /// Damping [N·s/m or N·m·s/rad] and friction [N or N·m], not negative.
+    pub dynamics: [f64; 2],
+    /// The joint whose coordinate it follows.
+    pub mimic: Option<Mimic>,
+}
+
+/// What a joint allows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// `revolute`, `continuous`
+    Hinge,
+    /// `prismatic`
+    Prismatic,
+    /// `fixed`
+    Fixed,
+    /// `floating`
+    Free,
+    /// `planar`
+    Planar,
+    /// `spherical`, `ball`: an extension that some writers use.
+    Spherical,
+}
+
+impl Kind {
+    /// The types of a URDF.
+    pub const TYPES: [(&str, Kind); 8] = [
+        ("revolute", Kind::Hinge),
+        ("continuous", Kind::Hinge),
+        ("prismatic", Kind::Prismatic),
+        ("fixed", Kind::Fixed),
+        ("floating", Kind::Free),
+        ("planar", Kind::Planar),
+        ("spherical", Kind::Spherical),
+        ("ball", Kind::Spherical),
+    ];
+
+    /// The keyword of the joint in a declaration.
+    pub fn keyword(self) -> &'static str {
+        match self {
+            Kind::Hinge => "hinge",
+            Kind::Prismatic => "prismatic",
+            Kind::Fixed => "rigid",
+            Kind::Free => "free",
+            Kind::Planar => "planar",
+            Kind::Spherical => "spherical",
+        }
+    }
+
+    /// The name of its only coordinate, its unit, and the unit of the effort along it.
+    pub fn coordinate(self) -> Option<(&'static str, &'static str, &'static str)> {
+        match self {
+            Kind::Hinge => Some(("angle", "rad", "N*m")),
+            Kind::Prismatic => Some(("slide", "m", "N")),
+            _ => None,
+        }
+    }
+}
+
+/// `<limit>`: what is not said is `None`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Limit {
+    /// Lower and upper end of the coordinate [rad or m].
+    pub range: Option<[f64; 2]>,
+    /// The largest effort of its drive [N·m or N].
+    pub effort: Option<f64>,
+    /// The largest rate of its drive [rad/s or m/s].
+    pub velocity: Option<f64>,
+}
+
+/// `<mimic>`: coordinate = multiplier · that of the other joint + offset.
+#[derive(Clone, Copy, Debug)]
+pub struct Mimic {
+    /// The other joint.
+    pub joint: usize,
+    /// Of the other coordinate.
+    pub multiplier: f64,
+    /// [rad or m]
+    pub offset: f64,
+    /// Its element.
+    pub at: At,
+}
+
+/// `<origin>`: a place with axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Origin {
+    /// Where it is [m].
+    pub xyz: [f64; 3],
+    /// Roll, pitch, yaw about the fixed axes x, y, z [rad].
+    pub rpy: [f64; 3],
+}
+
+impl Origin {
+    /// R = Rz(yaw) Ry(pitch) Rx(roll), with true zeros at quarter turns.
+    pub fn rotation(&self) -> Matrix3<f64> {
+        let [(sr, cr), (sp, cp), (sy, cy)] = self.rpy.map(sin_cos);
+        let x = Matrix3::new(1.0, 0.0, 0.0, 0.0, cr, -sr, 0.0, sr, cr);
+        let y = Matrix3::new(cp, 0.0, sp, 0.0, 1.0, 0.0, -sp, 0.0, cp);
+        let z = Matrix3::new(cy, -sy, 0.0, sy, cy, 0.0, 0.0, 0.0, 1.0);
+        z * y * x
+    }
+
+    /// Where it is.
+    pub fn position(&self) -> Vector3<f64> {
+        self.xyz.into()
+    }
+}

@@ -1,0 +1,525 @@
+//! Robots from URDF: what becomes of them, and what a file says wrongly, told at its place.
+
+use mbd_compiler::{Reading, read_text_in, read_urdf};
+use mbd_scene::{Formula, Layout, Scene};
+use nalgebra::{Matrix3, Vector3};
+
+const ARM: &str = include_str!("urdf/arm.urdf");
+
+fn told(reading: &Reading) -> String {
+    let lines: Vec<String> = reading
+        .errors
+        .iter()
+        .map(|m| m.in_file("arm.urdf"))
+        .collect();
+    lines.join("\n")
+}
+
+fn scene(reading: Reading) -> Scene {
+    reading
+        .scene
+        .clone()
+        .unwrap_or_else(|| panic!("{}", told(&reading)))
+}
+
+/// A declaration beside the robots of these tests.
+fn declared(text: &str) -> Reading {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/urdf");
+    read_text_in(text, &folder)
+}
+
+fn number(formula: &Formula) -> f64 {
+    match formula {
+        Formula::Number(value) => *value,
+        other => panic!("{other:?} is no number"),
+    }
+}
+
+#[test]
+fn links_become_bodies_and_joints_joints() {
+    let reading = read_urdf(ARM);
+    assert!(reading.warnings.is_empty(), "{:?}", reading.warnings);
+    let scene = scene(reading);
+    assert_eq!(scene.name, "SmallArm");
+    let bodies: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(
+        bodies,
+        ["upper", "fore", "wrist", "finger_left", "finger_right"]
+    );
+    let joints: Vec<(&str, &str)> = scene
+        .joints
+        .iter()
+        .map(|joint| (joint.name.as_str(), joint.law.keyword()))
+        .collect();
+    assert_eq!(
+        joints,
+        [
+            ("shoulder", "hinge"),
+            ("elbow", "hinge"),
+            ("wrist_roll", "hinge"),
+            ("grip", "prismatic"),
+            ("grip_mirror", "prismatic"),
+            ("grip_mirror_mimic", "gear"),
+        ]
+    );
+    let layout = Layout::new(&scene);
+    assert_eq!(layout.freedoms(), 4);
+}
+
+#[test]
+fn links_that_are_fixed_to_each_other_are_one_body_with_their_mass_and_inertia() {
+    let scene = scene(read_urdf(ARM));
+    let wrist = scene
+        .bodies
+        .iter()
+        .find(|body| body.name == "wrist")
+        .unwrap();
+    let names: Vec<&str> = wrist
+        .frames
+        .iter()
+        .map(|frame| frame.name.as_str())
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "com",
+            "origin",
+            "tool_mount",
+            "camera",
+            "grip",
+            "grip_mirror"
+        ]
+    );
+    assert!((number(&wrist.mass) - 0.6).abs() < 1e-15);
+    // The origin lies at minus the common centre of mass, by hand.
+    let turn = |axis: Vector3<f64>, angle: f64| nalgebra::Rotation3::new(axis * angle).into_inner();
+    let rpy = |roll, pitch, yaw| {
+        turn(Vector3::z(), yaw) * turn(Vector3::y(), pitch) * turn(Vector3::x(), roll)
+    };
+    let mount = (Vector3::new(0.0, 0.0, 0.05), rpy(0.0, 0.3, 0.0));
+    let camera = (
+        mount.0 + mount.1 * Vector3::new(0.03, 0.0, 0.01),
+        mount.1 * rpy(0.2, 0.0, -0.4),
+    );
+    let parts = [
+        (
+            0.4,
+            Vector3::new(0.01, 0.0, 0.02),
+            rpy(0.0, std::f64::consts::FRAC_PI_2, 0.0),
+            Matrix3::new(0.0006, 0.0, 0.00005, 0.0, 0.0005, 0.0, 0.00005, 0.0, 0.0004),
+        ),
+        (
+            0.2,
+            camera.0 + camera.1 * Vector3::new(0.0, 0.01, 0.03),
+            camera.1 * rpy(0.1, 0.2, 0.3),
+            Matrix3::from_diagonal(&Vector3::new(0.0001, 0.00012, 0.00009)),
+        ),
+    ];
+    let center = (parts[0].1 * 0.4 + parts[1].1 * 0.2) / 0.6;
+    let origin = &wrist.frames[1].position;
+    for (have, want) in origin.iter().zip(center.iter()) {
+        assert!((number(have) + want).abs() < 1e-15);
+    }
+    let mut inertia = Matrix3::zeros();
+    for (mass, at, turned, own) in parts {
+        let arm: Vector3<f64> = at - center;
+        let steiner = Matrix3::identity() * arm.norm_squared() - arm * arm.transpose();
+        inertia += turned * own * turned.transpose() + steiner * mass;
+    }
+    let have = &wrist.inertia;
+    let have = [&have.xx, &have.yy, &have.zz, &have.xy, &have.xz, &have.yz].map(number);
+    let want = [
+        inertia.m11,
+        inertia.m22,
+        inertia.m33,
+        inertia.m12,
+        inertia.m13,
+        inertia.m23,
+    ];
+    for (have, want) in have.iter().zip(want) {
+        assert!((have - want).abs() < 1e-17, "{have} {want}");
+    }
+}
+
+/// A declaration of an arm with these fields behind its file and these items.
+fn arm(fields: &str, items: &str) -> Reading {
+    declared(&format!(
+        "pub model Arm {{ urdf: \"arm.urdf\" {fields} {items} }}"
+    ))
+}
+
+#[test]
+fn a_declaration_adds_to_a_robot() {
+    let reading = arm(
+        "{ angle: { stop_stiffness: 1 kN*m/rad } }",
+        "world { frame peg at [1.0, 0.0, 1.0] m }
+         input drive: torque;
+         extend shoulder { force: drive, damping: 2.0 N*m*s, start: 20 deg }
+         extend fore { frame hook at [0.0, 0.0, 0.1] m }
+         spring cord from world.peg to fore.hook { free_length: 0.5 m, stiffness: 100 N/m }
+         output reach = wrist.camera.position;",
+    );
+    assert!(reading.warnings.is_empty(), "{:?}", reading.warnings);
+    let scene = scene(reading);
+    let forces = |name: &str| {
+        let joint = scene.joints.iter().find(|joint| joint.name == name);
+        joint.unwrap().forces.clone()
+    };
+    let [shoulder] = &forces("shoulder")[..] else {
+        panic!("one coordinate");
+    };
+    // The declaration stands in for the file: 2.0, not 0.5.
+    assert!(
+        format!("{shoulder:?}").contains("damping: Some(Number(2.0))"),
+        "{shoulder:?}"
+    );
+    assert!(format!("{shoulder:?}").contains("2.8"), "{shoulder:?}");
+    // Without stiffness the limits of a URDF are no stops.
+    assert!(!format!("{:?}", forces("grip")).contains("0.04"));
+}
+
+#[test]
+fn a_base_may_fly() {
+    let scene = scene(arm("{ base: free }", ""));
+    let free = scene
+        .joints
+        .iter()
+        .find(|joint| joint.law.keyword() == "free")
+        .unwrap();
+    assert_eq!(free.name, "base");
+    assert_eq!(scene.bodies[0].name, "base_link");
+    assert_eq!(Layout::new(&scene).freedoms(), 10);
+}
+
+#[cfg(feature = "toml")]
+#[test]
+fn a_document_takes_in_the_same_robot_as_a_text() {
+    let document = "model = \"Arm\"\n[urdf]\nfile = \"arm.urdf\"\nbase = \"free\"\nangle = \"{ damping: 1 N*m*s }\"\n\
+                    [extend.fore.frame.hook]\nat = \"[0, 0, 0.1] m\"\n[extend.grip]\nforce = \"2 N\"\n";
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/urdf");
+    let from_document = scene(mbd_compiler::read_toml_in(document, &folder));
+    let text = mbd_compiler::toml_to_text(document).unwrap();
+    assert_eq!(from_document, scene(declared(&text)), "{text}");
+    assert!(
+        from_document.bodies[2]
+            .frames
+            .iter()
+            .any(|frame| frame.name == "hook")
+    );
+    // Converted, the robot stands in the text itself.
+    let written = mbd_compiler::write_toml(&from_document);
+    assert_eq!(scene(mbd_compiler::read_toml(&written)), from_document);
+    let one_line = scene(mbd_compiler::read_toml_in(
+        "model = \"Arm\"\nurdf = \"arm.urdf\"",
+        &folder,
+    ));
+    assert_eq!(one_line, scene(arm(";", "")));
+}
+
+#[test]
+fn the_spelling_of_a_call_names_the_model_after_the_robot() {
+    let scene = scene(declared(
+        "urdf = \"arm.urdf\", output reach = wrist.camera.position;",
+    ));
+    assert_eq!(scene.name, "SmallArm");
+    assert_eq!(scene.outputs.len(), 1);
+}
+
+/// What is wrong, and the arm with that mistake.
+fn mistakes() -> Vec<(&'static str, String)> {
+    let with = |from: &str, to: &str| {
+        assert!(ARM.contains(from), "{from}");
+        ARM.replacen(from, to, 1)
+    };
+    let joints = |joints: &str| ARM.replace("</robot>", &format!("{joints}</robot>"));
+    let bomb =
+        "<!DOCTYPE a [<!ENTITY a \"aaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]>\n<robot name=\"&b;\"/>";
+    vec![
+        ("nothing at all", String::new()),
+        ("truncated", ARM[..ARM.len() / 2].to_owned()),
+        ("entities", bomb.to_owned()),
+        (
+            "another language",
+            "<mujoco><worldbody/></mujoco>".to_owned(),
+        ),
+        (
+            "xacro",
+            with(
+                "<link name=\"camera\">",
+                "<xacro:arm xmlns:xacro=\"http://www.ros.org/wiki/xacro\"/><link name=\"camera\">",
+            ),
+        ),
+        ("no links", "<robot name=\"a\"/>".to_owned()),
+        (
+            "unknown joint type",
+            with("type=\"continuous\"", "type=\"continous\""),
+        ),
+        ("no joint type", with(" type=\"continuous\"", "")),
+        (
+            "missing link",
+            with("<parent link=\"fore\"/>", "<parent link=\"for\"/>"),
+        ),
+        ("missing parent", with("<parent link=\"fore\"/>", "")),
+        (
+            "missing mimicked joint",
+            with("<mimic joint=\"grip\"/>", "<mimic joint=\"gripper\"/>"),
+        ),
+        (
+            "mimics itself",
+            with("<mimic joint=\"grip\"/>", "<mimic joint=\"grip_mirror\"/>"),
+        ),
+        (
+            "link twice",
+            with("<link name=\"camera\">", "<link name=\"fore\">"),
+        ),
+        ("joint twice", with("name=\"wrist_roll\"", "name=\"elbow\"")),
+        ("no name", with("<link name=\"camera\">", "<link>")),
+        (
+            "carried twice",
+            joints(
+                "<joint name=\"loop\" type=\"revolute\"><parent link=\"base_link\"/><child link=\"wrist\"/></joint>",
+            ),
+        ),
+        (
+            "circle",
+            with("<parent link=\"upper\"/>", "<parent link=\"wrist\"/>"),
+        ),
+        ("two roots", joints("<link name=\"stray\"/>")),
+        ("NaN", with("mass value=\"2.5\"", "mass value=\"nan\"")),
+        ("infinite", with("xyz=\"0 0 0.2\"", "xyz=\"0 0 inf\"")),
+        ("two numbers", with("xyz=\"0 0 0.2\"", "xyz=\"0 0.2\"")),
+        ("a comma", with("xyz=\"0 0 0.2\"", "xyz=\"0, 0, 0.2\"")),
+        (
+            "negative mass",
+            with("mass value=\"2.5\"", "mass value=\"-2.5\""),
+        ),
+        (
+            "negative damping",
+            with("damping=\"0.5\"", "damping=\"-0.5\""),
+        ),
+        ("no mass", with("<mass value=\"2.5\"/>", "")),
+        (
+            "massless link that moves",
+            with(
+                "<mass value=\"0.05\"/>\n      <inertia ixx=\"0.00002\" iyy=\"0.00002\" izz=\"0.00001\"",
+                "<mass value=\"0\"/>\n      <inertia ixx=\"0\" iyy=\"0\" izz=\"0\"",
+            ),
+        ),
+        ("impossible inertia", with("ixx=\"0.030\"", "ixx=\"0.30\"")),
+        ("negative inertia", with("ixx=\"0.030\"", "ixx=\"-0.30\"")),
+        (
+            "inertia of a point",
+            with(
+                "ixx=\"0.00002\" iyy=\"0.00002\" izz=\"0.00001\"",
+                "ixx=\"0\" iyy=\"0\" izz=\"0\"",
+            ),
+        ),
+        ("zero axis", with("xyz=\"0.6 0 0.8\"", "xyz=\"0 0 0\"")),
+        (
+            "misspelt element",
+            with("<inertial>", "<inertail>").replacen("</inertial>", "</inertail>", 1),
+        ),
+        (
+            "misspelt attribute",
+            with("rpy=\"0 0 0.4\"", "rpz=\"0 0 0.4\""),
+        ),
+        (
+            "quaternion",
+            with("rpy=\"0 0 0.4\"", "quat_xyzw=\"0 0 0 1\""),
+        ),
+        (
+            "second axis",
+            with(
+                "<axis xyz=\"0 0 1\"/>",
+                "<axis xyz=\"0 0 1\"/><axis xyz=\"1 0 0\"/>",
+            ),
+        ),
+        (
+            "nothing moves",
+            "<robot name=\"a\"><link name=\"b\"/></robot>".to_owned(),
+        ),
+        (
+            "mimic of a planar joint",
+            with(
+                "name=\"grip\" type=\"prismatic\"",
+                "name=\"grip\" type=\"planar\"",
+            ),
+        ),
+    ]
+}
+
+#[test]
+fn a_mistake_is_told_with_its_place_and_its_remedy() {
+    let mut found = String::new();
+    for (name, text) in mistakes() {
+        let reading = read_urdf(&text);
+        assert!(reading.scene.is_none(), "{name} was read");
+        found.push_str(&format!("# {name}\n{}\n", told(&reading)));
+    }
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/urdf.txt");
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(path, &found).unwrap();
+    }
+    assert_eq!(found, std::fs::read_to_string(path).unwrap());
+}
+
+#[test]
+fn a_declaration_is_told_where_in_the_file_a_mistake_is_and_where_it_names_the_file() {
+    let lines = |fields: &str, items: &str| -> Vec<String> {
+        let errors = arm(fields, items).errors;
+        errors.iter().map(|message| message.to_string()).collect()
+    };
+    assert_eq!(
+        lines(";", "extend shoulde { force: 2 N*m }"),
+        ["1:43: the URDF declares nothing that is called `shoulde`; did you mean `shoulder`?"]
+    );
+    assert_eq!(
+        lines("{ base: loose }", ""),
+        ["1:42: this is `fixed` or `free`"]
+    );
+    assert_eq!(
+        lines("{ bas: free }", ""),
+        [
+            "1:36: unknown field `bas`; did you mean `base`? fields here: base, inertias, angle, slide"
+        ]
+    );
+    let told = |text: &str| -> Vec<String> {
+        let errors = declared(text).errors;
+        errors.iter().map(|message| message.to_string()).collect()
+    };
+    assert_eq!(
+        told("model A { urdf: \"broken.urdf\"; extend a { force: 1 N } output b = c.position; }"),
+        ["1:17: broken.urdf:4:12: `value` of `<mass>` is one finite number, not \"nan\""]
+    );
+    assert_eq!(
+        told("model A { gravity: none; extend a { force: 1 N } }"),
+        [
+            "1:33: `extend` adds to what a `urdf` declares, and this declaration has none: write the fields where the thing is declared"
+        ]
+    );
+    assert!(
+        told("model A { urdf: \"missing.urdf\"; }")[0]
+            .starts_with("1:17: cannot read missing.urdf: ")
+    );
+    assert_eq!(
+        told("model A { urdf: arm; }"),
+        ["1:17: expected the path of a URDF in quotes, such as `urdf: \"robots/arm.urdf\";`"]
+    );
+}
+
+/// A small generator (xorshift64*), so that a failing case can be repeated.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33) as usize % n.max(1)
+    }
+}
+
+#[test]
+fn whatever_a_file_holds_reading_ends_and_a_mistake_has_a_line() {
+    let check = |bytes: &[u8]| {
+        let reading = read_urdf(&String::from_utf8_lossy(bytes));
+        match &reading.scene {
+            // What can be read can be laid out.
+            Some(scene) => assert!(Layout::new(scene).nv > 0),
+            None => {
+                let first = reading.errors[0].to_string();
+                let line = first
+                    .split(':')
+                    .next()
+                    .and_then(|line| line.parse::<usize>().ok());
+                assert!(line.is_some_and(|line| line > 0), "{first}");
+            }
+        }
+    };
+    let arm = ARM.as_bytes();
+    (0..arm.len()).step_by(7).for_each(|end| check(&arm[..end]));
+    let mut dice = Dice(7);
+    for _ in 0..600 {
+        let mut bytes = arm.to_vec();
+        for _ in 0..=dice.below(4) {
+            let (at, other) = (dice.below(bytes.len()), dice.below(bytes.len()));
+            match dice.below(5) {
+                0 => {
+                    bytes.remove(at);
+                }
+                1 => bytes.insert(at, bytes[other]),
+                2 => bytes.swap(at, other),
+                3 => bytes[at] = b"<>/\"0-e.&\0"[dice.below(10)],
+                _ => {
+                    let (from, to) = (at.min(other), at.max(other).min(at.min(other) + 300));
+                    let copy = bytes[from..to].to_vec();
+                    bytes.splice(from..from, copy);
+                }
+            }
+        }
+        check(&bytes);
+    }
+}
+
+#[test]
+fn a_file_that_is_too_large_or_too_deep_is_refused_soon() {
+    let large = format!("<robot name=\"a\">{}</robot>", " ".repeat(100_000_000));
+    assert_eq!(
+        told(&read_urdf(&large)),
+        "arm.urdf:1:1: 100000024 bytes are no robot"
+    );
+    let deep = format!(
+        "{}{}",
+        "<robot>".repeat(100_000),
+        "</robot>".repeat(100_000)
+    );
+    assert!(read_urdf(&deep).scene.is_none());
+    let links: String = (0..5000)
+        .map(|i| format!("<link name=\"l{i}\"/>"))
+        .collect();
+    assert!(
+        told(&read_urdf(&format!("<robot>{links}</robot>")))
+            .contains("5000 links are more than 2000")
+    );
+}
+
+#[test]
+fn names_that_the_language_does_not_take_are_changed_and_told() {
+    let text = ARM
+        .replace("\"elbow\"", "\"joint\"")
+        .replace("\"upper\"", "\"2nd link\"")
+        .replace("\"shoulder\"", "\"fore\"");
+    let reading = read_urdf(&text);
+    let note = reading
+        .notes
+        .iter()
+        .find(|note| note.starts_with("names"))
+        .unwrap()
+        .clone();
+    assert_eq!(
+        note,
+        "names of the URDF that differ here: link \"2nd link\" is `n2nd_link`, joint \"fore\" is `fore_joint`, \
+         joint \"joint\" is `joint_joint`, link \"tool mount\" is `tool_mount`"
+    );
+    scene(reading);
+}
+
+#[test]
+fn an_inertia_that_no_body_has_is_let_through_on_request() {
+    let unchecked =
+        |fields: &str| declared(&format!("model A {{ urdf: \"impossible.urdf\" {fields} }}"));
+    let refused = unchecked(";");
+    assert!(
+        refused.errors[0]
+            .text
+            .starts_with("impossible.urdf:4:81: the inertia of link \"bar\""),
+        "{:?}",
+        refused.errors
+    );
+    assert_eq!(
+        scene(unchecked("{ inertias: unchecked }")).bodies[0]
+            .inertia
+            .zz,
+        Formula::Number(3.0)
+    );
+}
