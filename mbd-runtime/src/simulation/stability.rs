@@ -312,6 +312,7 @@ impl<T: Float> Simulation<T> {
         self.good = good;
         let time = self.time;
         self.events.retain(|event| event.time <= time);
+        self.changes.all.retain(|acted| acted.time <= time);
         if let Some(trajectory) = trajectory {
             trajectory.cut(time);
         }

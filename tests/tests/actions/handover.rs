@@ -14,6 +14,7 @@ model! {
         joint lower_free: free from world to lower.com;
         joint clamp: rigid from lower.head to upper.foot;
         state burnt = 0 s { rate: 1 }
+        load push on lower = [thrust, 0.0, 0.0];
         event separated = time rises 1 s { then: stop }
     }
 }

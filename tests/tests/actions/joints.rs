@@ -75,7 +75,7 @@ model! {
     pub model Staged {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body lower { mass: 30 kg, inertia: diag(5, 5, 1) kg*m^2, frame head at [0.0, 0.0, 1.0] m, start at [0.0, 0.0, 100.0] m velocity [2.0, 0.0, 50.0] m/s angular_velocity [0.2, 0.1, 1.0] rad/s }
-        body upper { mass: 10 kg, inertia: diag(2, 2, 0.5) kg*m^2, frame foot at [0.0, 0.0, -1.0] m, frame side at [0.1, 0.0, -1.0] m, start at [0.0, 0.0, 102.0] m velocity [2.0, 0.0, 50.0] m/s angular_velocity [0.2, 0.1, 1.0] rad/s }
+        body upper { mass: 10 kg, inertia: diag(2, 2, 0.5) kg*m^2, frame foot at [0.0, 0.0, -1.0] m, start at [0.0, 0.0, 102.0] m velocity [2.0, 0.0, 50.0] m/s angular_velocity [0.2, 0.1, 1.0] rad/s }
         joint lower_free: free from world to lower.com;
         joint clamp: rigid from lower.head to upper.foot;
         spring push from lower.com to upper.com { free_length: 2.3 m, stiffness: 4 kN/m }

@@ -71,3 +71,35 @@ fn a_run_that_locates_nothing_refuses_events_that_act() {
         .expect_err("nothing would act");
     assert!(error.to_string().contains("`softer`"), "{error}");
 }
+
+model! {
+    /// A spring that becomes too stiff for the step.
+    model Hardened {
+        gravity: none;
+        param k = 100 N/m;
+        point mass { mass: 1.0 kg, start at [1.1, 0.0, 0.0] m }
+        spring tie from world to mass { free_length: 1 m, stiffness: k }
+        event harder = time rises 1 s { set: k = 1e7 N/m }
+    }
+}
+
+#[test]
+fn a_run_that_goes_back_over_an_event_has_what_was_set_before_it() {
+    let model = Hardened::new(HardenedParams::default()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options that fit");
+    for _ in 0..2 {
+        let error = run.run(2.0).expect_err("a step of h ω = 3.2");
+        assert!(
+            matches!(error.cause, StepError::UnstableStep { .. }),
+            "{error}"
+        );
+        assert!(run.time() <= 1.0, "{}", run.time());
+        assert_eq!(run.model().params(), [100.0]);
+        assert!(run.actions().is_empty() && run.events().is_empty());
+    }
+    let fine = Options::rk4(1e-4);
+    let mut other = Simulation::new(&model, fine).expect("options that fit");
+    other.restore(&run.snapshot()).expect("the same method");
+    other.run(1.1).expect("h ω = 0.32");
+    assert_eq!(other.model().params(), [1e7]);
+}
