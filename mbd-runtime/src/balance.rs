@@ -15,6 +15,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::trajectory::Trajectory;
+
 /// Energies that are told apart: kinetic, gravitational, elastic.
 pub(crate) const ENERGIES: usize = 3;
 /// What of the sizes of the energies rounding may leave, in units of the precision.
@@ -134,7 +136,7 @@ impl Balance {
     /// Takes a step that ended with `now` and in which `work` was done [J].
     pub(crate) fn take(&mut self, step: f64, work: f64, now: Reading) {
         let before = self.last.iter().sum::<f64>();
-        self.surplus += now.total() - before - work;
+        self.surplus += gained([before, now.total()], work);
         let energies = now
             .energies
             .iter()
@@ -191,6 +193,38 @@ impl Balance {
             _ => f64::INFINITY,
         }
     }
+}
+
+impl Trajectory {
+    /// (1) at every row [J], of the columns of energy and of work where the run integrated it: the curve of what
+    /// [`Simulation::imbalance`](crate::Simulation::imbalance) follows at every step. `None` of a history without energy. Where the caller supplies gravity,
+    /// which has no energy then, it means nothing.
+    #[must_use]
+    pub fn energy_surplus(&self) -> Option<Vec<f64>> {
+        let total = self.column("energy.total")?;
+        let names = self.names().iter().map(|name| name.name.as_str());
+        let works = names.filter(|name| name.starts_with("work."));
+        let works: Vec<&[f64]> = works.filter_map(|name| self.column(name)).collect();
+        // Work that is not integrated is not there: the column holds no number.
+        let work = |row: usize| -> f64 {
+            let done = works.iter().filter_map(|work| work.get(row));
+            done.filter(|work| work.is_finite()).sum()
+        };
+        let mut surplus = 0.0;
+        let mut before = (*total.first()?, work(0));
+        let rows = total.iter().enumerate().map(|(row, total)| {
+            let now = (*total, work(row));
+            surplus += gained([before.0, now.0], now.1 - before.1);
+            before = now;
+            surplus
+        });
+        Some(rows.collect())
+    }
+}
+
+/// (1) of a step or between two rows: what the energy changed by, less the work.
+fn gained([before, after]: [f64; 2], work: f64) -> f64 {
+    after - before - work
 }
 
 /// The polynomial through four points, at `x`.

@@ -62,15 +62,31 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
                 .map(|component| Name::new(owner, component, unit)),
         );
     };
-    for body in &scene.bodies {
+    let joints = |speeds: bool| {
+        let own = layout
+            .joint_links()
+            .flat_map(move |(_, link)| match speeds {
+                false => link.slots.q..link.slots.q + link.coordinates,
+                true => layout.nq + link.slots.v..layout.nq + link.slots.v + link.speeds,
+            });
+        own.filter_map(|index| layout.joint_number(scene, index))
+    };
+    let bodies = || {
+        layout
+            .own_bodies()
+            .filter_map(|(body, _)| scene.bodies.get(body))
+    };
+    for body in bodies() {
         list(&body.name, &places, "m");
         list(&body.name, attitude.0, attitude.1);
     }
+    joints(false).for_each(|(joint, name, unit)| list(joint_name(scene, joint), &[name], unit));
     masses().for_each(|point| list(point, &places, "m"));
-    for body in &scene.bodies {
+    for body in bodies() {
         list(&body.name, &speeds, "m/s");
         list(&body.name, turn, "rad/s");
     }
+    joints(true).for_each(|(joint, name, unit)| list(joint_name(scene, joint), &[name], unit));
     masses().for_each(|point| list(point, &speeds, "m/s"));
     for node in layout.nodes.iter().filter(|node| node.z.is_some()) {
         list(node_name(scene, node.point), &["x", "y", "z"], "m");
@@ -79,6 +95,36 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
         list(&state.name, &[""], &state.unit.text);
     }
     names
+}
+
+/// Of the bodies that joints of a tree carry, position, attitude and velocities, named as in absolute coordinates.
+pub(crate) fn carried_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
+    let turn = match scene.angular_velocity {
+        AngularVelocity::Body => ["omega_body_x", "omega_body_y", "omega_body_z"],
+        AngularVelocity::World => ["omega_world_x", "omega_world_y", "omega_world_z"],
+    };
+    let components = [
+        (["x", "y", "z"].as_slice(), "m"),
+        (["qw", "qx", "qy", "qz"].as_slice(), ""),
+        (["vx", "vy", "vz"].as_slice(), "m/s"),
+        (turn.as_slice(), "rad/s"),
+    ];
+    let bodies = scene.bodies.iter().zip(&layout.bodies);
+    let carried = bodies.filter(|(_, own)| own.is_none());
+    let names = carried.flat_map(|(body, _)| {
+        let of = |(words, unit): (&[&str], &str)| -> Vec<Name> {
+            words
+                .iter()
+                .map(|word| Name::new(&body.name, word, unit))
+                .collect()
+        };
+        components
+            .map(of)
+            .into_iter()
+            .flatten()
+            .collect::<Vec<Name>>()
+    });
+    names.collect()
 }
 
 macro_rules! names {
@@ -106,7 +152,7 @@ pub(crate) fn part_name(scene: &Scene, part: Part) -> &str {
     match part {
         Part::Body(body) => body_name(scene, body),
         Part::Point(point) => node_name(scene, point),
-        Part::Joint(joint) => joint_name(scene, joint),
+        Part::Joint(joint) | Part::Coordinates(joint) => joint_name(scene, joint),
     }
 }
 

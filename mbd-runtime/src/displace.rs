@@ -21,10 +21,18 @@ pub(crate) fn displace<T: Float>(
         for (x, dx) in position.iter_mut().zip(moved) {
             *x += share * *dx;
         }
-        match (state.get_mut(part.attitude.clone()), rotated) {
-            (Some([angle]), [more]) => *angle += share * *more,
-            (Some(quaternion), turn) => rotate(quaternion, turn, share, body_axes),
-            (None, _) => {}
+        let attitude = state.get_mut(part.attitude.clone()).unwrap_or_default();
+        if part.has_quaternion() {
+            rotate(
+                attitude,
+                rotated,
+                share,
+                body_axes || part.carried.is_some(),
+            );
+            continue;
+        }
+        for (angle, more) in attitude.iter_mut().zip(rotated) {
+            *angle += share * *more;
         }
     }
 }

@@ -66,6 +66,24 @@ impl Laws {
         );
     }
 
+    /// Writes momentum, what gravity and loads give of it a second, and how much moves (14 numbers).
+    pub(crate) fn impulses<T: Float>(
+        &mut self,
+        model: &dyn Model<T>,
+        at: &At<'_, T>,
+        out: &mut [f64],
+    ) {
+        self.arguments.read(at, |x| x.to_f64());
+        mbd_scene::impulses(
+            model.scene(),
+            model.layout(),
+            &self.numbers,
+            &self.arguments.at(),
+            &mut self.scratch,
+            out,
+        );
+    }
+
     /// Writes the diagonal of the mass matrix.
     pub(crate) fn masses<T: Float>(
         &mut self,

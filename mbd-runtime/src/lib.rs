@@ -44,6 +44,7 @@ mod laws;
 mod linearise;
 mod list;
 mod locate;
+mod momentum;
 mod moving;
 #[doc(hidden)]
 pub mod node;
@@ -112,12 +113,13 @@ pub use mbd_scene::{At, Float, Layout, ParamError, Quantity, Real, Work};
 pub use generated::{CoordInfo, Costs, Energy, LineState, Momentum, ParamInfo, Reaction, Wrench};
 #[doc(inline)]
 pub use mbd_scene::Cost;
-pub use parts::{BodyState, PlanarBodyState, PointState};
+pub use parts::{BodyState, JointState, PlanarBodyState, PointState};
 
 // A run.
 pub use balance::Imbalance;
 pub use compiled::Scalar;
 pub use integrate::Scales;
+pub use momentum::MomentumImbalance;
 pub use options::{Method, Options, Stabilise};
 pub use simulation::{Moved, Simulation, Snapshot, Stop};
 pub use supply::{Inputs, Sample};

@@ -1,10 +1,10 @@
-//! Bodies and points with mass: where in the state each of them is and moves.
+//! Bodies and points with mass, and the joints of a tree: where in the state each of them is and moves.
 
 use std::ops::Range;
 
-use mbd_scene::{Layout, Part, Place, PointSlots};
+use mbd_scene::{Layout, Part, Place, PointSlots, Slots};
 
-/// A body or a point with mass.
+/// A body or a point with mass; or a joint of the tree, whose displacements are its position and whose angles, or quaternion, are its attitude.
 #[derive(Clone, Debug)]
 pub(crate) struct Moving {
     /// Which one.
@@ -19,6 +19,8 @@ pub(crate) struct Moving {
     pub velocity: Range<usize>,
     /// Its angular velocity in the state; empty for a point.
     pub spin: Range<usize>,
+    /// The body that a joint of the tree carries.
+    pub carried: Option<usize>,
 }
 
 impl Moving {
@@ -37,40 +39,69 @@ impl Moving {
         self.moves().end..self.speeds().end
     }
 
+    /// The body that it is, or carries.
+    pub fn body(&self) -> Option<usize> {
+        match self.part {
+            Part::Body(body) => Some(body),
+            _ => self.carried,
+        }
+    }
+
+    /// Whether its attitude is a quaternion.
+    pub fn has_quaternion(&self) -> bool {
+        self.attitude.len() > self.spin.len()
+    }
+
     /// Whether a place is on it.
     pub fn holds(&self, place: Place) -> bool {
         match place {
-            Place::Body(body, _) => self.part == Part::Body(body),
+            Place::Body(body, _) => self.body() == Some(body),
             Place::Point(point) => self.part == Part::Point(point),
             Place::World(_) => false,
         }
     }
 }
 
-/// All of them, bodies first.
+/// All of them, in the order of the state.
 pub(crate) fn moving(layout: &Layout) -> impl Iterator<Item = Moving> + '_ {
     let directions = layout.directions;
-    let bodies = layout.bodies.iter().enumerate();
-    let bodies = bodies.map(|(body, slots)| (Part::Body(body), *slots));
+    let moves = directions.translations().len();
+    let bodies = layout.own_bodies().map(move |(body, slots)| {
+        let turns = [directions.attitude(), directions.rotations().len()];
+        place(layout, Part::Body(body), slots, moves, turns)
+    });
+    let joints = layout.joint_links().map(|(joint, link)| {
+        let slides = link.speeds - link.turns;
+        let turns = [link.coordinates - slides, link.turns];
+        Moving {
+            carried: Some(link.body),
+            ..place(layout, Part::Coordinates(joint), link.slots, slides, turns)
+        }
+    });
     let points = layout.points.iter().enumerate();
-    let points = points.filter_map(|(point, slots)| match slots {
-        PointSlots::Mass(slots) => Some((Part::Point(point), *slots)),
+    let points = points.filter_map(move |(point, slots)| match slots {
+        PointSlots::Mass(slots) => Some(place(layout, Part::Point(point), *slots, moves, [0, 0])),
         PointSlots::Node(_) => None,
     });
-    bodies.chain(points).map(move |(part, slots)| {
-        let (attitude, spin) = match part {
-            Part::Body(_) => (directions.attitude(), directions.rotations().len()),
-            _ => (0, 0),
-        };
-        let (q, v) = (slots.q, layout.nq + slots.v);
-        let moves = directions.translations().len();
-        Moving {
-            part,
-            speed: slots.v,
-            position: q..q + moves,
-            attitude: q + moves..q + moves + attitude,
-            velocity: v..v + moves,
-            spin: v + moves..v + moves + spin,
-        }
-    })
+    bodies.chain(joints).chain(points)
+}
+
+/// One of them: first what moves along, `moves` numbers, then what turns, so many coordinates and speeds.
+fn place(
+    layout: &Layout,
+    part: Part,
+    slots: Slots,
+    moves: usize,
+    [attitude, spin]: [usize; 2],
+) -> Moving {
+    let (q, v) = (slots.q, layout.nq + slots.v);
+    Moving {
+        part,
+        speed: slots.v,
+        position: q..q + moves,
+        attitude: q + moves..q + moves + attitude,
+        velocity: v..v + moves,
+        spin: v + moves..v + moves + spin,
+        carried: None,
+    }
 }

@@ -229,6 +229,9 @@ pub struct Options {
     /// Whether the work of loads, dampers and prescribed motions is integrated along with the run. Where joints are driven this solves the system of
     /// the joints once more a stage. In a step from a state at which rows lose rank the work of motors is as good as their power times the step.
     pub work: bool,
+    /// Whether a run follows its [momentum](crate::Simulation::momentum_imbalance), where the ground holds nothing of the scene: four evaluations of
+    /// gravity and loads by the laws a step.
+    pub momentum: bool,
     /// Whether a run stops on a declared event.
     pub stop_at_events: bool,
     /// What one unit of error is; by itself [`Scales::of`] the model. Positions of what lines and stops hold are resolved by the amplitude V/ω at
@@ -255,6 +258,7 @@ impl Options {
                 None => 1_000_000,
             },
             work: false,
+            momentum: false,
             stop_at_events: false,
             scales: None,
             guard_tolerance: None,

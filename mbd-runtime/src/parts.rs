@@ -37,6 +37,16 @@ pub struct PointState<T = f64, const D: usize = 3> {
     pub velocity: [T; D],
 }
 
+/// Where a joint of relative coordinates stands and how it moves: its coordinates \[m or rad\], an attitude as a unit quaternion w x y z behind the others; and
+/// its speeds \[m/s or rad/s\], those of an attitude the angular velocity of frame 2 against frame 1, in frame-2 axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointState<const Q: usize, const U: usize, T = f64> {
+    /// Coordinates.
+    pub coordinates: [T; Q],
+    /// Speeds.
+    pub speeds: [T; U],
+}
+
 impl<T: Real> BodyState<T> {
     /// At rest, along the axes of the world, with its centre of mass here \[m\].
     #[must_use]
@@ -124,6 +134,20 @@ impl<T: Real, const D: usize> Part<T> for PointState<T, D> {
     fn write(self, q: &mut [T], v: &mut [T]) {
         fill(q, self.position);
         fill(v, self.velocity);
+    }
+}
+
+impl<T: Real, const Q: usize, const U: usize> Part<T> for JointState<Q, U, T> {
+    fn read(q: &[T], v: &[T]) -> Self {
+        JointState {
+            coordinates: first(q),
+            speeds: first(v),
+        }
+    }
+
+    fn write(self, q: &mut [T], v: &mut [T]) {
+        fill(q, self.coordinates);
+        fill(v, self.speeds);
     }
 }
 

@@ -13,6 +13,7 @@ use crate::chatter::Chatter;
 use crate::error::{Progress, RunError, Statistics, StepError};
 use crate::event::{Happening, Margins, Occurrence};
 use crate::integrate::{Control, ErrorNorm, Stepper, StiffnessTest};
+use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::options::Options;
 use crate::rounding::Rounding;
@@ -120,7 +121,9 @@ pub struct Simulation<T: Float> {
     watched: bool,
     /// The balance of energy, where this run can tell it.
     balance: Option<Balance>,
-    /// Whether fixed steps are judged by it.
+    /// The balance of momentum, where it was asked for and the ground holds nothing.
+    pub(crate) momentum: Option<MomentumBalance>,
+    /// Whether fixed steps are judged by the balance of energy.
     judged: bool,
     /// How the energy is read.
     meter: Meter,
@@ -135,7 +138,7 @@ pub struct Simulation<T: Float> {
     /// Fixed steps count from here, so that time does not accumulate rounding.
     origin: f64,
     count: u64,
-    options: Options,
+    pub(crate) options: Options,
     guess: Option<Vec<T>>,
     moved: Vec<Moved>,
     /// Whether what is held has changed since the first stage of the next step was evaluated.

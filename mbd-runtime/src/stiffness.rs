@@ -83,23 +83,23 @@ impl Stiffness {
             false => 0.0,
         };
         let moving = self.moving(owner, true);
-        match owner.part {
-            Part::Body(body) => self.numbers.bodies.get(body).map_or([0.0; 2], |body| {
+        match owner.body() {
+            Some(body) => self.numbers.bodies.get(body).map_or([0.0; 2], |body| {
                 let turning = self.turning(owner, true) + self.levers(owner);
                 let inertia = body.inertia.trace() / 3.0;
                 [root(moving, body.mass), root(turning, inertia)]
             }),
-            _ => [root(moving, self.mass(owner)), 0.0],
+            None => [root(moving, self.mass(owner)), 0.0],
         }
     }
 
     /// The mass of a body or a point [kg].
     pub(crate) fn mass(&self, owner: &Moving) -> f64 {
         let numbers = &self.numbers;
-        let mass = match owner.part {
-            Part::Body(body) => numbers.bodies.get(body).map(|body| body.mass),
-            Part::Point(point) => numbers.points.get(point).map(|(mass, _)| *mass),
-            Part::Joint(_) => None,
+        let mass = match (owner.body(), owner.part) {
+            (Some(body), _) => numbers.bodies.get(body).map(|body| body.mass),
+            (None, Part::Point(point)) => numbers.points.get(point).map(|(mass, _)| *mass),
+            (None, _) => None,
         };
         mass.unwrap_or(0.0)
     }
@@ -121,9 +121,11 @@ impl Stiffness {
                 groups.join(a, b);
             }
         }
-        let own = |part: &Moving| match part.part {
-            Part::Body(body) => body,
-            Part::Point(point) | Part::Joint(point) => bodies + point,
+        let own = |part: &Moving| match (part.body(), part.part) {
+            (Some(body), _) => body,
+            (None, Part::Body(at) | Part::Point(at) | Part::Joint(at) | Part::Coordinates(at)) => {
+                bodies + at
+            }
         };
         let mut heaviest = vec![0.0_f64; bodies + self.numbers.points.len()];
         for part in parts {

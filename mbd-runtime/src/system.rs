@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use mbd_scene::{Float, Model, Quantity, Scene, Work};
+use mbd_scene::{At, Float, Model, Quantity, Scene, Work};
 
 use crate::columns::{line_name, node_name};
 use crate::commands::Commands;
@@ -260,6 +260,20 @@ impl<T: Float> System<T> {
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
         laws.evaluate(&*self.model, what, &at, out);
+    }
+
+    /// Hands over the laws at the stage that was evaluated last, or at the state that [`System::look`] saw last (`seen`).
+    pub(crate) fn by_laws_at(
+        &mut self,
+        (time, state): (f64, &[T]),
+        seen: bool,
+        ask: impl FnOnce(&mut Laws, &dyn Model<T>, &At<'_, T>),
+    ) {
+        let state = state.get(..self.nx).unwrap_or_default();
+        let nodes = if seen { &self.probe } else { &self.nodes };
+        let at = nodes.at(T::from_f64(time), state, &self.inputs);
+        let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
+        ask(laws, &*self.model, &at);
     }
 
     /// The same for the multipliers, and the accelerations, that the fallback found last, where those of the model mean nothing: reactions, energy or outputs.

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use mbd_scene::{Float, Layout, Model, Quantity, Scene};
 
-use crate::columns::{Name, joint_name, line_name, node_name, state_names};
+use crate::columns::{Name, carried_names, joint_name, line_name, node_name, state_names};
 use crate::error::{Statistics, StepError};
 use crate::system::{System, WORKS};
 
@@ -286,6 +286,12 @@ impl Trajectory {
         if self.content.state {
             self.row
                 .extend(state.iter().take(layout.nx()).map(|x| x.to_f64()));
+            let bodies = read(system, (Quantity::Bodies, None), time, state, scratch);
+            for (own, numbers) in layout.bodies.iter().zip(bodies.chunks_exact(13)) {
+                if own.is_none() {
+                    self.row.extend(numbers.iter().map(|x| x.to_f64()));
+                }
+            }
             self.row.push(system.drift);
             for what in [Quantity::Constraint, Quantity::ConstraintRate] {
                 let rows = read(system, (what, None), time, state, scratch);
@@ -368,6 +374,7 @@ fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
     let mut names = vec![Name::new("time", "", "s")];
     if content.state {
         names.extend(state_names(scene, layout));
+        names.extend(carried_names(scene, layout));
         names.push(Name::new("quaternion_drift", "", ""));
         if layout.nc > 0 {
             names.push(Name::new("joint_drift", "", "m"));
@@ -390,7 +397,7 @@ fn names(scene: &Scene, layout: &Layout, content: Content) -> Vec<Name> {
             names.push(Name::new(line_name(scene, line), "stretch", "m"));
         }
     }
-    if content.reactions && layout.nc > 0 {
+    if content.reactions && layout.len(Quantity::Reactions) > 0 {
         for joint in 0..scene.joints.len() {
             for (kind, unit) in [("force", "N"), ("torque", "N m")] {
                 let owner = format!("{}.{kind}", joint_name(scene, joint));

@@ -13,7 +13,7 @@
 
 use std::fmt;
 
-use mbd_scene::{Float, Model, Part};
+use mbd_scene::{Float, Model};
 use serde::{Deserialize, Serialize};
 
 use crate::moving::{Moving, moving};
@@ -110,14 +110,18 @@ pub(crate) fn weights<T: Float>(model: &dyn Model<T>, masses: &[f64], step: f64)
     let mut frequency = step.powi(-2);
     let mut lightest = f64::INFINITY;
     for owner in moving(layout) {
-        let (mass, inertia) = (mass(owner.speed), inertia_of(&owner));
+        let slides = !owner.velocity.is_empty();
+        let mass = if slides { mass(owner.speed) } else { 0.0 };
+        let inertia = inertia_of(&owner);
         let rates = [
             stiffness.moving(&owner, false) / mass,
             stiffness.turning(&owner, false) / inertia,
         ];
         let fastest = rates.into_iter().filter(|rate| rate.is_finite());
         frequency = fastest.fold(frequency, f64::max);
-        lightest = lightest.min(mass);
+        if slides {
+            lightest = lightest.min(mass);
+        }
     }
     let mut weights = vec![T::zero(); layout.nx()];
     let mut set = |at: usize, value: f64| {
@@ -131,10 +135,7 @@ pub(crate) fn weights<T: Float>(model: &dyn Model<T>, masses: &[f64], step: f64)
             set(at, frequency * mass(speed));
         }
         // A turn by the angle a moves the quaternion by a/2.
-        let square = match owner.part {
-            Part::Body(_) if layout.directions.plane.is_none() => 4.0,
-            _ => 1.0,
-        };
+        let square = if owner.has_quaternion() { 4.0 } else { 1.0 };
         let weight = square * frequency * inertia_of(&owner);
         owner.attitude.clone().for_each(|at| set(at, weight));
     }

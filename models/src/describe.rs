@@ -401,6 +401,7 @@ fn quantity(what: Quantity) -> String {
         Quantity::Coordinates => "joint coordinates",
         Quantity::Energy => "energy",
         Quantity::Momentum => "momentum",
+        Quantity::Bodies => "bodies as absolute coordinates have them",
         Quantity::MassMatrix => "mass matrix",
         Quantity::BiasForce => "bias force",
         Quantity::Forces => "applied forces",

@@ -130,7 +130,7 @@ fn along(from: &[f64], slope: &[f64], h: f64) -> Vec<f64> {
 }
 
 fn normalise(model: &dyn Model<f64>, state: &mut [f64]) {
-    for body in &model.layout().bodies {
+    for (_, body) in model.layout().own_bodies() {
         let attitude = &mut state[body.q + 3..body.q + 7];
         let size = attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
         attitude.iter_mut().for_each(|x| *x /= size);

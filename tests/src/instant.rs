@@ -18,11 +18,11 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
         .map(|_| random.uniform(-2.0, 2.0))
         .collect();
     let moves = layout.directions.translations().len();
-    for slots in &layout.bodies {
+    for (_, slots) in layout.own_bodies() {
         state[slots.q..slots.q + moves].copy_from_slice(&random.vector(3.0)[..moves]);
-        if layout.directions.plane.is_none() {
-            state[slots.q + 3..slots.q + 7].copy_from_slice(&random.attitude());
-        }
+    }
+    for upright in layout.quaternions() {
+        state[upright..upright + 4].copy_from_slice(&random.attitude());
     }
     for slots in &layout.points {
         if let PointSlots::Mass(slots) = slots {

@@ -17,6 +17,7 @@ pub mod planar;
 pub mod random;
 pub mod random_scene;
 pub mod reference;
+pub mod relative;
 pub mod system;
 pub mod turning;
 pub mod web;

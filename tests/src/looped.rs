@@ -63,7 +63,7 @@ fn tree(components: AngularVelocity, random: &mut Random) -> (Scene, Vec<f64>) {
 fn close(scene: &mut Scene, state: &[f64], random: &mut Random) {
     let layout = Layout::new(scene);
     let pose = |body: usize| {
-        let at = layout.bodies[body].q;
+        let at = layout.bodies[body].expect("slots").q;
         let q = Quaternion::new(state[at + 3], state[at + 4], state[at + 5], state[at + 6]);
         let turn = UnitQuaternion::from_quaternion(q).to_rotation_matrix();
         (

@@ -259,7 +259,7 @@ pub fn accelerations(scene: &Scene, bodies: &[Instance], points: &[Instance]) ->
 pub fn jets(scene: &Scene, bodies: &[Instance], points: &[Instance]) -> Vec<Jet> {
     let layout = layout(scene);
     let mut list = vec![Jet::constant(0.0); layout.nx()];
-    for (slots, body) in layout.bodies.iter().zip(bodies) {
+    for ((_, slots), body) in layout.own_bodies().zip(bodies) {
         let components = scene.angular_velocity;
         let omega = body.in_components(body.omega, components);
         let alpha = body.in_components(body.alpha, components);

@@ -163,7 +163,7 @@ impl Mechanism {
         let layout = Layout::new(scene);
         let mut state = vec![0.0; layout.nx()];
         let plane = scene.planar.expect("a planar scene");
-        for (slots, pose) in layout.bodies.iter().zip(self.poses) {
+        for ((_, slots), pose) in layout.own_bodies().zip(self.poses) {
             let mut random = |size: f64| random.uniform(-size, size);
             for (k, axis) in layout.directions.translations().iter().enumerate() {
                 let place = axes(plane).iter().position(|own| own == axis);
@@ -209,7 +209,11 @@ pub fn lifted(scene: &Scene, state: &[f64]) -> Vec<f64> {
     let (flat, space) = (Layout::new(scene), Layout::new(&in_space(scene)));
     let normal = scene.planar.expect("a planar scene").normal();
     let mut out = vec![0.0; space.nx()];
-    for (from, to) in flat.bodies.iter().zip(&space.bodies) {
+    for (from, to) in flat
+        .own_bodies()
+        .map(|own| own.1)
+        .zip(space.own_bodies().map(|own| own.1))
+    {
         for (k, &axis) in flat.directions.translations().iter().enumerate() {
             out[to.q + axis] = state[from.q + k];
             out[space.nq + to.v + axis] = state[flat.nq + from.v + k];
@@ -235,7 +239,11 @@ pub fn flattened(scene: &Scene, accelerations: &[f64]) -> Vec<f64> {
     let (flat, space) = (Layout::new(scene), Layout::new(&in_space(scene)));
     let normal = scene.planar.expect("a planar scene").normal();
     let mut out = vec![0.0; flat.nv];
-    for (to, from) in flat.bodies.iter().zip(&space.bodies) {
+    for (to, from) in flat
+        .own_bodies()
+        .map(|own| own.1)
+        .zip(space.own_bodies().map(|own| own.1))
+    {
         for (k, &axis) in flat.directions.translations().iter().enumerate() {
             out[to.v + k] = accelerations[from.v + axis];
         }

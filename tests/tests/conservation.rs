@@ -205,3 +205,99 @@ fn energy_gained_is_the_work_of_drag_and_dampers_for_a_rate_node() {
         "{open:e} J"
     );
 }
+
+/// The momentum that a run over two seconds made or lost, relative.
+fn momentum_lost(text: &str, options: Options) -> f64 {
+    let model = Interpreted::<f64>::new(read(text), &[]).expect("no params");
+    let options = Options {
+        momentum: true,
+        ..options
+    };
+    let mut simulation = Simulation::new(&model, options).expect("options");
+    simulation
+        .run(2.0)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let found = simulation.momentum_imbalance().expect("nothing is held");
+    println!("{}: {found:?}", model.scene().name);
+    found.relative()
+}
+
+/// Two bodies on a joint and a point on a damped spring that fall, are pushed, and tumble.
+const FALLING: &str = "model Falling {
+    gravity: point_mass { mu: 1.6e4 m^3/s^2, center: [0.0, 0.0, -40.0] m };
+    body a { mass: 2 kg, inertia: diag(0.3, 0.2, 0.25) kg*m^2, frame end at [0.3, 0.1, 0] m,
+        start at [0, 0, 0] m velocity [1, 0.5, 3] m/s angular_velocity [0.5, 1, -2] rad/s }
+    body b { mass: 1 kg, inertia: full { xx: 0.1, yy: 0.12, zz: 0.15, xy: 0.01, xz: 0.02, yz: -0.01 } kg*m^2 (matrix elements),
+        frame root at [-0.2, 0, 0.1] m }
+    point bob { mass: 0.5 kg, start at [0.4, 0.5, 0.3] m }
+    joint a_free: free from world to a.com;
+    joint pin: hinge from a.end to b.root { axis: z, stiffness: 3 N*m, damping: 0.1 N*m*s }
+    spring s from b.com to bob { free_length: 0.2 m, stiffness: 30 N/m, damping: 0.3 N*s/m }
+    load push on b at root = [2 N * sin(3 rad/s * time), 1 N, 0 N] - (0.2 kg/s) * b.root.velocity;
+    load twist on a at com = [0.1, 0, 0.2] N*m;
+    load drag on bob = -(0.1 kg/s) * bob.velocity; }";
+
+#[test]
+fn gravity_and_loads_account_for_all_momentum_of_what_the_ground_does_not_hold() {
+    for (options, bound) in [
+        (Options::rk4(1e-3), 1e-8),
+        (Options::rattle(1e-3), 1e-8),
+        (Options::tsit5(1e-9), 1e-7),
+        (Options::vern7(1e-11), 1e-9),
+        (Options::rodas5p(1e-8), 1e-6),
+    ] {
+        let lost = momentum_lost(FALLING, options);
+        assert!(lost < bound, "{:?}: {lost:e}", options.method);
+    }
+    // A step that is too long for what it has to follow loses some, and it shows.
+    let coarse = Options {
+        watch: false,
+        ..Options::rk4(0.05)
+    };
+    let lost = momentum_lost(FALLING, coarse);
+    assert!(lost > 1e-7, "{lost:e}");
+    // In space without anything the sum is constant.
+    let alone = FALLING.replace(
+        "point_mass { mu: 1.6e4 m^3/s^2, center: [0.0, 0.0, -40.0] m }",
+        "none",
+    );
+    let alone = alone
+        .lines()
+        .filter(|line| !line.contains("load "))
+        .collect::<Vec<_>>()
+        .join("\n")
+        + "}";
+    let lost = momentum_lost(&alone, Options::rattle(1e-3));
+    assert!(lost < 1e-13, "{lost:e}");
+}
+
+#[test]
+fn momentum_is_not_told_of_what_the_ground_holds_and_the_holder_has_a_name() {
+    let held = |more: &str| {
+        let scene = read(&format!(
+            "model Held {{ gravity: none; body a {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }} point bob {{ mass: 1 kg }} {more} }}"
+        ));
+        let model = Interpreted::<f64>::new(scene.clone(), &[]).expect("no params");
+        let options = Options {
+            momentum: true,
+            ..Options::rk4(0.01)
+        };
+        let mut simulation = Simulation::new(&model, options).expect("options");
+        simulation.run(0.1).expect("nothing moves");
+        let by = scene.held_by_ground().map(|names| names.map(str::to_owned));
+        assert_eq!(simulation.momentum_imbalance().is_none(), by.is_some());
+        by
+    };
+    assert_eq!(held("joint loose: free from world to a.com;"), None);
+    let by = |more: &str| held(more).expect("held");
+    assert_eq!(
+        by("joint pin: hinge from world to a.com { axis: z }"),
+        ["pin", "a"]
+    );
+    assert_eq!(
+        by(
+            "joint loose: free from world to a.com; spring s from bob to world { free_length: 1 m, stiffness: 1 N/m }"
+        ),
+        ["s", "bob"]
+    );
+}

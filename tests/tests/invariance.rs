@@ -156,7 +156,7 @@ impl Change {
             let rotated = turn * Vector3::from_column_slice(v);
             v.copy_from_slice(rotated.as_slice());
         };
-        for body in &layout.bodies {
+        for (_, body) in layout.own_bodies() {
             let (q, v) = (body.q, layout.nq + body.v);
             place(&mut state[q..q + 3]);
             let attitude = Quaternion::new(state[q + 3], state[q + 4], state[q + 5], state[q + 6]);
@@ -310,7 +310,7 @@ fn between_components(scene: &Scene, options: Options) -> f64 {
     // ω = R ω′ for every body.
     let to_world = |state: &[f64]| {
         let mut state = state.to_vec();
-        for slots in &body.layout().bodies {
+        for (_, slots) in body.layout().own_bodies() {
             let (q, v) = (slots.q + 3, body.layout().nq + slots.v + 3);
             let attitude = Quaternion::new(state[q], state[q + 1], state[q + 2], state[q + 3]);
             let attitude = UnitQuaternion::from_quaternion(attitude);

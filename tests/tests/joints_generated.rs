@@ -402,7 +402,7 @@ fn of_the_reference(model: &dyn Model<f64>, instant: usize) -> Vec<f64> {
     let history = &file["time_history"];
     let layout = model.layout();
     let mut state = vec![0.0; layout.nx()];
-    for (body, slots) in layout.bodies.iter().enumerate() {
+    for (body, slots) in layout.own_bodies() {
         let position = numbers(&history["r"][instant][body]);
         let attitude = numbers(&history["quat"][instant][body]);
         state[slots.q..slots.q + 3].copy_from_slice(&position);

@@ -157,7 +157,7 @@ fn assemble(scene: &Scene, x: &mut [f64]) -> bool {
     let rotation = one.0 * two.0.transpose();
     let position = one.1 - rotation * two.1;
     let turn = nalgebra::UnitQuaternion::from_matrix(&rotation);
-    let at = Layout::new(scene).bodies[child].q;
+    let at = Layout::new(scene).bodies[child].expect("slots").q;
     x[at..at + 3].copy_from_slice(position.as_slice());
     x[at + 3..at + 7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
     true

@@ -81,7 +81,7 @@ fn a_double_pendulum_starts_at_its_angles_and_rates() {
         let state = placed(&scene, &given, &[]).expect("a tree");
         let layout = Layout::new(&scene);
         let linear = |at: usize| layout.directions.linear(&state, at);
-        let [upper, lower] = [0, 1].map(|body| layout.bodies[body]);
+        let [upper, lower] = [0, 1].map(|body| layout.bodies[body].expect("slots"));
         let x = |angle: f64| -angle.sin();
         let z = |angle: f64| -angle.cos();
         assert_close(
@@ -189,7 +189,7 @@ fn a_slider_on_a_base_that_moves_starts_with_the_velocity_of_both() {
     let state = placed(&scene, &given, &[]).expect("a tree");
     let layout = Layout::new(&scene);
     let at = |slot: usize| layout.directions.linear(&state, slot);
-    let [cart, pole] = [0, 1].map(|body| layout.bodies[body]);
+    let [cart, pole] = [0, 1].map(|body| layout.bodies[body].expect("slots"));
     assert_close(
         at(cart.q).as_slice(),
         &[0.0, 0.4, 1.0],

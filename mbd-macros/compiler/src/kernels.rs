@@ -302,15 +302,19 @@ fn owner(layout: &Layout, index: usize) -> usize {
     if let Some(own) = index.checked_sub(layout.states()) {
         return layout.bodies.len() + layout.points.len() + 1 + own;
     }
-    let bodies = layout.bodies.iter().copied();
+    let bodies = layout.own_bodies().map(|(_, slots)| slots);
+    let joints = layout.joint_links().map(|(_, link)| link.slots);
     let points = layout.points.iter().filter_map(|slots| match slots {
         PointSlots::Mass(slots) => Some(*slots),
         PointSlots::Node(_) => None,
     });
-    let begins = bodies.chain(points).map(|slots| match index < layout.nq {
-        true => slots.q,
-        false => layout.nq + slots.v,
-    });
+    let begins = bodies
+        .chain(joints)
+        .chain(points)
+        .map(|slots| match index < layout.nq {
+            true => slots.q,
+            false => layout.nq + slots.v,
+        });
     begins.filter(|&begin| begin <= index).count()
 }
 

@@ -154,7 +154,11 @@ pub fn coordinate<'s>(scene: &'s Scene, layout: &Layout, index: usize) -> (Strin
     let v = index.checked_sub(layout.nq);
     let (pose, twist) = (pose(layout), twist(layout));
     let moves = layout.directions.translations();
-    for (body, slots) in scene.bodies.iter().zip(&layout.bodies) {
+    if let Some((joint, name, unit)) = layout.joint_number(scene, index) {
+        return (format!("{}.{name}", scene.joints[joint].name), unit);
+    }
+    for (number, slots) in layout.own_bodies() {
+        let body = &scene.bodies[number];
         if let Some((i, item)) = v
             .is_none()
             .then(|| index.checked_sub(slots.q))
@@ -229,7 +233,10 @@ fn stop_name(scene: &Scene, layout: &Layout, index: usize) -> String {
 fn state(scene: &Scene, layout: &Layout, index: usize) -> String {
     let v = index.checked_sub(layout.nq);
     let (pose, twist) = (pose(layout), twist(layout));
-    for (number, slots) in layout.bodies.iter().enumerate() {
+    if let Some((joint, name, _)) = layout.joint_number(scene, index) {
+        return format!("{}_{name}", identifier(&scene.joints[joint].name));
+    }
+    for (number, slots) in layout.own_bodies() {
         if let Some(item) = index.checked_sub(slots.q).and_then(|i| pose.get(i))
             && v.is_none()
         {

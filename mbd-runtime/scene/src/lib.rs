@@ -11,6 +11,7 @@
 mod elimination;
 mod evaluate;
 mod fingerprint;
+mod held;
 pub mod joints;
 pub mod laws;
 mod layout;
@@ -26,10 +27,12 @@ mod scalar;
 mod scene;
 pub mod similar;
 mod starts;
+mod tree;
 mod vocabulary;
 
 pub use evaluate::{
-    Scratch, commands, evaluate, evaluate_with_multipliers, jumping_angles, masses, sensitivity,
+    Scratch, commands, evaluate, evaluate_with_multipliers, impulses, jumping_angles, masses,
+    sensitivity,
 };
 pub use fingerprint::fingerprint;
 pub use joints::{
@@ -39,8 +42,8 @@ pub use joints::{
 };
 pub use layout::{
     Anchor, Asked, Below, Carrying, Elimination, HeldMotor, InputSlots, InputSource, JointSlots,
-    Layout, LineEnd, LineSlots, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat, Slots,
-    Step, StopSlots,
+    Layout, LineEnd, LineSlots, Link, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat,
+    Slots, Step, StopSlots, Tree,
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};
@@ -60,6 +63,7 @@ pub use scene::{
     PartStart, Point, PointKind, Scene, Starts, State, Triple,
 };
 pub use starts::{declared_parts, place_declared};
+pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
     Energy, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,

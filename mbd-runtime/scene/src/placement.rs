@@ -552,14 +552,7 @@ impl Placement<'_> {
                 continue;
             };
             let directions = self.layout.directions;
-            let slots = match link.to {
-                Part::Body(body) => self.layout.bodies.get(body).copied(),
-                Part::Point(point) => match self.layout.points.get(point) {
-                    Some(PointSlots::Mass(slots)) => Some(*slots),
-                    _ => None,
-                },
-                Part::Joint(_) => None,
-            };
+            let slots = self.layout.own_slots(link.to);
             let Some(slots) = slots else { continue };
             let v = self.layout.nq + slots.v;
             directions.write_linear(state, slots.q, &moving.position);
@@ -669,7 +662,7 @@ impl Placement<'_> {
                 }
             }),
             Place::Body(body, _) => {
-                let slots = *layout.bodies.get(body)?;
+                let slots = layout.own_slots(Part::Body(body))?;
                 let components = self.scene.angular_velocity;
                 let motion = BodyMotion::read(state, slots, layout.nq, directions, components);
                 let (point, axes) = self.place_of(place)?;

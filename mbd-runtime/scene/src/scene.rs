@@ -136,6 +136,15 @@ pub struct CoordinateStart {
 }
 
 impl Scene {
+    /// The same scene in a family of coordinates.
+    #[must_use]
+    pub fn in_coordinates(&self, coordinates: Coordinates) -> Self {
+        Scene {
+            coordinates,
+            ..self.clone()
+        }
+    }
+
     /// The name of a line.
     pub(crate) fn line_name(&self, line: usize) -> &str {
         let line = self.lines.get(line);

@@ -5,7 +5,8 @@ use nalgebra::{Matrix3, Vector3};
 use crate::laws::body::attitude_of;
 use crate::laws::constant;
 use crate::placement::place_near;
-use crate::{Formula, JointStart, Layout, Part, PlacementError, PointSlots, Scene, Triple};
+use crate::tree::Absolute;
+use crate::{Formula, JointStart, Layout, Part, PlacementError, Scene, Triple};
 
 /// Writes the declared starts of bodies and points into a state; returns which these are.
 pub fn declared_parts(
@@ -14,18 +15,21 @@ pub fn declared_parts(
     params: &[f64],
     state: &mut [f64],
 ) -> Vec<Part> {
+    let parts = scene.starts.parts.iter().map(|start| start.part).collect();
+    if layout.tree.is_some() {
+        if !scene.starts.parts.is_empty() && state.len() == layout.nx() {
+            let absolute = Absolute::of(scene);
+            let mut placed = absolute.state((scene, layout), (params, 0.0), state);
+            declared_parts(&absolute.scene, &absolute.layout, params, &mut placed);
+            absolute.relative((scene, layout), &placed, (params, 0.0), state);
+        }
+        return parts;
+    }
     let directions = layout.directions;
     let of = |formula: &Formula| constant(scene, params, formula);
     let vector = |triple: &Triple| Vector3::from(triple.each_ref().map(of));
     for start in &scene.starts.parts {
-        let slots = match start.part {
-            Part::Body(body) => layout.bodies.get(body).copied(),
-            Part::Point(point) => match layout.points.get(point) {
-                Some(PointSlots::Mass(slots)) => Some(*slots),
-                _ => None,
-            },
-            Part::Joint(_) => None,
-        };
+        let slots = layout.own_slots(start.part);
         let Some(slots) = slots else { continue };
         let v = layout.nq + slots.v;
         if let Some(position) = &start.position {
@@ -47,7 +51,7 @@ pub fn declared_parts(
             directions.write_angular(state, v, &vector(omega));
         }
     }
-    scene.starts.parts.iter().map(|start| start.part).collect()
+    parts
 }
 
 /// [`place`](crate::place) with the starts that the scene declares for the coordinates that are not given. Where these do not fit together, the given
@@ -64,6 +68,9 @@ pub fn place_declared(
     fixed: &[Part],
     state: &mut [f64],
 ) -> Result<(), PlacementError> {
+    if layout.tree.is_some() {
+        return place_along_tree((scene, layout), from, given, fixed, state);
+    }
     let of = |formula: &Option<Formula>| {
         let formula = formula.as_ref();
         formula.map(|formula| constant(scene, from.0, formula))
@@ -102,4 +109,45 @@ pub fn place_declared(
         }
         result => result,
     }
+}
+
+/// [`place_declared`] in relative coordinates: bodies are placed as in absolute ones; of joints of the tree the coordinates hold that are given or
+/// declared, turns that an angle counts among them.
+fn place_along_tree(
+    (scene, layout): (&Scene, &Layout),
+    from: (&[f64], f64),
+    given: &[JointStart],
+    fixed: &[Part],
+    state: &mut [f64],
+) -> Result<(), PlacementError> {
+    let motors = scene
+        .joints
+        .iter()
+        .any(|joint| joint.motors().next().is_some());
+    let nothing = given.is_empty() && scene.starts.coordinates.is_empty() && !motors;
+    if nothing || state.len() != layout.nx() {
+        return Ok(());
+    }
+    let absolute = Absolute::of(scene);
+    let mut placed = absolute.state((scene, layout), from, state);
+    place_declared(
+        &absolute.scene,
+        &absolute.layout,
+        from,
+        given,
+        fixed,
+        &mut placed,
+    )?;
+    absolute.relative((scene, layout), &placed, from, state);
+    for start in given {
+        if let Some(link) = layout.carried(start.joint) {
+            let places = [link.slots.q, layout.nq + link.slots.v].map(|at| at + start.coordinate);
+            for (place, number) in places.into_iter().zip([start.value, start.rate]) {
+                if let (Some(slot), Some(number)) = (state.get_mut(place), number) {
+                    *slot = number;
+                }
+            }
+        }
+    }
+    Ok(())
 }

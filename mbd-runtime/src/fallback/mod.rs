@@ -269,7 +269,11 @@ impl<T: Float> System<T> {
         self.by_laws(Quantity::MassMatrix, time, state, &mut dense.mass);
         let jacobian = &mut dense.jacobian;
         self.by_laws(Quantity::ConstraintJacobian, time, state, jacobian);
-        moving(layout).for_each(|part| dense.set_mass(part.speeds()));
+        match layout.tree {
+            None => moving(layout).for_each(|part| dense.set_mass(part.speeds())),
+            // The speeds of a tree share their mass.
+            Some(_) => dense.set_mass(0..layout.nv),
+        }
         self.fallback.dense = dense;
     }
 

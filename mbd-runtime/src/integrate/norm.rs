@@ -124,11 +124,11 @@ impl ErrorNorm {
                 });
             }
         };
-        let attitude = match layout.directions.plane {
-            None => Kind::Rotation,
-            Some(_) => Kind::Angle,
-        };
         for part in moving(layout) {
+            let attitude = match part.has_quaternion() {
+                true => Kind::Rotation,
+                false => Kind::Angle,
+            };
             let owner = Some(part.part);
             let [length, angle] = resolution(&part);
             block(Kind::Position, part.position, owner, length);
@@ -303,7 +303,7 @@ mod tests {
         let layout = Layout {
             nq: 7,
             nv: 6,
-            bodies: vec![Slots { q: 0, v: 0 }],
+            bodies: vec![Some(Slots { q: 0, v: 0 })],
             ..Layout::default()
         };
         ErrorNorm::new(&layout, 13, (Scales::default(), 1e-6), &[], |_| [1.0; 2])

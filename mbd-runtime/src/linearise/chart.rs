@@ -98,7 +98,7 @@ pub(crate) fn candidates(moment: &Moment) -> Vec<Minimal> {
         }
     };
     let moves = layout.directions.translations().len();
-    for slots in &layout.bodies {
+    for (_, slots) in layout.own_bodies() {
         let places = match layout.directions.plane {
             Some(_) => moves + 1,
             None => moves,
@@ -111,7 +111,7 @@ pub(crate) fn candidates(moment: &Moment) -> Vec<Minimal> {
         }
     }
     if layout.directions.plane.map(Plane::normal).is_none() {
-        for (body, slots) in layout.bodies.iter().enumerate() {
+        for (body, slots) in layout.own_bodies() {
             for (axis, word) in ["turn_x", "turn_y", "turn_z"].into_iter().enumerate() {
                 let speed = slots.v + moves + axis;
                 if let Some(rate) = name(layout.nq + speed) {
@@ -367,7 +367,10 @@ impl Chart {
             return swept;
         };
         let layout = moment.layout();
-        let first = layout.bodies[body].v + layout.directions.translations().len();
+        let Some(slots) = layout.bodies[body] else {
+            return swept;
+        };
+        let first = slots.v + layout.directions.translations().len();
         let sign = match moment.scene().angular_velocity {
             AngularVelocity::Body => -1.0,
             AngularVelocity::World => 1.0,

@@ -92,7 +92,7 @@ impl<T: Float> Jacobian<T> {
         (by_state, by_time): (&mut [T], &mut [T]),
     ) -> Result<(), LinearisationError> {
         let layout = model.layout();
-        let through_rows = layout.nc > 0;
+        let through_rows = layout.solves();
         if through_rows {
             let own = self.own.then_some(&mut *work);
             let mut evaluator = Evaluator::known(model, own, &mut self.laws);

@@ -119,7 +119,7 @@ impl<T: Float> Partials<T> {
         let layout = model.layout();
         for (of, matrix) in self.each() {
             matrix.values.fill(T::zero());
-            let through_rows = layout.nc > 0 && of == Differentiated::Derivative;
+            let through_rows = layout.solves() && of == Differentiated::Derivative;
             if matrix.values.is_empty() || through_rows {
                 continue;
             }
@@ -280,7 +280,7 @@ impl<T: Float> Linearisation<T> {
             let scene = (model.scene(), model.layout());
             let mut slopes = Slopes::new(scene.0, scene.1, model.params());
             for (of, matrix) in self.parameters.partials.each() {
-                if self.layout.nc > 0 && of == Differentiated::Derivative {
+                if self.layout.solves() && of == Differentiated::Derivative {
                     continue;
                 }
                 let of = (of.quantity(), Variable::Parameter);
@@ -290,7 +290,7 @@ impl<T: Float> Linearisation<T> {
             let partials = &mut self.parameters.partials;
             partials.evaluate(model, Variable::Parameter, at, work);
         }
-        if self.layout.nc > 0 {
+        if self.layout.solves() {
             self.through_rows(model, at, work)?;
         }
         for network in 0..self.layout.networks.len() {

@@ -7,6 +7,7 @@ use crate::balance::Balance;
 use crate::error::{Collapse, RunError, StepError};
 use crate::event::{Happening, Occurrence};
 use crate::integrate::{Control, StiffnessTest, Verdict};
+use crate::momentum::MomentumBalance;
 use crate::trajectory::{Trajectory, resolution};
 use crate::watch::Watch;
 
@@ -18,6 +19,7 @@ struct Judgement {
     control: Option<Control>,
     watch: Watch,
     balance: Option<Balance>,
+    momentum: Option<MomentumBalance>,
     stiffness: StiffnessTest,
     angle_jumps: u64,
 }
@@ -331,6 +333,7 @@ impl<T: Float> Simulation<T> {
             },
             watch: self.watch,
             balance: self.balance,
+            momentum: self.momentum,
             stiffness: self.stiffness,
             angle_jumps: self.system.counters.angle_jumps,
         }
@@ -343,6 +346,7 @@ impl<T: Float> Simulation<T> {
             *control = before;
         }
         (self.watch, self.balance) = (before.watch, before.balance);
+        self.momentum = before.momentum;
         self.stiffness = before.stiffness;
         self.system.follow_angles(self.time, &self.state, true);
         self.system.counters.angle_jumps = before.angle_jumps;

@@ -9,6 +9,7 @@ use crate::columns::state_names;
 use crate::error::{RunError, StepError};
 use crate::fallback::SavedStrategy;
 use crate::integrate::{Control, StiffnessTest};
+use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
 use crate::watch::Watch;
 
@@ -31,6 +32,7 @@ pub struct Snapshot<T> {
     stiff: bool,
     watch_weights: Vec<T>,
     balance: Option<Balance>,
+    momentum: Option<MomentumBalance>,
     sides: Vec<bool>,
     drift: f64,
     rows: SavedStrategy,
@@ -74,6 +76,7 @@ impl<T: Float> Simulation<T> {
         (to.stiffness, to.stiff) = (self.stiffness, self.method.is_stiff());
         to.watch_weights.clone_from(&self.watch_weights);
         to.balance = self.balance;
+        to.momentum = self.momentum;
         to.sides.clone_from(&self.margins.sides);
         to.drift = self.system.drift;
         self.system.fallback.save(&mut to.rows);
@@ -136,6 +139,7 @@ impl<T: Float> Simulation<T> {
         self.stiffness = snapshot.stiffness;
         self.method.resume(snapshot.stiff);
         self.balance = snapshot.balance;
+        self.momentum = snapshot.momentum;
         self.margins.sides.copy_from_slice(&snapshot.sides);
         if let (Pace::Adaptive(control, _), Some(saved)) = (&mut self.pace, &snapshot.control) {
             *control = saved.clone();

@@ -131,6 +131,7 @@ impl<T: Float> Simulation<T> {
                 return Err(self.unstable(step, Instability::Stages(rho)));
             }
         }
+        self.follow_momentum(step);
         let Some(mut balance) = self.balance else {
             return Ok(());
         };

@@ -112,6 +112,7 @@ impl<T: Float> Simulation<T> {
             Quantity::Guards,
             Quantity::Lines,
             Quantity::Outputs,
+            Quantity::Bodies,
             Quantity::Energy,
             Quantity::Constraint,
             Quantity::Reactions,
@@ -144,6 +145,7 @@ impl<T: Float> Simulation<T> {
             watch_weights: Vec::new(),
             watched: options.watch && fixed && stepwise(&*model).is_none(),
             balance: None,
+            momentum: None,
             judged: false,
             meter: Meter::Nothing,
             fingerprint: OnceCell::new(),
@@ -334,6 +336,7 @@ impl<T: Float> Simulation<T> {
         self.system.follow_commands(self.time, None, &self.state)?;
         self.begin_margins(&mut |_| ())?;
         self.begin_balance();
+        self.begin_momentum();
         self.rounded = 0.0;
         self.watch_rounding()
     }
@@ -405,6 +408,12 @@ fn reversible<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), S
         Err(StepError::Unsupported { what, instead })
     };
     let method = options.method.name();
+    if model.layout().tree.is_some() {
+        return refuse(
+            format!("{method} in relative coordinates, whose mass matrix changes with them,"),
+            "declare `coordinates: absolute`, or take Method::Vern7",
+        );
+    }
     if T::EPSILON.to_f64() > f64::EPSILON {
         return refuse(
             format!("{method} in f32, where its rotations round away what it keeps,"),

@@ -29,7 +29,7 @@ impl Dense {
         let (nv, nc) = (layout.nv, layout.nc);
         let mut mass = vec![0.0; nv * nv];
         model.evaluate(Quantity::MassMatrix, at, &mut model.work(), &mut mass);
-        let inverse = layout.bodies.iter().map(|slots| {
+        let inverse = layout.own_bodies().map(|(_, slots)| {
             let block = |i: usize, j: usize| mass[(slots.v + i) * nv + slots.v + j];
             invert(std::array::from_fn(|i| {
                 std::array::from_fn(|j| block(i, j))

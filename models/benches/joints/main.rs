@@ -204,7 +204,7 @@ fn chain(half: usize) -> impl Fn(usize) -> Pose {
 fn state(model: &dyn Model<f64>, place: impl Fn(usize) -> Pose, stir: f64) -> Vec<f64> {
     let layout = model.layout();
     let mut state = vec![0.0; layout.nx()];
-    for (body, slots) in layout.bodies.iter().enumerate() {
+    for (body, slots) in layout.own_bodies() {
         let (centre, attitude) = place(body);
         state[slots.q..slots.q + 3].copy_from_slice(&centre);
         state[slots.q + 3..slots.q + 7].copy_from_slice(&attitude);
@@ -319,7 +319,14 @@ fn drop_chain(model: &dyn Model<f64>, start: &[f64], steps: u32, want: [f64; 3])
         return (f64::INFINITY, 0.0);
     }
     let spent = began.elapsed().as_secs_f64();
-    let last = model.layout().bodies.last().expect("a chain").q;
+    let last = model
+        .layout()
+        .bodies
+        .last()
+        .copied()
+        .flatten()
+        .expect("a chain")
+        .q;
     let at = |i: usize| run.state()[last + i];
     let down = along([at(3), at(4), at(5), at(6)]);
     let miss = (0..3).map(|i| (at(i) - 0.15 * down[i] - want[i]).powi(2));
@@ -358,7 +365,7 @@ fn four_bars(name: &str, model: &dyn Model<f64>, windows: usize) {
         layout.directions.translations().len(),
     );
     let mut start = vec![0.0; layout.nx()];
-    for (body, slots) in layout.bodies.iter().enumerate() {
+    for (body, slots) in layout.own_bodies() {
         let (place, angle, [vx, w]) = match body.checked_sub(windows + 1) {
             None => ([body as f64, 0.5], std::f64::consts::FRAC_PI_2, [0.5, -1.0]),
             Some(coupler) => ([coupler as f64 + 0.5, 1.0], 0.0, [1.0, 0.0]),
@@ -380,7 +387,7 @@ fn four_bars(name: &str, model: &dyn Model<f64>, windows: usize) {
             // Too long a step.
             return f64::INFINITY;
         }
-        let attitude = &run.state()[layout.bodies[0].q + moves..];
+        let attitude = &run.state()[layout.bodies[0].expect("slots").q + moves..];
         match flat {
             true => attitude[0],
             false => 2.0 * attitude[3].atan2(attitude[0]),

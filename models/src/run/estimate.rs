@@ -111,6 +111,10 @@ pub fn doubt(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> {
         .imbalance
         .map(|it| it.relative())
         .filter(|part| *part > LARGE);
+    let by_momentum = outcome
+        .momentum
+        .map(|it| it.relative())
+        .filter(|part| *part > LARGE);
     let by_estimate = outcome.estimate.as_ref().filter(|it| it.relative > LARGE);
     let by_rounding = Some(outcome.rounding).filter(|part| *part > 1e-3);
     let doubts = [
@@ -124,6 +128,7 @@ pub fn doubt(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> {
             )
         }),
         by_energy.map(|part| format!("the run made or lost {:.1} % of the energy that moved: {change}", 100.0 * part)),
+        by_momentum.map(|part| format!("the run made or lost {:.1} % of the momentum that moved: {change}", 100.0 * part)),
         by_rounding.map(|part| {
             format!("rounding of positions makes {:.1} % of the forces: put the origin of the world near what moves", 100.0 * part)
         }),

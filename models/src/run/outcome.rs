@@ -5,7 +5,8 @@ use std::time::Instant;
 use mbd_compiler::Interpreted;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{
-    Content, Imbalance, Model, Moved, ParamError, RunError, Sampling, Simulation, Trajectory,
+    Content, Imbalance, Model, MomentumImbalance, Moved, Options, ParamError, RunError, Sampling,
+    Simulation, Trajectory,
 };
 
 use super::estimate::{Estimate, estimate};
@@ -28,6 +29,8 @@ pub struct Outcome {
     pub moved: Vec<Moved>,
     /// Energy that the run made or lost; `None` where it cannot be told.
     pub imbalance: Option<Imbalance>,
+    /// Momentum that the run made or lost; `None` where the ground holds something, or nothing moved.
+    pub momentum: Option<MomentumImbalance>,
     /// The most that rounding of positions made of forces.
     pub rounding: f64,
     /// The quantity that is off most, by a second, finer run, where one was asked for and reached the end.
@@ -52,9 +55,13 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
     let mut trajectory = Trajectory::new(model, sampling, CONTENT);
     let started = Instant::now();
     let (mut time, mut moved) = (0.0, Vec::new());
-    let (mut imbalance, mut rounding) = (None, 0.0);
+    let (mut imbalance, mut momentum, mut rounding) = (None, None, 0.0);
+    let options = Options {
+        momentum: true,
+        ..plan.options
+    };
     let mut run = || {
-        let mut simulation = Simulation::new(model, plan.options)?;
+        let mut simulation = Simulation::new(model, options)?;
         plan.begin(&mut simulation)?;
         let mut watch = |now: f64| {
             progress.show(now / plan.until, &model.scene().name);
@@ -64,6 +71,7 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
         time = simulation.time();
         moved = simulation.start_moved().to_vec();
         (imbalance, rounding) = (simulation.imbalance(), simulation.rounding());
+        momentum = simulation.momentum_imbalance();
         stop
     };
     let error = run().err();
@@ -75,6 +83,7 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
     };
     Outcome {
         imbalance: imbalance.filter(|it| it.moved > 0.0),
+        momentum: momentum.filter(|it| it.linear_moved + it.angular_moved > 0.0),
         rounding,
         estimate,
         time,

@@ -1,10 +1,9 @@
 //! The figures of a run: histories of outputs and tensions, forces in the joints, drift, energy.
 
-use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::{Gravity, Scene};
 use mbd_runtime::{Layout, Name, Trajectory};
 
 use super::plan::Plan;
-use super::quality::balance;
 use crate::report::{Figure, Series};
 
 /// Forces of more joints than this are not told apart: those with the largest forces are drawn.
@@ -215,7 +214,9 @@ fn energy<'a>(scene: &Scene, trajectory: &'a Trajectory) -> Vec<Group<'a>> {
     if !parts.is_empty() {
         groups.push(Group::of("Energy", "energy", &parts, trajectory));
     }
-    if let Some(left) = balance(scene, trajectory) {
+    if scene.gravity != Gravity::Field
+        && let Some(left) = trajectory.energy_surplus()
+    {
         groups.push(Group {
             name: "Energy balance".to_string(),
             axis: "balance".to_string(),

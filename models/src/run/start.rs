@@ -47,9 +47,8 @@ fn size(scene: &Scene, plan: &Plan) -> f64 {
     let layout = Layout::new(scene);
     let extent = |axis: usize| {
         let places = layout
-            .bodies
-            .iter()
-            .map(|slots| plan.state.get(slots.q + axis));
+            .own_bodies()
+            .map(|(_, slots)| plan.state.get(slots.q + axis));
         let places: Vec<f64> = places.flatten().copied().collect();
         let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let low = places.iter().copied().fold(f64::INFINITY, f64::min);

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::io;
 
-use mbd_runtime::Layout;
 use mbd_runtime::scene::Scene;
+use mbd_runtime::{Layout, MomentumImbalance};
 use serde::Serialize;
 
 use super::outcome::Outcome;
@@ -41,6 +41,9 @@ struct Summary<'a> {
     joint_drift_rate_m_s: Option<f64>,
     energy_imbalance_j: Option<f64>,
     energy_imbalance_relative: Option<f64>,
+    momentum_imbalance: Option<MomentumImbalance>,
+    momentum_imbalance_relative: Option<f64>,
+    momentum_undefined: Option<String>,
     error_estimate: Option<ErrorEstimate<'a>>,
     rounding_relative: f64,
     freedoms: usize,
@@ -130,6 +133,9 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
         joint_drift_rate_m_s: quality.drift_rate,
         energy_imbalance_j: outcome.imbalance.map(|it| it.energy),
         energy_imbalance_relative: outcome.imbalance.map(|it| it.relative()),
+        momentum_imbalance: outcome.momentum,
+        momentum_imbalance_relative: outcome.momentum.map(|it| it.relative()),
+        momentum_undefined: held(scene),
         error_estimate: outcome.estimate.as_ref().map(|it| ErrorEstimate {
             column: &it.column,
             rms: it.error,
@@ -260,6 +266,18 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
         let share = imbalance.relative();
         rows.push(("the same over the energy that moved", share.into()));
     }
+    if let Some(momentum) = outcome.momentum {
+        let missed = format!("{:.1e}, {:.1e}", momentum.linear, momentum.angular);
+        rows.push((
+            "momentum balance missed by at most [kg m/s], [kg m²/s]",
+            missed.into(),
+        ));
+        let share = momentum.relative();
+        rows.push(("the same over the momentum that moved", share.into()));
+    }
+    if let Some(why) = held(scene) {
+        rows.push(("momentum balance", why.into()));
+    }
     if let Some(estimate) = &outcome.estimate {
         let unit = match estimate.unit.as_str() {
             "" => String::new(),
@@ -277,6 +295,14 @@ pub fn table(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Table {
         table.push([what.into(), value]);
     }
     table
+}
+
+/// Why a run has no balance of momentum; `None` where it has.
+fn held(scene: &Scene) -> Option<String> {
+    let [by, part] = scene.held_by_ground()?;
+    Some(format!(
+        "not defined: `{part}` is held by the ground (`{by}`)"
+    ))
 }
 
 /// The last strategy of the fallback chain in words: `Statistics::rows_strategy`.

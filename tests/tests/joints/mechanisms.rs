@@ -155,7 +155,7 @@ fn both_components_of_angular_velocity_give_the_same_motion() {
             moment.ask(&world, Quantity::Derivative),
         );
         let mut rotated = other.clone();
-        for (slots, instance) in layout.bodies.iter().zip(&moment.bodies) {
+        for ((_, slots), instance) in layout.own_bodies().zip(&moment.bodies) {
             let at = layout.nq + slots.v + 3;
             let alpha = nalgebra::Vector3::from_column_slice(&other[at..at + 3]);
             rotated[at..at + 3]
@@ -207,7 +207,7 @@ fn reactions_are_the_multipliers_at_the_joint_and_do_no_work_on_what_it_allows()
                 continue;
             };
             // Φ_vᵀ λ of this joint on its child, moved to the origin of frame 2.
-            let v = layout.bodies[body].v;
+            let v = layout.bodies[body].expect("slots").v;
             let mut push = [0.0; 6];
             for row in slots.row..slots.row + slots.len {
                 for (k, sum) in push.iter_mut().enumerate() {
@@ -308,7 +308,7 @@ fn agree(states: usize) -> usize {
             let scale = want[layout.nq..].iter().fold(0.0f64, |m, a| m.max(a.abs()));
             let rotated = |rates: &[f64]| {
                 let mut rates = rates.to_vec();
-                for (slots, instance) in layout.bodies.iter().zip(&moment.bodies) {
+                for ((_, slots), instance) in layout.own_bodies().zip(&moment.bodies) {
                     let at = layout.nq + slots.v + 3;
                     let alpha = nalgebra::Vector3::from_column_slice(&rates[at..at + 3]);
                     let own = instance.rotation().transpose() * alpha;

@@ -200,7 +200,7 @@ impl<M: Model<f64>> Run<M> {
         for (i, x) in self.state.iter_mut().enumerate() {
             *x += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
         }
-        for body in &self.model.layout().bodies {
+        for (_, body) in self.model.layout().own_bodies() {
             let q = &mut self.state[body.q + 3..body.q + 7];
             let size = q.iter().map(|x| x * x).sum::<f64>().sqrt();
             q.iter_mut().for_each(|x| *x /= size);

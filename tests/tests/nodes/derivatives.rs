@@ -63,7 +63,7 @@ fn is_taut(model: &dyn Model<f64>, at: &Instant<f64>) -> bool {
 fn vectors(model: &dyn Model<f64>) -> Vec<Range<usize>> {
     let layout = model.layout();
     let mut vectors = Vec::new();
-    for body in &layout.bodies {
+    for (_, body) in layout.own_bodies() {
         let (q, v) = (body.q, layout.nq + body.v);
         vectors.extend([q..q + 3, q + 3..q + 7, v..v + 3, v + 3..v + 6]);
     }

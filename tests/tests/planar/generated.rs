@@ -85,7 +85,7 @@ fn standing(scene: &mbd_scene::Scene) -> Vec<f64> {
         [-1.0, -0.1, 0.0],
     ];
     let mut state = vec![0.0; layout.nx()];
-    for (slots, pose) in layout.bodies.iter().zip(poses) {
+    for ((_, slots), pose) in layout.own_bodies().zip(poses) {
         state[slots.q..slots.q + 3].copy_from_slice(&pose);
     }
     state[layout.nq - 2..layout.nq].copy_from_slice(&[1.1, 0.2]);

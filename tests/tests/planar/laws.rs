@@ -122,7 +122,7 @@ fn the_same_mechanism_moves_alike_in_all_three_planes() {
                 let [a, b] = [slot, slot + 1];
                 if plane == Plane::Xz { [b, a] } else { [a, b] }
             };
-            for (slots, pose) in layout.bodies.iter().zip(mechanism.poses) {
+            for ((_, slots), pose) in layout.own_bodies().zip(mechanism.poses) {
                 let [a, b] = first(slots.q);
                 (rest[a], rest[b], rest[slots.q + 2]) = (pose[0], pose[1], pose[2]);
             }
@@ -134,7 +134,7 @@ fn the_same_mechanism_moves_alike_in_all_three_planes() {
             run.run(0.7).expect("a run");
             let state = run.state();
             let mut list = Vec::new();
-            for slots in &layout.bodies {
+            for (_, slots) in layout.own_bodies() {
                 let [a, b] = first(slots.q);
                 list.extend([state[a], state[b], state[slots.q + 2]]);
             }

@@ -1,6 +1,6 @@
 //! What the caller of a model supplies, as one struct: inputs, external loads and external gravity.
 
-use mbd_scene::{InputSlots, InputSource, Layout, PointSlots, Quantity};
+use mbd_scene::{InputSlots, InputSource, Layout, Part, PointSlots, Quantity};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
@@ -309,7 +309,7 @@ fn places<'c>(context: &'c Context) -> impl Iterator<Item = (&'c str, usize)> {
     layout.inputs.iter().filter_map(|slots| match slots.source {
         InputSource::BodyGravity(body) => {
             let name = scene.bodies.get(body)?.name.as_str();
-            Some((name, layout.bodies.get(body)?.q))
+            Some((name, layout.own_slots(Part::Body(body))?.q))
         }
         InputSource::PointGravity(point) => match layout.points.get(point)? {
             PointSlots::Mass(slots) => Some((scene.points.get(point)?.name.as_str(), slots.q)),

@@ -44,12 +44,24 @@ enum Of {
     Body,
     Point,
     State,
+    /// A joint of the tree, with the number of its coordinates and of its speeds.
+    Joint([usize; 2]),
 }
 
 fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
     let (scene, layout) = (context.scene(), &context.equations.layout);
-    let bodies = scene.bodies.iter().map(|body| body.name.as_str());
-    let bodies = bodies.zip(layout.bodies.iter().map(|slots| (*slots, Of::Body)));
+    let bodies = layout.own_bodies();
+    let bodies = bodies.map(|(body, slots)| (scene.bodies[body].name.as_str(), (slots, Of::Body)));
+    let joints = layout
+        .joint_links()
+        .filter(|(_, link)| link.coordinates > 0);
+    let joints = joints.map(|(joint, link)| {
+        let size = [link.coordinates, link.speeds];
+        (
+            scene.joints[joint].name.as_str(),
+            (link.slots, Of::Joint(size)),
+        )
+    });
     let points = scene.points.iter().map(|point| point.name.as_str());
     let points = points.zip(&layout.points);
     let points = points.filter_map(|(name, slots)| match slots {
@@ -59,7 +71,7 @@ fn families<'a>(context: &'a Context<'_>) -> Vec<Family<'a>> {
     let states = scene.states.iter().enumerate();
     let states = states.map(|(q, state)| (state.name.as_str(), (Slots { q, v: 0 }, Of::State)));
     let mut all: Vec<Family<'a>> = Vec::new();
-    for (name, (slots, of)) in bodies.chain(points).chain(states) {
+    for (name, (slots, of)) in bodies.chain(joints).chain(points).chain(states) {
         let Some((family, index)) = name.split_once('[') else {
             all.push(Family {
                 name,
@@ -99,16 +111,20 @@ fn accessors(context: &Context, family: &Family<'_>, setter: &str) -> TokenStrea
     let [getter, setter] = [family.name, setter].map(|name| ident(name, Span::call_site()));
     let directions = context.equations.layout.directions;
     let moves = directions.translations().len();
-    let is_body = family.of == Of::Body;
-    let part = match (is_body, directions.plane) {
-        (true, None) => quote!(::mbd_runtime::BodyState<#t>),
-        (true, Some(_)) => quote!(::mbd_runtime::PlanarBodyState<#t>),
-        (false, None) => quote!(::mbd_runtime::PointState<#t>),
-        (false, Some(_)) => quote!(::mbd_runtime::PointState<#t, 2>),
-    };
-    let size = match is_body {
-        true => [directions.coordinates(), directions.speeds()],
-        false => [moves, moves],
+    let (part, size) = match (family.of, directions.plane) {
+        (Of::Joint(size), _) => {
+            let [q, u] = size.map(whole);
+            (quote!(::mbd_runtime::JointState<#q, #u, #t>), size)
+        }
+        (Of::Body, plane) => {
+            let part = match plane {
+                None => quote!(::mbd_runtime::BodyState<#t>),
+                Some(_) => quote!(::mbd_runtime::PlanarBodyState<#t>),
+            };
+            (part, [directions.coordinates(), directions.speeds()])
+        }
+        (_, None) => (quote!(::mbd_runtime::PointState<#t>), [moves, moves]),
+        (_, Some(_)) => (quote!(::mbd_runtime::PointState<#t, 2>), [moves, moves]),
     };
     let size = size.map(whole);
     let at = [family.slots.q, family.slots.v].map(whole);

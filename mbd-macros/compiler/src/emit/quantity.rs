@@ -38,6 +38,7 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::Coordinates => "coordinates",
         Quantity::Energy => "energy",
         Quantity::Momentum => "momentum",
+        Quantity::Bodies => "bodies",
         Quantity::MassMatrix => "mass_matrix",
         Quantity::BiasForce => "bias_force",
         Quantity::Forces => "forces",
@@ -151,6 +152,13 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
         Quantity::Energy => (
             "Energy and power: `½ v·M v`, gravity, `Σ ½ K s₊²`, power of the loads, of the dampers, of prescribed motions.",
             "6 [J, J, J, W, W, W].".to_owned(),
+        ),
+        Quantity::Bodies => (
+            "Every body as absolute coordinates have it: position of the centre of mass, attitude, velocity, angular velocity.",
+            format!(
+                "{} bodies × 13: x y z [m], qw qx qy qz, vx vy vz [m/s], ω [rad/s]; world axes, ω in the components of the model.",
+                n / 13
+            ),
         ),
         Quantity::Momentum => (
             "Momentum of bodies and points with mass: `Σ m v`, `Σ r × m v + R I ω`.",

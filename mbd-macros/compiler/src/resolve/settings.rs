@@ -34,12 +34,8 @@ impl Resolver<'_> {
                         ("absolute", Coordinates::Absolute),
                         ("relative", Coordinates::Relative),
                     ];
-                    match self.choice(value, "kind of coordinates", &set) {
-                        Some(Coordinates::Relative) => {
-                            self.messages.push(say::relative(value.at));
-                        }
-                        Some(chosen) => self.scene.coordinates = chosen,
-                        None => {}
+                    if let Some(chosen) = self.choice(value, "kind of coordinates", &set) {
+                        self.scene.coordinates = chosen;
                     }
                 }
                 ("angular_velocity", Some(value)) => {

@@ -98,7 +98,7 @@ impl Resolver<'_> {
         Some(match part {
             Part::Body(body) => self.scene.bodies.get(body)?.name.clone(),
             Part::Point(point) => self.scene.points.get(point)?.name.clone(),
-            Part::Joint(_) => return None,
+            Part::Joint(_) | Part::Coordinates(_) => return None,
         })
     }
 

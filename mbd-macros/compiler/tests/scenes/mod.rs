@@ -333,7 +333,7 @@ impl Random {
 pub fn somewhere(scene: &Scene, random: &mut Random) -> Arguments<f64> {
     let layout = Layout::new(scene);
     let mut state = random.list(layout.nx(), |_| 0.0, 0.3);
-    for (index, slots) in layout.bodies.iter().enumerate() {
+    for (index, slots) in layout.own_bodies() {
         state[slots.q + 2] += 15.0 - 13.0 * index as f64;
         let norm = {
             state[slots.q + 3] += 1.0;

@@ -106,7 +106,7 @@ impl<'a> Node<'a> {
 
 /// The list of a system that a number is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Bank {
+pub(crate) enum Bank {
     Store,
     Scaled,
     Pivot,
@@ -114,7 +114,7 @@ pub(super) enum Bank {
 }
 
 /// Tells every number that [`System::solve`] reads of a factor.
-pub(super) fn factored(plan: &Elimination, mut each: impl FnMut(Bank, usize)) {
+pub(crate) fn factored(plan: &Elimination, mut each: impl FnMut(Bank, usize)) {
     for index in 0..plan.steps.len() {
         let Some(node) = Node::new(plan, index) else {
             continue;
@@ -149,7 +149,7 @@ pub(super) fn factored(plan: &Elimination, mut each: impl FnMut(Bank, usize)) {
 
 impl<S: Real> System<S> {
     /// A number of the factor.
-    pub(super) fn factored(&self, bank: Bank, at: usize) -> S {
+    pub(crate) fn factored(&self, bank: Bank, at: usize) -> S {
         match bank {
             Bank::Store => self.store[at],
             Bank::Scaled => self.scaled[at],
@@ -159,7 +159,7 @@ impl<S: Real> System<S> {
     }
 
     /// Sets a number of the factor.
-    pub(super) fn set_factored(&mut self, bank: Bank, at: usize, value: S) {
+    pub(crate) fn set_factored(&mut self, bank: Bank, at: usize, value: S) {
         match bank {
             Bank::Store => self.store[at] = value,
             Bank::Scaled => self.scaled[at] = value,
@@ -615,7 +615,7 @@ fn turn_inertia<S: Real>(inertia: &mut [[S; MOST]; MOST], axes: &Matrix3<S>) {
 }
 
 /// Σ a b over the products in which neither is zero.
-pub(super) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
+pub(crate) fn sparse_dot<S: Real>(products: impl Iterator<Item = (S, S)>) -> S {
     products
         .filter(|(a, b)| !a.is_zero() && !b.is_zero())
         .fold(S::zero(), |sum, (a, b)| sum + a * b)

@@ -197,6 +197,7 @@ impl<S: Real> Constraints<S> {
                         self.system.set_diagonal(plan, index, (i, i), mass);
                     }
                 }
+                Part::Coordinates(_) => {}
                 Part::Joint(joint) if step.paired => self.write_carriage(evaluation, index, joint),
                 Part::Joint(joint) => self.write_rows(evaluation, index, joint),
             }
@@ -418,7 +419,7 @@ impl<S: Real> Constraints<S> {
                         sum + rotated
                     }
                     Part::Point(point) => sum + linear * numbers.points[point].1,
-                    Part::Joint(_) => sum,
+                    Part::Joint(_) | Part::Coordinates(_) => sum,
                 }
             })
     }

@@ -78,7 +78,7 @@ pub(crate) fn reaction<'a, S: Real>(
 }
 
 /// The acceleration of free fall where it is the same everywhere; zero else, and out of a plane.
-pub(super) fn common_fall<S: Real>(evaluation: &Evaluation<'_, S>) -> Vector3<S> {
+pub(crate) fn common_fall<S: Real>(evaluation: &Evaluation<'_, S>) -> Vector3<S> {
     let GravityNumbers::Uniform(mut fall) = evaluation.numbers.gravity else {
         return Vector3::zeros();
     };
@@ -215,6 +215,7 @@ impl<S: Real> Constraints<S> {
                     }
                     directions.write_linear(right, 0, &force);
                 }
+                Part::Coordinates(_) => {}
                 Part::Joint(joint) => {
                     let ends = &layout.joints[joint].ends;
                     // Where nothing sits on the world the common fall cancels: the linear columns add up to nothing.
@@ -341,21 +342,9 @@ impl<S: Real> Constraints<S> {
         &self,
         evaluation: &Evaluation<'_, S>,
         joint: usize,
-        mut each: impl FnMut(usize, usize, S),
+        each: impl FnMut(usize, usize, S),
     ) {
-        let slots = &evaluation.layout.joints[joint];
-        if slots.all_kept() {
-            return (0..slots.len).for_each(|row| each(row, row, S::one()));
-        }
-        let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) else {
-            return;
-        };
-        for (number, row) in slots.kept.rows().enumerate() {
-            let parts = self.rows[joint].parts(row, &ends);
-            for (row, part) in parts.into_iter().flatten() {
-                each(number, row, part);
-            }
-        }
+        kept_parts(evaluation, joint, &self.rows, each);
     }
 
     /// The velocity, or its rate, of the centre of mass, world axes, and ω or its rate in the components of the state, from the unknowns of
@@ -415,10 +404,10 @@ impl<S: Real> Constraints<S> {
             let unknowns = self.system.unknowns(plan, index);
             match step.part {
                 Part::Body(body) => {
-                    let at = layout.bodies[body].v;
-                    if let Some([moved, rotated]) = self.motion_of(evaluation, body, unknowns) {
-                        directions.write_linear(out, at, &moved);
-                        directions.write_angular(out, at, &rotated);
+                    let moved = self.motion_of(evaluation, body, unknowns);
+                    if let (Some([moved, rotated]), Some(slots)) = (moved, layout.bodies[body]) {
+                        directions.write_linear(out, slots.v, &moved);
+                        directions.write_angular(out, slots.v, &rotated);
                     }
                 }
                 Part::Point(point) => {
@@ -427,18 +416,41 @@ impl<S: Real> Constraints<S> {
                         directions.write_linear(out, slots.v, &moved);
                     }
                 }
-                Part::Joint(_) => {}
+                Part::Joint(_) | Part::Coordinates(_) => {}
             }
         }
     }
 }
 
+/// Hands out what each row in the system of a joint is made of: its number, a row of the joint, and how much of it. `all`: the rows of all joints.
+pub(crate) fn kept_parts<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    joint: usize,
+    all: &[Rows<S>],
+    mut each: impl FnMut(usize, usize, S),
+) {
+    let slots = &evaluation.layout.joints[joint];
+    if slots.all_kept() {
+        return (0..slots.len).for_each(|row| each(row, row, S::one()));
+    }
+    let Some(ends) = evaluation.ends(joint, AngularVelocity::Body) else {
+        return;
+    };
+    for (number, row) in slots.kept.rows().enumerate() {
+        for (row, part) in all[joint].parts(row, &ends).into_iter().flatten() {
+            each(number, row, part);
+        }
+    }
+}
+
 /// Says that the terms which follow belong to a part of the system.
-pub(super) fn enter<S: Real>(scene: &Scene, part: Part) {
+pub(crate) fn enter<S: Real>(scene: &Scene, part: Part) {
     let name = match part {
         Part::Body(body) => scene.bodies.get(body).map(|body| &body.name),
         Part::Point(point) => scene.points.get(point).map(|point| &point.name),
-        Part::Joint(joint) => scene.joints.get(joint).map(|joint| &joint.name),
+        Part::Joint(joint) | Part::Coordinates(joint) => {
+            scene.joints.get(joint).map(|joint| &joint.name)
+        }
     };
     S::section(name.map_or("", String::as_str));
 }

@@ -144,7 +144,7 @@ impl<S: Real> Constraints<S> {
             place += 1;
         });
         let (bodies, points) = (place, layout.points.iter().enumerate());
-        for (body, slots) in layout.bodies.iter().enumerate() {
+        for (body, slots) in layout.own_bodies() {
             enter::<S>(evaluation.scene, Part::Body(body));
             let own = &asked[slots.v..slots.v + speeds];
             if let Some(step) = plan.step_of(Part::Body(body)) {
@@ -203,7 +203,7 @@ impl<S: Real> Constraints<S> {
         self.system
             .solve(plan, |part| enter::<S>(evaluation.scene, part));
         place = bodies;
-        for (body, slots) in layout.bodies.iter().enumerate() {
+        for (body, slots) in layout.own_bodies() {
             let Some(step) = plan.step_of(Part::Body(body)) else {
                 place += directions.rotations().len().pow(2);
                 continue;

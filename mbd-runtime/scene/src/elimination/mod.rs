@@ -7,5 +7,7 @@ mod factored;
 mod reference;
 mod system;
 
-pub(crate) use constraint::{Constraints, reaction};
+pub(crate) use articulated::{factored, sparse_dot};
+pub(crate) use constraint::{Constraints, common_fall, enter, kept_parts, reaction};
 pub(crate) use factored::factored_len;
+pub(crate) use system::System;

@@ -1,23 +1,27 @@
 //! What a model can be asked for, by running the laws on a scalar.
 
+mod derivative;
 mod residual;
+mod solver;
 mod with_multipliers;
 
 pub use with_multipliers::evaluate_with_multipliers;
 
-use crate::elimination::Constraints;
+use nalgebra::Vector3;
+
 use crate::laws::{
     energy,
     evaluation::Evaluation,
     forces::{self, AppliedForces},
-    gravity, joint_forces,
+    joint_forces,
     kinematics::Kinematics,
     mass, measured, node,
     numbers::Numbers,
     rate,
 };
 use crate::scalar::algebra::write;
-use crate::{At, Layout, PointSlots, Quantity, Real, Scene};
+use crate::{At, Layout, Quantity, Real, Scene};
+use solver::Solver;
 
 /// Scratch of one evaluation: carries nothing from call to call.
 #[derive(Clone, Debug)]
@@ -26,24 +30,25 @@ pub struct Scratch<S: Real> {
     multipliers: Vec<S>,
     reactions: Vec<S>,
     rates: Vec<S>,
+    bodies: Vec<[Vector3<S>; 2]>,
     nodes: Vec<S>,
     assembly: AppliedForces<S>,
-    constraints: Constraints<S>,
+    solver: Solver<S>,
 }
 
 impl<S: Real> Scratch<S> {
     /// Room for the scene of a layout.
     #[must_use]
     pub fn new(layout: &Layout) -> Self {
-        let (bodies, points) = (layout.bodies.len(), layout.points.len());
         Scratch {
             kinematics: Kinematics::new(layout),
             multipliers: Vec::new(),
             reactions: Vec::new(),
             rates: Vec::new(),
+            bodies: Vec::new(),
             nodes: Vec::new(),
-            assembly: AppliedForces::new(bodies, points),
-            constraints: Constraints::new(layout),
+            assembly: AppliedForces::new(layout),
+            solver: Solver::new(layout),
         }
     }
 }
@@ -74,47 +79,45 @@ pub fn evaluate<S: Real>(
         Quantity::Partial(..) => return,
         _ => {}
     }
-    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    let Scratch {
+        kinematics,
+        multipliers,
+        reactions,
+        rates,
+        bodies,
+        nodes,
+        assembly,
+        solver,
+    } = scratch;
+    let evaluation = kinematics.read(scene, layout, numbers, at);
     let asked = layout.asked(what);
     let evaluation = if asked.any() {
-        scratch.assembly.collect(&evaluation);
-        if layout.nc > 0 {
-            scratch
-                .constraints
-                .accelerate(&evaluation, &scratch.assembly);
-        }
-        let lists = [
-            (
-                asked.multipliers,
-                Quantity::Multipliers,
-                &mut scratch.multipliers,
-            ),
-            (asked.reactions, Quantity::Reactions, &mut scratch.reactions),
-        ];
-        for (asked, forces, list) in lists {
+        assembly.collect(&evaluation);
+        solver.accelerate(&evaluation, assembly);
+        for (asked, forces, list) in [
+            (asked.multipliers, Quantity::Multipliers, &mut *multipliers),
+            (asked.reactions, Quantity::Reactions, &mut *reactions),
+        ] {
             list.clear();
             if asked {
                 list.resize(layout.len(forces), S::zero());
-                scratch.constraints.write_forces(forces, &evaluation, list);
+                solver.write_solved(forces, &evaluation, assembly, list);
             }
         }
-        scratch.rates.clear();
+        rates.clear();
         if asked.accelerations {
-            scratch.rates.resize(layout.nx(), S::zero());
-            derivative(
-                &evaluation,
-                &scratch.assembly,
-                &scratch.constraints,
-                &mut scratch.rates,
-            );
+            rates.resize(layout.nx(), S::zero());
+            solver.write_derivative(&evaluation, assembly, rates);
+            let own = rates.get(layout.nq..layout.nq + layout.nv);
+            solver.body_accelerations(&evaluation, own.unwrap_or_default(), bodies);
         }
         Evaluation {
-            multipliers: &scratch.multipliers,
-            reactions: &scratch.reactions,
-            accelerations: scratch
-                .rates
+            multipliers,
+            reactions,
+            accelerations: rates
                 .get(layout.nq..layout.nq + layout.nv)
                 .unwrap_or_default(),
+            body_accelerations: bodies,
             ..evaluation
         }
     } else {
@@ -124,85 +127,68 @@ pub fn evaluate<S: Real>(
         Quantity::AnchorStates => measured::ends(&evaluation, out),
         Quantity::Derivative | Quantity::Rates => {
             let (rates, rest) = out.split_at_mut(layout.nx());
-            scratch.nodes.clear();
-            scratch.nodes.extend_from_slice(at.nodes);
+            nodes.clear();
+            nodes.extend_from_slice(at.nodes);
             if what == Quantity::Rates {
                 let (ends, certificates) = rest.split_at_mut(layout.len(Quantity::AnchorStates));
                 measured::ends(&evaluation, ends);
-                rate::velocities(&evaluation, &mut scratch.nodes, certificates);
+                rate::velocities(&evaluation, nodes, certificates);
             }
-            let at = At {
-                nodes: &scratch.nodes,
-                ..*at
-            };
+            let at = At { nodes, ..*at };
             let evaluation = Evaluation {
                 at: &at,
                 ..evaluation
             };
-            scratch.assembly.collect(&evaluation);
-            if layout.nc > 0 {
-                scratch
-                    .constraints
-                    .accelerate(&evaluation, &scratch.assembly);
-            }
-            derivative(&evaluation, &scratch.assembly, &scratch.constraints, rates);
+            assembly.collect(&evaluation);
+            solver.accelerate(&evaluation, assembly);
+            solver.write_derivative(&evaluation, assembly, rates);
         }
         Quantity::Balance => {
-            scratch.assembly.collect(&evaluation);
+            assembly.collect(&evaluation);
             for (node, declared) in layout.nodes.iter().enumerate() {
-                if let Some(force) = scratch.assembly.points.get(declared.point) {
+                if let Some(force) = assembly.points.get(declared.point) {
                     write(out, 3 * node, force);
                 }
             }
         }
         Quantity::Forces => {
-            scratch.assembly.collect(&evaluation);
-            mass::applied_forces(&evaluation, &scratch.assembly, out);
+            assembly.collect(&evaluation);
+            solver.write_applied(&evaluation, assembly, out);
         }
         Quantity::Guards => measured::guards(&evaluation, out),
         Quantity::Outputs => measured::outputs(&evaluation, out),
         Quantity::Coordinates => measured::coordinates(&evaluation, out),
         Quantity::Energy => {
-            let drives = forces::drive_power(&evaluation);
-            let through_joints = if layout.joints.iter().any(|joint| joint.driven) {
-                scratch.assembly.collect(&evaluation);
-                scratch
-                    .constraints
-                    .accelerate(&evaluation, &scratch.assembly);
-                scratch.constraints.drive_power(&evaluation)
-            } else {
-                S::zero()
-            };
-            energy::energy(&evaluation, drives + through_joints, out);
+            let mut drives = forces::drive_power(&evaluation);
+            if layout.joints.iter().any(|joint| joint.driven) {
+                assembly.collect(&evaluation);
+                solver.accelerate(&evaluation, assembly);
+                drives += solver.drive_power(&evaluation, assembly);
+            }
+            energy::energy(&evaluation, drives, out);
         }
         Quantity::Momentum => energy::momentum(&evaluation, out),
-        Quantity::MassMatrix => mass::mass_matrix(&evaluation, out),
-        Quantity::BiasForce => mass::bias_force(&evaluation, out),
+        Quantity::Bodies => measured::bodies(&evaluation, out),
+        Quantity::MassMatrix => solver.write_mass(&evaluation, out),
+        Quantity::BiasForce => solver.write_bias(&evaluation, out),
         Quantity::Lines => measured::lines(&evaluation, out),
         Quantity::Constraint
         | Quantity::ConstraintJacobian
         | Quantity::ConstraintRate
-        | Quantity::ConstraintBias => scratch.constraints.write(what, &evaluation, out),
+        | Quantity::ConstraintBias => solver.write_rows(what, &evaluation, out),
         Quantity::Multipliers | Quantity::Reactions => {
-            scratch.assembly.collect(&evaluation);
-            scratch
-                .constraints
-                .accelerate(&evaluation, &scratch.assembly);
-            scratch.constraints.write_forces(what, &evaluation, out);
+            assembly.collect(&evaluation);
+            solver.accelerate(&evaluation, assembly);
+            solver.write_solved(what, &evaluation, assembly, out);
         }
-        Quantity::ProjectionStep => scratch.constraints.correct(&evaluation, out),
+        Quantity::ProjectionStep => solver.correct(&evaluation, out),
         Quantity::Residual => {
-            scratch.assembly.collect(&evaluation);
-            residual::residual(
-                &evaluation,
-                &scratch.assembly,
-                &mut scratch.constraints,
-                out,
-            );
+            assembly.collect(&evaluation);
+            solver.write_residual(&evaluation, assembly, out);
         }
         Quantity::JointCoordinates => measured::joint_coordinates(&evaluation, out),
-        Quantity::Factor => scratch.constraints.write_factor(&evaluation, out),
-        Quantity::Solve => scratch.constraints.solve_by_factor(&evaluation, out),
+        Quantity::Factor => solver.write_factor(&evaluation, out),
+        Quantity::Solve => solver.solve_by_factor(&evaluation, out),
         Quantity::Equilibrium(_)
         | Quantity::NodeByAnchor(_)
         | Quantity::CondensedStiffness(_)
@@ -225,53 +211,6 @@ pub fn sensitivity<S: Real>(what: Quantity, layout: &Layout, at: &At<'_, S>, out
     }
 }
 
-/// ẋ: q̇ = N(q) v, ż = w, ṡ as declared; v̇ = M⁻¹ (f − h) of what no joint holds, the solution of the constrained system for the rest.
-fn derivative<S: Real>(
-    evaluation: &Evaluation<'_, S>,
-    assembly: &AppliedForces<S>,
-    constraints: &Constraints<S>,
-    out: &mut [S],
-) {
-    let (layout, numbers) = (evaluation.layout, evaluation.numbers);
-    let (directions, components) = (layout.directions, evaluation.scene.angular_velocity);
-    for (index, slots) in layout.bodies.iter().enumerate() {
-        S::section(&evaluation.scene.bodies[index].name);
-        let (motion, body, (force, torque)) = (
-            &evaluation.motions[index],
-            &numbers.bodies[index],
-            &assembly.bodies[index],
-        );
-        evaluation.write_body_rate(index, *slots, out);
-        let at = layout.nq + slots.v;
-        if let Some([acceleration, spin]) = constraints.body_acceleration(evaluation, index) {
-            directions.write_linear(out, at, &acceleration);
-            directions.write_angular(out, at, &spin);
-            continue;
-        }
-        let acceleration =
-            force.map(|f| f * body.inverse_mass) + gravity::body_gravity(evaluation, index);
-        directions.write_linear(out, at, &acceleration);
-        let spin = motion.angular_acceleration(body, torque, components);
-        directions.write_angular(out, at, &spin);
-    }
-    for (index, slots) in layout.points.iter().enumerate() {
-        if let PointSlots::Mass(slots) = slots {
-            S::section(&evaluation.scene.points[index].name);
-            let at = layout.nq + slots.v;
-            evaluation.write_point_rate(*slots, out);
-            if let Some(acceleration) = constraints.point_acceleration(evaluation, index) {
-                directions.write_linear(out, at, &acceleration);
-                continue;
-            }
-            let inverse_mass = numbers.points[index].1;
-            let acceleration = assembly.points[index].map(|f| f * inverse_mass)
-                + gravity::point_gravity(evaluation, index, slots.q);
-            directions.write_linear(out, at, &acceleration);
-        }
-    }
-    evaluation.write_other_rates(out);
-}
-
 /// Writes the diagonal of the mass matrix (n_v) [kg, kg m²].
 pub fn masses<S: Real>(
     scene: &Scene,
@@ -281,7 +220,25 @@ pub fn masses<S: Real>(
     scratch: &mut Scratch<S>,
     out: &mut [S],
 ) {
-    mass::masses(&scratch.kinematics.read(scene, layout, numbers, at), out);
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    match scratch.solver.tree() {
+        Some(tree) => tree.write_masses(&evaluation, out),
+        None => mass::masses(&evaluation, out),
+    }
+}
+
+/// Writes momentum, force and torque of gravity and loads, and how much momentum moves: P [kg m/s], L [kg m²/s], F [N], τ [N m], Σ |m v|,
+/// Σ |r × m v| + |I ω|; L and τ about the world origin (14 numbers).
+pub fn impulses<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut [S],
+) {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    energy::impulses(&evaluation, out);
 }
 
 /// Appends the angles in (−π, π] that a spring or a stop pushes back, joint by joint: where one jumps by a full turn, so does the torque.

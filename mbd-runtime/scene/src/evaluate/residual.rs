@@ -29,11 +29,11 @@ pub(super) fn residual<S: Real>(
         return out.fill(S::from_f64(f64::NAN));
     }
     let (directions, components) = (layout.directions, evaluation.scene.angular_velocity);
-    for (index, slots) in layout.bodies.iter().enumerate() {
+    for (index, slots) in layout.own_bodies() {
         S::section(&evaluation.scene.bodies[index].name);
         let (motion, body) = (&evaluation.motions[index], &numbers.bodies[index]);
         let ((force, torque), own) = (assembly.bodies[index], assembly.own[index]);
-        evaluation.write_body_rate(index, *slots, out);
+        evaluation.write_body_rate(index, slots, out);
         let at = layout.nq + slots.v;
         let acceleration: Vector3<S> = directions.linear(given, slots.v);
         let fall = acceleration - body_gravity(evaluation, index);

@@ -28,31 +28,52 @@ pub fn evaluate_with_multipliers<S: Real>(
     if out.len() != layout.len(what) || multipliers.len() != layout.nc {
         return;
     }
+    let Scratch {
+        kinematics,
+        reactions: list,
+        bodies,
+        assembly,
+        solver,
+        ..
+    } = scratch;
     let evaluation = Evaluation {
         multipliers,
         accelerations,
-        ..scratch.kinematics.read(scene, layout, numbers, at)
+        ..kinematics.read(scene, layout, numbers, at)
+    };
+    assembly.collect(&evaluation);
+    let mut tree = solver.tree().filter(|_| accelerations.len() == layout.nv);
+    let mut find_reactions = |evaluation: &Evaluation<'_, S>, out: &mut [S]| match &mut tree {
+        Some(tree) => tree.reactions_for(evaluation, assembly, out),
+        None => reactions(evaluation, out),
     };
     match what {
-        Quantity::Reactions => reactions(&evaluation, out),
+        Quantity::Reactions => find_reactions(&evaluation, out),
         Quantity::Energy => {
             let mut power = forces::drive_power(&evaluation);
-            each(&evaluation, |_, rows, own, _| {
-                for (row, &multiplier) in rows.rows().iter().zip(own) {
-                    power -= multiplier * row.time;
-                }
-            });
+            match tree {
+                Some(tree) => power += tree.drive_power_for(&evaluation, assembly),
+                None => each(&evaluation, |_, rows, own, _| {
+                    for (row, &multiplier) in rows.rows().iter().zip(own) {
+                        power -= multiplier * row.time;
+                    }
+                }),
+            }
             energy::energy(&evaluation, power, out);
         }
         Quantity::Outputs => {
-            scratch.reactions.clear();
+            list.clear();
             if layout.asked(what).reactions {
-                let count = layout.len(Quantity::Reactions);
-                scratch.reactions.resize(count, S::zero());
-                reactions(&evaluation, &mut scratch.reactions);
+                list.resize(layout.len(Quantity::Reactions), S::zero());
+                find_reactions(&evaluation, list);
+            }
+            bodies.clear();
+            if let Some(tree) = tree {
+                tree.body_accelerations(&evaluation, accelerations, bodies);
             }
             let evaluation = Evaluation {
-                reactions: &scratch.reactions,
+                reactions: list,
+                body_accelerations: bodies,
                 ..evaluation
             };
             measured::outputs(&evaluation, out);

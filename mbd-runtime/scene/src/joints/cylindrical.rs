@@ -47,6 +47,10 @@ impl Joint for Cylindrical {
         Some(across.slides(ends, &self.axis).turns(ends, &self.axis))
     }
 
+    fn axis_mut(&mut self) -> Option<&mut Axis> {
+        Some(&mut self.axis)
+    }
+
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {
         Pose {
             position: self.axis.vector::<S>().map(|x| at.q(0) * x),

@@ -44,6 +44,10 @@ impl Joint for Hinge {
         Some(Carried::coincide().turns(ends, &self.axis))
     }
 
+    fn axis_mut(&mut self) -> Option<&mut Axis> {
+        Some(&mut self.axis)
+    }
+
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {
         Pose {
             rotation: self.axis.turn(at.q(0)),

@@ -17,6 +17,7 @@ pub use joint_forces::{
 
 use std::ops::Range;
 
+use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use crate::rows::{Ends, Rows};
@@ -66,6 +67,12 @@ pub trait Joint: Sized {
     /// H and N of its child's velocity: see [`Carried`]. `None` where its rows do not split the velocity in closed form: they then stay rows of
     /// the system. `own`: the ends are written in the child's own components, and the solver is free in the axes of the angular parts.
     fn carried<S: Real>(&self, _ends: &Ends<'_, S>, _own: bool) -> Option<Carried<S>> {
+        None
+    }
+
+    /// Its axis, where that is all that its motion knows of the directions of the joint frames: these may then be turned so that the axis is
+    /// along one of their own, which leaves zeros in relative coordinates.
+    fn axis_mut(&mut self) -> Option<&mut Axis> {
         None
     }
 
@@ -207,6 +214,13 @@ macro_rules! joints {
                 }
             }
 
+            /// Its axis: see [`Joint::axis_mut`].
+            fn axis_mut(&mut self) -> Option<&mut Axis> {
+                match self {
+                    $(JointLaw::$name(joint) => joint.axis_mut(),)*
+                }
+            }
+
             /// Frame 2 in frame 1: see [`Joint::motion`].
             pub fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {
                 match self {
@@ -276,6 +290,17 @@ impl JointLaw {
     #[must_use]
     pub fn rows(&self) -> usize {
         6 - self.freedoms()
+    }
+
+    /// The same joint between frames turned by a rotation, so that its axis is z; `None` where it lies along the frames already, or its motion knows
+    /// more of them.
+    #[must_use]
+    pub fn aligned(&self) -> Option<(Self, Matrix3<f64>)> {
+        let mut law = self.clone();
+        let axis = law.axis_mut().filter(|axis| !axis.is_along_frame())?;
+        let turned = axis.frame();
+        *axis = Axis::Z;
+        Some((law, turned))
     }
 
     /// The coordinates that are an attitude, a quaternion w x y z: the last four where there are more coordinates than speeds.

@@ -13,7 +13,7 @@
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::laws::numbers::BodyNumbers;
-use crate::scalar::algebra::{labelled, quaternion_rate, rotation, vector};
+use crate::scalar::algebra::{labelled, quaternion_of, quaternion_rate, rotation, vector};
 use crate::{AngularVelocity, Directions, Real, Slots};
 
 /// What the state carries of a rotation.
@@ -23,6 +23,8 @@ pub enum Attitude<S> {
     Quaternion([S; 4]),
     /// The angle about the normal of a plane, whose rate is ω.
     Angle(S),
+    /// Nothing: a joint of the tree carries the body.
+    Axes,
 }
 
 /// A body in motion.
@@ -110,6 +112,10 @@ impl<S: Real> BodyMotion<S> {
         let number = S::from_f64;
         let (w, u) = match self.attitude {
             Attitude::Quaternion([w, x, y, z]) => (w, Vector3::new(x, y, z)),
+            Attitude::Axes => {
+                let [w, x, y, z] = quaternion_of(&self.rotation);
+                (w, Vector3::new(x, y, z))
+            }
             Attitude::Angle(angle) => {
                 let about = directions.rotations();
                 return Vector3::from_fn(|i, _| match about.contains(&i) {

@@ -2,9 +2,10 @@
 
 use nalgebra::Vector3;
 
+use crate::laws::formula::norm;
 use crate::laws::{evaluation::Evaluation, forces, formula, gravity, joint_forces};
 use crate::scalar::algebra::write;
-use crate::{PointSlots, Real};
+use crate::{Place, PointSlots, Real};
 
 /// Kinetic, gravitational, elastic energy; power of loads, power of dampers −(T − f(s₊)) ṡ and friction, power of prescribed motions.
 pub fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S]) {
@@ -59,31 +60,68 @@ pub fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S])
     out.copy_from_slice(&[kinetic, potential, elastic, load, damping, drives]);
 }
 
-pub fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
-    let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
+/// Visits the mass, position, linear momentum and angular momentum about itself of everything that moves, bodies first.
+fn visit_moving<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    mut visit: impl FnMut(Place, S, &Vector3<S>, &Vector3<S>, &Vector3<S>),
+) {
     let bodies = evaluation.motions.iter().zip(&evaluation.numbers.bodies);
-    for (declared, (motion, body)) in evaluation.scene.bodies.iter().zip(bodies) {
-        S::section(&declared.name);
-        let p = motion.velocity.map(|v| body.mass * v);
-        linear += p;
-        angular += motion.position.cross(&p) + motion.rotation * (body.inertia * motion.omega_body);
+    for (index, (motion, body)) in bodies.enumerate() {
+        S::section(&evaluation.scene.bodies[index].name);
+        let linear = motion.velocity.map(|v| body.mass * v);
+        let spin = motion.rotation * (body.inertia * motion.omega_body);
+        let place = Place::Body(index, 0);
+        visit(place, body.mass, &motion.position, &linear, &spin);
     }
-    let points = evaluation
-        .layout
-        .points
-        .iter()
-        .zip(&evaluation.numbers.points);
-    for (declared, (slots, &(mass, _))) in evaluation.scene.points.iter().zip(points) {
+    for (index, slots) in evaluation.layout.points.iter().enumerate() {
         if let PointSlots::Mass(slots) = slots {
-            S::section(&declared.name);
+            S::section(&evaluation.scene.points[index].name);
+            let (mass, _) = evaluation.numbers.points[index];
             let (directions, nq) = (evaluation.layout.directions, evaluation.layout.nq);
             let velocity: Vector3<S> = directions.linear(evaluation.at.state, nq + slots.v);
-            let p = velocity.map(|v| mass * v);
-            linear += p;
+            let linear = velocity.map(|v| mass * v);
             let position: Vector3<S> = directions.linear(evaluation.at.state, slots.q);
-            angular += position.cross(&p);
+            let place = Place::Point(index);
+            visit(place, mass, &position, &linear, &Vector3::zeros());
         }
     }
+}
+
+pub fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
+    visit_moving(evaluation, |_, _, position, p, spin| {
+        linear += p;
+        angular += position.cross(p) + spin;
+    });
     write(out, 0, &linear);
     write(out, 3, &angular);
+}
+
+/// P, L, then force and torque of gravity and loads, then Σ |m v| and Σ |r × m v| + |I ω|; about the world origin.
+pub fn impulses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    momentum(evaluation, out);
+    let (mut force, mut torque) = forces::loads(evaluation);
+    let [mut linear, mut angular] = [S::zero(); 2];
+    visit_moving(evaluation, |place, mass, position, p, spin| {
+        let weight = gravity::at(evaluation, place).map(|g| mass * g);
+        force += weight;
+        torque += position.cross(&weight);
+        linear += norm(p);
+        angular += norm(&position.cross(p)) + norm(spin);
+    });
+    // A plane takes up what points out of it.
+    let directions = evaluation.layout.directions;
+    for (axis, (force, torque)) in force.iter_mut().zip(torque.iter_mut()).enumerate() {
+        if !directions.translations().contains(&axis) {
+            *force = S::zero();
+        }
+        if !directions.rotations().contains(&axis) {
+            *torque = S::zero();
+        }
+    }
+    write(out, 6, &force);
+    write(out, 9, &torque);
+    for (slot, size) in out.iter_mut().skip(12).zip([linear, angular]) {
+        *slot = size;
+    }
 }

@@ -12,6 +12,7 @@ use crate::laws::node;
 use crate::laws::numbers::{FrameNumbers, Numbers};
 use crate::layout::Slots;
 use crate::scalar::algebra::{labelled, vector, write};
+use crate::tree::LinkMotion;
 use crate::{
     AngularVelocity, At, FrameMotion, InputSource, Layout, NodeModel, Part, Place, PointSlots,
     Real, Scene,
@@ -24,6 +25,8 @@ pub struct Evaluation<'a, S: Real> {
     pub numbers: &'a Numbers<S>,
     pub at: &'a At<'a, S>,
     pub motions: &'a [BodyMotion<S>],
+    /// The links of the tree; empty in absolute coordinates.
+    pub(crate) links: &'a [LinkMotion<S>],
     /// Per frame of the world its motion, if it moves.
     pub ground: &'a [Option<FrameMotion<S>>],
     /// Per static or stepwise network the velocities of its nodes, once something asks for them.
@@ -36,6 +39,8 @@ pub struct Evaluation<'a, S: Real> {
     pub reactions: &'a [S],
     /// v̇, where something asks for accelerations; empty elsewhere.
     pub accelerations: &'a [S],
+    /// In relative coordinates those of every body, linear in world axes and angular in the components of the state; empty elsewhere.
+    pub body_accelerations: &'a [[Vector3<S>; 2]],
 }
 
 /// A line in motion.
@@ -127,7 +132,10 @@ impl<'a, S: Real> Evaluation<'a, S> {
         }
         match part {
             Part::Body(body) => {
-                let at = self.layout.bodies.get(body)?.v;
+                if self.layout.tree.is_some() {
+                    return self.body_accelerations.get(body).copied();
+                }
+                let at = (*self.layout.bodies.get(body)?)?.v;
                 Some([directions.linear(all, at), directions.angular(all, at)])
             }
             Part::Point(point) => match *self.layout.points.get(point)? {
@@ -136,8 +144,14 @@ impl<'a, S: Real> Evaluation<'a, S> {
                 }
                 PointSlots::Node(_) => None,
             },
-            Part::Joint(_) => None,
+            Part::Joint(_) | Part::Coordinates(_) => None,
         }
+    }
+
+    /// The place in the state of a coordinate of a joint of the tree, and of its rate.
+    pub(crate) fn carried(&self, joint: usize, index: usize) -> Option<[usize; 2]> {
+        let link = self.layout.carried(joint)?;
+        Some([link.slots.q + index, self.layout.nq + link.slots.v + index])
     }
 
     /// ω̇ of a body in world axes from that in the components of the state: d(R ω)/dt = R ω̇.
@@ -375,6 +389,9 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
     }
 
     fn coordinate(&self, joint: usize, index: usize) -> Option<S> {
+        if let Some([value, _]) = self.carried(joint, index) {
+            return self.at.state.get(value).copied();
+        }
         let (declared, coordinate) = self.scene.coordinate(joint, index)?;
         S::section(&declared.name);
         let ends = self.ends(joint, AngularVelocity::Body)?;
@@ -401,6 +418,13 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
     }
 
     fn coordinate_acceleration(&self, joint: usize, index: usize) -> Option<S> {
+        if let Some([_, rate]) = self.carried(joint, index) {
+            // For no accelerations at all what velocities alone do, as of other joints: nothing.
+            return match self.accelerations {
+                [] => Some(S::zero()),
+                all => all.get(rate - self.layout.nq).copied(),
+            };
+        }
         let (declared, coordinate) = self.scene.coordinate(joint, index)?;
         S::section(&declared.name);
         let ends = self.ends(joint, self.scene.angular_velocity)?;
@@ -424,6 +448,9 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
     }
 
     fn coordinate_rate(&self, joint: usize, index: usize) -> Option<S> {
+        if let Some([_, rate]) = self.carried(joint, index) {
+            return self.at.state.get(rate).copied();
+        }
         let (declared, coordinate) = self.scene.coordinate(joint, index)?;
         S::section(&declared.name);
         let ends = self.ends(joint, AngularVelocity::Body)?;

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::formula;
 use crate::laws::joint_forces::JointForcesAt;
-use crate::{InputSource, LoadKind, Place, PointSlots, Real};
+use crate::{InputSource, Layout, LoadKind, Place, PointSlots, Real};
 
 /// Force and torque on everything that moves, world axes; torque about the centre of mass.
 #[derive(Clone, Debug)]
@@ -16,15 +16,19 @@ pub struct AppliedForces<S: Real> {
     pub own: Vec<Vector3<S>>,
     /// Per point: force [N].
     pub points: Vec<Vector3<S>>,
+    /// Per speed what acts along the coordinates of the joints of the tree [N or N m]; empty in absolute coordinates.
+    pub along: Vec<S>,
 }
 
 impl<S: Real> AppliedForces<S> {
     /// Room for one scene.
-    pub fn new(bodies: usize, points: usize) -> Self {
+    pub fn new(layout: &Layout) -> Self {
+        let (bodies, points) = (layout.bodies.len(), layout.points.len());
         AppliedForces {
             bodies: vec![(Vector3::zeros(), Vector3::zeros()); bodies],
             own: vec![Vector3::zeros(); bodies],
             points: vec![Vector3::zeros(); points],
+            along: vec![S::zero(); layout.tree.as_ref().map_or(0, |_| layout.nv)],
         }
     }
 
@@ -32,6 +36,7 @@ impl<S: Real> AppliedForces<S> {
         self.bodies.fill((Vector3::zeros(), Vector3::zeros()));
         self.own.fill(Vector3::zeros());
         self.points.fill(Vector3::zeros());
+        self.along.fill(S::zero());
     }
 
     /// Adds a force at a place.
@@ -67,7 +72,12 @@ impl<S: Real> AppliedForces<S> {
         for load in 0..evaluation.scene.loads.len() {
             self.collect_load(evaluation, load);
         }
-        crate::laws::joint_forces::visit(evaluation, |acting| self.collect_effort(acting));
+        crate::laws::joint_forces::visit(evaluation, |acting| {
+            match evaluation.layout.carried(acting.joint) {
+                Some(link) => self.along[link.slots.v + acting.number()] += acting.effort(),
+                None => self.collect_effort(acting),
+            }
+        });
     }
 
     fn collect_lines(&mut self, evaluation: &Evaluation<'_, S>) {
@@ -156,6 +166,22 @@ pub fn node_load<S: Real>(evaluation: &Evaluation<'_, S>, point: usize) -> Vecto
         }
     }
     total
+}
+
+/// Force of all loads [N] and their torque about the world origin [N m]; loads on nodes, which their lines pass on, among them.
+pub fn loads<S: Real>(evaluation: &Evaluation<'_, S>) -> (Vector3<S>, Vector3<S>) {
+    let (mut total, mut torque) = (Vector3::zeros(), Vector3::zeros());
+    for (index, load) in evaluation.scene.loads.iter().enumerate() {
+        let (force, couple) = wrench(evaluation, index);
+        if let (Some(force), Some(position)) = (force, evaluation.position_of(load.at)) {
+            total += force;
+            torque += position.cross(&force);
+        }
+        if let Some(couple) = couple {
+            torque += couple;
+        }
+    }
+    (total, torque)
 }
 
 /// Power of the loads on bodies and points with mass [W]; loads on nodes do work on the bodies through the lines and are not counted here.

@@ -17,7 +17,7 @@ use crate::laws::evaluation::Evaluation;
 use crate::laws::formula::norm;
 use crate::laws::numbers::GravityNumbers;
 use crate::scalar::algebra::labelled;
-use crate::{InputSource, Real};
+use crate::{InputSource, Place, PointSlots, Real};
 
 /// Acceleration at `r` [m/s²], world axes. A field supplied by the caller is `given`.
 pub fn acceleration<S: Real>(
@@ -96,6 +96,18 @@ pub fn body_gravity<S: Real>(evaluation: &Evaluation<'_, S>, body: usize) -> Vec
         &evaluation.motions[body].position,
         &given,
     )
+}
+
+/// Gravity at a body or a point with mass [m/s²]; zero elsewhere.
+pub fn at<S: Real>(evaluation: &Evaluation<'_, S>, place: Place) -> Vector3<S> {
+    match place {
+        Place::Body(body, _) => body_gravity(evaluation, body),
+        Place::Point(point) => match evaluation.layout.points.get(point) {
+            Some(PointSlots::Mass(slots)) => point_gravity(evaluation, point, slots.q),
+            _ => Vector3::zeros(),
+        },
+        Place::World(_) => Vector3::zeros(),
+    }
 }
 
 /// Gravity at a point with mass [m/s²].

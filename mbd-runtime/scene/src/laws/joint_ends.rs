@@ -63,7 +63,7 @@ impl<S: Real> Evaluation<'_, S> {
     ) -> Option<(usize, [Vector3<S>; 2])> {
         match part {
             Part::Body(body) => {
-                let (motion, slots) = (self.motions.get(body)?, self.layout.bodies.get(body)?);
+                let (motion, slots) = (self.motions.get(body)?, self.layout.own_slots(part)?);
                 let omega = match components {
                     AngularVelocity::Body => motion.omega_body,
                     AngularVelocity::World => motion.omega_world,
@@ -77,7 +77,7 @@ impl<S: Real> Evaluation<'_, S> {
                 }
                 PointSlots::Node(_) => None,
             },
-            Part::Joint(_) => None,
+            Part::Joint(_) | Part::Coordinates(_) => None,
         }
     }
 

@@ -14,6 +14,8 @@
 
 use std::cell::OnceCell;
 
+use nalgebra::Vector3;
+
 use crate::joints::{JointForces, Side};
 use crate::laws::JointForceNumbers;
 use crate::laws::evaluation::Evaluation;
@@ -87,19 +89,40 @@ pub fn visit<S: Real>(
 }
 
 impl<S: Real> JointForcesAt<'_, S> {
-    /// Whether it is an angle in (−π, π] that a spring or a stop pushes back: where it jumps by a full turn, so does the torque.
+    /// The number of the coordinate.
+    pub fn number(&self) -> usize {
+        self.declared.coordinate
+    }
+
+    /// Whether it is an angle in (−π, π] that a spring or a stop pushes back: where it jumps by a full turn, so does the torque. Coordinates of the
+    /// tree count turns.
     pub fn jumps(&self) -> bool {
+        if self.evaluation.layout.carried(self.joint).is_some() {
+            return false;
+        }
         let numbers = self.numbers;
         let sprung = numbers.stiffness.is_some() || numbers.stops.iter().any(Option::is_some);
         sprung && self.coordinate.is_periodic()
     }
 
     pub fn value(&self) -> S {
-        *self.value.get_or_init(|| self.ends.value(&self.coordinate))
+        let evaluation = self.evaluation;
+        *self
+            .value
+            .get_or_init(|| match evaluation.carried(self.joint, self.number()) {
+                Some([value, _]) => evaluation.at.state[value],
+                None => self.ends.value(&self.coordinate),
+            })
     }
 
     fn rate(&self) -> S {
-        *self.rate.get_or_init(|| self.ends.rate(&self.coordinate))
+        let evaluation = self.evaluation;
+        *self
+            .rate
+            .get_or_init(|| match evaluation.carried(self.joint, self.number()) {
+                Some([_, rate]) => evaluation.at.state[rate],
+                None => self.ends.rate(&self.coordinate),
+            })
     }
 
     /// The coordinate as a row: its columns take Q to the bodies.
@@ -236,4 +259,22 @@ impl<S: Real> JointForcesAt<'_, S> {
         let joint = self.evaluation.scene.joints.get(self.joint)?;
         Some([joint.parent, joint.child])
     }
+}
+
+/// What acts along the coordinates of a joint, as a force on its child and a torque about the origin of frame 2, world axes.
+pub fn on_child<S: Real>(evaluation: &Evaluation<'_, S>, joint: usize) -> [Vector3<S>; 2] {
+    let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
+    visit(evaluation, |acting| {
+        if acting.joint == joint {
+            let (effort, row) = (acting.effort(), acting.row());
+            force += row.child().linear.map(|x| x * effort);
+            torque += acting
+                .ends
+                .child
+                .outward
+                .apply(&row.couple)
+                .map(|x| x * effort);
+        }
+    });
+    [force, torque]
 }

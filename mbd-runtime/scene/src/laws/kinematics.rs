@@ -9,12 +9,14 @@ use crate::laws::evaluation::Evaluation;
 use crate::laws::formula::Value;
 use crate::laws::ground;
 use crate::laws::numbers::Numbers;
+use crate::tree::{self, LinkMotion};
 use crate::{At, FrameMotion, Layout, Real, Scene};
 
 /// Motions of the bodies and of the frames of the world. Carries nothing from call to call.
 #[derive(Clone, Debug)]
 pub struct Kinematics<S: Real> {
     motions: Vec<BodyMotion<S>>,
+    links: Vec<LinkMotion<S>>,
     ground: Vec<Option<FrameMotion<S>>>,
     networks: Vec<OnceLock<Vec<Vector3<S>>>>,
     lets: Vec<OnceLock<Value<S>>>,
@@ -25,6 +27,10 @@ impl<S: Real> Kinematics<S> {
     pub fn new(layout: &Layout) -> Self {
         Kinematics {
             motions: vec![BodyMotion::unknown(); layout.bodies.len()],
+            links: vec![
+                LinkMotion::unknown();
+                layout.tree.as_ref().map_or(0, |tree| tree.links.len())
+            ],
             ground: Vec::new(),
             networks: vec![OnceLock::new(); layout.networks.len()],
             lets: vec![OnceLock::new(); layout.lets],
@@ -39,18 +45,22 @@ impl<S: Real> Kinematics<S> {
         numbers: &'a Numbers<S>,
         at: &'a At<'a, S>,
     ) -> Evaluation<'a, S> {
-        let bodies = scene.bodies.iter().zip(&layout.bodies);
-        for (motion, (body, slots)) in self.motions.iter_mut().zip(bodies) {
-            S::section(&body.name);
-            *motion = BodyMotion::read(
-                at.state,
-                *slots,
-                layout.nq,
-                layout.directions,
-                scene.angular_velocity,
-            );
-        }
         ground(scene, numbers, at.time, &mut self.ground);
+        if layout.tree.is_some() {
+            let scene = (scene, layout, numbers);
+            tree::read(scene, at, &self.ground, &mut self.links, &mut self.motions);
+        } else {
+            for (body, slots) in layout.own_bodies() {
+                S::section(&scene.bodies[body].name);
+                self.motions[body] = BodyMotion::read(
+                    at.state,
+                    slots,
+                    layout.nq,
+                    layout.directions,
+                    scene.angular_velocity,
+                );
+            }
+        }
         self.networks.fill(OnceLock::new());
         self.lets.fill(OnceLock::new());
         Evaluation {
@@ -59,12 +69,14 @@ impl<S: Real> Kinematics<S> {
             numbers,
             at,
             motions: &self.motions,
+            links: &self.links,
             ground: &self.ground,
             networks: &self.networks,
             lets: &self.lets,
             multipliers: &[],
             reactions: &[],
             accelerations: &[],
+            body_accelerations: &[],
         }
     }
 }

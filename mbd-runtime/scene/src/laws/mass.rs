@@ -9,7 +9,7 @@ use crate::{PointSlots, Real};
 
 pub fn mass_matrix<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     let (n, directions) = (evaluation.layout.nv, evaluation.layout.directions);
-    for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
+    for (index, slots) in evaluation.layout.own_bodies() {
         S::section(&evaluation.scene.bodies[index].name);
         let body = &evaluation.numbers.bodies[index];
         evaluation.motions[index].mass_block(
@@ -32,7 +32,7 @@ pub fn mass_matrix<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
 /// The diagonal of M (n_v): what a scene of thousands of bodies has room for.
 pub fn masses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     let directions = evaluation.layout.directions;
-    for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
+    for (index, slots) in evaluation.layout.own_bodies() {
         let mut block = [S::zero(); 36];
         evaluation.motions[index].mass_block(
             &evaluation.numbers.bodies[index],
@@ -55,7 +55,7 @@ pub fn masses<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
 
 pub fn bias_force<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     let directions = evaluation.layout.directions;
-    for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
+    for (index, slots) in evaluation.layout.own_bodies() {
         S::section(&evaluation.scene.bodies[index].name);
         let (motion, body) = (
             &evaluation.motions[index],
@@ -91,7 +91,7 @@ pub fn applied_forces<S: Real>(
     out: &mut [S],
 ) {
     let directions = evaluation.layout.directions;
-    for (index, slots) in evaluation.layout.bodies.iter().enumerate() {
+    for (index, slots) in evaluation.layout.own_bodies() {
         S::section(&evaluation.scene.bodies[index].name);
         let ((force, torque), own) = (assembly.bodies[index], assembly.own[index]);
         directions.write_linear(out, slots.v, &force);

@@ -2,10 +2,11 @@
 
 use nalgebra::Vector3;
 
+use crate::laws::body::Attitude;
 use crate::laws::formula::Context;
 use crate::laws::{evaluation::Evaluation, forces, formula, joint_forces, line};
-use crate::scalar::algebra::{elements, write};
-use crate::{Real, Scene};
+use crate::scalar::algebra::{elements, quaternion_of, write};
+use crate::{AngularVelocity, Real, Scene};
 
 /// Position and velocity of every anchor, and the load at every node.
 pub fn ends<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
@@ -117,5 +118,29 @@ pub fn lines<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
             out[3] -= winding;
         }
         out[4..].copy_from_slice(&elements(&block));
+    }
+}
+
+/// Position, attitude, velocity and angular velocity of every body, as absolute coordinates have them.
+pub fn bodies<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    for ((motion, body), out) in evaluation
+        .motions
+        .iter()
+        .zip(&evaluation.scene.bodies)
+        .zip(out.chunks_exact_mut(13))
+    {
+        S::section(&body.name);
+        write(out, 0, &motion.position);
+        let attitude = match motion.attitude {
+            Attitude::Quaternion(quaternion) => quaternion,
+            Attitude::Angle(_) | Attitude::Axes => quaternion_of(&motion.rotation),
+        };
+        out[3..7].copy_from_slice(&attitude);
+        write(out, 7, &motion.velocity);
+        let omega = match evaluation.scene.angular_velocity {
+            AngularVelocity::Body => &motion.omega_body,
+            AngularVelocity::World => &motion.omega_world,
+        };
+        write(out, 10, omega);
     }
 }

@@ -60,6 +60,8 @@ pub struct Elimination {
     pub points: Vec<Option<usize>>,
     /// The step of each joint; `None` where it has no rows.
     pub joints: Vec<Option<usize>>,
+    /// The step of the speeds of each joint of a tree; `None` of another joint.
+    pub coordinates: Vec<Option<usize>>,
     /// The parent joint of each body, which carries it out of the system; `None` where none does.
     pub parent_joints: Vec<Option<usize>>,
     /// The order it was laid out in.
@@ -125,6 +127,7 @@ impl Elimination {
             Part::Body(body) => self.bodies.get(body).copied().flatten(),
             Part::Point(point) => self.points.get(point).copied().flatten(),
             Part::Joint(joint) => self.joints.get(joint).copied().flatten(),
+            Part::Coordinates(joint) => self.coordinates.get(joint).copied().flatten(),
         }
     }
 

@@ -1,10 +1,12 @@
 //! Where everything lives in the state and in the other lists of numbers: derived from the scene, the same for every way to run it.
 
 mod elimination;
+mod joint_numbers;
 mod places;
 mod repeats;
 mod sizes;
 mod slots;
+mod tree;
 
 pub use elimination::{Below, Carrying, Elimination, Order, Step};
 pub use repeats::{HeldMotor, Redundancy, Repeat};
@@ -12,16 +14,18 @@ pub use slots::{
     Anchor, Asked, InputSlots, InputSource, JointSlots, LineEnd, LineSlots, Network, Node,
     PointSlots, Slots, StopSlots,
 };
+pub use tree::{Link, Tree};
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Directions, Scene};
+use crate::{Directions, Part, Scene};
 
 /// Index ranges of a scene's state, lines, nodes and inputs.
 ///
 /// State x = [q | v | z | s]: q per body x y z qw qx qy qz, per point with mass x y z; v per body vx vy vz (world axes, of the centre of mass)
 /// wx wy wz (body or world axes, by declaration), per point vx vy vz; z per `rate` node its position; s the declared states. Items in declaration order,
-/// bodies before points. In a planar scene q per body is two positions and the angle about the normal [rad, right-handed, not wrapped],
+/// bodies before points. In relative coordinates q and v hold the floating bodies, then the coordinates and speeds of the joints of the tree in declaration order, then
+/// the points. In a planar scene q per body is two positions and the angle about the normal [rad, right-handed, not wrapped],
 /// v two velocities and the angular velocity about the normal; per point two of each: see [`Directions`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
@@ -37,8 +41,11 @@ pub struct Layout {
     pub np: usize,
     /// The axes along which things move and about which bodies turn.
     pub directions: Directions,
-    /// First coordinate and first speed of each body (7 and 6 long, in a plane 3 and 3), as offsets into q and v.
-    pub bodies: Vec<Slots>,
+    /// First coordinate and first speed of each body (7 and 6 long, in a plane 3 and 3), as offsets into q and v; `None` of one that a joint
+    /// of the tree carries: relative coordinates.
+    pub bodies: Vec<Option<Slots>>,
+    /// The spanning tree of relative coordinates; `None` in absolute ones.
+    pub tree: Option<Tree>,
     /// What each point owns.
     pub points: Vec<PointSlots>,
     /// The nodes, in the order of their points.
@@ -96,6 +103,47 @@ impl Layout {
         }
     }
 
+    /// The link that a joint of the tree carries; `None` of another joint, and in absolute coordinates.
+    #[must_use]
+    pub fn carried(&self, joint: usize) -> Option<&Link> {
+        self.tree.as_ref()?.carried(joint)
+    }
+
+    /// The coordinates and speeds that a body or a point has for itself; `None` where it has none.
+    #[must_use]
+    pub fn own_slots(&self, part: Part) -> Option<Slots> {
+        match part {
+            Part::Body(body) => *self.bodies.get(body)?,
+            Part::Point(point) => match self.points.get(point)? {
+                PointSlots::Mass(slots) => Some(*slots),
+                PointSlots::Node(_) => None,
+            },
+            Part::Joint(_) | Part::Coordinates(_) => None,
+        }
+    }
+
+    /// The joints of the tree with the links they carry, in the order of declaration, which is that of their coordinates.
+    pub fn joint_links(&self) -> impl Iterator<Item = (usize, &Link)> + '_ {
+        let joints = self.tree.iter().flat_map(|tree| 0..tree.of_joint.len());
+        joints.filter_map(|joint| Some((joint, self.carried(joint)?)))
+    }
+
+    /// The bodies that have coordinates of their own: all in absolute coordinates, those that float in relative ones.
+    pub fn own_bodies(&self) -> impl Iterator<Item = (usize, Slots)> + '_ {
+        let bodies = self.bodies.iter().enumerate();
+        bodies.filter_map(|(body, slots)| Some((body, (*slots)?)))
+    }
+
+    /// Whether accelerations come out of a system that is solved: rows of joints, or a tree.
+    #[must_use]
+    pub fn solves(&self) -> bool {
+        self.nc > 0
+            || self
+                .tree
+                .as_ref()
+                .is_some_and(|tree| !tree.links.is_empty())
+    }
+
     /// Number of independent rows: those that are kept.
     #[must_use]
     pub fn rank(&self) -> usize {
@@ -123,10 +171,13 @@ impl Layout {
     /// Where in the state each quaternion starts; a planar scene has none.
     pub fn quaternions(&self) -> impl Iterator<Item = usize> + '_ {
         let bodies = self
-            .bodies
-            .iter()
+            .own_bodies()
             .filter(|_| self.directions.plane.is_none());
-        bodies.map(|slots| slots.q + self.directions.translations().len())
+        let bodies = bodies.map(|(_, slots)| slots.q + self.directions.translations().len());
+        let joints = self
+            .joint_links()
+            .filter(|(_, link)| link.attitude().is_some());
+        bodies.chain(joints.filter_map(|(_, link)| Some(link.attitude()?.start)))
     }
 
     /// Number of laws that act one way: lines, then stops.

@@ -2,11 +2,11 @@
 
 use crate::layout::{
     Anchor, Asked, InputSlots, InputSource, JointSlots, Layout, LineEnd, LineSlots, Network, Node,
-    PointSlots, Slots, StopSlots,
+    PointSlots, Slots, StopSlots, Tree,
 };
 use crate::scalar::Few;
 use crate::scene::{LoadKind, NodeModel, PointKind, Scene};
-use crate::{Gravity, Part, Place, RowSet};
+use crate::{Coordinates, Gravity, Part, Place, RowSet};
 
 impl Layout {
     /// Everything but the system. `laws` tells of a scene without rows which rows of each joint's law count.
@@ -46,23 +46,28 @@ impl Layout {
     }
 
     fn place_state(&mut self, scene: &Scene) {
-        for _ in &scene.bodies {
-            self.bodies.push(Slots {
-                q: self.nq,
-                v: self.nv,
-            });
-            self.nq += self.directions.coordinates();
-            self.nv += self.directions.speeds();
+        self.bodies = vec![None; scene.bodies.len()];
+        self.tree = (scene.coordinates == Coordinates::Relative).then(|| Tree::span(scene));
+        let carried = |tree: &Option<Tree>, body: usize| {
+            let link = tree
+                .as_ref()
+                .and_then(|tree| tree.links.get(*tree.of_body.get(body)?));
+            link.is_some_and(|link| link.joint.is_some())
+        };
+        for body in 0..scene.bodies.len() {
+            if carried(&self.tree, body) {
+                continue;
+            }
+            let slots = self.own(self.directions.coordinates(), self.directions.speeds());
+            self.bodies[body] = Some(slots);
         }
+        self.place_tree(scene);
         for (point, declared) in scene.points.iter().enumerate() {
             match declared.kind {
                 PointKind::Mass(_) => {
-                    self.points.push(PointSlots::Mass(Slots {
-                        q: self.nq,
-                        v: self.nv,
-                    }));
-                    self.nq += self.directions.translations().len();
-                    self.nv += self.directions.translations().len();
+                    let moves = self.directions.translations().len();
+                    let slots = self.own(moves, moves);
+                    self.points.push(PointSlots::Mass(slots));
                 }
                 PointKind::Node(model) => {
                     self.points.push(PointSlots::Node(self.nodes.len()));
@@ -82,6 +87,45 @@ impl Layout {
         }
     }
 
+    /// The next coordinates and speeds.
+    fn own(&mut self, coordinates: usize, speeds: usize) -> Slots {
+        let slots = Slots {
+            q: self.nq,
+            v: self.nv,
+        };
+        self.nq += coordinates;
+        self.nv += speeds;
+        slots
+    }
+
+    /// Gives the links of the tree their coordinates: those of the joints in the order of declaration.
+    fn place_tree(&mut self, scene: &Scene) {
+        let Some(mut tree) = self.tree.take() else {
+            return;
+        };
+        for link in &mut tree.links {
+            if let Some(slots) = self.bodies[link.body] {
+                link.slots = slots;
+                (link.coordinates, link.speeds) =
+                    (self.directions.coordinates(), self.directions.speeds());
+                link.turns = self.directions.rotations().len();
+            }
+        }
+        for (joint, link) in tree.of_joint.iter().enumerate() {
+            if let Some(link) = link.and_then(|link| tree.links.get_mut(link)) {
+                let law = &scene.joints[joint].law;
+                (link.coordinates, link.speeds) = (law.coordinates(), law.freedoms());
+                let angles = law
+                    .measured()
+                    .filter(|coordinate| coordinate.is_angle())
+                    .count();
+                link.turns = angles + if law.attitude().is_some() { 3 } else { 0 };
+                link.slots = self.own(link.coordinates, link.speeds);
+            }
+        }
+        self.tree = Some(tree);
+    }
+
     fn place_rows(&mut self, scene: &Scene, laws: Vec<RowSet>) {
         let moving = |place: Place| match place {
             Place::World(frame) => scene
@@ -90,7 +134,10 @@ impl Layout {
                 .is_some_and(|frame| frame.moves(scene)),
             _ => false,
         };
-        for (joint, law) in scene.joints.iter().zip(laws) {
+        for ((joint, law), index) in scene.joints.iter().zip(laws).zip(0..) {
+            // A joint of the tree allows instead of forbidding: only its motors are rows.
+            let in_tree = self.carried(index).is_some();
+            let law = if in_tree { RowSet::default() } else { law };
             let places = scene.ends(joint);
             let mut ends = Few::new(None);
             ends.extend(places.clone().map(|place| match place {
@@ -110,7 +157,7 @@ impl Layout {
                 holds,
                 kept: RowSet::all(len),
                 ends,
-                driven: len > 0 && (motors > 0 || places.clone().any(moving)),
+                driven: (len > 0 || in_tree) && (motors > 0 || places.clone().any(moving)),
             });
             self.nc += len;
         }

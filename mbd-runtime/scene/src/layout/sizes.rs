@@ -29,6 +29,8 @@ impl Layout {
             Quantity::Coordinates => 2 * self.measured,
             Quantity::Energy => 6,
             Quantity::Momentum => 6,
+            Quantity::Bodies if self.tree.is_some() => 13 * self.bodies.len(),
+            Quantity::Bodies => 0,
             Quantity::MassMatrix => self.nv * self.nv,
             Quantity::BiasForce | Quantity::Forces => self.nv,
             Quantity::Lines => 10 * self.lines.len(),
@@ -43,12 +45,13 @@ impl Layout {
             | Quantity::ConstraintBias
             | Quantity::Multipliers => self.nc,
             Quantity::ConstraintJacobian => self.nc * self.nv,
-            Quantity::Reactions if self.nc > 0 => 6 * self.joints.len(),
+            Quantity::Reactions if self.solves() => 6 * self.joints.len(),
             Quantity::ProjectionStep if self.nc > 0 => self.nv + 1,
             Quantity::JointCoordinates => 3 * self.measured,
             Quantity::Residual => self.nx() + self.nc,
+            Quantity::Factor if self.tree.is_some() => crate::tree::factored_len(self),
             Quantity::Factor if self.nc > 0 => crate::elimination::factored_len(self),
-            Quantity::Solve if self.nc > 0 => self.nv + self.nc,
+            Quantity::Solve if self.solves() => self.nv + self.nc,
             Quantity::Reactions | Quantity::ProjectionStep | Quantity::Factor | Quantity::Solve => {
                 0
             }
@@ -139,7 +142,7 @@ impl Layout {
         let mut all = vec![Quantity::Residual, Quantity::Factor, Quantity::Solve];
         let partials = Variable::ALL.map(|by| Quantity::Partial(Differentiated::Residual, by));
         all.extend(partials);
-        all.retain(|&what| self.nc > 0 && self.len(what) > 0);
+        all.retain(|&what| self.solves() && self.len(what) > 0);
         all
     }
 
@@ -158,6 +161,7 @@ impl Layout {
             Quantity::Coordinates,
             Quantity::Energy,
             Quantity::Momentum,
+            Quantity::Bodies,
             Quantity::MassMatrix,
             Quantity::BiasForce,
             Quantity::Forces,
@@ -182,7 +186,7 @@ impl Layout {
                 all.push(Quantity::Partial(of, by));
             }
         }
-        let through_factor = |what| matches!(what, Quantity::Partial(of, _) if self.nc > 0 && (of == Differentiated::Derivative || self.asks_efforts(of.quantity())));
+        let through_factor = |what| matches!(what, Quantity::Partial(of, _) if self.solves() && (of == Differentiated::Derivative || self.asks_efforts(of.quantity())));
         let undriven = |what| what == Quantity::Coordinates && self.ni == 0;
         all.retain(|&what| self.len(what) > 0 && !through_factor(what) && !undriven(what));
         all

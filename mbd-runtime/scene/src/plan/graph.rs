@@ -28,14 +28,8 @@ impl EliminationGraph {
         closed: bool,
     ) -> Self {
         let mut graph = EliminationGraph {
-            parts: Vec::new(),
-            sizes: Vec::new(),
-            neighbours: Vec::new(),
-            filled: Vec::new(),
-            ends: Vec::new(),
-            joints: Vec::new(),
             closed,
-            gone: Vec::new(),
+            ..EliminationGraph::empty()
         };
         let held = |part: Part| {
             let holds =
@@ -66,7 +60,21 @@ impl EliminationGraph {
         graph
     }
 
-    fn push(&mut self, part: Part, size: usize) -> usize {
+    /// Nothing yet.
+    pub(super) fn empty() -> Self {
+        EliminationGraph {
+            parts: Vec::new(),
+            sizes: Vec::new(),
+            neighbours: Vec::new(),
+            filled: Vec::new(),
+            ends: Vec::new(),
+            joints: Vec::new(),
+            closed: true,
+            gone: Vec::new(),
+        }
+    }
+
+    pub(super) fn push(&mut self, part: Part, size: usize) -> usize {
         self.parts.push(part);
         self.sizes.push(size);
         self.neighbours.push(Vec::new());
@@ -81,7 +89,7 @@ impl EliminationGraph {
         self.parts.iter().position(|&known| known == part)
     }
 
-    fn join(&mut self, a: usize, b: usize) {
+    pub(super) fn join(&mut self, a: usize, b: usize) {
         if a != b && !self.neighbours[a].contains(&b) {
             self.neighbours[a].push(b);
             self.neighbours[b].push(a);

@@ -1,8 +1,8 @@
 //! A scene laid out and planned.
 
-use crate::plan::Topology;
+use crate::plan::{Topology, relative};
 use crate::redundancy;
-use crate::{Carrying, Layout, Order, Place, Plan, Redundancy, RowSet, Scene};
+use crate::{Carrying, Coordinates, Layout, Order, Place, Plan, Redundancy, RowSet, Scene};
 
 impl Layout {
     /// Lays out a scene and plans its solution: finds the rows of its joints that repeat others ([`Redundancy`]: a search at random states
@@ -10,8 +10,20 @@ impl Layout {
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         let layout = places(scene);
-        let redundancy = redundancy::find(scene, &layout);
+        let redundancy = match &layout.tree {
+            None => redundancy::find(scene, &layout, None),
+            Some(tree) => {
+                // Rows repeat each other whatever the coordinates.
+                let absolute = scene.in_coordinates(Coordinates::Absolute);
+                redundancy::find(&absolute, &places(&absolute), Some(tree))
+            }
+        };
         layout.with(scene, redundancy, None)
+    }
+
+    /// Lays out a scene without planning how it is solved: where everything lives, and every row.
+    pub(crate) fn unplanned(scene: &Scene) -> Self {
+        places(scene)
     }
 
     /// Lays out a scene whose redundancy is known, and finds the order. The default redundancy keeps every row.
@@ -34,6 +46,11 @@ impl Layout {
                 let motors = RowSet::all(slots.len).0 & !RowSet::all(repeat.rows).0;
                 slots.kept = RowSet(repeat.kept.within(repeat.rows).0 | motors);
             }
+        }
+        if self.tree.is_some() {
+            self.elimination = relative(&self);
+            self.redundancy = redundancy;
+            return self;
         }
         let joints = scene.joints.iter().zip(&self.joints);
         let carrying: Vec<Option<Carrying>> = joints

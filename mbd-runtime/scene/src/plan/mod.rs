@@ -29,8 +29,10 @@
 mod carrying;
 mod graph;
 mod layout;
+mod relative;
 
 use graph::EliminationGraph;
+use relative::relative;
 
 use crate::{Below, Carrying, Directions, Elimination, JointSlots, Order, Part, PointSlots, Step};
 
@@ -180,6 +182,7 @@ impl Topology<'_> {
             bodies: vec![None; self.bodies],
             points: vec![None; self.points.len()],
             joints: vec![None; self.joints.len()],
+            coordinates: vec![None; self.joints.len()],
             parent_joints: match order.articulated {
                 true => parents,
                 false => vec![None; self.bodies],
@@ -209,6 +212,7 @@ impl Elimination {
                 Part::Body(body) => self.bodies[body] = Some(step),
                 Part::Point(point) => self.points[point] = Some(step),
                 Part::Joint(joint) => self.joints[joint] = Some(step),
+                Part::Coordinates(joint) => self.coordinates[joint] = Some(step),
             }
             let mut later: Vec<usize> = graph.eliminate(node).iter().map(|&n| place[n]).collect();
             later.sort_unstable();

@@ -58,7 +58,7 @@ impl<'a> Configuration<'a> {
                 ),
                 _ => (Vector3::zeros(), Matrix3::identity()),
             },
-            Part::Joint(_) => (Vector3::zeros(), Matrix3::identity()),
+            Part::Joint(_) | Part::Coordinates(_) => (Vector3::zeros(), Matrix3::identity()),
         }
     }
 
@@ -90,14 +90,7 @@ impl<'a> Configuration<'a> {
     /// Puts a part somewhere; in a plane at the nearest place and turn there.
     pub fn place(&mut self, part: Part, position: Vector3<f64>, axes: &Matrix3<f64>) {
         let directions = self.layout.directions;
-        let slots = match part {
-            Part::Body(body) => self.layout.bodies.get(body).copied(),
-            Part::Point(point) => match self.layout.points.get(point) {
-                Some(PointSlots::Mass(slots)) => Some(*slots),
-                _ => None,
-            },
-            Part::Joint(_) => None,
-        };
+        let slots = self.layout.own_slots(part);
         let Some(slots) = slots else { return };
         directions.write_linear(&mut self.state, slots.q, &position);
         let Part::Body(body) = part else { return };
@@ -152,6 +145,8 @@ impl<'a> Configuration<'a> {
             multipliers: &[],
             reactions: &[],
             accelerations: &[],
+            body_accelerations: &[],
+            links: &[],
         })
     }
 

@@ -26,12 +26,13 @@ mod tree;
 
 pub use planar::{Apart, in_plane};
 
-use crate::{Layout, Redundancy, Scene};
+use crate::{Layout, Redundancy, Scene, Tree};
 
-/// Finds the repeated rows of a scene. Without a loop there are none, and nothing is searched.
+/// Finds the repeated rows of a scene laid out in absolute coordinates. Without a loop there are none, and nothing is searched. The joints of a
+/// tree, where one is given, lose none.
 #[must_use]
-pub(crate) fn find(scene: &Scene, layout: &Layout) -> Redundancy {
-    let groups = tree::groups(layout);
+pub(crate) fn find(scene: &Scene, layout: &Layout, tree: Option<&Tree>) -> Redundancy {
+    let groups = tree::groups(layout, tree);
     let mut found = Redundancy {
         loops: groups.iter().map(|group| group.closing.len()).sum(),
         closed: true,

@@ -1,6 +1,6 @@
 //! The graph of parts and joints: its loops, and a spanning tree of what lies on them.
 
-use crate::{Layout, Part};
+use crate::{Layout, Part, Tree};
 
 /// A joint walked from the part that is placed to the one it places.
 #[derive(Clone, Copy, Debug)]
@@ -26,9 +26,10 @@ pub struct Group {
     pub closing: Vec<usize>,
 }
 
-/// The groups of a scene that have loops. The tree takes joints in the order of declaration, so that the last one closes the loop.
-pub fn groups(layout: &Layout) -> Vec<Group> {
-    let graph = JointGraph::new(layout);
+/// The groups of a scene that have loops. The tree takes joints in the order of declaration, so that the last one closes the loop; those of a
+/// given tree before the others.
+pub fn groups(layout: &Layout, given: Option<&Tree>) -> Vec<Group> {
+    let graph = JointGraph::new(layout, given);
     let mut groups: Vec<Group> = Vec::new();
     let mut seen = vec![false; graph.parts.len()];
     for start in 1..graph.parts.len() {
@@ -70,11 +71,18 @@ struct JointGraph {
 }
 
 impl JointGraph {
-    fn new(layout: &Layout) -> Self {
+    fn new(layout: &Layout, given: Option<&Tree>) -> Self {
         let mut parts: Vec<Option<Part>> = vec![None];
         let mut edges = Vec::new();
         let mut leader: Vec<usize> = vec![0];
-        for (joint, slots) in layout.joints.iter().enumerate().filter(|(_, s)| s.len > 0) {
+        let mut joints: Vec<_> = layout
+            .joints
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| s.len > 0)
+            .collect();
+        joints.sort_by_key(|&(joint, _)| given.is_some_and(|tree| tree.carried(joint).is_none()));
+        for (joint, slots) in joints {
             let mut nodes: Vec<usize> = Vec::new();
             for &end in slots.ends.iter() {
                 let known = parts.iter().position(|&part| part == end);

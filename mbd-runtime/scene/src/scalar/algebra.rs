@@ -113,6 +113,36 @@ pub fn quaternion_rate<S: Real>([w, x, y, z]: [S; 4], omega: &Vector3<S>, in_bod
     ]
 }
 
+/// A unit quaternion w x y z of a rotation, from the largest of its four elements, without a branch. Source: Shepperd, Quaternion from rotation
+/// matrix, 1978.
+pub fn quaternion_of<S: Real>(r: &Matrix3<S>) -> [S; 4] {
+    let one = S::one();
+    let [a, b, c] = [r[(0, 0)], r[(1, 1)], r[(2, 2)]];
+    // Four times the square of each element, and four times its products with all of them.
+    let squares = [
+        one + a + b + c,
+        one + a - b - c,
+        one - a + b - c,
+        one - a - b + c,
+    ];
+    let [wx, wy, wz] = [(2, 1), (0, 2), (1, 0)].map(|(i, j)| r[(i, j)] - r[(j, i)]);
+    let [xy, yz, zx] = [(1, 0), (2, 1), (0, 2)].map(|(i, j)| r[(i, j)] + r[(j, i)]);
+    let products = [
+        [squares[0], wx, wy, wz],
+        [wx, squares[1], xy, zx],
+        [wy, xy, squares[2], yz],
+        [wz, zx, yz, squares[3]],
+    ];
+    let (mut most, mut best) = (squares[0], products[0]);
+    for (square, product) in squares.into_iter().zip(products).skip(1) {
+        let larger = most.lt(square);
+        best = std::array::from_fn(|k| S::select(larger, product[k], best[k]));
+        most = S::select(larger, square, most);
+    }
+    let scale = S::from_f64(0.5) / most.sqrt();
+    best.map(|x| scale * x)
+}
+
 /// Names the three components of a vector.
 pub fn labelled<S: Real>(v: Vector3<S>, names: [&'static str; 3]) -> Vector3<S> {
     Vector3::new(

@@ -48,6 +48,12 @@ impl Axis {
         }
     }
 
+    /// Whether it is along an axis of its frame, either way.
+    #[must_use]
+    pub fn is_along_frame(&self) -> bool {
+        self.0.iter().any(|component| component.abs() == 1.0)
+    }
+
     /// Two unit vectors that complete it to right-handed axes u, v, self. The axis z has x and y, and so on round.
     #[must_use]
     pub fn complement(&self) -> [Axis; 2] {

@@ -11,4 +11,6 @@ pub enum Part {
     Point(usize),
     /// The rows of a joint.
     Joint(usize),
+    /// The speeds of a joint of the tree: relative coordinates.
+    Coordinates(usize),
 }

@@ -502,10 +502,3 @@ pub fn no_direction(at: Region, length: f64) -> Report {
         ),
     )
 }
-
-pub fn relative(at: Region) -> Report {
-    Report::new(
-        at,
-        "`relative` coordinates are not available yet; available: absolute",
-    )
-}

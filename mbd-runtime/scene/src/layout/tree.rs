@@ -1,0 +1,208 @@
+//! The spanning tree of relative coordinates: which joint carries each body, and where its coordinates are in the state.
+//!
+//! ```text
+//! fewest speeds:  every body is carried by the joint of least freedom that ties it to what is placed        (1)
+//! ```
+//!
+//! (1) is a spanning forest of least weight, freedoms as weights, the world as one node: joints enter by their freedoms, those of
+//! equal freedoms in the order of declaration, and one that closes a loop stays a set of rows (Kruskal, 1956). A joint enters only if all its
+//! coordinates can be measured, both its ends are on bodies or on the world, and it is not marked `loop`. A body that no such joint ties to the world
+//! floats: it owns position, attitude and velocity as in absolute coordinates.
+
+use std::ops::Range;
+
+use crate::layout::Slots;
+use crate::{Part, Place, Scene};
+
+/// A body and what carries it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Link {
+    /// The body.
+    pub body: usize,
+    /// The joint that carries it; `None`: it floats.
+    pub joint: Option<usize>,
+    /// Whether it is the parent of that joint: the joint is walked from its child.
+    pub reversed: bool,
+    /// The link of the body that carries it; `None`: the world.
+    pub inboard: Option<usize>,
+    /// Its coordinates and speeds.
+    pub slots: Slots,
+    /// Number of its coordinates.
+    pub coordinates: usize,
+    /// Number of its speeds.
+    pub speeds: usize,
+    /// Number of those of its speeds that are angular: the last ones.
+    pub turns: usize,
+}
+
+impl Link {
+    /// Where in q the quaternion of its joint is, if it has one: the last of its coordinates, which are one more than its speeds.
+    #[must_use]
+    pub fn attitude(&self) -> Option<Range<usize>> {
+        let end = self.slots.q + self.coordinates;
+        (self.joint.is_some() && self.coordinates > self.speeds).then(|| end - 4..end)
+    }
+}
+
+/// The tree: every body once, after the body that carries it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tree {
+    /// The links, what carries before what it carries.
+    pub links: Vec<Link>,
+    /// The link of each body.
+    pub of_body: Vec<usize>,
+    /// The link whose coordinates are those of a joint; `None` for one that is no joint of the tree.
+    pub of_joint: Vec<Option<usize>>,
+}
+
+/// The body of a place; `None` for the world.
+fn on(place: Place) -> Option<usize> {
+    match place {
+        Place::Body(body, _) => Some(body),
+        _ => None,
+    }
+}
+
+/// Whether a joint may carry a body.
+fn may_carry(scene: &Scene, joint: usize) -> bool {
+    let Some(declared) = scene.joints.get(joint) else {
+        return false;
+    };
+    let law = &declared.law;
+    let attitude = law.attitude().unwrap_or_default();
+    let measured = (0..law.coordinates())
+        .all(|index| attitude.contains(&index) || law.coordinate(index).is_some());
+    let places = [declared.parent, declared.child];
+    let ends = places.map(on);
+    measured
+        && !declared.cut
+        && law.couples().is_empty()
+        && law.freedoms() < 6
+        && ends[0] != ends[1]
+        && !places.iter().any(|place| matches!(place, Place::Point(_)))
+}
+
+impl Tree {
+    /// The tree of a scene; no coordinates yet.
+    pub(crate) fn span(scene: &Scene) -> Self {
+        let mut candidates: Vec<usize> = (0..scene.joints.len())
+            .filter(|&joint| may_carry(scene, joint))
+            .collect();
+        candidates.sort_by_key(|&joint| scene.joints[joint].law.freedoms());
+        // What hangs together: bodies, and behind them the world.
+        let world = scene.bodies.len();
+        let mut group: Vec<usize> = (0..=world).collect();
+        let mut carrying: Vec<usize> = Vec::new();
+        for joint in candidates {
+            let declared = &scene.joints[joint];
+            let [a, b] =
+                [declared.parent, declared.child].map(|place| group[on(place).unwrap_or(world)]);
+            if a != b {
+                group
+                    .iter_mut()
+                    .filter(|own| **own == a)
+                    .for_each(|own| *own = b);
+                carrying.push(joint);
+            }
+        }
+        carrying.sort_unstable();
+        let mut tree = Tree {
+            links: Vec::new(),
+            of_body: vec![0; scene.bodies.len()],
+            of_joint: vec![None; scene.joints.len()],
+        };
+        let mut placed = vec![false; scene.bodies.len()];
+        tree.walk(scene, &carrying, None, &mut placed);
+        for body in 0..scene.bodies.len() {
+            if !placed[body] {
+                placed[body] = true;
+                let link = tree.add(body, None, false, None);
+                tree.walk(scene, &carrying, Some((body, link)), &mut placed);
+            }
+        }
+        tree
+    }
+
+    /// Everything that the world, or a body with its link, carries; depth first, joints in the order of declaration.
+    fn walk(
+        &mut self,
+        scene: &Scene,
+        carrying: &[usize],
+        from: Option<(usize, usize)>,
+        placed: &mut [bool],
+    ) {
+        let mut open = vec![from];
+        while let Some(from) = open.pop() {
+            let near = from.map(|(body, _)| body);
+            let mut next = Vec::new();
+            for &joint in carrying {
+                let declared = &scene.joints[joint];
+                let [parent, child] = [declared.parent, declared.child].map(on);
+                for (inboard, outboard, reversed) in [(parent, child, false), (child, parent, true)]
+                {
+                    let Some(body) = outboard.filter(|&body| inboard == near && !placed[body])
+                    else {
+                        continue;
+                    };
+                    placed[body] = true;
+                    let link = self.add(body, Some(joint), reversed, from.map(|(_, link)| link));
+                    next.push(Some((body, link)));
+                }
+            }
+            open.extend(next.into_iter().rev());
+        }
+    }
+
+    fn add(
+        &mut self,
+        body: usize,
+        joint: Option<usize>,
+        reversed: bool,
+        inboard: Option<usize>,
+    ) -> usize {
+        let link = self.links.len();
+        self.links.push(Link {
+            body,
+            joint,
+            reversed,
+            inboard,
+            slots: Slots { q: 0, v: 0 },
+            coordinates: 0,
+            speeds: 0,
+            turns: 0,
+        });
+        self.of_body[body] = link;
+        if let Some(joint) = joint {
+            self.of_joint[joint] = Some(link);
+        }
+        link
+    }
+
+    /// The link that a joint carries.
+    #[must_use]
+    pub fn carried(&self, joint: usize) -> Option<&Link> {
+        self.links.get((*self.of_joint.get(joint)?)?)
+    }
+
+    /// The links that a body moves with, itself first, up to the world.
+    pub fn path(&self, link: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(Some(link), |&link| self.links.get(link)?.inboard)
+    }
+
+    /// The links of the two ends of a joint; `None` for the world and for points.
+    #[must_use]
+    pub fn links_of(&self, ends: &[Option<Part>]) -> [Option<usize>; 2] {
+        [0, 1].map(|end| match ends.get(end).copied().flatten() {
+            Some(Part::Body(body)) => self.of_body.get(body).copied(),
+            _ => None,
+        })
+    }
+
+    /// The first link that carries both of two, or is one of them: what it does, it does to both. `None` where there is none.
+    #[must_use]
+    pub fn meeting(&self, [a, b]: [Option<usize>; 2]) -> Option<usize> {
+        let (a, b) = (a?, b?);
+        self.path(a)
+            .find(|link| self.path(b).any(|other| other == *link))
+    }
+}

@@ -1,0 +1,167 @@
+//! The equations of motion before they are solved, the factor of their system as a list of numbers, and solutions by it: what derivatives are made of.
+
+use nalgebra::Matrix3;
+
+use super::assemble::speeds_of;
+use super::rows::three;
+use super::system::{
+    TreeSystem, each_floating, into_link, into_state, links, rotate, write_coordinate_rates,
+};
+use crate::elimination::{enter, factored, sparse_dot};
+use crate::laws::evaluation::Evaluation;
+use crate::laws::forces::AppliedForces;
+use crate::laws::gravity::point_gravity;
+use crate::scalar::algebra::write;
+use crate::{Layout, Part, PointSlots, Real};
+
+impl<S: Real> TreeSystem<S> {
+    /// Writes the equations of motion before they are solved, at given v̇ and λ.
+    pub fn write_residual(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+        out: &mut [S],
+    ) {
+        let (layout, given) = (evaluation.layout, evaluation.at.rows);
+        if given.len() != layout.nv + layout.nc {
+            return out.fill(S::from_f64(f64::NAN));
+        }
+        write_coordinate_rates(evaluation, out);
+        evaluation.write_other_rates(out);
+        let (rates, multipliers) = given.split_at(layout.nv);
+        if layout.nc > 0 {
+            self.move_links(evaluation, &[]);
+            let accelerations = std::mem::take(&mut self.accelerations);
+            self.rows.run(evaluation, &accelerations, true);
+            self.accelerations = accelerations;
+        }
+        let mut own = std::mem::take(&mut self.rates);
+        own.copy_from_slice(rates);
+        into_link(evaluation, &mut own);
+        self.move_links(evaluation, &own);
+        self.balance(evaluation, Some(assembly));
+        self.hand_on(evaluation);
+        let n = layout.nv;
+        for (slot, acting) in self.along.iter_mut().zip(&assembly.along) {
+            *slot -= *acting;
+        }
+        for (point, slots) in layout.points.iter().enumerate() {
+            if let PointSlots::Mass(slots) = slots {
+                let mass = evaluation.numbers.points[point].0;
+                let fall = three(&own, slots.v) - point_gravity(evaluation, point, slots.q);
+                write(
+                    &mut self.along,
+                    slots.v,
+                    &(fall.map(|x| mass * x) - assembly.points[point]),
+                );
+            }
+        }
+        let rows = out.len() - layout.nc;
+        for (joint, slots) in layout.joints.iter().enumerate() {
+            S::section(&evaluation.scene.joints[joint].name);
+            out[rows + slots.row..rows + slots.row + slots.len].fill(S::zero());
+            for number in slots.row..slots.row + slots.kept.len() {
+                let line = &self.rows.lines[number * n..(number + 1) * n];
+                for (slot, &column) in self
+                    .along
+                    .iter_mut()
+                    .zip(line)
+                    .filter(|(_, column)| !column.is_zero())
+                {
+                    *slot -= column * multipliers[number];
+                }
+                let left = sparse_dot(line.iter().copied().zip(own.iter().copied()));
+                out[rows + number] = left - self.rows.levels[number].bias;
+            }
+        }
+        self.rates = own;
+        out[layout.nq..layout.nq + n].copy_from_slice(&self.along);
+        into_state(evaluation, &mut out[layout.nq..layout.nq + n]);
+    }
+
+    /// Eliminates and writes what solutions need: the factor, T of the bodies that float, the margin.
+    pub fn write_factor(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        self.prepare(evaluation);
+        let plan = &evaluation.layout.elimination;
+        let mut place = 0;
+        let mut next = |value: S| {
+            out[place] = value;
+            place += 1;
+        };
+        factored(plan, |bank, at| next(self.system.factored(bank, at)));
+        each_floating(evaluation, |_, axes| axes.iter().for_each(|x| next(*x)));
+        next(self.system.margin(plan));
+    }
+
+    /// Solves by that list, and writes x and y.
+    pub fn solve_by_factor(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        let (layout, given) = (evaluation.layout, evaluation.at.rows);
+        let plan = &layout.elimination;
+        let count = given.len().saturating_sub(layout.nv + layout.nc);
+        if count != factored_len(layout) {
+            return out.fill(S::from_f64(f64::NAN));
+        }
+        let (list, asked) = given.split_at(count);
+        self.system.clear();
+        let mut place = 0;
+        factored(plan, |bank, at| {
+            self.system.set_factored(bank, at, list[place]);
+            place += 1;
+        });
+        let turn = |list_at: usize, back: bool, numbers: &mut [S]| {
+            let mut at = list_at;
+            each_floating(evaluation, |link, _| {
+                let axes = Matrix3::from_column_slice(&list[at..at + 9]);
+                at += 9;
+                let axes = if back { axes.transpose() } else { axes };
+                rotate(evaluation, link, &axes, numbers);
+            });
+        };
+        self.along.copy_from_slice(&asked[..layout.nv]);
+        turn(place, true, &mut self.along);
+        for (index, step) in plan.steps.iter().enumerate() {
+            let right = self.system.unknowns_mut(plan, index);
+            if let Some((first, count)) = speeds_of(layout, step.part) {
+                right.copy_from_slice(&self.along[first..first + count]);
+            } else if let Part::Joint(joint) = step.part {
+                let from = layout.nv + layout.joints[joint].row;
+                right.copy_from_slice(&asked[from..from + right.len()]);
+            }
+        }
+        self.system
+            .solve(plan, |part| enter::<S>(evaluation.scene, part));
+        out.fill(S::zero());
+        for (index, step) in plan.steps.iter().enumerate() {
+            let unknowns = self.system.unknowns(plan, index);
+            if let Some((first, count)) = speeds_of(layout, step.part) {
+                out[first..first + count].copy_from_slice(unknowns);
+            } else if let Part::Joint(joint) = step.part {
+                let own = layout.nv + layout.joints[joint].row;
+                for (slot, x) in out[own..].iter_mut().zip(unknowns) {
+                    *slot = -*x;
+                }
+            }
+        }
+        for (point, slots) in layout.points.iter().enumerate() {
+            if let (PointSlots::Mass(slots), None) = (slots, plan.step_of(Part::Point(point))) {
+                let inverse = evaluation.numbers.points[point].1;
+                let own = slots.v..slots.v + 3;
+                for (to, from) in out[own.clone()].iter_mut().zip(&self.along[own]) {
+                    *to = *from * inverse;
+                }
+            }
+        }
+        turn(place, false, &mut out[..layout.nv]);
+    }
+}
+
+/// Length of the list of a factor.
+pub(crate) fn factored_len(layout: &Layout) -> usize {
+    let mut count = 1;
+    factored(&layout.elimination, |_, _| count += 1);
+    count
+        + 9 * links(layout)
+            .iter()
+            .filter(|link| link.joint.is_none())
+            .count()
+}

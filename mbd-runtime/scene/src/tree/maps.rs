@@ -1,0 +1,189 @@
+//! From absolute coordinates to relative ones, and back.
+//!
+//! ```text
+//! R12 = R1ᵀ R2,  s = R1ᵀ (o2 − o1)               q: what the joint measures of them; an attitude is R12 as a quaternion        (1)
+//! [x; k] = R1ᵀ [v2 − v1 − ω1 × R1 s; ω2 − ω1]   u: least squares of H u = [x; k]                                             (2)
+//! ```
+//!
+//! The way back is [`Quantity::Bodies`](crate::Quantity::Bodies).
+
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+use crate::evaluate::{Scratch, evaluate};
+use crate::laws::kinematics::Kinematics;
+use crate::laws::numbers::Numbers;
+use crate::{
+    AngularVelocity, Arguments, Coordinates, Layout, PointSlots, Quantity, Relative, Scene, Twist,
+};
+
+/// The same scene in absolute coordinates, as far as states need it: nothing is planned.
+pub(crate) struct Absolute {
+    pub scene: Scene,
+    pub layout: Layout,
+}
+
+impl Absolute {
+    pub fn of(scene: &Scene) -> Self {
+        let scene = scene.in_coordinates(Coordinates::Absolute);
+        let layout = Layout::unplanned(&scene);
+        Absolute { scene, layout }
+    }
+
+    /// The state in absolute coordinates.
+    pub fn state(
+        &self,
+        (scene, layout): (&Scene, &Layout),
+        (params, time): (&[f64], f64),
+        state: &[f64],
+    ) -> Vec<f64> {
+        let numbers = Numbers::new(scene, params);
+        let arguments = Arguments {
+            time,
+            state: state.to_vec(),
+            nodes: vec![0.0; 3 * layout.nodes.len()],
+            effective: vec![0.0; 2 * layout.effective_lines],
+            hold: vec![0.0; layout.one_way()],
+            inputs: layout.default_inputs(scene),
+            ..Arguments::default()
+        };
+        let mut bodies = vec![0.0; layout.len(Quantity::Bodies)];
+        let scratch = &mut Scratch::new(layout);
+        evaluate(
+            Quantity::Bodies,
+            scene,
+            layout,
+            &numbers,
+            &arguments.at(),
+            scratch,
+            &mut bodies,
+        );
+        let mut out = vec![0.0; self.layout.nx()];
+        for ((_, slots), numbers) in self.layout.own_bodies().zip(bodies.chunks_exact(13)) {
+            let (q, v) = numbers.split_at(7);
+            out[slots.q..slots.q + 7].copy_from_slice(q);
+            let at = self.layout.nq + slots.v;
+            out[at..at + 6].copy_from_slice(v);
+        }
+        copy_others((layout, state), (&self.layout, &mut out));
+        out
+    }
+
+    /// Writes the state in relative coordinates.
+    pub fn relative(
+        &self,
+        scene: (&Scene, &Layout),
+        from: &[f64],
+        at: (&[f64], f64),
+        out: &mut [f64],
+    ) {
+        to_relative(scene, (&self.layout, from), at, out);
+    }
+}
+
+/// Copies what both families have alike: points with mass, equilibrium points, declared states.
+fn copy_others((layout, from): (&Layout, &[f64]), (other, to): (&Layout, &mut [f64])) {
+    for (own, slots) in layout.points.iter().zip(&other.points) {
+        if let (PointSlots::Mass(own), PointSlots::Mass(slots)) = (own, slots) {
+            to[slots.q..slots.q + 3].copy_from_slice(&from[own.q..own.q + 3]);
+            let (own, at) = (layout.nq + own.v, other.nq + slots.v);
+            to[at..at + 3].copy_from_slice(&from[own..own + 3]);
+        }
+    }
+    to[other.nq + other.nv..].copy_from_slice(&from[layout.nq + layout.nv..]);
+}
+
+/// Writes a state in relative coordinates from that of the same scene in absolute ones (q, v, z and s). Angles lie in (−π, π]; what the joints of
+/// the tree forbid is taken out of positions and velocities.
+pub fn to_relative(
+    (scene, layout): (&Scene, &Layout),
+    (absolute, from): (&Layout, &[f64]),
+    (params, time): (&[f64], f64),
+    out: &mut [f64],
+) {
+    if from.len() != absolute.nx() || out.len() != layout.nx() {
+        return;
+    }
+    let numbers = Numbers::new(scene, params);
+    let arguments = Arguments {
+        time,
+        state: from.to_vec(),
+        nodes: vec![0.0; 3 * absolute.nodes.len()],
+        effective: vec![0.0; 2 * absolute.effective_lines],
+        hold: vec![0.0; absolute.one_way()],
+        inputs: absolute.default_inputs(scene),
+        ..Arguments::default()
+    };
+    let at = arguments.at();
+    let mut kinematics = Kinematics::new(absolute);
+    let evaluation = kinematics.read(scene, absolute, &numbers, &at);
+    let floating = layout
+        .own_bodies()
+        .filter_map(|(body, own)| Some((own, (*absolute.bodies.get(body)?)?)));
+    for (own, slots) in floating {
+        let (coordinates, speeds) = (layout.directions.coordinates(), layout.directions.speeds());
+        out[own.q..own.q + coordinates].copy_from_slice(&from[slots.q..slots.q + coordinates]);
+        let (to, from_v) = (layout.nq + own.v, absolute.nq + slots.v);
+        out[to..to + speeds].copy_from_slice(&from[from_v..from_v + speeds]);
+    }
+    copy_others((absolute, from), (layout, out));
+    for (joint, link) in layout.joint_links() {
+        let law = &scene.joints[joint].law;
+        let Some(ends) = evaluation.ends(joint, AngularVelocity::World) else {
+            continue;
+        };
+        let (parent, child) = (&ends.parent, &ends.child);
+        let frame = |end: &crate::rows::End<f64>| {
+            let columns = [0, 1, 2].map(|k| end.frame.column(k));
+            Matrix3::from_columns(&columns)
+        };
+        let (r1, r2) = (frame(parent), frame(child));
+        let mut q = vec![0.0; law.coordinates()];
+        for (index, slot) in q.iter_mut().enumerate() {
+            if let Some(coordinate) = law.coordinate(index) {
+                *slot = ends.value(&coordinate);
+            }
+        }
+        if let Some(attitude) = law.attitude() {
+            let turned = Rotation3::from_matrix_unchecked(r1.transpose() * r2);
+            let unit = UnitQuaternion::from_rotation_matrix(&turned).into_inner();
+            q[attitude].copy_from_slice(&[unit.w, unit.i, unit.j, unit.k]);
+        }
+        let gap = ends.gap();
+        let along = r1.transpose() * (ends.gap_rate() - parent.omega.cross(&gap));
+        let about = r1.transpose() * (child.omega - parent.omega);
+        let mut columns = vec![Twist::zero(); law.freedoms()];
+        let relative = Relative {
+            q: &q,
+            u: &[],
+            numbers: &numbers.joints[joint],
+        };
+        law.subspace(&relative, &mut columns);
+        let speeds = speeds(&columns, &along, &about);
+        out[link.slots.q..link.slots.q + link.coordinates].copy_from_slice(&q);
+        let v = layout.nq + link.slots.v;
+        out[v..v + link.speeds].copy_from_slice(speeds.as_slice());
+    }
+}
+
+/// (2).
+fn speeds(columns: &[Twist<f64>], along: &Vector3<f64>, about: &Vector3<f64>) -> DVector<f64> {
+    let six = |twist: &Twist<f64>| {
+        twist
+            .linear
+            .iter()
+            .chain(twist.angular.iter())
+            .copied()
+            .collect::<Vec<f64>>()
+    };
+    let h = DMatrix::from_fn(6, columns.len(), |i, k| six(&columns[k])[i]);
+    let motion = DVector::from_vec(six(&Twist {
+        linear: *along,
+        angular: *about,
+    }));
+    let normal = h.transpose() * &h;
+    let right = h.transpose() * motion;
+    normal.cholesky().map_or_else(
+        || DVector::zeros(columns.len()),
+        |factor| factor.solve(&right),
+    )
+}

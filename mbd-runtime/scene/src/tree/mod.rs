@@ -1,0 +1,20 @@
+//! Relative coordinates: bodies carried along a spanning tree by the coordinates of its joints.
+//!
+//! Everything here is in the axes of the links: the frame of a joint on the body that it carries, origin at the joint's point Q. A body that floats
+//! has its own axes and its centre of mass. What a joint does is what its file says of it: `motion`, `subspace`, `bias`.
+
+mod articulated;
+mod assemble;
+mod factored;
+mod inertia;
+mod kinematics;
+mod maps;
+mod reactions;
+mod rows;
+mod system;
+
+pub(crate) use factored::factored_len;
+pub(crate) use kinematics::{LinkMotion, read};
+pub(crate) use maps::Absolute;
+pub use maps::to_relative;
+pub(crate) use system::TreeSystem;

@@ -1,0 +1,232 @@
+//! The rows of relative coordinates: joints that close loops, motors, as lines over the speeds of the tree.
+//!
+//! ```text
+//! Φ_u = Φ_v B,   γ_u = γ − Φ_v B̂            v = B u, v̇ = B u̇ + B̂                                     (1)
+//! Φ = q_k − f(t)                              a motor of a joint of the tree                              (2)
+//! ```
+//!
+//! A row pushes its two ends, and the tree hands that on to the world: (1) by (2) of [`super::inertia`]. Above the link that carries both ends
+//! nothing arrives. Source: Featherstone, Rigid Body Dynamics Algorithms, loop joints.
+
+use nalgebra::Vector3;
+
+use super::kinematics::LinkMotion;
+use crate::elimination::{common_fall, kept_parts, sparse_dot};
+use crate::laws::evaluation::Evaluation;
+use crate::rows::{Columns, Row, Rows};
+use crate::scalar::algebra::vector;
+use crate::{AngularVelocity, Layout, Part, PointSlots, Quantity, Real, Twist};
+
+/// A row over the speeds of the links and points: Φ, Φ_t, γ of (1).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Level<S> {
+    pub value: S,
+    pub time: S,
+    pub bias: S,
+}
+
+/// The rows of one scene. Carries nothing from call to call.
+#[derive(Clone, Debug)]
+pub(super) struct TreeRows<S: Real> {
+    /// The rows of the joints, between their ends.
+    pub rows: Vec<Rows<S>>,
+    kept: Vec<Rows<S>>,
+    /// Row by row what a unit of each speed gives, n_v numbers a row.
+    pub lines: Vec<S>,
+    /// What else is said of each row.
+    pub levels: Vec<Level<S>>,
+    pushes: Vec<Twist<S>>,
+}
+
+impl<S: Real> TreeRows<S> {
+    pub fn new(layout: &Layout) -> Self {
+        TreeRows {
+            rows: vec![Rows::default(); layout.joints.len()],
+            kept: vec![Rows::default(); layout.joints.len()],
+            lines: vec![S::zero(); layout.nc * layout.nv],
+            levels: vec![
+                Level {
+                    value: S::zero(),
+                    time: S::zero(),
+                    bias: S::zero(),
+                };
+                layout.nc
+            ],
+            pushes: vec![Twist::zero(); layout.bodies.len()],
+        }
+    }
+
+    /// Runs the rows: all of them, or of each joint those that are in the system, first. `accelerations`: those of the links without u̇, gravity taken off.
+    pub fn run(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        accelerations: &[Twist<S>],
+        in_system: bool,
+    ) {
+        let layout = evaluation.layout;
+        self.lines.fill(S::zero());
+        for (joint, slots) in layout
+            .joints
+            .iter()
+            .enumerate()
+            .filter(|(_, slots)| slots.len > 0)
+        {
+            let declared = &evaluation.scene.joints[joint];
+            S::section(&declared.name);
+            if let Some(link) = layout.carried(joint) {
+                for (row, (index, course)) in (slots.row..).zip(declared.motors()) {
+                    let course = evaluation.course(course);
+                    self.lines[row * layout.nv + link.slots.v + index] = S::one();
+                    self.levels[row] = Level {
+                        value: evaluation.at.state[link.slots.q + index] - course.value,
+                        time: -course.rate,
+                        bias: course.curve,
+                    };
+                }
+                continue;
+            }
+            self.between(evaluation, joint);
+            let rows = match in_system && !slots.all_kept() {
+                true => self.kept[joint].rows().len(),
+                false => self.rows[joint].rows().len(),
+            };
+            for number in 0..rows {
+                let row = match in_system && !slots.all_kept() {
+                    true => self.kept[joint].rows()[number],
+                    false => self.rows[joint].rows()[number],
+                };
+                self.line(evaluation, joint, (slots.row + number, &row), accelerations);
+            }
+        }
+    }
+
+    /// The rows of a joint between its ends.
+    fn between(&mut self, evaluation: &Evaluation<'_, S>, joint: usize) {
+        let (declared, slots) = (
+            &evaluation.scene.joints[joint],
+            &evaluation.layout.joints[joint],
+        );
+        let ends = |joint: usize| evaluation.ends(joint, AngularVelocity::Body);
+        let Some(own) = ends(joint) else { return };
+        let rows = &mut self.rows[joint];
+        evaluation.law_rows((joint, &own), ends, slots.law, rows);
+        for (coordinate, course) in evaluation.motors(declared) {
+            rows.motor(&own, &coordinate, &course);
+        }
+        if !slots.all_kept() {
+            rows.keep(slots.kept, &own, &mut self.kept[joint]);
+        }
+    }
+
+    /// One row as a line, by (1).
+    fn line(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        joint: usize,
+        (number, row): (usize, &Row<S>),
+        accelerations: &[Twist<S>],
+    ) {
+        let layout = evaluation.layout;
+        let (Some(tree), ends) = (&layout.tree, &layout.joints[joint].ends) else {
+            return;
+        };
+        let grounded = ends.contains(&None);
+        let fall = common_fall(evaluation);
+        let mut bias = row.bias;
+        let line = &mut self.lines[number * layout.nv..(number + 1) * layout.nv];
+        for (pair, columns) in ends.chunks(2).zip(row.columns.chunks(2)) {
+            let links = tree.links_of(pair);
+            let meet = tree.meeting(links);
+            for ((end, link), columns) in pair.iter().zip(links).zip(columns) {
+                if grounded && end.is_some() {
+                    // Accelerations are told less the common fall.
+                    bias -= columns.linear.dot(&fall);
+                }
+                if let Some(Part::Point(point)) = *end
+                    && let PointSlots::Mass(slots) = layout.points[point]
+                {
+                    (0..3).for_each(|k| line[slots.v + k] += columns.linear[k]);
+                    bias += columns.linear.dot(&fall);
+                }
+                let Some(link) = link else { continue };
+                let motion = &evaluation.links[link];
+                let push = taken(motion, columns);
+                let (own, centre) = (&accelerations[link], &motion.centre);
+                let turning = motion.omega.cross(&motion.omega.cross(centre));
+                bias -= push.linear.dot(&(own.linear + turning)) + push.angular.dot(&own.angular);
+                let mut push = push;
+                for link in tree.path(link).take_while(|link| Some(*link) != meet) {
+                    let (declared, motion) = (&tree.links[link], &evaluation.links[link]);
+                    for k in 0..declared.speeds {
+                        line[declared.slots.v + k] += motion.along(k, &push);
+                    }
+                    push = motion.hand_on(&push);
+                }
+            }
+        }
+        self.levels[number] = Level {
+            value: row.value,
+            time: row.time,
+            bias,
+        };
+    }
+
+    /// Adds up what the rows of all joints push the links with, for their multipliers (n_c, all rows), at the origins of the links.
+    pub fn pushes(&mut self, evaluation: &Evaluation<'_, S>, multipliers: &[S]) -> &[Twist<S>] {
+        let layout = evaluation.layout;
+        self.pushes.fill(Twist::zero());
+        for (joint, slots) in layout.joints.iter().enumerate() {
+            if slots.len == 0 || layout.carried(joint).is_some() {
+                continue;
+            }
+            self.between(evaluation, joint);
+            let Some(tree) = &layout.tree else { continue };
+            for (row, &multiplier) in self.rows[joint]
+                .rows()
+                .iter()
+                .zip(&multipliers[slots.row..])
+            {
+                for (end, columns) in slots.ends.iter().zip(row.columns.iter()) {
+                    if let Some(Part::Body(body)) = *end {
+                        let link = tree.of_body[body];
+                        let push = taken(&evaluation.links[link], columns);
+                        self.pushes[link] = self.pushes[link].plus(&push, multiplier);
+                    }
+                }
+            }
+        }
+        &self.pushes
+    }
+
+    /// Hands out what each row in the system of a joint is made of: its number, a row of the joint, and how much of it.
+    pub fn each_kept(
+        &self,
+        evaluation: &Evaluation<'_, S>,
+        joint: usize,
+        each: impl FnMut(usize, usize, S),
+    ) {
+        kept_parts(evaluation, joint, &self.rows, each);
+    }
+
+    /// Writes Φ, Φ_v v + Φ_t or γ of every row.
+    pub fn write(&self, what: Quantity, speeds: &[S], out: &mut [S]) {
+        let lines = self.lines.chunks(speeds.len().max(1));
+        for ((slot, level), line) in out.iter_mut().zip(&self.levels).zip(lines) {
+            *slot = match what {
+                Quantity::Constraint => level.value,
+                Quantity::ConstraintBias => level.bias,
+                _ => level.time + sparse_dot(line.iter().copied().zip(speeds.iter().copied())),
+            };
+        }
+    }
+}
+
+/// Columns of a row on a body, world axes and its own components, as a push at the origin of its link.
+fn taken<S: Real>(motion: &LinkMotion<S>, columns: &Columns<S>) -> Twist<S> {
+    motion.taken([&columns.linear, &Vector3::zeros()], &columns.angular)
+}
+
+/// Three numbers of a list.
+pub(super) fn three<S: Real>(list: &[S], at: usize) -> Vector3<S> {
+    vector(list, at)
+}

@@ -1,0 +1,424 @@
+//! The equations of motion in relative coordinates, and their solution.
+//!
+//! ```text
+//! [M  Φ_uᵀ] [ u̇]   [τ − h]
+//! [Φ_u   0] [−λ] = [  γ  ]            M by composite bodies, h by recursive Newton–Euler at u̇ = 0                          (1)
+//! ```
+//!
+//! The speeds of a body that floats are those of its centre of mass in its own axes here, V = T v; in the state they are v. Gravity that is the same
+//! everywhere is an acceleration of the world upwards. Source: Featherstone, Rigid Body Dynamics Algorithms, ch. 6 and 8.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::articulated::Articulated;
+use super::assemble::{applied, base, speeds_of};
+use super::inertia::Inertia;
+use super::rows::{TreeRows, three};
+use crate::elimination::{System, common_fall, enter};
+use crate::laws::evaluation::Evaluation;
+use crate::laws::forces::AppliedForces;
+use crate::laws::gravity::point_gravity;
+use crate::scalar::algebra::write;
+use crate::{AngularVelocity, Layout, Link, Part, PointSlots, Quantity, Real, Relative, Twist};
+
+/// Scratch of one scene. Carries nothing from call to call.
+#[derive(Clone, Debug)]
+pub(crate) struct TreeSystem<S: Real> {
+    pub(super) system: System<S>,
+    pub(super) rows: TreeRows<S>,
+    /// Accelerations of the links, less the common fall.
+    pub(super) accelerations: Vec<Twist<S>>,
+    /// What the joints must push the links with.
+    pub(super) pushes: Vec<Twist<S>>,
+    pub(super) composites: Vec<Inertia<S>>,
+    pub(super) articulated: Vec<Articulated<S>>,
+    /// n_v numbers: generalised forces, speeds or accelerations in the components of the links.
+    pub(super) along: Vec<S>,
+    /// u̇ in the components of the links, after [`TreeSystem::accelerate`].
+    pub(super) rates: Vec<S>,
+    /// λ of all rows.
+    pub(super) multipliers: Vec<S>,
+    pub(super) mass: Vec<S>,
+}
+
+/// The links of a layout.
+pub(super) fn links(layout: &Layout) -> &[Link] {
+    layout.tree.as_ref().map_or(&[][..], |tree| &tree.links)
+}
+
+/// V = T v of a body that floats, or forces likewise: linear part along its axes; angular part, too, where the state has world components.
+pub(super) fn into_link<S: Real>(evaluation: &Evaluation<'_, S>, list: &mut [S]) {
+    each_floating(evaluation, |link, axes| {
+        let back = axes.transpose();
+        rotate(evaluation, link, &back, list);
+    });
+}
+
+/// The way back.
+pub(super) fn into_state<S: Real>(evaluation: &Evaluation<'_, S>, list: &mut [S]) {
+    each_floating(evaluation, |link, axes| {
+        rotate(evaluation, link, axes, list)
+    });
+}
+
+pub(super) fn each_floating<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    mut each: impl FnMut(&Link, &Matrix3<S>),
+) {
+    for (link, motion) in links(evaluation.layout).iter().zip(evaluation.links) {
+        if link.joint.is_none() {
+            each(link, &motion.axes);
+        }
+    }
+}
+
+pub(super) fn rotate<S: Real>(
+    evaluation: &Evaluation<'_, S>,
+    link: &Link,
+    axes: &Matrix3<S>,
+    list: &mut [S],
+) {
+    let at = link.slots.v;
+    let linear = axes * three(list, at);
+    write(list, at, &linear);
+    if evaluation.scene.angular_velocity == AngularVelocity::World {
+        let angular = axes * three(list, at + 3);
+        write(list, at + 3, &angular);
+    }
+}
+
+impl<S: Real> TreeSystem<S> {
+    /// Room for one scene.
+    pub fn new(layout: &Layout) -> Self {
+        let count = links(layout).len();
+        TreeSystem {
+            system: System::new(&layout.elimination),
+            rows: TreeRows::new(layout),
+            accelerations: vec![Twist::zero(); count],
+            pushes: vec![Twist::zero(); count],
+            composites: vec![Inertia::none(); count],
+            articulated: vec![Articulated::of(&Inertia::none(), Twist::zero()); count],
+            along: vec![S::zero(); layout.nv],
+            rates: vec![S::zero(); layout.nv],
+            multipliers: vec![S::zero(); layout.nc],
+            mass: vec![S::zero(); if count > 0 { layout.nv * layout.nv } else { 0 }],
+        }
+    }
+
+    /// Solves (1): u̇ in the components of the links, and λ of all rows.
+    pub fn accelerate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
+        let (layout, numbers) = (evaluation.layout, evaluation.numbers);
+        let plan = &layout.elimination;
+        if plan.order.articulated {
+            self.articulate(evaluation, assembly);
+            return self.move_points(evaluation, assembly);
+        }
+        self.prepare(evaluation);
+        self.balance(evaluation, Some(assembly));
+        self.hand_on(evaluation);
+        for (index, step) in plan.steps.iter().enumerate() {
+            enter::<S>(evaluation.scene, step.part);
+            let right = self.system.unknowns_mut(plan, index);
+            match step.part {
+                Part::Joint(joint) => {
+                    let row = layout.joints[joint].row;
+                    for (slot, level) in right.iter_mut().zip(&self.rows.levels[row..]) {
+                        *slot = level.bias;
+                    }
+                }
+                Part::Point(point) => {
+                    if let PointSlots::Mass(slots) = layout.points[point] {
+                        let weight = point_gravity(evaluation, point, slots.q)
+                            .map(|g| numbers.points[point].0 * g);
+                        write(right, 0, &(assembly.points[point] + weight));
+                    }
+                }
+                part => {
+                    if let Some((first, _)) = speeds_of(layout, part) {
+                        for (i, slot) in right.iter_mut().enumerate() {
+                            *slot = assembly.along[first + i] - self.along[first + i];
+                        }
+                    }
+                }
+            }
+        }
+        self.system
+            .solve(plan, |part| enter::<S>(evaluation.scene, part));
+        self.take_solution(evaluation);
+        self.move_points(evaluation, assembly);
+    }
+
+    /// u̇ of the points that no joint holds.
+    fn move_points(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
+        let layout = evaluation.layout;
+        for (point, slots) in layout.points.iter().enumerate() {
+            let held = layout.elimination.step_of(Part::Point(point));
+            if let (PointSlots::Mass(slots), None) = (slots, held) {
+                S::section(&evaluation.scene.points[point].name);
+                let inverse = evaluation.numbers.points[point].1;
+                let rate = assembly.points[point].map(|f| f * inverse)
+                    + point_gravity(evaluation, point, slots.q);
+                write(&mut self.rates, slots.v, &rate);
+            }
+        }
+    }
+
+    /// u̇ by articulated bodies, where no rows close loops.
+    fn articulate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
+        let all = links(evaluation.layout);
+        let fall = common_fall(evaluation);
+        for (index, link) in all.iter().enumerate() {
+            S::section(&evaluation.scene.bodies[link.body].name);
+            let motion = &evaluation.links[index];
+            let inertia = Inertia::of(&evaluation.numbers.bodies[link.body], motion);
+            let mut push = inertia.gyroscopic(&motion.omega);
+            push.add(&self.weight(evaluation, index));
+            push = push.plus(&applied(evaluation, index, assembly), -S::one());
+            self.articulated[index] = Articulated::of(&inertia, push);
+        }
+        for (index, link) in all.iter().enumerate().rev() {
+            S::section(&evaluation.scene.bodies[link.body].name);
+            let motion = &evaluation.links[index];
+            let forces = &assembly.along[link.slots.v..link.slots.v + link.speeds];
+            self.articulated[index].release(motion, forces);
+            if let Some(inboard) = link.inboard {
+                let (before, own) = self.articulated.split_at_mut(index);
+                before[inboard].take(&own[0], motion, &motion.brought());
+            }
+        }
+        for (index, link) in all.iter().enumerate() {
+            S::section(&evaluation.scene.bodies[link.body].name);
+            let motion = &evaluation.links[index];
+            let own = match (link.joint, link.inboard) {
+                (None, _) => Twist::slide(motion.axes.transpose() * -fall),
+                (_, Some(inboard)) => motion.accelerated(&self.accelerations[inboard], &[]),
+                (Some(joint), None) => {
+                    motion.accelerated(&base(evaluation, joint, link.reversed, &fall), &[])
+                }
+            };
+            let rates = &mut self.rates[link.slots.v..link.slots.v + link.speeds];
+            self.accelerations[index] = self.articulated[index].find(motion, own, rates);
+        }
+    }
+
+    /// Takes accelerations, or moves, and multipliers of all rows out of the solved system.
+    fn take_solution(&mut self, evaluation: &Evaluation<'_, S>) {
+        let layout = evaluation.layout;
+        let plan = &layout.elimination;
+        self.multipliers.fill(S::zero());
+        for (index, step) in plan.steps.iter().enumerate() {
+            enter::<S>(evaluation.scene, step.part);
+            let unknowns = self.system.unknowns(plan, index);
+            if let Some((first, count)) = speeds_of(layout, step.part) {
+                self.rates[first..first + count].copy_from_slice(unknowns);
+            } else if let Part::Joint(joint) = step.part {
+                let own = layout.joints[joint].row;
+                let multipliers = &mut self.multipliers;
+                self.rows.each_kept(evaluation, joint, |number, row, part| {
+                    multipliers[own + row] -= unknowns[number] * part;
+                });
+            }
+        }
+    }
+
+    /// Writes ẋ, after [`TreeSystem::accelerate`].
+    pub fn write_derivative(&self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        write_coordinate_rates(evaluation, out);
+        let layout = evaluation.layout;
+        self.write_rates(evaluation, &mut out[layout.nq..layout.nq + layout.nv]);
+        evaluation.write_other_rates(out);
+    }
+
+    /// Writes v̇ in the components of the state, after [`TreeSystem::accelerate`].
+    fn write_rates(&self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        out.copy_from_slice(&self.rates);
+        into_state(evaluation, out);
+    }
+
+    /// Accelerations of every body, linear in world axes and angular in the components of the state, for v̇.
+    pub fn body_accelerations(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        rates: &[S],
+        out: &mut Vec<[Vector3<S>; 2]>,
+    ) {
+        out.clear();
+        out.resize(evaluation.layout.bodies.len(), [Vector3::zeros(); 2]);
+        let mut along = std::mem::take(&mut self.along);
+        along.copy_from_slice(rates);
+        into_link(evaluation, &mut along);
+        self.move_links(evaluation, &along);
+        self.along = along;
+        let fall = common_fall(evaluation);
+        for (index, link) in links(evaluation.layout).iter().enumerate() {
+            let (motion, own) = (&evaluation.links[index], &self.accelerations[index]);
+            let (w, c) = (&motion.omega, &motion.centre);
+            let centre = own.linear + own.angular.cross(c) + w.cross(&w.cross(c));
+            let spin = match evaluation.scene.angular_velocity {
+                AngularVelocity::Body => motion.body.transpose() * own.angular,
+                AngularVelocity::World => motion.axes * own.angular,
+            };
+            out[link.body] = [motion.axes * centre + fall, spin];
+        }
+    }
+
+    /// Writes the rows of the joints.
+    pub fn write_rows(&mut self, what: Quantity, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        let layout = evaluation.layout;
+        self.move_links(evaluation, &[]);
+        let accelerations = std::mem::take(&mut self.accelerations);
+        self.rows.run(evaluation, &accelerations, false);
+        self.accelerations = accelerations;
+        if what == Quantity::ConstraintJacobian {
+            for (to, from) in out
+                .chunks_exact_mut(layout.nv)
+                .zip(self.rows.lines.chunks_exact(layout.nv))
+            {
+                to.copy_from_slice(from);
+                into_state(evaluation, to);
+            }
+            return;
+        }
+        self.along
+            .copy_from_slice(&evaluation.at.state[layout.nq..layout.nq + layout.nv]);
+        into_link(evaluation, &mut self.along);
+        self.rows.write(what, &self.along, out);
+    }
+
+    /// Writes M, dense.
+    pub fn write_mass(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        self.compose(evaluation);
+        let n = evaluation.layout.nv;
+        for i in 0..n {
+            for j in 0..=i {
+                // A speed that is carried may stand before one that carries it.
+                let value = match self.mass[i * n + j].is_zero() {
+                    true => self.mass[j * n + i],
+                    false => self.mass[i * n + j],
+                };
+                self.mass[i * n + j] = value;
+                self.mass[j * n + i] = value;
+            }
+        }
+        for _ in 0..2 {
+            // T M Tᵀ: rows, then the rows of the transpose.
+            for row in self.mass.chunks_exact_mut(n) {
+                into_state(evaluation, row);
+            }
+            for i in 0..n {
+                for j in 0..i {
+                    self.mass.swap(i * n + j, j * n + i);
+                }
+            }
+        }
+        for (to, from) in out.iter_mut().zip(&self.mass) {
+            if !from.is_zero() {
+                *to = *from;
+            }
+        }
+    }
+
+    /// Writes the diagonal of M.
+    pub fn write_masses(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        self.write_mass(evaluation, &mut []);
+        let n = evaluation.layout.nv;
+        for (to, from) in out.iter_mut().zip(self.mass.iter().step_by(n + 1)) {
+            *to = *from;
+        }
+    }
+
+    /// Writes h: what the joints must push with at rest of the speeds, gravity and velocities alone.
+    pub fn write_bias(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        self.move_links(evaluation, &[]);
+        self.balance(evaluation, None);
+        self.hand_on(evaluation);
+        out.copy_from_slice(&self.along);
+        for (point, slots) in evaluation.layout.points.iter().enumerate() {
+            if let PointSlots::Mass(slots) = slots {
+                let mass = evaluation.numbers.points[point].0;
+                write(
+                    out,
+                    slots.v,
+                    &point_gravity(evaluation, point, slots.q).map(|g| -(mass * g)),
+                );
+            }
+        }
+        into_state(evaluation, out);
+    }
+
+    /// Writes the applied forces f.
+    pub fn write_forces(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        assembly: &AppliedForces<S>,
+        out: &mut [S],
+    ) {
+        for index in 0..self.pushes.len() {
+            self.pushes[index] = applied(evaluation, index, assembly);
+        }
+        self.hand_on(evaluation);
+        for (slot, (a, b)) in out.iter_mut().zip(self.along.iter().zip(&assembly.along)) {
+            *slot = *a + *b;
+        }
+        for (point, slots) in evaluation.layout.points.iter().enumerate() {
+            if let PointSlots::Mass(slots) = slots {
+                write(out, slots.v, &assembly.points[point]);
+            }
+        }
+        into_state(evaluation, out);
+    }
+
+    /// Solves for the move that takes the rows of the arguments out, and writes it with the margin of the factor behind.
+    pub fn correct(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        let layout = evaluation.layout;
+        let plan = &layout.elimination;
+        if evaluation.at.rows.len() != layout.nc {
+            return out.fill(S::from_f64(f64::NAN));
+        }
+        self.prepare(evaluation);
+        for (joint, slots) in layout.joints.iter().enumerate() {
+            if let Some(step) = plan.step_of(Part::Joint(joint)) {
+                enter::<S>(evaluation.scene, Part::Joint(joint));
+                let asked = &evaluation.at.rows[slots.row..slots.row + slots.len];
+                let own = self.system.unknowns_mut(plan, step);
+                self.rows.each_kept(evaluation, joint, |number, row, part| {
+                    own[number] -= asked[row] * part;
+                });
+            }
+        }
+        self.system
+            .solve(plan, |part| enter::<S>(evaluation.scene, part));
+        self.rates.fill(S::zero());
+        self.take_solution(evaluation);
+        self.write_rates(evaluation, &mut out[..layout.nv]);
+        out[layout.nv] = self.system.margin(plan);
+    }
+}
+
+/// Writes q̇ of everything.
+pub(super) fn write_coordinate_rates<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let (layout, scene) = (evaluation.layout, evaluation.scene);
+    for (body, slots) in layout.own_bodies() {
+        S::section(&scene.bodies[body].name);
+        evaluation.write_body_rate(body, slots, out);
+    }
+    for (joint, link) in layout.joint_links() {
+        S::section(&scene.joints[joint].name);
+        let state = evaluation.at.state;
+        let v = layout.nq + link.slots.v;
+        let at = Relative {
+            q: &state[link.slots.q..link.slots.q + link.coordinates],
+            u: &state[v..v + link.speeds],
+            numbers: &evaluation.numbers.joints[joint],
+        };
+        scene.joints[joint]
+            .law
+            .rates(&at, &mut out[link.slots.q..link.slots.q + link.coordinates]);
+    }
+    for (point, slots) in layout.points.iter().enumerate() {
+        if let PointSlots::Mass(slots) = slots {
+            S::section(&scene.points[point].name);
+            evaluation.write_point_rate(*slots, out);
+        }
+    }
+}

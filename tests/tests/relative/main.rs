@@ -1,0 +1,7 @@
+//! Relative coordinates: the same mechanics as absolute ones, and the numbers of independent tools.
+
+mod agreement;
+mod counts;
+mod generated;
+mod reference;
+mod runs;
