@@ -34,9 +34,9 @@ pub(crate) fn largest<T: Float>(list: &[T]) -> f64 {
 
 /// Where stretches of [`WIDE`] numbers begin that cover a list of a length, the last two of them overlapping; none in a shorter list.
 fn stretches(length: usize) -> impl Iterator<Item = usize> {
-    let even = (0..length / WIDE).map(|index| WIDE * index);
-    let last = length.checked_sub(WIDE).filter(|last| last % WIDE > 0);
-    even.chain(last)
+    let last = length.checked_sub(WIDE);
+    let count = last.map_or(0, |last| last.div_ceil(WIDE) + 1);
+    (0..count).map(move |index| (WIDE * index).min(last.unwrap_or_default()))
 }
 
 /// Whether every number is finite.

@@ -132,6 +132,43 @@ fn removing_a_damping_constant_removes_the_rate_of_that_line() {
     );
 }
 
+/// A ring of four lines that hold a node below a body.
+fn hung(node: &str, load: &str) -> String {
+    format!(
+        "model Hung {{
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            world {{
+                frame a at [1.0, 0.0, 2.0] m,
+                frame b at [-1.0, 0.2, 2.0] m,
+                frame c at [0.1, 1.0, 2.1] m,
+            }}
+            body drum {{ mass: 3.0 kg, inertia: diag(0.1, 0.2, 0.3) kg*m^2, frame top at [0.0, 0.0, 0.2] m }}
+            joint free_drum: free from world to drum.com;
+            point knot {{ equilibrium: {node} }}
+            line one from world.a to knot {{ free_length: 1.0 m, stiffness: 900 N/m, damping: 9 N*s/m }}
+            line two from world.b to knot {{ free_length: 1.0 m, stiffness: 900 N/m, damping: 9 N*s/m }}
+            line three from knot to world.c {{ free_length: 1.0 m, stiffness: 900 N/m, damping: 9 N*s/m }}
+            line four from knot to drum.top {{ free_length: 0.4 m, stiffness: 900 N/m, damping: 9 N*s/m }}
+            {load}
+        }}"
+    )
+}
+
+#[test]
+fn a_node_found_with_the_derivative_measures_no_line_twice_and_costs_one_division() {
+    let scene = read(&hung("rate", ""));
+    let [alone, along] = [Quantity::Derivative, Quantity::Rates].map(|what| cost(&scene, what));
+    // The derivative alone needs the line that pulls the drum, the node all four.
+    assert_eq!([alone.sqrts, along.sqrts], [1, 4]);
+    assert_eq!(along.divs, alone.divs + 3 + 1);
+    // A load may depend on the velocity that is looked for, and the other models have none.
+    let loaded = hung("rate", "load wind on knot = [1.0 N, 0.0 N, 0.0 N];");
+    for other in [loaded, hung("stepwise", ""), chain("")] {
+        let equations = Equations::trace(&read(&other));
+        assert_eq!(equations.program(Quantity::Rates), None);
+    }
+}
+
 /// A body that floats free.
 fn floater(gravity: &str, inertia: &str) -> String {
     format!(
