@@ -79,10 +79,14 @@ impl<T: Float> Nodes<T> {
         first..first + 2 * self.layout.nodes.len()
     }
 
-    /// Whether the lines that carry may span space at every node.
+    /// Whether the lines that carry may span space at every node, and none is detached.
     fn may_span(&self, memory: &NodeMemory<T>) -> bool {
         self.plans.iter().all(|plan| {
             let carries = |line: usize| memory.modes.get(line) == Some(&Mode::Active);
+            let mut lines = plan.legs.iter().map(|(_, leg)| memory.modes.get(leg.line));
+            if lines.any(|mode| mode == Some(&Mode::Detached)) {
+                return false;
+            }
             let carrying = plan.legs.iter().filter(|(_, leg)| carries(leg.line));
             memory.ranks.get(plan.index) == Some(&3) && carrying.count() >= SPANNING
         })
