@@ -1,8 +1,11 @@
 //! Robots from URDF: what becomes of them, and what a file says wrongly, told at its place.
 
-use mbd_compiler::{Reading, read_text_in, read_urdf};
-use mbd_scene::{Formula, Layout, Scene};
+use std::path::PathBuf;
+
+use mbd_compiler::{Interpreted, Reading, read_text_in, read_urdf};
+use mbd_scene::{Arguments, Formula, Layout, Model, Quantity, Scene, place_declared};
 use nalgebra::{Matrix3, Vector3};
+use serde_json::Value;
 
 const ARM: &str = include_str!("urdf/arm.urdf");
 
@@ -522,4 +525,177 @@ fn an_inertia_that_no_body_has_is_let_through_on_request() {
             .zz,
         Formula::Number(3.0)
     );
+}
+
+/// The code of a declaration whose file lies beside these tests.
+fn code(file: &str) -> String {
+    let text = format!("pub model A {{ urdf: \"tests/urdf/{file}\"; }}");
+    mbd_compiler::compile(text.parse().unwrap()).to_string()
+}
+
+#[test]
+fn the_code_of_a_robot_names_its_file_so_that_a_change_is_seen() {
+    for file in ["arm.urdf", "broken.urdf"] {
+        let code = code(file);
+        assert!(code.contains("include_bytes"), "{file}");
+        assert!(
+            code.contains(&format!("\"/\" , \"tests/urdf/{file}\"")),
+            "{file}"
+        );
+    }
+    // What is not there cannot be included: one error, not two.
+    assert!(!code("missing.urdf").contains("include_bytes"));
+}
+
+#[test]
+fn the_compiler_tells_file_line_and_element_of_a_mistake() {
+    let place = "tests/urdf/broken.urdf:4:12: `value` of `<mass>` is one finite number";
+    assert!(code("broken.urdf").contains(place));
+}
+
+/// A folder of one test, taken away at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn with(name: &str, robot: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("mbd_{name}_{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        std::fs::write(path.join("arm.urdf"), robot).unwrap();
+        Folder(path)
+    }
+
+    fn read(&self, text: &str) -> Scene {
+        scene(read_text_in(text, &self.0))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The arm without what Pinocchio leaves out of its accelerations.
+fn plain() -> String {
+    let kept = ARM
+        .lines()
+        .filter(|line| !["<dynamics", "<mimic"].iter().any(|tag| line.contains(tag)));
+    kept.collect::<Vec<_>>().join("\n")
+}
+
+/// A declaration that starts the joints of the arm in a stored state; its outputs are their accelerations.
+fn declaration(stored: &Value, settings: &str) -> String {
+    let base = if stored["free"] == true {
+        "free"
+    } else {
+        "fixed"
+    };
+    let mut text = format!("model Arm {{ urdf: \"arm.urdf\" {{ base: {base} }} {settings}\n");
+    for (joint, state) in stored["state"].as_object().unwrap() {
+        let (coordinate, unit) = match joint.starts_with("grip") {
+            true => ("slide", "m"),
+            false => ("angle", "rad"),
+        };
+        let [at, rate] = [0, 1].map(|k| state[k].as_f64().unwrap());
+        text += &format!(
+            "extend {joint} {{ start: {at:?} {unit}, start_rate: {rate:?} {unit}/s }}\n\
+             output {joint}_acceleration = {joint}.{coordinate}_acceleration;\n"
+        );
+    }
+    text + "}"
+}
+
+/// The outputs of a scene at its declared start.
+fn at_start(scene: Scene) -> Vec<f64> {
+    let layout = Layout::new(&scene);
+    let mut state = vec![0.0; layout.nx()];
+    layout
+        .bodies
+        .iter()
+        .for_each(|body| state[body.q + 3] = 1.0);
+    place_declared(&scene, &layout, (&[], 0.0), &[], &[], &mut state).unwrap();
+    let zeros = |count: usize| vec![0.0; count];
+    let instant = Arguments {
+        time: 0.0,
+        state,
+        nodes: Vec::new(),
+        effective: Vec::new(),
+        hold: zeros(layout.one_way()),
+        ends: zeros(layout.len(Quantity::AnchorStates)),
+        inputs: Vec::new(),
+        rows: zeros(layout.nc),
+    };
+    let model = Interpreted::new(scene, &[]).unwrap();
+    let mut outputs = zeros(layout.len(Quantity::Outputs));
+    model.evaluate(
+        Quantity::Outputs,
+        &instant.at(),
+        &mut model.work(),
+        &mut outputs,
+    );
+    outputs
+}
+
+/// The accelerations of a robot in all stored states are Pinocchio's, to rounding: the largest difference found was 2e-14 of the largest.
+fn accelerates_as_pinocchio_says(name: &str, robot: &str, settings: &str) {
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../tests/reference/robots/urdf_arm.json"
+    );
+    let text = std::fs::read_to_string(file).unwrap();
+    let file: Value = serde_json::from_str(&text).unwrap();
+    let folder = Folder::with(name, robot);
+    for stored in file["states"].as_array().unwrap() {
+        let text = declaration(stored, settings);
+        let found = at_start(folder.read(&text));
+        let wanted = stored["acceleration"].as_object().unwrap().values();
+        let wanted: Vec<f64> = wanted.map(|number| number.as_f64().unwrap()).collect();
+        let scale = wanted.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
+        assert_eq!(found.len(), wanted.len());
+        for (found, wanted) in found.iter().zip(&wanted) {
+            assert!(
+                (found - wanted).abs() < 1e-12 * scale,
+                "{text}\n{found} {wanted}"
+            );
+        }
+    }
+}
+
+#[test]
+fn an_arm_with_its_base_at_rest_or_flying_accelerates_as_in_joint_coordinates() {
+    accelerates_as_pinocchio_says("robot", &plain(), "angular_velocity: body;");
+    accelerates_as_pinocchio_says("robot", &plain(), "angular_velocity: world;");
+}
+
+/// The elements of a robot, each with all that is inside it, in reverse order.
+fn reversed(robot: &str) -> String {
+    let mut elements: Vec<String> = Vec::new();
+    for line in robot.lines().filter(|line| line.starts_with("  ")) {
+        match line.starts_with("  <link")
+            || line.starts_with("  <joint")
+            || line.starts_with("  <material")
+        {
+            true => elements.push(line.to_owned()),
+            false => {
+                let last = elements.last_mut().unwrap();
+                last.push('\n');
+                last.push_str(line);
+            }
+        }
+    }
+    elements.reverse();
+    format!(
+        "<robot name=\"reversed\">\n{}\n</robot>",
+        elements.join("\n")
+    )
+}
+
+#[test]
+fn the_order_of_links_and_joints_in_a_file_changes_nothing() {
+    let robot = reversed(&plain());
+    assert!(
+        robot.find("finger_right") < robot.find("base_link"),
+        "{robot}"
+    );
+    accelerates_as_pinocchio_says("reversed", &robot, "");
 }

@@ -34,8 +34,8 @@ struct Owned {
     name: String,
     /// Bodies are no points.
     kind: &'static str,
-    /// Where its numbers are, in order.
-    slots: Vec<Range<usize>>,
+    /// Where its numbers are, in order; what it has not is empty.
+    slots: [Range<usize>; 4],
     /// Whether the declaration says where it starts.
     placed: bool,
 }
@@ -64,7 +64,7 @@ fn owned(scene: &Scene, layout: &Layout) -> Vec<Owned> {
             .parts
             .iter()
             .any(|start| start.part == part.part),
-        slots: vec![part.position, part.attitude, part.velocity, part.spin],
+        slots: [part.position, part.attitude, part.velocity, part.spin],
     });
     let first = layout.nq + layout.nv;
     let nodes = layout.nodes.iter().filter_map(|node| {
@@ -74,7 +74,7 @@ fn owned(scene: &Scene, layout: &Layout) -> Vec<Owned> {
             kind: "node",
             // The start finds it in balance.
             placed: true,
-            slots: vec![at..at + 3],
+            slots: [at..at + 3, 0..0, 0..0, 0..0],
         })
     });
     let states = scene.states.iter().enumerate();
@@ -82,7 +82,12 @@ fn owned(scene: &Scene, layout: &Layout) -> Vec<Owned> {
         name: state.name.clone(),
         kind: "state",
         placed: true,
-        slots: vec![layout.states() + index..layout.states() + index + 1],
+        slots: [
+            layout.states() + index..layout.states() + index + 1,
+            0..0,
+            0..0,
+            0..0,
+        ],
     });
     parts.chain(nodes).chain(states).collect()
 }

@@ -343,8 +343,9 @@ impl Reader<'_, '_> {
         let limit = self.limit(limit);
         let dynamics = self.dynamics(&draft.name, dynamics);
         let mimic = match mimic {
-            Some(node) => Some(self.mimic(draft, node, joints)?),
-            None => None,
+            // What does not move follows nothing.
+            Some(node) if kind != Some(Kind::Fixed) => Some(self.mimic(draft, node, joints)?),
+            _ => None,
         };
         Some(Joint {
             name: draft.name.clone(),
