@@ -610,9 +610,8 @@ fn at_start(scene: Scene) -> Vec<f64> {
     let layout = Layout::new(&scene);
     let mut state = vec![0.0; layout.nx()];
     layout
-        .bodies
-        .iter()
-        .for_each(|body| state[body.q + 3] = 1.0);
+        .quaternions()
+        .for_each(|upright| state[upright] = 1.0);
     place_declared(&scene, &layout, (&[], 0.0), &[], &[], &mut state).unwrap();
     let zeros = |count: usize| vec![0.0; count];
     let instant = Arguments {
