@@ -73,7 +73,7 @@ fn follow<E: External<f64> + Send + 'static>(
 /// A state with the signs of its quaternions as in `like`.
 fn aligned(scene: &Scene, state: &[f64], like: &[f64]) -> Vec<f64> {
     let mut state = state.to_vec();
-    for slots in &Layout::new(scene).bodies {
+    for (_, slots) in Layout::new(scene).own_bodies() {
         let range = slots.q + 3..slots.q + 7;
         let dot: f64 = range.clone().map(|i| state[i] * like[i]).sum();
         if dot < 0.0 {
