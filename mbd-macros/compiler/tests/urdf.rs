@@ -635,7 +635,7 @@ fn at_start(scene: Scene) -> Vec<f64> {
     outputs
 }
 
-/// The accelerations of a robot in all stored states are Pinocchio's, to rounding: the largest difference found was 2e-14 of the largest.
+/// The accelerations of a robot in all stored states are Pinocchio's, to rounding.
 fn accelerates_as_pinocchio_says(name: &str, robot: &str, settings: &str) {
     let file = concat!(
         env!("CARGO_MANIFEST_DIR"),
