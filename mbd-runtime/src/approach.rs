@@ -17,6 +17,9 @@ const MOST_TRIALS: u32 = 5;
 const MOST_LOOKS: u32 = 12;
 const KNOWN: f64 = 1e-5;
 
+/// The longest C/K of the lines, in steps: a margin s + C/K ṡ that is all velocity magnifies what the interpolant is off by.
+const LONGEST_DELAY: f64 = 10.0;
+
 impl<T: Float> Simulation<T> {
     /// Whether every margin stays away from zero throughout the attempted step, as four looks show: positive, and far from zero over how much it
     /// bends between them. A margin that turns around near zero, or starts there, does not.
@@ -60,11 +63,18 @@ impl<T: Float> Simulation<T> {
         high: f64,
         step: f64,
     ) -> Result<Option<Bracket>, StepError> {
+        if self.margins.delay > LONGEST_DELAY * step {
+            return Ok(None);
+        }
         let Some((mut place, slope)) = self.interpolated_zero([low, high], above, step)? else {
             return Ok(None);
         };
         let [mut clear, mut passed] = [None; 2];
         for _ in 0..MOST_TRIALS {
+            if place < self.resolved(step) {
+                // At the beginning of the step; one that short has no meaning to a method.
+                break;
+            }
             let margin = self.redo(place)?;
             match margin < 0.0 {
                 true => passed = Some((place, margin)),

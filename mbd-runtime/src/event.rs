@@ -61,7 +61,7 @@ pub(crate) struct Margins {
     /// How far a line's margin must be passed to count in this step, whatever its own tolerance [m].
     resolved: f64,
     /// The longest C/K of a watched line [s].
-    delay: f64,
+    pub delay: f64,
     /// Where the state holds places and velocities along which elements stretch.
     places: Vec<usize>,
     speeds: Vec<usize>,

@@ -29,7 +29,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mbd_scene::Scene;
 
-#[cfg(feature = "toml")]
 pub use joints::letter;
 pub use names::{Named, Namespace};
 pub use value::{Scope, Stage, Typed};
