@@ -18,7 +18,7 @@ const MOST_LOOKS: u32 = 12;
 const KNOWN: f64 = 1e-5;
 
 /// The longest C/K of the lines, in steps: a margin s + C/K ṡ that is all velocity magnifies what the interpolant is off by.
-const LONGEST_DELAY: f64 = 10.0;
+const LONGEST_DELAY: f64 = 1e3;
 
 impl<T: Float> Simulation<T> {
     /// Whether every margin stays away from zero throughout the attempted step, as four looks show: positive, and far from zero over how much it
