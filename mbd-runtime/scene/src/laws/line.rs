@@ -107,7 +107,7 @@ impl<S: Real> Element<'_, S> {
     }
 
     /// Tension [N] by (2) or (3). `hold`: 0 the element decides by itself, +1 it carries its pull, −1 it carries nothing, [`DETACHED`] it is not
-    /// there: that of a spring is read by [`Evaluation::where_attached`](crate::laws::evaluation::Evaluation::where_attached).
+    /// there: that of a spring is read by `where_attached`.
     ///
     /// Without damping the force is continuous at the slack edge, but its slope is not: held, a trial step across the edge stays smooth.
     pub fn tension(&self, stretch: S, rate: S, hold: S) -> S {
