@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::inertia::Inertia;
 use super::system::{TreeSystem, links};
 use crate::elimination::{common_fall, enter};
 use crate::laws::GravityNumbers;
@@ -51,17 +50,15 @@ impl<S: Real> TreeSystem<S> {
         self.rows.run(evaluation, &self.accelerations, in_system);
     }
 
-    /// What the joints must push the links with for these accelerations, against `forces` if given: leaves first; and along the coordinates.
+    /// What the joints must push the links with for these accelerations, against `forces` if given, by the inertias at hand.
     pub(super) fn balance(
         &mut self,
         evaluation: &Evaluation<'_, S>,
         forces: Option<&AppliedForces<S>>,
     ) {
-        let numbers = evaluation.numbers;
         for (index, link) in links(evaluation.layout).iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
-            let (motion, body) = (&evaluation.links[index], &numbers.bodies[link.body]);
-            let inertia = Inertia::of(body, motion);
+            let (motion, inertia) = (&evaluation.links[index], self.inertias[index]);
             let mut push = inertia.push(&self.accelerations[index]);
             push.add(&inertia.gyroscopic(&motion.omega));
             push.add(&self.weight(evaluation, index));
@@ -107,17 +104,12 @@ impl<S: Real> TreeSystem<S> {
         let (layout, all) = (evaluation.layout, links(evaluation.layout));
         let n = layout.nv;
         self.mass.fill(S::zero());
-        for (index, link) in all.iter().enumerate() {
-            self.composites[index] = Inertia::of(
-                &evaluation.numbers.bodies[link.body],
-                &evaluation.links[index],
-            );
-        }
+        self.composites.copy_from_slice(&self.inertias);
         for (index, link) in all.iter().enumerate().rev() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let (motion, composite) = (&evaluation.links[index], self.composites[index]);
             if let Some(inboard) = link.inboard {
-                self.composites[inboard].take(&composite, motion);
+                self.composites[inboard].take(&composite, &motion.turn, &motion.offset);
             }
             for k in 0..link.speeds {
                 let mut push = composite.push(&motion.columns[k]);
@@ -164,6 +156,7 @@ impl<S: Real> TreeSystem<S> {
     pub(super) fn prepare(&mut self, evaluation: &Evaluation<'_, S>) {
         let layout = evaluation.layout;
         let (plan, n) = (&layout.elimination, layout.nv);
+        self.group_inertias(evaluation);
         self.run_rows(evaluation, true);
         self.compose(evaluation);
         self.system.clear();

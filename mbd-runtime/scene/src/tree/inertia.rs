@@ -13,6 +13,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::kinematics::LinkMotion;
+use super::system::{TreeSystem, links};
+use crate::laws::evaluation::Evaluation;
 use crate::laws::numbers::BodyNumbers;
 use crate::scalar::algebra::labelled;
 use crate::{Real, Twist};
@@ -30,7 +32,7 @@ pub(super) struct Inertia<S: Real> {
 
 impl<S: Real> Inertia<S> {
     /// That of the body of a link.
-    pub fn of(body: &BodyNumbers<S>, link: &LinkMotion<S>) -> Self {
+    fn of(body: &BodyNumbers<S>, link: &LinkMotion<S>) -> Self {
         let c = &link.centre;
         let about_centre = link.body * body.inertia * link.body.transpose();
         let square = c.dot(c);
@@ -73,9 +75,8 @@ impl<S: Real> Inertia<S> {
         }
     }
 
-    /// Adds the inertia of a link that this one carries, by (4).
-    pub fn take(&mut self, other: &Self, link: &LinkMotion<S>) {
-        let (r, turn) = (&link.offset, &link.turn);
+    /// Adds an inertia by (4): that of axes E, here `turn`, with their origin at r.
+    pub fn take(&mut self, other: &Self, turn: &Matrix3<S>, r: &Vector3<S>) {
         let moment = turn * other.moment;
         let rotated = turn * other.inertia * turn.transpose();
         let (along, square) = (moment.dot(r), r.dot(r));
@@ -90,6 +91,28 @@ impl<S: Real> Inertia<S> {
         self.mass += other.mass;
         self.moment += whole;
         self.inertia += moved;
+    }
+}
+
+impl<S: Real> TreeSystem<S> {
+    /// Reads the inertias of the links, each as its body has it.
+    pub(super) fn read_inertias(&mut self, evaluation: &Evaluation<'_, S>) {
+        for (index, link) in links(evaluation.layout).iter().enumerate() {
+            let body = &evaluation.numbers.bodies[link.body];
+            self.inertias[index] = Inertia::of(body, &evaluation.links[index]);
+        }
+    }
+
+    /// Reads the inertias of the links with their parameters grouped.
+    pub(super) fn group_inertias(&mut self, evaluation: &Evaluation<'_, S>) {
+        self.read_inertias(evaluation);
+        for (index, link) in links(evaluation.layout).iter().enumerate().rev() {
+            let handed = link.grouped.take_out(&mut self.inertias[index]);
+            if let Some(inboard) = link.inboard {
+                let (axes, origin) = &evaluation.links[index].joint;
+                self.inertias[inboard].take(&handed, axes, origin);
+            }
+        }
     }
 }
 

@@ -30,6 +30,7 @@ pub(crate) struct TreeSystem<S: Real> {
     pub(super) accelerations: Vec<Twist<S>>,
     /// What the joints must push the links with.
     pub(super) pushes: Vec<Twist<S>>,
+    pub(super) inertias: Vec<Inertia<S>>,
     pub(super) composites: Vec<Inertia<S>>,
     pub(super) articulated: Vec<Articulated<S>>,
     /// n_v numbers: generalised forces, speeds or accelerations in the components of the links.
@@ -96,6 +97,7 @@ impl<S: Real> TreeSystem<S> {
             rows: TreeRows::new(layout),
             accelerations: vec![Twist::zero(); count],
             pushes: vec![Twist::zero(); count],
+            inertias: vec![Inertia::none(); count],
             composites: vec![Inertia::none(); count],
             articulated: vec![Articulated::of(&Inertia::none(), Twist::zero()); count],
             along: vec![S::zero(); layout.nv],
@@ -166,10 +168,10 @@ impl<S: Real> TreeSystem<S> {
     /// u̇ by articulated bodies, where no rows close loops.
     fn articulate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
         let all = links(evaluation.layout);
+        self.group_inertias(evaluation);
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
-            let motion = &evaluation.links[index];
-            let inertia = Inertia::of(&evaluation.numbers.bodies[link.body], motion);
+            let (motion, inertia) = (&evaluation.links[index], self.inertias[index]);
             let mut push = inertia.gyroscopic(&motion.omega);
             push.add(&self.weight(evaluation, index));
             push = push.plus(&applied(evaluation, index, assembly), -S::one());
@@ -277,6 +279,7 @@ impl<S: Real> TreeSystem<S> {
 
     /// M, dense, in the components of the state.
     fn mass(&mut self, evaluation: &Evaluation<'_, S>) -> &[S] {
+        self.group_inertias(evaluation);
         self.compose(evaluation);
         let n = evaluation.layout.nv;
         for _ in 0..2 {
@@ -311,6 +314,7 @@ impl<S: Real> TreeSystem<S> {
 
     /// Writes h: what the joints must push with at rest of the speeds, gravity and velocities alone.
     pub fn write_bias(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        self.group_inertias(evaluation);
         self.move_links(evaluation, &[]);
         self.balance(evaluation, None);
         self.hand_on(evaluation);
