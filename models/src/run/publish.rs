@@ -6,12 +6,10 @@ use std::path::Path;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Trajectory};
 
-use super::mechanism::drawings;
 use super::outcome::Outcome;
 use super::plan::Plan;
-use super::plots::groups;
 use super::summary::{summary_json, table};
-use crate::report::{Report, Table};
+use crate::report::{Report, Table, drawings, groups};
 use crate::{describe, files};
 
 /// Writes everything into a folder and gives the table of the run.
@@ -41,7 +39,7 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
     if !outcome.trajectory.events.is_empty() {
         report = report.table(&events(&outcome.trajectory));
     }
-    let drawings = drawings(scene, plan, &outcome.trajectory);
+    let drawings = drawings(scene, &plan.params, &plan.instants, &outcome.trajectory);
     if !drawings.is_empty() {
         report = report.section("Mechanism");
     }
@@ -51,7 +49,7 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
         report = report.drawing(drawing);
     }
     report = report.section("Histories");
-    for group in groups(scene, plan, &outcome.trajectory) {
+    for group in groups(scene, &plan.figures, &outcome.trajectory) {
         let figure = group.figure(outcome.trajectory.times());
         files::write_text(&folder.join(group.file()), &figure.svg())?;
         report = report.figure(&figure);
