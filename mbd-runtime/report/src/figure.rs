@@ -1,11 +1,14 @@
 //! Line plots: what is drawn, and where each part of the drawing goes.
 
 use super::axis::{Axis, HUGE, Range, Scale};
+use super::live::{PlotNumbers, SeriesNumbers};
 use super::look::Look;
+use super::packing::Packed;
 use super::plot::{
     Entry, Plot, RIGHT, SAMPLE, SMALL, TEXT, WIDTH, draw_grid, label, left_margin, with_exponent,
 };
 use super::svg::{Anchor, Svg};
+use super::thin::curve_rows;
 use super::trace::{Panel, Trace};
 
 /// One curve: pairs of x and y in drawing order, of equal length (a longer one is cut).
@@ -72,6 +75,9 @@ pub struct Figure<'a> {
 }
 
 const HEIGHT: f64 = 320.0;
+/// The numbers of a figure inside a page take at most about this much [bytes], and a curve is that of so many rows.
+const CURVE_BYTES: usize = 160_000;
+const MOST: usize = 6000;
 
 impl<'a> Figure<'a> {
     /// An empty figure.
@@ -167,6 +173,31 @@ impl<'a> Figure<'a> {
     /// The figure as a part of a page; `number` tells the page's numbers of this figure.
     pub(super) fn part(&self, number: Option<usize>) -> String {
         self.drawn(|plot| plot.part(number))
+    }
+
+    /// Its numbers, thinned, for a page that has a player; `None` of a figure that is not over time.
+    pub(super) fn numbers(&self) -> Option<PlotNumbers> {
+        if self.labels[0] != label("time", "s") || self.scales[0] != Scale::Linear {
+            return None;
+        }
+        let most = (CURVE_BYTES / 8 / self.series.len().max(1)).min(MOST);
+        let series = self.series.iter().map(|series| {
+            let rows = curve_rows(series.x, series.y, most);
+            let base = series.y.iter().copied().find(|y| y.is_finite());
+            let base = base.unwrap_or(0.0);
+            SeriesNumbers {
+                t: Packed::floats(rows.iter().map(|row| series.x[*row])),
+                base,
+                v: Packed::floats(rows.iter().map(|row| series.y[*row] - base)),
+                wrap: series.period,
+            }
+        });
+        let [low, high] = Axis::new(self.range(0), self.scales[0], 8).ends();
+        Some(PlotNumbers {
+            x: [low, high],
+            log: self.scales[1] == Scale::Log,
+            series: series.collect(),
+        })
     }
 
     fn drawn(&self, finish: impl FnOnce(&Plot<'_>) -> String) -> String {

@@ -6,7 +6,9 @@ use std::path::Path;
 use super::drawing::Drawing;
 use super::figure::Figure;
 use super::files;
+use super::live::{PlotNumbers, at_the_end, player};
 use super::look::style_sheet;
+use super::playback::Playback;
 use super::svg::{escape, words};
 use super::table::Table;
 
@@ -22,6 +24,9 @@ pub struct Report {
     title: String,
     sections: Vec<String>,
     body: String,
+    playback: Option<Playback>,
+    /// Of every figure over time, so that a player can move along it.
+    plots: Vec<PlotNumbers>,
 }
 
 /// The style of the page.
@@ -37,6 +42,8 @@ impl Report {
             title: title.into(),
             sections: Vec::new(),
             body: String::new(),
+            playback: None,
+            plots: Vec::new(),
         }
     }
 
@@ -74,14 +81,32 @@ impl Report {
     /// Adds a figure; its caption stands under it as text.
     #[must_use]
     pub fn figure(mut self, figure: &Figure<'_>) -> Self {
-        self.body += &figure.part(None);
+        let numbers = figure.numbers();
+        self.body += &figure.part(numbers.is_some().then_some(self.plots.len()));
+        self.plots.extend(numbers);
         self
     }
 
     /// Adds the drawing of a mechanism; its caption stands under it as text.
     #[must_use]
     pub fn drawing(mut self, drawing: &Drawing) -> Self {
-        self.body += &drawing.part();
+        let class = if self.playback.is_some() {
+            " class=\"still\""
+        } else {
+            ""
+        };
+        self.body += &format!("<div{class}>\n{}</div>\n", drawing.part());
+        self
+    }
+
+    /// Adds a run as a moving drawing, whose time is that of all figures over time. Drawings that are added behind it stand for it on paper and
+    /// where no script runs. A page has one: a later one takes the place of an earlier one.
+    #[must_use]
+    pub fn playback(mut self, playback: Playback) -> Self {
+        if self.playback.is_none() {
+            self.body += &player(&playback);
+        }
+        self.playback = Some(playback);
         self
     }
 
@@ -100,22 +125,32 @@ impl Report {
         } else {
             String::new()
         };
+        let live = self.playback.as_ref();
+        let live = live.map_or_else(String::new, |playback| at_the_end(playback, &self.plots));
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n<title>{title}</title>\n\
-             <style>\n{STYLE}{}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{contents}{}</main>\n</body>\n</html>\n",
+             <style>\n{STYLE}{}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{contents}{}{live}</main>\n</body>\n</html>\n",
             style_sheet(),
             self.body
         )
     }
 
-    /// Writes the page.
+    /// Writes the page into a file that ends in `.html`, or as `report.html` into a folder of any other name, which is made if it is not there.
     ///
     /// # Errors
     /// The file cannot be written whole; the error names it.
     pub fn write(&self, path: impl AsRef<Path>) -> io::Result<()> {
-        files::write_text(path.as_ref(), &self.html())
+        let path = path.as_ref();
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "html")
+        {
+            return files::write_text(path, &self.html());
+        }
+        files::make_folder(path)?;
+        files::write_text(&path.join("report.html"), &self.html())
     }
 }
 

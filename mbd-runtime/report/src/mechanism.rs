@@ -6,7 +6,7 @@ use mbd_runtime::scene::laws::{GravityNumbers, Numbers};
 use mbd_runtime::scene::{Place, Plane, PointKind, Scene};
 
 use super::drawing::{Drawing, Shape};
-use super::stage::{AXES, Stage};
+use super::stage::{AXES, Stage, Track};
 
 /// The instants of a drawing when none are asked for.
 const INSTANTS: usize = 5;
@@ -181,9 +181,10 @@ impl Stage<'_> {
         }
         for line in &scene.lines {
             let ends = [line.from, line.to].map(|end| self.place(end, row));
-            let stretch = self.read(&line.name, ["stretch"], row);
-            if let ([Some(from), Some(to)], Some([stretch])) = (ends, stretch) {
-                let slack = stretch <= 0.0 && line.kind.is_unilateral();
+            let stretch = self.column(&line.name, "stretch");
+            let stretch = stretch.and_then(|column| column.get(row));
+            if let ([Some(from), Some(to)], Some(stretch)) = (ends, stretch) {
+                let slack = *stretch <= 0.0 && line.kind.is_unilateral();
                 parts.push(Part::Line([from, to], slack));
             }
             for end in [line.from, line.to] {
@@ -205,23 +206,23 @@ impl Stage<'_> {
 
     /// Paths of the centres of mass and of the points with mass.
     fn paths(&self, rows: std::ops::RangeInclusive<usize>) -> Vec<(String, Vec<Vector3<f64>>)> {
-        let scene = self.scene;
-        let bodies = scene.bodies.iter().map(|body| body.name.as_str());
-        let masses = scene
-            .points
-            .iter()
-            .filter(|point| matches!(point.kind, PointKind::Mass(_)));
-        let names: Vec<&str> = bodies
-            .chain(masses.map(|point| point.name.as_str()))
-            .collect();
-        let shown = match names.as_slice() {
+        let bodies = self.scene.bodies.iter().zip(&self.bodies);
+        let bodies = bodies.map(|(body, track)| (body.name.as_str(), track));
+        let points = self.scene.points.iter().zip(&self.points);
+        let masses = points.filter(|(point, _)| matches!(point.kind, PointKind::Mass(_)));
+        let masses = masses.map(|(point, track)| (point.name.as_str(), track));
+        let all: Vec<(&str, &Option<Track<'_>>)> = bodies.chain(masses).collect();
+        let shown = match all.as_slice() {
             list if list.len() <= PATHS => list,
             [.., last] => std::slice::from_ref(last),
             [] => &[],
         };
-        let path = |name: &&str| {
-            let places = rows.clone().filter_map(|row| self.position(name, row));
-            ((*name).to_string(), places.collect())
+        let path = |(name, track): &(&str, &Option<Track<'_>>)| {
+            let place = |row| track.as_ref()?.position(row);
+            (
+                (*name).to_string(),
+                rows.clone().filter_map(place).collect(),
+            )
         };
         shown.iter().map(path).collect()
     }
@@ -278,7 +279,7 @@ fn extents(instants: &[Vec<Part>], paths: &[(String, Vec<Vector3<f64>>)]) -> Vec
 }
 
 /// The axis that gravity points along, backwards: z where there is none, or none that is the same everywhere.
-fn upwards(scene: &Scene, numbers: &Numbers<f64>) -> usize {
+pub(super) fn upwards(scene: &Scene, numbers: &Numbers<f64>) -> usize {
     match &numbers.gravity {
         GravityNumbers::Uniform(pull) if pull.norm() > 0.0 => pull.iamax(),
         _ => match scene.planar {
@@ -290,7 +291,11 @@ fn upwards(scene: &Scene, numbers: &Numbers<f64>) -> usize {
 
 /// The planes to draw in, each as the axes across and up: that of largest extent, or of a planar scene, and one from the side if the mechanism is
 /// deep. What is up in the world is up in every plane that contains it. None where nothing extends.
-fn views(extents: Vector3<f64>, plane: Option<Plane>, upwards: usize) -> Vec<[usize; 2]> {
+pub(super) fn views(
+    extents: Vector3<f64>,
+    plane: Option<Plane>,
+    upwards: usize,
+) -> Vec<[usize; 2]> {
     if extents.max() <= 0.0 {
         return Vec::new();
     }

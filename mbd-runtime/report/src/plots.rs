@@ -12,6 +12,7 @@ use super::look::Look;
 const JOINTS: usize = 8;
 
 /// Curves that share a plot.
+#[derive(Clone, Debug)]
 pub struct Group<'a> {
     name: String,
     axis: String,
@@ -22,6 +23,7 @@ pub struct Group<'a> {
 }
 
 /// A curve: recorded, or made of recorded ones.
+#[derive(Clone, Debug)]
 enum Curve<'a> {
     Column(&'a str, &'a [f64]),
     Made(String, Vec<f64>),

@@ -41,48 +41,51 @@ class Stage {
     return { row, bodies, points, frames, place };
   }
 
-  /** All places at a time, for bounds. */
-  places(t) {
+  /** The lowest and the highest corner of everything at a time; null of nothing. */
+  bounds(t) {
     const now = this.at(t);
-    const arms = this.data.bodies.flatMap((body, k) => body.arms.map((arm) => add(now.bodies[k].p, turn(now.bodies[k].m, arm))));
-    const held = this.data.frames.map((frame, k) => (frame.used ? now.frames[k] : null)).filter(Boolean);
-    return [...arms, ...now.points, ...held].filter(finite);
+    const places = [...now.points, ...this.data.frames.map((frame, k) => (frame.used ? now.frames[k] : [NaN, 0, 0]))];
+    this.data.bodies.forEach((body, k) => {
+      const { p, m } = now.bodies[k];
+      body.arms.forEach((arm) => places.push(add(p, turn(m, arm))));
+      const reach = body.reach.map((x) => Math.abs(x));
+      const half = m.map((row) => Math.abs(row[0]) * reach[0] + Math.abs(row[1]) * reach[1] + Math.abs(row[2]) * reach[2]);
+      places.push(add(p, half), add(p, half, -1));
+    });
+    return union(places.filter(finite).map((p) => [p, p]));
   }
 
   /** How large it is, how far it travels, where the ground lies. */
   measure() {
-    const bounds = (places) => places.reduce(([low, high], p) => [low.map((x, k) => Math.min(x, p[k])), high.map((x, k) => Math.max(x, p[k]))], [[1e300, 1e300, 1e300], [-1e300, -1e300, -1e300]]);
     const [start, end] = [this.times[0], this.times[this.times.length - 1]];
-    const all = [];
-    let own = 0;
-    for (let k = 0; k <= 40; k++) {
-      const places = this.places(start + ((end - start) * k) / 40);
-      if (!places.length) continue;
-      const [low, high] = bounds(places);
-      own = Math.max(own, norm(add(high, low, -1)));
-      all.push(low, high);
-    }
-    if (!all.length) all.push([0, 0, 0]);
-    // A lone body without frames is as large as its ellipsoid or its shapes.
-    const body = Math.max(0, ...this.data.bodies.map((body) => body.size));
-    const [low, high] = bounds(all);
-    const whole = norm(add(high, low, -1));
-    this.own = Math.max(own + body, 1e-9);
-    this.travels = !this.data.frames.some((frame) => frame.used) && whole > 1.2 * own + body;
+    const boxes = [];
+    for (let k = 0; k <= 40; k++) boxes.push(this.bounds(start + ((end - start) * k) / 40));
+    const seen = boxes.filter(Boolean);
+    const [low, high] = union(seen) || [[0, 0, 0], [0, 0, 0]];
+    const length = ([low, high]) => norm(add(high, low, -1));
+    const own = Math.max(1e-9, ...seen.map(length));
+    const whole = length([low, high]);
+    // What nothing holds and what goes further than its own size is followed; what has no size is seen on its whole way.
+    this.travels = !this.data.frames.some((frame) => frame.used) && whole > 1.2 * own && own > 0.01 * whole;
     this.centre = add(low, add(high, low, -1), 0.5);
-    this.radius = Math.max((this.travels ? own : whole) / 2 + body / 2, 1e-9);
+    this.radius = Math.max((this.travels ? own : whole) / 2, 1e-9);
     this.size = 2 * this.radius;
-    const up = this.data.up;
-    const heights = all.map((p) => dot(p, up));
     // The ground of the world where it is in reach, else below everything.
-    const least = Math.min(...heights);
-    this.floor = least >= 0 && least < whole ? 0 : least - 0.5 * body;
+    const { up } = this.data;
+    const least = Math.min(dot(low, up), dot(high, up));
+    this.floor = least >= 0 && least < whole ? 0 : least;
   }
 
-  /** The middle of everything that moves at a time. */
+  /** The middle of everything at a time. */
   middle(t) {
-    const now = this.at(t);
-    const all = [...now.bodies.map((body) => body.p), ...now.points].filter(finite);
-    return all.length ? all.reduce((sum, p) => add(sum, p, 1 / all.length), [0, 0, 0]) : this.centre;
+    const box = this.bounds(t);
+    return box ? add(box[0], add(box[1], box[0], -1), 0.5) : this.centre;
   }
+}
+
+/** The box around boxes; null of none. */
+function union(boxes) {
+  if (!boxes.length) return null;
+  const ends = (which, pick) => [0, 1, 2].map((k) => boxes.reduce((x, box) => pick(x, box[which][k]), boxes[0][which][k]));
+  return [ends(0, Math.min), ends(1, Math.max)];
 }
