@@ -613,38 +613,7 @@ const _: () = {
                         mass_matrix(out);
                     }
                 }
-                ::mbd_runtime::Quantity::Energy
-                | ::mbd_runtime::Quantity::Momentum
-                | ::mbd_runtime::Quantity::BiasForce
-                | ::mbd_runtime::Quantity::Forces
-                | ::mbd_runtime::Quantity::Lines
-                | ::mbd_runtime::Quantity::NodeByAnchor(0)
-                | ::mbd_runtime::Quantity::CondensedStiffness(0)
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Derivative,
-                    ::mbd_runtime::scene::Variable::State,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Derivative,
-                    ::mbd_runtime::scene::Variable::Node,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Balance,
-                    ::mbd_runtime::scene::Variable::State,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Balance,
-                    ::mbd_runtime::scene::Variable::Node,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Outputs,
-                    ::mbd_runtime::scene::Variable::State,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Outputs,
-                    ::mbd_runtime::scene::Variable::Node,
-                ) => out.fill(T::from_f64(f64::NAN)),
-                _ => {}
+                _ => out.fill(T::from_f64(f64::NAN)),
             }
         }
     }

@@ -1002,57 +1002,7 @@ const _: () = {
                         );
                     }
                 }
-                ::mbd_runtime::Quantity::Momentum
-                | ::mbd_runtime::Quantity::Lines
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Derivative,
-                    ::mbd_runtime::scene::Variable::State,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Derivative,
-                    ::mbd_runtime::scene::Variable::Node,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Derivative,
-                    ::mbd_runtime::scene::Variable::Parameter,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Derivative,
-                    ::mbd_runtime::scene::Variable::Input,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Balance,
-                    ::mbd_runtime::scene::Variable::State,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Balance,
-                    ::mbd_runtime::scene::Variable::Node,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Balance,
-                    ::mbd_runtime::scene::Variable::Parameter,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Balance,
-                    ::mbd_runtime::scene::Variable::Input,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Outputs,
-                    ::mbd_runtime::scene::Variable::State,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Outputs,
-                    ::mbd_runtime::scene::Variable::Node,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Outputs,
-                    ::mbd_runtime::scene::Variable::Parameter,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Outputs,
-                    ::mbd_runtime::scene::Variable::Input,
-                ) => out.fill(T::from_f64(f64::NAN)),
-                _ => {}
+                _ => out.fill(T::from_f64(f64::NAN)),
             }
         }
     }
