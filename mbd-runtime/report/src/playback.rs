@@ -2,8 +2,10 @@
 
 use mbd_runtime::Trajectory;
 use mbd_runtime::nalgebra::{Matrix3, Vector3};
-use mbd_runtime::scene::laws::{BodyNumbers, FrameNumbers};
-use mbd_runtime::scene::{Axis, Body, Coordinate, Joint, Measure, Place, PointKind, Scene};
+use mbd_runtime::scene::laws::{BodyNumbers, FrameNumbers, GravityNumbers, constant};
+use mbd_runtime::scene::{
+    Axis, Coordinate, Formula, Joint, Measure, Place, PointKind, Scene, Triple,
+};
 use serde::Serialize;
 
 use super::mechanism::{upwards, views};
@@ -207,7 +209,7 @@ impl Film<'_> {
         let mut up = [0.0; 3];
         // Gravity may point along +z: up is where it does not point.
         up[upwards] = match &self.stage.numbers.gravity {
-            mbd_runtime::scene::laws::GravityNumbers::Uniform(pull) if pull[upwards] > 0.0 => -1.0,
+            GravityNumbers::Uniform(pull) if pull[upwards] > 0.0 => -1.0,
             _ => 1.0,
         };
         let times = self.stage.trajectory.times();
@@ -262,10 +264,19 @@ impl Film<'_> {
             parts.unwrap_or([1.0, 0.0, 0.0, 0.0])
         };
         let ellipsoid = ellipsoid(numbers);
-        let shapes = shapes(body, numbers);
+        let shapes = shapes(scene, &self.stage.numbers.params, index);
         let reach = |k: usize| {
             let axes = ellipsoid.iter().flatten();
-            axes.map(|axis| axis[k] * axis[k]).sum::<f64>().sqrt()
+            let own = axes.map(|axis| axis[k] * axis[k]).sum::<f64>().sqrt();
+            // Of a shape its largest size, whatever way it lies.
+            let sizes = shapes.iter().map(|shape| {
+                let largest = shape.size.iter().copied().fold(0.0, f64::max);
+                shape.at[k].abs() + largest
+            });
+            match shapes.is_empty() {
+                true => own,
+                false => sizes.fold(0.0, f64::max),
+            }
         };
         Some(DrawnBody {
             name: safe(&body.name),
@@ -440,8 +451,20 @@ fn length([x, y, z]: &[f64; 3]) -> f64 {
 }
 
 /// The declared shapes of a body.
-fn shapes(_body: &Body, _numbers: &BodyNumbers<f64>) -> Vec<DrawnShape> {
-    Vec::new()
+fn shapes(scene: &Scene, params: &[f64], body: usize) -> Vec<DrawnShape> {
+    let number = |formula: &Formula| constant(scene, params, formula);
+    let triple = |triple: &Triple| triple.each_ref().map(number);
+    let own = scene.shapes.iter().filter(|shape| shape.body == body);
+    own.map(|shape| DrawnShape {
+        kind: shape.solid.keyword(),
+        size: shape.sizes.iter().map(number).collect(),
+        at: triple(&shape.position),
+        turn: match &shape.rotation {
+            Some(rows) => rows.each_ref().map(triple),
+            None => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        },
+    })
+    .collect()
 }
 
 /// A name without characters that turn the direction of writing.
