@@ -27,6 +27,7 @@ pub mod rows;
 mod scalar;
 mod scene;
 pub mod similar;
+pub mod solids;
 mod starts;
 mod tree;
 mod vocabulary;

@@ -20,6 +20,7 @@ mod numbers;
 mod path;
 mod repeat;
 mod settings;
+mod shapes;
 mod starts;
 mod states;
 mod tables;
