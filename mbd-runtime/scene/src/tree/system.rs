@@ -11,7 +11,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::articulated::Articulated;
-use super::assemble::{applied, speeds_of};
+use super::assemble::{applied, falling, speeds_of};
 use super::inertia::Inertia;
 use super::rows::{TreeRows, three};
 use crate::elimination::{System, common_fall, enter};
@@ -172,7 +172,7 @@ impl<S: Real> TreeSystem<S> {
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let (motion, inertia) = (&evaluation.links[index], self.inertias[index]);
-            let mut push = inertia.gyroscopic(&motion.omega);
+            let mut push = inertia.inertial(&Twist::zero(), &motion.omega);
             push.add(&self.weight(evaluation, index));
             push = push.plus(&applied(evaluation, index, assembly), -S::one());
             self.articulated[index] = Articulated::of(&inertia, push);
@@ -189,7 +189,15 @@ impl<S: Real> TreeSystem<S> {
         }
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
-            let own = self.accelerated(evaluation, index, &[]);
+            let own = match self.inboard(evaluation, index) {
+                Some(inboard) => {
+                    let motion = &evaluation.links[index];
+                    let mut own = motion.followed(&inboard);
+                    own.add(&motion.brought());
+                    own
+                }
+                None => falling(evaluation, index),
+            };
             let rates = &mut self.rates[link.slots.v..link.slots.v + link.speeds];
             self.accelerations[index] =
                 self.articulated[index].find(&evaluation.links[index], own, rates);
