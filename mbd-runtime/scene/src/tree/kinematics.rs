@@ -16,8 +16,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::turn::Turn;
 use crate::laws::body::{Attitude, BodyMotion};
 use crate::laws::numbers::{BodyNumbers, FrameNumbers, Numbers};
+use crate::layout::{LinkAxes, as_seen};
 use crate::scalar::Few;
 use crate::scalar::algebra::labelled;
 use crate::{At, FrameMotion, Layout, Link, Place, Pose, Real, Relative, Scene, Twist};
@@ -26,7 +28,7 @@ use crate::{At, FrameMotion, Layout, Link, Place, Pose, Real, Relative, Scene, T
 #[derive(Clone, Debug)]
 pub(crate) struct LinkMotion<S: Real> {
     /// E: its axes → those of the link that carries it.
-    pub turn: Matrix3<S>,
+    pub turn: Turn<S>,
     /// r: its origin from that of the link that carries it, axes of that [m].
     pub offset: Vector3<S>,
     /// Axes and origin of the frame of its joint on the link that carries it, in those of that link.
@@ -66,7 +68,7 @@ impl<S: Real> LinkMotion<S> {
     /// Nothing known yet.
     pub fn unknown() -> Self {
         LinkMotion {
-            turn: Matrix3::identity(),
+            turn: Turn::by(Matrix3::identity()),
             offset: Vector3::zeros(),
             joint: (Matrix3::identity(), Vector3::zeros()),
             columns: Few::new(Twist::zero()),
@@ -88,7 +90,7 @@ impl<S: Real> LinkMotion<S> {
         columns.extend(units().map(Twist::slide));
         columns.extend(units().map(Twist::spin));
         LinkMotion {
-            turn: axes,
+            turn: Turn::by(axes),
             offset: motion.position,
             columns,
             omega: motion.omega_body,
@@ -201,13 +203,17 @@ impl<S: Real> Instant<'_, S> {
                 .get(..link.speeds)?,
             numbers: self.numbers.joints.get(joint)?,
         };
-        let aligned = declared.law.aligned();
-        let (law, alignment) = match &aligned {
-            Some((law, alignment)) => (law, Some(alignment.map(S::from_f64))),
-            None => (&declared.law, None),
+        let (seen, own) = as_seen(&declared.law, link.axes.as_ref());
+        let law = seen.as_ref().unwrap_or(&declared.law);
+        let own = own.map(|own| own.map(S::from_f64));
+        let along = |frame: Matrix3<S>| own.map_or(frame, |own| frame * own);
+        let mut pose = match link.axes {
+            Some(axes) => law.motion(&Relative {
+                q: &shifted(at.q, &axes),
+                ..at
+            }),
+            None => law.motion(&at),
         };
-        let along = |frame: Matrix3<S>| alignment.map_or(frame, |alignment| frame * alignment);
-        let mut pose = law.motion(&at);
         if let Some(attitude) = law.attitude() {
             let square = at.q[attitude].iter().fold(S::zero(), |sum, &x| sum + x * x);
             // A quaternion leaves length 1 inside a step.
@@ -218,19 +224,19 @@ impl<S: Real> Instant<'_, S> {
         let columns = &mut columns[..link.speeds];
         law.subspace(&at, columns);
         let bias = law.bias(&at);
-        let (near, far) = match link.reversed {
-            false => (declared.parent, declared.child),
-            true => (declared.child, declared.parent),
-        };
+        let [near, far] = link.ends(declared);
         let inboard = self.inboard(near, link.inboard.and_then(|link| links.get(link)))?;
         let (_, outboard) = frame_of(self.numbers, far)?;
         let (turn, offset, moved) = match link.reversed {
             false => forward(&pose, columns, law.attitude().is_some(), &bias),
             true => backward(&pose, columns, at.u, &bias),
         };
-        let frame = along(inboard.frame);
+        let frame = match link.axes {
+            Some(axes) => axes.fixed.map(S::from_f64),
+            None => along(inboard.frame),
+        };
         let mut motion = LinkMotion {
-            turn: labelled_matrix(frame * turn),
+            turn: Turn::of(frame, turn),
             offset: inboard.place + frame * offset,
             joint: (frame, inboard.place),
             inboard_omega: inboard.omega,
@@ -247,17 +253,16 @@ impl<S: Real> Instant<'_, S> {
             })
         };
         let (slide, spin) = (sum(|column| column.linear), sum(|column| column.angular));
-        let brought = motion.turn.transpose() * inboard.omega;
+        let brought = motion.turn.back(&inboard.omega);
         motion.omega = labelled(brought + spin, ["link_w_x", "link_w_y", "link_w_z"]);
-        motion.velocity = motion.turn.transpose()
-            * (inboard.velocity + inboard.omega.cross(&motion.offset))
-            + slide;
+        let carried = inboard.velocity + inboard.omega.cross(&motion.offset);
+        motion.velocity = motion.turn.back(&carried) + slide;
         let two = S::from_f64(2.0);
         motion.bias = Twist {
             linear: moved.linear + brought.cross(&slide).map(|x| two * x),
             angular: moved.angular + brought.cross(&spin),
         };
-        motion.axes = inboard.axes * motion.turn;
+        motion.axes = inboard.axes * motion.turn.matrix();
         motion.origin = inboard.origin + inboard.axes * motion.offset;
         Some(motion)
     }
@@ -303,6 +308,17 @@ impl<S: Real> Instant<'_, S> {
             Place::Point(_) => None,
         }
     }
+}
+
+/// Coordinates of a joint with the angle from which its link counts: at most a displacement and an angle.
+fn shifted<S: Real>(q: &[S], axes: &LinkAxes) -> Few<S, 2> {
+    let mut all = Few::new(S::zero());
+    let own = q.iter().enumerate();
+    all.extend(own.map(|(index, &q)| match index == axes.angle {
+        true => q + S::from_f64(axes.shift),
+        false => q,
+    }));
+    all
 }
 
 /// (1): axes and origin of frame 2 in frame 1; the columns and b are taken to frame-2 axes.
@@ -353,14 +369,4 @@ fn backward<S: Real>(
     };
     let back = pose.rotation.transpose();
     (back, -(back * s), moved)
-}
-
-/// The elements of E.
-fn labelled_matrix<S: Real>(turn: Matrix3<S>) -> Matrix3<S> {
-    const NAMES: [[&str; 3]; 3] = [
-        ["e11", "e12", "e13"],
-        ["e21", "e22", "e23"],
-        ["e31", "e32", "e33"],
-    ];
-    Matrix3::from_fn(|row, column| turn[(row, column)].label(NAMES[row][column]))
 }
