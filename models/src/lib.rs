@@ -1,12 +1,13 @@
 //! Ready scenes, reports and what the command line `mbd` is made of.
 
+pub mod campaign;
 pub mod describe;
 pub mod extremes;
-pub mod files;
 pub mod parachute;
-pub mod progress;
 pub mod quantities;
 pub mod report;
 pub mod run;
 pub mod scenes;
 pub mod trade;
+
+pub use mbd_campaign::{files, progress};

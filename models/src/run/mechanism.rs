@@ -6,8 +6,8 @@ use mbd_runtime::scene::laws::{Numbers, ground};
 use mbd_runtime::scene::rotation;
 use mbd_runtime::scene::{Place, Plane, PointKind, Scene};
 
-use super::plan::Plan;
 use crate::report::{Drawing, Shape};
+use mbd_campaign::run::Plan;
 
 /// The instants of a drawing when none are asked for.
 const INSTANTS: usize = 5;

@@ -3,8 +3,8 @@
 use mbd_runtime::scene::{Gravity, Scene};
 use mbd_runtime::{Layout, Name, Trajectory};
 
-use super::plan::Plan;
 use crate::report::{Figure, Series};
+use mbd_campaign::run::Plan;
 
 /// Forces of more joints than this are not told apart: those with the largest forces are drawn.
 const JOINTS: usize = 8;

@@ -8,11 +8,11 @@ use mbd_runtime::{Layout, Trajectory};
 
 use super::mechanism::drawings;
 use super::outcome::Outcome;
-use super::plan::Plan;
 use super::plots::groups;
 use super::summary::{summary_json, table};
 use crate::report::{Report, Table};
 use crate::{describe, files};
+use mbd_campaign::run::Plan;
 
 /// Writes everything into a folder and gives the table of the run.
 ///
