@@ -10,11 +10,11 @@ use std::str::FromStr;
 
 use crate::campaign::Campaign;
 use crate::failure::Failure;
-use crate::files;
 use crate::manifest::Manifest;
 use crate::progress::Progress;
 use crate::results::{head, join};
 use crate::table::number;
+use mbd_report::files;
 
 /// A part of a campaign: which, from 1, of how many.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

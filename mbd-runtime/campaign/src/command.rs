@@ -13,12 +13,13 @@ use mbd_runtime::{Model, ParamError};
 use crate::blocks::{self, Shard};
 use crate::campaign::Campaign;
 use crate::failure::Failure;
-use crate::files;
+use crate::page::page;
 use crate::progress::Progress;
 use crate::results::{Results, head};
 use crate::run::Settings;
 use crate::summary::{CONFIDENCE, Summary, Told};
 use crate::table::heading;
+use mbd_report::files;
 
 /// Where a folder says how its cases are repeated.
 const REPLAY: &str = "replay.txt";
@@ -105,9 +106,33 @@ pub fn campaign(
     }
 }
 
+/// Puts the results of a folder together, and writes their page: `report.html` in it.
+///
+/// # Errors
+/// Blocks are missing; the page cannot be written; requirements that are not shown.
+pub fn report(args: &GatherArgs) -> Result<String, Failure> {
+    let told = gather(args);
+    let (Ok(text) | Err(Failure::NotMet(text))) = &told else {
+        return told;
+    };
+    let results = Results::read(&args.folder)?;
+    let path = args.folder.join("report.html");
+    let page = page(
+        &results,
+        &Summary::of(&results),
+        &replay_command(&args.folder),
+    );
+    page.write(&path)
+        .map_err(|error| Failure::unwritten(&error))?;
+    let text = format!("{text}\nwritten to {}\n", path.display());
+    match told {
+        Ok(_) => Ok(text),
+        Err(_) => Err(Failure::NotMet(text)),
+    }
+}
+
 /// The command that repeats a case of the campaign of a folder, without its number.
-#[must_use]
-pub fn replay_command(folder: &Path) -> String {
+fn replay_command(folder: &Path) -> String {
     let known = std::fs::read_to_string(folder.join(REPLAY)).unwrap_or_default();
     match known.trim() {
         "" => "run FILE".to_owned(),
@@ -278,6 +303,8 @@ enum Command {
     Campaign(CampaignArgs),
     /// Put the results of all shards together and tell what they say.
     Gather(GatherArgs),
+    /// Write the page of a campaign: requirements, percentiles, histograms, drivers, failures.
+    Report(GatherArgs),
 }
 
 #[derive(Args, Debug)]
@@ -351,6 +378,7 @@ fn answer(
             campaign(&args, model.share(), Settings::default(), &replay)
         }
         Command::Gather(args) => gather(&args),
+        Command::Report(args) => report(&args),
     }
 }
 

@@ -3,7 +3,7 @@
 //!
 //! | to … | use |
 //! |---|---|
-//! | give your model a command line: `list`, `run`, `campaign`, `gather` | [`main`] |
+//! | give your model a command line: `list`, `run`, `campaign`, `gather`, `report` | [`main`] |
 //! | read a campaign file for a model | [`Campaign::read`] |
 //! | run a shard of it into a folder, put the folder together | [`blocks::run`], [`blocks::gather`] |
 //! | read the results and what they say | [`Results`], [`Summary`] |
@@ -16,9 +16,9 @@ mod campaign;
 mod command;
 pub mod dispersion;
 mod failure;
-pub mod files;
 mod manifest;
 mod metric;
+mod page;
 pub mod progress;
 mod results;
 pub mod run;
@@ -29,9 +29,10 @@ mod table;
 
 pub use blocks::Shard;
 pub use campaign::Campaign;
-pub use command::{CampaignArgs, GatherArgs, campaign, gather, main, replay_command, text};
+pub use command::{CampaignArgs, GatherArgs, campaign, gather, main, report, text};
 pub use failure::Failure;
 pub use manifest::{Column, Manifest};
 pub use metric::{Metric, Requirement};
+pub use page::page;
 pub use results::{Results, Row};
 pub use summary::{CONFIDENCE, Failures, PARTS, Summary, Told, Verdict};

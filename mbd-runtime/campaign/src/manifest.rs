@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::failure::Failure;
-use crate::files;
 use crate::metric::Requirement;
+use mbd_report::files;
 
 /// The name of its file.
 const NAME: &str = "manifest.json";

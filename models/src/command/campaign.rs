@@ -4,12 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use mbd_campaign::{CampaignArgs, GatherArgs, Results, Summary, blocks};
+use mbd_campaign::{CampaignArgs, GatherArgs};
 use mbd_runtime::Model;
-use models::campaign::publish;
 
 use super::failure::Failure;
-use super::run::unwritten;
 use super::scene_file::SceneFile;
 
 /// The scene of a campaign, and the campaign.
@@ -34,33 +32,9 @@ pub fn campaign(args: &SceneCampaignArgs) -> Result<String, Failure> {
     )?)
 }
 
-/// A folder of results.
-#[derive(Args, Debug)]
-pub struct ReportArgs {
-    /// Folder with the results of a campaign of `mbd`, or of a program of your own.
-    folder: PathBuf,
-    /// How many shards there were: those with missing blocks are named.
-    #[arg(long, value_name = "NUMBER")]
-    shards: Option<u64>,
-}
-
 /// Writes the page of a campaign.
-pub fn report(args: &ReportArgs) -> Result<String, Failure> {
-    let folder = &args.folder;
-    blocks::gather(folder, args.shards)?;
-    let results = Results::read(folder)?;
-    let summary = Summary::of(&results);
-    let replay = mbd_campaign::replay_command(folder);
-    publish(&results, &summary, &replay, folder).map_err(|error| unwritten(&error))?;
-    let told = format!(
-        "{}\nwritten to {}\n",
-        mbd_campaign::text(&results, &summary),
-        folder.join("report.html").display()
-    );
-    match summary.passes() {
-        true => Ok(told),
-        false => Err(Failure::Inaccurate(told)),
-    }
+pub fn report(args: &GatherArgs) -> Result<String, Failure> {
+    Ok(mbd_campaign::report(args)?)
 }
 
 /// Puts the results of all shards together.

@@ -21,7 +21,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-use campaign::{ReportArgs, SceneCampaignArgs};
+use campaign::SceneCampaignArgs;
 use check::CheckArgs;
 use convert::ConvertArgs;
 use extremes::ExtremesArgs;
@@ -66,7 +66,7 @@ enum Command {
     /// Put the results of all shards of a campaign together and tell what they say.
     Gather(GatherArgs),
     /// Write the page of a campaign: requirements, percentiles, histograms, drivers, failures.
-    Report(ReportArgs),
+    Report(GatherArgs),
     /// Check a scene and say what it contains: bodies, freedoms, nodes, operations.
     Check(CheckArgs),
     /// Print the Rust that `model!` makes of a scene.

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mbd_compiler::{
-    Interpreted, Message, Reading, immovable, read_text_in, read_toml_in, read_urdf, write_toml,
+    Emitted, Interpreted, Message, Reading, immovable, read_text_in, read_toml_in, read_urdf,
+    write_toml,
 };
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Model, ParamError};
@@ -105,7 +106,8 @@ impl SceneFile {
         // Ready scenes are declared over the scalar; data does not tell.
         file.reading.options.generic = true;
         let emitted = (ready.emitted)().into_iter();
-        file.reading.options.emit = Some(emitted.map(str::to_string).collect());
+        file.reading.options.emit =
+            Some(emitted.map(|kind| Emitted::Kind(kind.to_owned())).collect());
         Ok(file)
     }
 

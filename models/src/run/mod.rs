@@ -1,9 +1,7 @@
 //! Running a scene: what is asked ([`Plan`]), the run itself ([`Outcome`]), how well it kept its laws ([`Quality`]), and what it leaves behind.
 
 mod estimate;
-mod mechanism;
 mod outcome;
-mod plots;
 mod publish;
 mod quality;
 mod start;
@@ -11,7 +9,6 @@ mod summary;
 
 pub use estimate::{Estimate, doubt};
 pub use mbd_campaign::run::{Plan, PlanError, Settings, split};
-pub use mechanism::drawings;
 pub use outcome::{Outcome, fly, fly_model};
 pub use publish::publish;
 pub use quality::Quality;

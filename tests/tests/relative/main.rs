@@ -2,6 +2,7 @@
 
 mod agreement;
 mod counts;
+mod functions;
 mod generated;
 mod reference;
 mod runs;

@@ -13,6 +13,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::kinematics::LinkMotion;
+use super::system::{TreeSystem, links};
+use crate::laws::evaluation::Evaluation;
 use crate::laws::numbers::BodyNumbers;
 use crate::scalar::algebra::labelled;
 use crate::{Real, Twist};
@@ -30,7 +32,7 @@ pub(super) struct Inertia<S: Real> {
 
 impl<S: Real> Inertia<S> {
     /// That of the body of a link.
-    pub fn of(body: &BodyNumbers<S>, link: &LinkMotion<S>) -> Self {
+    fn of(body: &BodyNumbers<S>, link: &LinkMotion<S>) -> Self {
         let c = &link.centre;
         let about_centre = link.body * body.inertia * link.body.transpose();
         let square = c.dot(c);
@@ -73,11 +75,10 @@ impl<S: Real> Inertia<S> {
         }
     }
 
-    /// Adds the inertia of a link that this one carries, by (4).
-    pub fn take(&mut self, other: &Self, link: &LinkMotion<S>) {
-        let (r, turn) = (&link.offset, &link.turn);
+    /// Adds an inertia by (4): that of axes E, here `turn`, with their origin at r.
+    pub fn take(&mut self, other: &Self, turn: &Matrix3<S>, r: &Vector3<S>) {
         let moment = turn * other.moment;
-        let turned = turn * other.inertia * turn.transpose();
+        let rotated = turn * other.inertia * turn.transpose();
         let (along, square) = (moment.dot(r), r.dot(r));
         let diagonal = along + along + other.mass * square;
         // h rᵀ + r hᵀ + m r rᵀ = w rᵀ + r hᵀ with w = h + m r, which is the moment that is handed on.
@@ -85,11 +86,33 @@ impl<S: Real> Inertia<S> {
         let moved = symmetric_from(|i, j| {
             let across = whole[i] * r[j] + r[i] * moment[j];
             let diagonal = if i == j { diagonal } else { S::zero() };
-            turned[(i, j)] + (diagonal - across)
+            rotated[(i, j)] + (diagonal - across)
         });
         self.mass += other.mass;
         self.moment += whole;
         self.inertia += moved;
+    }
+}
+
+impl<S: Real> TreeSystem<S> {
+    /// Reads the inertias of the links, each as its body has it.
+    pub(super) fn read_inertias(&mut self, evaluation: &Evaluation<'_, S>) {
+        for (index, link) in links(evaluation.layout).iter().enumerate() {
+            let body = &evaluation.numbers.bodies[link.body];
+            self.inertias[index] = Inertia::of(body, &evaluation.links[index]);
+        }
+    }
+
+    /// Reads the inertias of the links with their parameters grouped.
+    pub(super) fn group_inertias(&mut self, evaluation: &Evaluation<'_, S>) {
+        self.read_inertias(evaluation);
+        for (index, link) in links(evaluation.layout).iter().enumerate().rev() {
+            let handed = link.grouped.take_out(&mut self.inertias[index]);
+            if let Some(inboard) = link.inboard {
+                let (axes, origin) = &evaluation.links[index].joint;
+                self.inertias[inboard].take(&handed, axes, origin);
+            }
+        }
     }
 }
 
@@ -124,21 +147,17 @@ impl<S: Real> LinkMotion<S> {
 
     /// Its acceleration by velocities alone, where what carries it has none.
     pub(super) fn brought(&self) -> Twist<S> {
-        let (w, r) = (&self.carrier, &self.offset);
-        Twist {
-            linear: self.turn.transpose() * w.cross(&w.cross(r)) + self.bias.linear,
-            angular: self.bias.angular,
-        }
+        self.accelerated(&Twist::zero(), &[])
     }
 
     /// The acceleration of the link by (3) of [`super::kinematics`], from that of the link that carries it and the accelerations of its coordinates.
-    pub(super) fn accelerated(&self, carrier: &Twist<S>, rates: &[S]) -> Twist<S> {
-        let (w, r) = (&self.carrier, &self.offset);
-        let carried = carrier.linear + carrier.angular.cross(r) + w.cross(&w.cross(r));
+    pub(super) fn accelerated(&self, inboard: &Twist<S>, rates: &[S]) -> Twist<S> {
+        let (w, r) = (&self.inboard_omega, &self.offset);
+        let carried = inboard.linear + inboard.angular.cross(r) + w.cross(&w.cross(r));
         let back = self.turn.transpose();
         let mut motion = Twist {
             linear: back * carried + self.bias.linear,
-            angular: back * carrier.angular + self.bias.angular,
+            angular: back * inboard.angular + self.bias.angular,
         };
         for (column, &rate) in self.columns.iter().zip(rates) {
             motion = motion.plus(column, rate);

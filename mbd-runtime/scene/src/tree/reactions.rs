@@ -46,6 +46,8 @@ impl<S: Real> TreeSystem<S> {
         let rates = std::mem::take(&mut self.rates);
         self.move_links(evaluation, &rates);
         self.rates = rates;
+        // What joints carry depends on where the mass is.
+        self.read_inertias(evaluation);
         self.balance(evaluation, Some(assembly));
         let multipliers = std::mem::take(&mut self.multipliers);
         let by_rows = self.rows.pushes(evaluation, &multipliers);
@@ -112,9 +114,7 @@ impl<S: Real> TreeSystem<S> {
         let driven = || layout.joints.iter().filter(|slots| slots.driven);
         if driven().any(|slots| !slots.all_kept()) {
             // Multipliers are those of all rows.
-            let accelerations = std::mem::take(&mut self.accelerations);
-            self.rows.run(evaluation, &accelerations, false);
-            self.accelerations = accelerations;
+            self.run_rows(evaluation, false);
         }
         for slots in driven() {
             for row in slots.row..slots.row + slots.len {
@@ -168,10 +168,7 @@ impl<S: Real> TreeSystem<S> {
         self.rates.copy_from_slice(evaluation.accelerations);
         into_link(evaluation, &mut self.rates);
         self.multipliers.copy_from_slice(evaluation.multipliers);
-        self.move_links(evaluation, &[]);
-        let accelerations = std::mem::take(&mut self.accelerations);
-        self.rows.run(evaluation, &accelerations, false);
-        self.accelerations = accelerations;
+        self.run_rows(evaluation, false);
         self.drive_power(evaluation, assembly)
     }
 }

@@ -1,32 +1,17 @@
 //! The page of a campaign: what was required and whether it is shown, percentiles, histograms, drivers, failures with the command that repeats them.
 
-use std::io;
-use std::path::Path;
+use mbd_report::{Cell, Figure, Look, Report, Series, Table};
 
-use mbd_campaign::statistics::spearman;
-use mbd_campaign::{CONFIDENCE, Failures, Results, Summary, Told};
-
-use crate::report::{Cell, Figure, Look, Report, Series, Table};
+use crate::results::Results;
+use crate::statistics::spearman;
+use crate::summary::{CONFIDENCE, Failures, Summary, Told};
 
 /// Failed cases of one kind that are listed with their commands.
 const LISTED: usize = 5;
 /// Drivers of a metric that are told.
 const DRIVERS: usize = 8;
 
-/// Writes `report.html` of a folder of results; `replay` is the command that repeats a case, without its number.
-///
-/// # Errors
-/// The file cannot be written; the error names it.
-pub fn publish(
-    results: &Results,
-    summary: &Summary,
-    replay: &str,
-    folder: &Path,
-) -> io::Result<()> {
-    page(results, summary, replay).write(folder.join("report.html"))
-}
-
-/// The page.
+/// The page of a campaign; `replay` is the command that repeats a case, without its number.
 #[must_use]
 pub fn page(results: &Results, summary: &Summary, replay: &str) -> Report {
     let manifest = &results.manifest;
