@@ -7,6 +7,7 @@ mod differentiate;
 mod emit;
 mod equations;
 mod expression;
+mod families;
 mod hash;
 mod interpret;
 mod kernels;
@@ -30,12 +31,14 @@ mod toml;
 mod units;
 mod urdf;
 
+pub use check::without_relative;
 #[cfg(feature = "pretty")]
 pub use compile::expand;
 pub use compile::{compile, emit, immovable};
 pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Label, Mask, Node, Slot, Term, recorded, session};
+pub use families::Families;
 pub use interpret::{Interpreted, Registers};
 pub use kernels::{Driver, Kernel, Kernels, Results, Window};
 pub use lists::{Arguments, Group};

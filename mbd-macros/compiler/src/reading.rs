@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use mbd_scene::Scene;
+use mbd_scene::{Coordinates, Scene};
 use proc_macro2::{Span, TokenStream};
 
-use crate::check::check;
+use crate::check::{check, without_relative};
+use crate::families::Families;
 use crate::lexeme::Region;
 use crate::lexeme::{self, Lexeme, Places};
 use crate::messages::{Location, Message, Messages, syntax as say};
@@ -144,6 +145,9 @@ pub(crate) fn finish(
         errors.extend(std::mem::take(&mut resolver.messages));
     }
     let good = errors.is_empty();
+    if good && resolver.asked.family {
+        choose_family(&mut resolver);
+    }
     let spans = spans(&resolver, places);
     let head = places.location(resolver.head);
     let declared = |joint| resolver.declared.get(&Named::Joint(joint));
@@ -167,6 +171,24 @@ pub(crate) fn finish(
         },
         file: None,
     }
+}
+
+/// Takes the cheaper family of coordinates, and notes the choice.
+fn choose_family(resolver: &mut Resolver<'_>) {
+    let (chosen, why) = match without_relative(&resolver.scene) {
+        Some(setting) => {
+            let why = format!("relative ones do not go with `{setting}`");
+            (Coordinates::Absolute, why)
+        }
+        None => {
+            let families = Families::count(&resolver.scene);
+            (families.cheaper(), families.to_string())
+        }
+    };
+    resolver
+        .notes
+        .push(format!("coordinates: {}: {why}", chosen.word()));
+    resolver.scene.coordinates = chosen;
 }
 
 fn spans(resolver: &Resolver<'_>, places: &Places) -> Spans {

@@ -354,6 +354,17 @@ pub enum Coordinates {
     Relative,
 }
 
+impl Coordinates {
+    /// Its word, `relative`.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Coordinates::Absolute => "absolute",
+            Coordinates::Relative => "relative",
+        }
+    }
+}
+
 /// The acceleration of gravity at a position r, world axes [m/s²].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Gravity {

@@ -12,6 +12,7 @@ mod unused;
 mod winding;
 
 pub use inertia::{WrongInertia, inertia, moments_of_a_part};
+pub use relative::without_relative;
 pub use winding::wound_by_themselves;
 
 use mbd_scene::{Place, PointKind};

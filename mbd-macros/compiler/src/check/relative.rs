@@ -1,6 +1,6 @@
 //! What a scene in relative coordinates must obey: it is in space, and its gravity does not come from the caller.
 
-use mbd_scene::{Coordinates, Gravity};
+use mbd_scene::{Coordinates, Gravity, Scene};
 
 use crate::messages::check as say;
 use crate::resolve::Resolver;
@@ -23,5 +23,14 @@ pub fn check_relative(resolver: &mut Resolver<'_>, model: &Model<'_>) {
     }
     if resolver.scene.gravity == Gravity::Field {
         resolver.messages.push(say::relative_in_a_field(at));
+    }
+}
+
+/// The setting that relative coordinates do not go with, if there is one.
+pub fn without_relative(scene: &Scene) -> Option<&'static str> {
+    match (scene.planar, &scene.gravity) {
+        (Some(_), _) => Some("planar"),
+        (None, Gravity::Field) => Some("gravity: field"),
+        _ => None,
     }
 }

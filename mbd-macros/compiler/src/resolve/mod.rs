@@ -67,6 +67,8 @@ pub struct Asked {
     pub verify: bool,
     /// `emit: […]`
     pub emit: Option<Vec<String>>,
+    /// `coordinates: auto;`
+    pub family: bool,
 }
 
 /// A scene in the making, and everything the later stages need to know about it.

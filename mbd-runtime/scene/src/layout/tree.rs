@@ -179,6 +179,31 @@ impl Tree {
         link
     }
 
+    /// Which joints the tree is made of, in words, and which it leaves to rows.
+    #[must_use]
+    pub fn sentence(&self, scene: &Scene) -> String {
+        const SHOWN: usize = 12;
+        let list = |carrying: bool| {
+            let joints = scene.joints.iter().zip(&self.of_joint);
+            let names: Vec<&str> = joints
+                .filter(|(_, link)| link.is_some() == carrying)
+                .map(|(joint, _)| joint.name.as_str())
+                .collect();
+            match names.len() {
+                0 => "none".to_owned(),
+                count if count > SHOWN => {
+                    format!("{} and {} more", names[..SHOWN].join(", "), count - SHOWN)
+                }
+                _ => names.join(", "),
+            }
+        };
+        format!(
+            "relative coordinates of the joints {}; rows of {}",
+            list(true),
+            list(false)
+        )
+    }
+
     /// The link that a joint carries.
     #[must_use]
     pub fn carried(&self, joint: usize) -> Option<&Link> {
