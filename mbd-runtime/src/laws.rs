@@ -3,7 +3,7 @@
 
 use mbd_scene::Scratch;
 use mbd_scene::laws::Numbers;
-use mbd_scene::{Arguments, At, Float, Model, Quantity};
+use mbd_scene::{Arguments, At, Float, Layout, Model, Quantity, Scene};
 
 /// Numbers and scratch of one scene.
 #[derive(Clone, Debug)]
@@ -32,17 +32,10 @@ impl Laws {
         at: &At<'_, T>,
         out: &mut [f64],
     ) {
-        self.arguments.read(at, |x| x.to_f64());
         out.fill(0.0);
-        mbd_scene::evaluate(
-            what,
-            model.scene(),
-            model.layout(),
-            &self.numbers,
-            &self.arguments.at(),
-            &mut self.scratch,
-            out,
-        );
+        self.run(model, at, |scene, layout, numbers, at, scratch| {
+            mbd_scene::evaluate(what, scene, layout, numbers, at, scratch, out);
+        });
     }
 
     /// The same for multipliers, and accelerations, that were found elsewhere: reactions, energy or outputs.
@@ -54,104 +47,26 @@ impl Laws {
         found: [&[f64]; 2],
         out: &mut [f64],
     ) {
-        self.arguments.read(at, |x| x.to_f64());
-        mbd_scene::evaluate_with_multipliers(
-            what,
-            model.scene(),
-            model.layout(),
-            &self.numbers,
-            (&self.arguments.at(), found),
-            &mut self.scratch,
-            out,
-        );
+        self.run(model, at, |scene, layout, numbers, at, scratch| {
+            let at = (at, found);
+            mbd_scene::evaluate_with_multipliers(what, scene, layout, numbers, at, scratch, out);
+        });
     }
 
-    /// Writes momentum, what gravity and loads give of it a second, and how much moves (14 numbers).
-    pub(crate) fn impulses<T: Float>(
+    /// Runs a law of the scene that `model` runs, at `at` on `f64`: one of those of [`mbd_scene`] that take these arguments.
+    pub(crate) fn run<T: Float>(
         &mut self,
         model: &dyn Model<T>,
         at: &At<'_, T>,
-        out: &mut [f64],
+        law: impl FnOnce(&Scene, &Layout, &Numbers<f64>, &At<'_, f64>, &mut Scratch<f64>),
     ) {
         self.arguments.read(at, |x| x.to_f64());
-        mbd_scene::impulses(
+        law(
             model.scene(),
             model.layout(),
             &self.numbers,
             &self.arguments.at(),
             &mut self.scratch,
-            out,
-        );
-    }
-
-    /// Writes the diagonal of the mass matrix.
-    pub(crate) fn masses<T: Float>(
-        &mut self,
-        model: &dyn Model<T>,
-        at: &At<'_, T>,
-        out: &mut [f64],
-    ) {
-        self.arguments.read(at, |x| x.to_f64());
-        mbd_scene::masses(
-            model.scene(),
-            model.layout(),
-            &self.numbers,
-            &self.arguments.at(),
-            &mut self.scratch,
-            out,
-        );
-    }
-
-    /// Writes the angles in (−π, π] that something acts along which jumps with them.
-    pub(crate) fn jumping_angles<T: Float>(
-        &mut self,
-        model: &dyn Model<T>,
-        at: &At<'_, T>,
-        out: &mut Vec<f64>,
-    ) {
-        self.arguments.read(at, |x| x.to_f64());
-        out.clear();
-        mbd_scene::jumping_angles(
-            model.scene(),
-            model.layout(),
-            &self.numbers,
-            &self.arguments.at(),
-            &mut self.scratch,
-            out,
-        );
-    }
-
-    /// What every event would set.
-    pub(crate) fn settings<T: Float>(&mut self, model: &dyn Model<T>, at: &At<'_, T>) -> Vec<f64> {
-        self.arguments.read(at, |x| x.to_f64());
-        let mut values = Vec::new();
-        mbd_scene::settings(
-            model.scene(),
-            model.layout(),
-            &self.numbers,
-            &self.arguments.at(),
-            &mut self.scratch,
-            &mut values,
-        );
-        values
-    }
-
-    /// Writes value, rate and acceleration of the motors that follow inputs.
-    pub(crate) fn commands<T: Float>(
-        &mut self,
-        model: &dyn Model<T>,
-        at: &At<'_, T>,
-        out: &mut Vec<[f64; 3]>,
-    ) {
-        self.arguments.read(at, |x| x.to_f64());
-        out.clear();
-        mbd_scene::commands(
-            model.scene(),
-            model.layout(),
-            &self.numbers,
-            &self.arguments.at(),
-            &mut self.scratch,
-            out,
         );
     }
 }

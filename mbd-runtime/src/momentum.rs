@@ -150,7 +150,9 @@ impl<T: Float> System<T> {
     fn impulses(&mut self, time: f64, state: &[T], seen: bool) -> Impulses {
         let mut numbers = [0.0; 14];
         self.by_laws_at((time, state), seen, |laws, model, at| {
-            laws.impulses(model, at, &mut numbers);
+            laws.run(model, at, |scene, layout, laws, at, scratch| {
+                mbd_scene::impulses(scene, layout, laws, at, scratch, &mut numbers);
+            });
         });
         let [a, b, c, d, e, f, g, h, i, j, k, l, sizes @ ..] = numbers;
         Impulses {

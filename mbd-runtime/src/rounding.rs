@@ -6,7 +6,7 @@
 //! ε |p|         against   the longest arm of the joints                                                          (2)
 //! ```
 //!
-//! ε of the scalar, |p| the largest coordinate of a body, ΣK of what holds it, m the largest mass that it is tied to, V and L the scales of the run: a
+//! ε of the scalar, |p| the largest coordinate of a body, one that a joint of the tree carries included, ΣK of what holds it, m the largest mass that it is tied to, V and L the scales of the run: a
 //! light point passes on the forces between heavy bodies, and it is these that must have digits. So a light body that hangs on a heavy one is
 //! measured against the heavy one, too. Source: derived, from a stretch d − L0 whose d comes from positions rounded to ε |p|.
 
@@ -63,8 +63,13 @@ impl Rounding {
         }
     }
 
-    /// The worst of (1) and (2) at a state with its rates.
-    pub(crate) fn worst<T: Float>(&self, state: &[T], rates: &[T]) -> Option<Affected> {
+    /// The worst of (1) and (2) at a state with its rates. `bodies`: [`Quantity::Bodies`](mbd_scene::Quantity::Bodies), empty in absolute coordinates.
+    pub(crate) fn worst<T: Float>(
+        &self,
+        state: &[T],
+        rates: &[T],
+        bodies: &[T],
+    ) -> Option<Affected> {
         let precision = T::EPSILON.to_f64();
         let largest = |list: &[T], range: std::ops::Range<usize>| {
             let own = list.get(range).unwrap_or_default();
@@ -72,7 +77,8 @@ impl Rounding {
                 .fold(0.0, |most: f64, x| most.max(x.to_f64().abs()))
         };
         let affected = self.parts.iter().map(|(part, rate)| {
-            let distance = largest(state, part.position.clone());
+            let carried = part.carried.map_or(0..0, |body| 13 * body..13 * body + 3);
+            let distance = largest(state, part.position.clone()).max(largest(bodies, carried));
             let acceleration = self.acceleration.max(largest(rates, part.velocity.clone()));
             let force = precision * distance * rate / acceleration;
             let gap = self.arm.map_or(0.0, |arm| precision * distance / arm);

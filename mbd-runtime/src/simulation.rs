@@ -136,6 +136,8 @@ pub struct Simulation<T: Float> {
     rounding: Rounding,
     /// The most that it made so far, as a part of what matters.
     rounded: f64,
+    /// Where the bodies are, of relative coordinates, for it.
+    bodies: Vec<T>,
     /// What tells the scene from others, once something asks for it.
     fingerprint: OnceCell<u64>,
     /// The last good state, for fixed steps that turn out too long.

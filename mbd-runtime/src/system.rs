@@ -305,7 +305,11 @@ impl<T: Float> System<T> {
         self.supply(time, state)?;
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        Ok(laws.settings(&*self.model, &at))
+        let mut values = Vec::new();
+        laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
+            mbd_scene::settings(scene, layout, numbers, at, scratch, &mut values);
+        });
+        Ok(values)
     }
 
     /// Looks at the angles with a spring or a stop at the end of a step that is to be taken, or at a start (`first`); whether one jumped.
@@ -316,7 +320,10 @@ impl<T: Float> System<T> {
         let state = state.get(..self.nx).unwrap_or_default();
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        laws.jumping_angles(&*self.model, &at, now);
+        now.clear();
+        laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
+            mbd_scene::jumping_angles(scene, layout, numbers, at, scratch, now);
+        });
         let jumped = |(now, last): (&f64, &f64)| (now - last).abs() > std::f64::consts::PI;
         let jumps = !first && now.iter().zip(last.iter()).any(jumped);
         if jumps {
@@ -355,7 +362,10 @@ impl<T: Float> System<T> {
         };
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        laws.commands(&*self.model, &at, &mut commands.now);
+        commands.now.clear();
+        laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
+            mbd_scene::commands(scene, layout, numbers, at, scratch, &mut commands.now);
+        });
         if let Some(span) = span {
             commands.check::<T>(self.model.scene(), (time, span))?;
         }
@@ -375,7 +385,9 @@ impl<T: Float> System<T> {
         self.supply(time, state)?;
         let at = self.nodes.at(T::from_f64(time), state, &self.inputs);
         let laws = self.laws.get_or_insert_with(|| Laws::new(&*self.model));
-        laws.masses(&*self.model, &at, &mut masses);
+        laws.run(&*self.model, &at, |scene, layout, numbers, at, scratch| {
+            mbd_scene::masses(scene, layout, numbers, at, scratch, &mut masses);
+        });
         Ok(watch::weights(&*self.model, &masses, step))
     }
 

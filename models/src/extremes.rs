@@ -160,8 +160,8 @@ impl Case {
                 for _ in 0..2 {
                     run.run(self.until)?;
                     let mut state = run.state().to_vec();
-                    let turned = state.get_mut(speeds.clone()).unwrap_or_default();
-                    turned.iter_mut().for_each(|speed| *speed = -*speed);
+                    let reversed = state.get_mut(speeds.clone()).unwrap_or_default();
+                    reversed.iter_mut().for_each(|speed| *speed = -*speed);
                     run.set_state(0.0, &state)?;
                 }
                 let pairs = run.state().iter().zip(&start);

@@ -55,6 +55,29 @@ fn positions_without_digits_are_refused_and_those_with_few_are_told() {
 }
 
 #[test]
+fn bodies_that_a_tree_carries_are_looked_at_where_they_are() {
+    // The coordinate is an angle near zero; the stretch of the rope is a difference of positions.
+    let run = |offset: f64| {
+        let scene = read(&format!(
+            "model Crane {{ coordinates: relative; gravity: [0, 0, -9.81] m/s^2;
+             world {{ frame pin at [{offset:?}, 0, 0] m, frame hook at [{offset:?}, 0, 3] m }}
+             body jib {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame foot at [-1, 0, 0] m, frame head at [1, 0, 0] m }}
+             joint pin: hinge from world.pin to jib.foot {{ axis: y }}
+             spring rope from world.hook to jib.head {{ free_length: 3.5 m, stiffness: 1e6 N/m, damping: 10 N*s/m }} }}"
+        ));
+        let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+        let mut run = Simulation::new(&model, Options::tsit5(1e-5)).expect("options");
+        run.run(0.01).map_err(|error| error.cause)
+    };
+    assert!(run(1e3).is_ok());
+    let far = run(1e11);
+    assert!(
+        matches!(far, Err(StepError::FarFromOrigin { ref part, .. }) if part == "pin"),
+        "{far:?}"
+    );
+}
+
+#[test]
 fn joints_without_digits_are_refused() {
     let run = |offset: f64| {
         let scene = read(&format!(

@@ -1,20 +1,10 @@
 //! Mutated declarations: whatever is written, reading ends soon, never panics, and a failure has a place.
 
+mod dice;
+
+use dice::Dice;
 use mbd_compiler::{Location, Reading, read_text, read_tokens};
 use mbd_scene::{Layout, Redundancy};
-
-/// A small generator (xorshift64*), so that a failing case can be repeated from its number.
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let mixed = self.0.wrapping_mul(0x2545_F491_4F6C_DD1D);
-        (mixed >> 33) as usize % n.max(1)
-    }
-}
 
 /// Words, numbers and signs of a text, roughly.
 fn pieces(text: &str) -> Vec<String> {

@@ -1,5 +1,8 @@
 //! Robots from URDF: what becomes of them, and what a file says wrongly, told at its place.
 
+mod dice;
+
+use dice::Dice;
 use std::path::PathBuf;
 
 use mbd_compiler::{Interpreted, Reading, read_text_in, read_urdf};
@@ -408,18 +411,6 @@ fn a_declaration_is_told_where_in_the_file_a_mistake_is_and_where_it_names_the_f
         told("model A { urdf: arm; }"),
         ["1:17: expected the path of a URDF in quotes, such as `urdf: \"robots/arm.urdf\";`"]
     );
-}
-
-/// A small generator (xorshift64*), so that a failing case can be repeated.
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33) as usize % n.max(1)
-    }
 }
 
 #[test]

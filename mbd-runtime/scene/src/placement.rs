@@ -16,7 +16,6 @@ use crate::laws::body::{BodyMotion, attitude_of};
 use crate::laws::branch;
 use crate::laws::ground::{course, ground};
 use crate::laws::kinematics::Kinematics;
-use crate::laws::line::DETACHED;
 use crate::laws::numbers::Numbers;
 use crate::{
     AngularVelocity, Arguments, Formula, FrameMotion, Layout, Part, Place, PointSlots, Quantity,
@@ -397,7 +396,7 @@ impl Placement<'_> {
     ) -> Result<(), PlacementError> {
         let start = self.q.clone();
         let mut best = (f64::INFINITY, 0);
-        let mut turned = None;
+        let mut other_branch = None;
         for (attempt, reach) in REACHES.into_iter().enumerate() {
             self.q.clone_from(&start);
             for (number, &(joint, k)) in unknowns.iter().enumerate() {
@@ -411,13 +410,13 @@ impl Placement<'_> {
                 if self.is_on_branch(state) || self.turns_back(unknowns, state) {
                     return Ok(());
                 }
-                turned.get_or_insert_with(|| self.q.clone());
+                other_branch.get_or_insert_with(|| self.q.clone());
             } else if gap < best.0 {
                 best = (gap, joint);
             }
         }
         let (gap, joint) = best;
-        match turned {
+        match other_branch {
             Some(q) => self.q = q,
             None => return Err(PlacementError::Open { joint, gap }),
         }
@@ -507,17 +506,8 @@ impl Placement<'_> {
         }
     }
 
-    /// A state with its time, the defaults of the inputs and what is detached.
     fn here(&self, state: &[f64]) -> Arguments<f64> {
-        let hold = |detached| if detached { DETACHED } else { 0.0 };
-        Arguments {
-            time: self.time,
-            state: state.to_vec(),
-            nodes: vec![0.0; 3 * self.layout.nodes.len()],
-            inputs: self.layout.default_inputs(self.scene),
-            hold: self.layout.start_detached().map(hold).collect(),
-            ..Arguments::default()
-        }
+        Arguments::before_a_run(self.scene, self.layout, self.time, state)
     }
 
     /// Rows of all joints at these coordinates and speeds; nothing that a node decides.

@@ -4,9 +4,26 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::laws::body::attitude_of;
 use crate::laws::constant;
+use crate::laws::line::DETACHED;
 use crate::placement::place_near;
 use crate::tree::Absolute;
-use crate::{Formula, JointStart, Layout, Part, PlacementError, Scene, Triple};
+use crate::{Arguments, Formula, JointStart, Layout, Part, PlacementError, Scene, Triple};
+
+impl Arguments<f64> {
+    /// A state before anything has run: the defaults of the inputs, what is detached at the start, nodes and their lines not solved.
+    pub(crate) fn before_a_run(scene: &Scene, layout: &Layout, time: f64, state: &[f64]) -> Self {
+        let hold = |detached| if detached { DETACHED } else { 0.0 };
+        Arguments {
+            time,
+            state: state.to_vec(),
+            nodes: vec![0.0; 3 * layout.nodes.len()],
+            effective: vec![0.0; 2 * layout.effective_lines],
+            hold: layout.start_detached().map(hold).collect(),
+            inputs: layout.default_inputs(scene),
+            ..Arguments::default()
+        }
+    }
+}
 
 /// Writes the declared starts of bodies and points into a state; returns which these are.
 pub fn declared_parts(

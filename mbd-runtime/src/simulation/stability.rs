@@ -224,7 +224,13 @@ impl<T: Float> Simulation<T> {
     }
 
     pub(super) fn watch_rounding(&mut self) -> Result<(), StepError> {
-        let Some(affected) = self.rounding.worst(&self.state, self.method.first()) else {
+        if !self.bodies.is_empty() {
+            let (time, state) = (self.time, &self.state);
+            self.system
+                .at_end(Quantity::Bodies, time, state, &mut self.bodies)?;
+        }
+        let rates = self.method.first();
+        let Some(affected) = self.rounding.worst(&self.state, rates, &self.bodies) else {
             return Ok(());
         };
         self.rounded = self.rounded.max(affected.share);

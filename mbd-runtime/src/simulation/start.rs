@@ -119,6 +119,7 @@ impl<T: Float> Simulation<T> {
             Quantity::Reactions,
         ]
         .map(|what| layout.len(what));
+        let bodies = layout.len(Quantity::Bodies);
         let mut state = vec![T::zero(); length];
         let start = declared_start(&*model, 0.0).map_err(refuse)?;
         for (slot, value) in state.iter_mut().zip(start) {
@@ -160,6 +161,7 @@ impl<T: Float> Simulation<T> {
             good: Snapshot::default(),
             rounding,
             rounded: 0.0,
+            bodies: vec![T::zero(); bodies],
             origin: 0.0,
             count: 0,
             options,

@@ -87,6 +87,24 @@ model! {
     }
 }
 
+model! {
+    /// A loop in relative coordinates: a hinge on a skew axis, a screw, a ball joint walked from its child, a bar that closes the loop, a cord.
+    model Press {
+        units: si;
+        coordinates: relative;
+        gravity: [0, 0, -9.81];
+        world { frame stand at [1.2, 0, 0], frame eye at [0, 1, 1] }
+        body lever { mass: 2, inertia: diag(0.1, 0.1, 0.02), frame pin at [0, 0, 0.3], frame tip at [0, 0, -0.3] }
+        body nut { mass: 1, inertia: diag(0.05, 0.05, 0.01), frame hole at [0, 0, 0.1], frame ear at [0.2, 0, 0] }
+        body rod { mass: 0.5, inertia: diag(0.02, 0.02, 0.002), frame top at [0, 0, 0.3], frame end at [0, 0, -0.3] }
+        joint pin: hinge from world to lever.pin { axis: [0.6, 0.8, 0] };
+        joint thread: screw from lever.tip to nut.hole { axis: [0, 0.6, 0.8], pitch: 0.1 };
+        joint ball: spherical from rod.top to nut.ear;
+        joint bar: distance from world.stand to rod.end { length: 1.4 };
+        line cord from world.eye to rod.end { free_length: 1.6, stiffness: 500, damping: 5 }
+    }
+}
+
 fn silent(name: &str, run: &mut Simulation<f64>, until: f64) {
     run.start()
         .unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -163,6 +181,24 @@ fn a_machine_runs_without_asking_for_memory() {
             let mut run = Simulation::new(model, options).expect("options that fit");
             run.set_state(0.0, &start).expect("a state");
             silent(&format!("{kind}, {method}"), &mut run, 1.0);
+        }
+    }
+}
+
+#[test]
+fn a_loop_in_relative_coordinates_runs_without_asking_for_memory() {
+    let press = Press::new(PressParams::default()).expect("defaults");
+    let generic = Generic::<f64>::with_defaults(press.scene().clone()).expect("a scene");
+    let both: [(&str, &dyn Model<f64>); 2] = [("generated", &press), ("generic", &generic)];
+    for (kind, model) in both {
+        for options in [
+            Options::rk4(1e-3),
+            Options::tsit5(1e-7),
+            Options::rodas5p(1e-6),
+        ] {
+            let name = format!("{kind}, {:?}", options.method);
+            let mut run = Simulation::new(model, options).expect("options that fit");
+            silent(&name, &mut run, 0.5);
         }
     }
 }

@@ -168,12 +168,12 @@ pub fn groups(robot: &Robot) -> Vec<Group> {
 }
 
 /// The inertia of a link in its own axes: R I Rᵀ.
-fn turned(inertial: &Inertial, rotation: Matrix3<f64>) -> Matrix3<f64> {
+fn rotated(inertial: &Inertial, rotation: Matrix3<f64>) -> Matrix3<f64> {
     match rotation == Matrix3::identity() {
         true => inertial.inertia,
         false => {
-            let turned = rotation * inertial.inertia * rotation.transpose();
-            (turned + turned.transpose()) * 0.5
+            let rotated = rotation * inertial.inertia * rotation.transpose();
+            (rotated + rotated.transpose()) * 0.5
         }
     }
 }
@@ -187,7 +187,7 @@ pub fn lump(robot: &Robot, group: &Group) -> Option<Lump> {
         (!massless).then(|| Lump {
             mass: inertial.mass,
             center: placed.position(),
-            inertia: turned(inertial, placed.rotation()),
+            inertia: rotated(inertial, placed.rotation()),
         })
     });
     let parts: Vec<Lump> = parts.collect();

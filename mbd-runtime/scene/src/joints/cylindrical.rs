@@ -8,6 +8,7 @@
 //! Source: Kamman, Connecting Joints I: cylindrical, 2 freedoms. The attitude rows also hold for a2 = −a1: the start must satisfy
 //! a1·a2 > 0. Rejected: two points on a line, which are singular when they meet.
 
+use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
@@ -47,8 +48,9 @@ impl Joint for Cylindrical {
         Some(across.slides(ends, &self.axis).turns(ends, &self.axis))
     }
 
-    fn axis_mut(&mut self) -> Option<&mut Axis> {
-        Some(&mut self.axis)
+    fn aligned(&self) -> Option<(Self, Matrix3<f64>)> {
+        let about_z = Cylindrical { axis: Axis::Z };
+        self.axis.to_z().map(|rotation| (about_z, rotation))
     }
 
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {

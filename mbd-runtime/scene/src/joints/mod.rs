@@ -70,9 +70,9 @@ pub trait Joint: Sized {
         None
     }
 
-    /// Its axis, where that is all that its motion knows of the directions of the joint frames: these may then be turned so that the axis is
-    /// along one of their own, which leaves zeros in relative coordinates.
-    fn axis_mut(&mut self) -> Option<&mut Axis> {
+    /// The same joint about z between frames rotated by the matrix, where its axis is all that its motion knows of the directions of the joint
+    /// frames: an axis along one of their own leaves zeros in relative coordinates. `None` where it lies so already, or where more is known.
+    fn aligned(&self) -> Option<(Self, Matrix3<f64>)> {
         None
     }
 
@@ -214,10 +214,13 @@ macro_rules! joints {
                 }
             }
 
-            /// Its axis: see [`Joint::axis_mut`].
-            fn axis_mut(&mut self) -> Option<&mut Axis> {
+            /// The same joint about z: see [`Joint::aligned`].
+            #[must_use]
+            pub fn aligned(&self) -> Option<(Self, Matrix3<f64>)> {
                 match self {
-                    $(JointLaw::$name(joint) => joint.axis_mut(),)*
+                    $(JointLaw::$name(joint) => {
+                        joint.aligned().map(|(joint, rotation)| (JointLaw::$name(joint), rotation))
+                    })*
                 }
             }
 
@@ -290,17 +293,6 @@ impl JointLaw {
     #[must_use]
     pub fn rows(&self) -> usize {
         6 - self.freedoms()
-    }
-
-    /// The same joint between frames turned by a rotation, so that its axis is z; `None` where it lies along the frames already, or its motion knows
-    /// more of them.
-    #[must_use]
-    pub fn aligned(&self) -> Option<(Self, Matrix3<f64>)> {
-        let mut law = self.clone();
-        let axis = law.axis_mut().filter(|axis| !axis.is_along_frame())?;
-        let turned = axis.frame();
-        *axis = Axis::Z;
-        Some((law, turned))
     }
 
     /// The coordinates that are an attitude, a quaternion w x y z: the last four where there are more coordinates than speeds.

@@ -14,28 +14,41 @@ use crate::{Layout, Part, Place, PointSlots, Real, Twist};
 impl<S: Real> TreeSystem<S> {
     /// Accelerations of the links, less the common fall, for those of their coordinates, in the components of the links.
     pub(super) fn move_links(&mut self, evaluation: &Evaluation<'_, S>, rates: &[S]) {
-        let fall = common_fall(evaluation);
         for (index, link) in links(evaluation.layout).iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
-            let motion = &evaluation.links[index];
             let rates = rates
                 .get(link.slots.v..link.slots.v + link.speeds)
                 .unwrap_or_default();
-            self.accelerations[index] = match (link.joint, link.inboard) {
-                (None, _) => {
-                    let falling = motion.axes.transpose() * -fall;
-                    let mut own = Twist::slide(falling);
-                    for (column, &rate) in motion.columns.iter().zip(rates) {
-                        own = own.plus(column, rate);
-                    }
-                    own
-                }
-                (_, Some(inboard)) => motion.accelerated(&self.accelerations[inboard], rates),
-                (Some(joint), None) => {
-                    motion.accelerated(&base(evaluation, joint, link.reversed, &fall), rates)
-                }
-            };
+            self.accelerations[index] = self.accelerated(evaluation, index, rates);
         }
+    }
+
+    /// The acceleration of a link, less the common fall, from that of the link that carries it and those of its own coordinates.
+    pub(super) fn accelerated(
+        &self,
+        evaluation: &Evaluation<'_, S>,
+        index: usize,
+        rates: &[S],
+    ) -> Twist<S> {
+        let (link, motion) = (&links(evaluation.layout)[index], &evaluation.links[index]);
+        let fall = common_fall(evaluation);
+        match (link.joint, link.inboard) {
+            (None, _) => {
+                let falling = Twist::slide(motion.axes.transpose() * -fall);
+                let columns = motion.columns.iter().zip(rates);
+                columns.fold(falling, |own, (column, &rate)| own.plus(column, rate))
+            }
+            (_, Some(inboard)) => motion.accelerated(&self.accelerations[inboard], rates),
+            (Some(joint), None) => {
+                motion.accelerated(&base(evaluation, joint, link.reversed, &fall), rates)
+            }
+        }
+    }
+
+    /// The rows of the joints: all of them, or of each joint those that are in the system, first.
+    pub(super) fn run_rows(&mut self, evaluation: &Evaluation<'_, S>, in_system: bool) {
+        self.move_links(evaluation, &[]);
+        self.rows.run(evaluation, &self.accelerations, in_system);
     }
 
     /// What the joints must push the links with for these accelerations, against `forces` if given: leaves first; and along the coordinates.
@@ -89,7 +102,7 @@ impl<S: Real> TreeSystem<S> {
         }
     }
 
-    /// Writes M of (1) into `mass`, lower triangle by speeds, in the components of the links.
+    /// Writes M of (1) into `mass`, in the components of the links.
     pub(super) fn compose(&mut self, evaluation: &Evaluation<'_, S>) {
         let (layout, all) = (evaluation.layout, links(evaluation.layout));
         let n = layout.nv;
@@ -110,14 +123,17 @@ impl<S: Real> TreeSystem<S> {
                 let mut push = composite.push(&motion.columns[k]);
                 let row = link.slots.v + k;
                 for l in 0..=k {
-                    self.mass[row * n + link.slots.v + l] = motion.along(l, &push);
+                    let column = link.slots.v + l;
+                    self.mass[row * n + column] = motion.along(l, &push);
+                    self.mass[column * n + row] = self.mass[row * n + column];
                 }
                 let mut outboard = index;
                 while let Some(inboard) = all[outboard].inboard {
                     push = evaluation.links[outboard].hand_on(&push);
                     for l in 0..all[inboard].speeds {
-                        let value = evaluation.links[inboard].along(l, &push);
-                        self.mass[row * n + all[inboard].slots.v + l] = value;
+                        let column = all[inboard].slots.v + l;
+                        self.mass[row * n + column] = evaluation.links[inboard].along(l, &push);
+                        self.mass[column * n + row] = self.mass[row * n + column];
                     }
                     outboard = inboard;
                 }
@@ -148,13 +164,8 @@ impl<S: Real> TreeSystem<S> {
     pub(super) fn prepare(&mut self, evaluation: &Evaluation<'_, S>) {
         let layout = evaluation.layout;
         let (plan, n) = (&layout.elimination, layout.nv);
-        self.move_links(evaluation, &[]);
+        self.run_rows(evaluation, true);
         self.compose(evaluation);
-        if layout.nc > 0 {
-            let accelerations = std::mem::take(&mut self.accelerations);
-            self.rows.run(evaluation, &accelerations, true);
-            self.accelerations = accelerations;
-        }
         self.system.clear();
         for (index, step) in plan.steps.iter().enumerate() {
             enter::<S>(evaluation.scene, step.part);
@@ -173,7 +184,6 @@ impl<S: Real> TreeSystem<S> {
                 if let Some((to, _)) = speeds_of(layout, other.part) {
                     for i in 0..step.size {
                         for j in 0..other.size {
-                            // Rows of M belong to what is carried.
                             let value = self.mass[(first + i) * n + to + j];
                             self.system
                                 .set_coupling(plan, (below.step, j), (index, i), value);

@@ -30,10 +30,7 @@ impl<S: Real> TreeSystem<S> {
         evaluation.write_other_rates(out);
         let (rates, multipliers) = given.split_at(layout.nv);
         if layout.nc > 0 {
-            self.move_links(evaluation, &[]);
-            let accelerations = std::mem::take(&mut self.accelerations);
-            self.rows.run(evaluation, &accelerations, true);
-            self.accelerations = accelerations;
+            self.run_rows(evaluation, true);
         }
         let mut own = std::mem::take(&mut self.rates);
         own.copy_from_slice(rates);

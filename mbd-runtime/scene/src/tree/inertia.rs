@@ -77,7 +77,7 @@ impl<S: Real> Inertia<S> {
     pub fn take(&mut self, other: &Self, link: &LinkMotion<S>) {
         let (r, turn) = (&link.offset, &link.turn);
         let moment = turn * other.moment;
-        let turned = turn * other.inertia * turn.transpose();
+        let rotated = turn * other.inertia * turn.transpose();
         let (along, square) = (moment.dot(r), r.dot(r));
         let diagonal = along + along + other.mass * square;
         // h rᵀ + r hᵀ + m r rᵀ = w rᵀ + r hᵀ with w = h + m r, which is the moment that is handed on.
@@ -85,7 +85,7 @@ impl<S: Real> Inertia<S> {
         let moved = symmetric_from(|i, j| {
             let across = whole[i] * r[j] + r[i] * moment[j];
             let diagonal = if i == j { diagonal } else { S::zero() };
-            turned[(i, j)] + (diagonal - across)
+            rotated[(i, j)] + (diagonal - across)
         });
         self.mass += other.mass;
         self.moment += whole;
@@ -124,21 +124,17 @@ impl<S: Real> LinkMotion<S> {
 
     /// Its acceleration by velocities alone, where what carries it has none.
     pub(super) fn brought(&self) -> Twist<S> {
-        let (w, r) = (&self.carrier, &self.offset);
-        Twist {
-            linear: self.turn.transpose() * w.cross(&w.cross(r)) + self.bias.linear,
-            angular: self.bias.angular,
-        }
+        self.accelerated(&Twist::zero(), &[])
     }
 
     /// The acceleration of the link by (3) of [`super::kinematics`], from that of the link that carries it and the accelerations of its coordinates.
-    pub(super) fn accelerated(&self, carrier: &Twist<S>, rates: &[S]) -> Twist<S> {
-        let (w, r) = (&self.carrier, &self.offset);
-        let carried = carrier.linear + carrier.angular.cross(r) + w.cross(&w.cross(r));
+    pub(super) fn accelerated(&self, inboard: &Twist<S>, rates: &[S]) -> Twist<S> {
+        let (w, r) = (&self.inboard_omega, &self.offset);
+        let carried = inboard.linear + inboard.angular.cross(r) + w.cross(&w.cross(r));
         let back = self.turn.transpose();
         let mut motion = Twist {
             linear: back * carried + self.bias.linear,
-            angular: back * carrier.angular + self.bias.angular,
+            angular: back * inboard.angular + self.bias.angular,
         };
         for (column, &rate) in self.columns.iter().zip(rates) {
             motion = motion.plus(column, rate);

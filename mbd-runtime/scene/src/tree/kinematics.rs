@@ -34,7 +34,7 @@ pub(crate) struct LinkMotion<S: Real> {
     /// What velocities add to its acceleration by (3), besides the centripetal part of r.
     pub bias: Twist<S>,
     /// ω of the link that carries it, axes of that [rad/s].
-    pub carrier: Vector3<S>,
+    pub inboard_omega: Vector3<S>,
     /// Angular velocity [rad/s].
     pub omega: Vector3<S>,
     /// Velocity of its origin [m/s].
@@ -47,8 +47,6 @@ pub(crate) struct LinkMotion<S: Real> {
     pub centre: Vector3<S>,
     /// Components of the body → its axes.
     pub body: Matrix3<S>,
-    /// 1/|q|² of the quaternions on the way to it, which leave 1 inside a step.
-    unit: S,
 }
 
 /// What carries a link: another link, the world, or a frame of the world that moves.
@@ -57,7 +55,6 @@ struct Inboard<S: Real> {
     origin: Vector3<S>,
     omega: Vector3<S>,
     velocity: Vector3<S>,
-    unit: S,
     /// The frame of the joint on it.
     place: Vector3<S>,
     frame: Matrix3<S>,
@@ -71,14 +68,13 @@ impl<S: Real> LinkMotion<S> {
             offset: Vector3::zeros(),
             columns: Few::new(Twist::zero()),
             bias: Twist::zero(),
-            carrier: Vector3::zeros(),
+            inboard_omega: Vector3::zeros(),
             omega: Vector3::zeros(),
             velocity: Vector3::zeros(),
             axes: Matrix3::identity(),
             origin: Vector3::zeros(),
             centre: Vector3::zeros(),
             body: Matrix3::identity(),
-            unit: S::one(),
         }
     }
 
@@ -96,7 +92,6 @@ impl<S: Real> LinkMotion<S> {
             velocity: axes.transpose() * motion.velocity,
             axes,
             origin: motion.position,
-            unit: motion.unit,
             ..LinkMotion::unknown()
         }
     }
@@ -204,16 +199,16 @@ impl<S: Real> Instant<'_, S> {
             numbers: self.numbers.joints.get(joint)?,
         };
         let aligned = declared.law.aligned();
-        let (law, turned) = match &aligned {
-            Some((law, turned)) => (law, Some(turned.map(S::from_f64))),
+        let (law, alignment) = match &aligned {
+            Some((law, alignment)) => (law, Some(alignment.map(S::from_f64))),
             None => (&declared.law, None),
         };
-        let along = |frame: Matrix3<S>| turned.map_or(frame, |turned| frame * turned);
+        let along = |frame: Matrix3<S>| alignment.map_or(frame, |alignment| frame * alignment);
         let mut pose = law.motion(&at);
-        let mut unit = S::one();
         if let Some(attitude) = law.attitude() {
             let square = at.q[attitude].iter().fold(S::zero(), |sum, &x| sum + x * x);
-            unit = S::one() / square.label("square");
+            // A quaternion leaves length 1 inside a step.
+            let unit = S::one() / square.label("square");
             pose.rotation = pose.rotation.map(|x| x * unit);
         }
         let mut columns = [Twist::zero(); 6];
@@ -234,8 +229,7 @@ impl<S: Real> Instant<'_, S> {
         let mut motion = LinkMotion {
             turn: labelled_matrix(frame * turn),
             offset: inboard.place + frame * offset,
-            carrier: inboard.omega,
-            unit: inboard.unit * unit,
+            inboard_omega: inboard.omega,
             ..LinkMotion::unknown()
         };
         motion.columns.extend(columns.iter().copied());
@@ -275,7 +269,6 @@ impl<S: Real> Instant<'_, S> {
                         origin: motion.position,
                         omega: axes.transpose() * motion.omega,
                         velocity: axes.transpose() * motion.velocity,
-                        unit: S::one(),
                         place: Vector3::zeros(),
                         frame: Matrix3::identity(),
                     }
@@ -287,7 +280,6 @@ impl<S: Real> Instant<'_, S> {
                         origin: Vector3::zeros(),
                         omega: Vector3::zeros(),
                         velocity: Vector3::zeros(),
-                        unit: S::one(),
                         place: frame.position,
                         frame: axes_of(frame),
                     }
@@ -300,7 +292,6 @@ impl<S: Real> Instant<'_, S> {
                     origin: link.origin,
                     omega: link.omega,
                     velocity: link.velocity,
-                    unit: link.unit,
                     place: link.centre + link.body * frame.position,
                     frame: link.body * axes_of(frame),
                 })
@@ -318,19 +309,19 @@ fn forward<S: Real>(
     bias: &Twist<S>,
 ) -> (Matrix3<S>, Vector3<S>, Twist<S>) {
     let back = pose.rotation.transpose();
-    let turned = |twist: &Twist<S>| Twist {
+    let rotated = |twist: &Twist<S>| Twist {
         linear: back * twist.linear,
         angular: back * twist.angular,
     };
     columns
         .iter_mut()
-        .for_each(|column| *column = turned(column));
+        .for_each(|column| *column = rotated(column));
     if attitude {
         // The speeds of an attitude are the angular velocity in frame 2.
         let own = columns.iter_mut().rev().zip(units().into_iter().rev());
         own.for_each(|(column, axis)| *column = Twist::spin(axis));
     }
-    (pose.rotation, pose.position, turned(bias))
+    (pose.rotation, pose.position, rotated(bias))
 }
 
 /// (4): axes and origin of frame 1 in frame 2.

@@ -37,15 +37,7 @@ impl Absolute {
         state: &[f64],
     ) -> Vec<f64> {
         let numbers = Numbers::new(scene, params);
-        let arguments = Arguments {
-            time,
-            state: state.to_vec(),
-            nodes: vec![0.0; 3 * layout.nodes.len()],
-            effective: vec![0.0; 2 * layout.effective_lines],
-            hold: vec![0.0; layout.one_way()],
-            inputs: layout.default_inputs(scene),
-            ..Arguments::default()
-        };
+        let arguments = Arguments::before_a_run(scene, layout, time, state);
         let mut bodies = vec![0.0; layout.len(Quantity::Bodies)];
         let scratch = &mut Scratch::new(layout);
         evaluate(
@@ -104,15 +96,7 @@ pub fn to_relative(
         return;
     }
     let numbers = Numbers::new(scene, params);
-    let arguments = Arguments {
-        time,
-        state: from.to_vec(),
-        nodes: vec![0.0; 3 * absolute.nodes.len()],
-        effective: vec![0.0; 2 * absolute.effective_lines],
-        hold: vec![0.0; absolute.one_way()],
-        inputs: absolute.default_inputs(scene),
-        ..Arguments::default()
-    };
+    let arguments = Arguments::before_a_run(scene, absolute, time, from);
     let at = arguments.at();
     let mut kinematics = Kinematics::new(absolute);
     let evaluation = kinematics.read(scene, absolute, &numbers, &at);
@@ -144,8 +128,8 @@ pub fn to_relative(
             }
         }
         if let Some(attitude) = law.attitude() {
-            let turned = Rotation3::from_matrix_unchecked(r1.transpose() * r2);
-            let unit = UnitQuaternion::from_rotation_matrix(&turned).into_inner();
+            let rotation = Rotation3::from_matrix_unchecked(r1.transpose() * r2);
+            let unit = UnitQuaternion::from_rotation_matrix(&rotation).into_inner();
             q[attitude].copy_from_slice(&[unit.w, unit.i, unit.j, unit.k]);
         }
         let gap = ends.gap();
@@ -165,7 +149,7 @@ pub fn to_relative(
     }
 }
 
-/// (2).
+/// (2); not a number where the columns do not tell the speeds apart.
 fn speeds(columns: &[Twist<f64>], along: &Vector3<f64>, about: &Vector3<f64>) -> DVector<f64> {
     let six = |twist: &Twist<f64>| {
         twist
@@ -183,7 +167,7 @@ fn speeds(columns: &[Twist<f64>], along: &Vector3<f64>, about: &Vector3<f64>) ->
     let normal = h.transpose() * &h;
     let right = h.transpose() * motion;
     normal.cholesky().map_or_else(
-        || DVector::zeros(columns.len()),
+        || DVector::from_element(columns.len(), f64::NAN),
         |factor| factor.solve(&right),
     )
 }

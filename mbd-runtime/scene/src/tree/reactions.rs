@@ -112,9 +112,7 @@ impl<S: Real> TreeSystem<S> {
         let driven = || layout.joints.iter().filter(|slots| slots.driven);
         if driven().any(|slots| !slots.all_kept()) {
             // Multipliers are those of all rows.
-            let accelerations = std::mem::take(&mut self.accelerations);
-            self.rows.run(evaluation, &accelerations, false);
-            self.accelerations = accelerations;
+            self.run_rows(evaluation, false);
         }
         for slots in driven() {
             for row in slots.row..slots.row + slots.len {
@@ -168,10 +166,7 @@ impl<S: Real> TreeSystem<S> {
         self.rates.copy_from_slice(evaluation.accelerations);
         into_link(evaluation, &mut self.rates);
         self.multipliers.copy_from_slice(evaluation.multipliers);
-        self.move_links(evaluation, &[]);
-        let accelerations = std::mem::take(&mut self.accelerations);
-        self.rows.run(evaluation, &accelerations, false);
-        self.accelerations = accelerations;
+        self.run_rows(evaluation, false);
         self.drive_power(evaluation, assembly)
     }
 }

@@ -11,7 +11,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::articulated::Articulated;
-use super::assemble::{applied, base, speeds_of};
+use super::assemble::{applied, speeds_of};
 use super::inertia::Inertia;
 use super::rows::{TreeRows, three};
 use crate::elimination::{System, common_fall, enter};
@@ -166,7 +166,6 @@ impl<S: Real> TreeSystem<S> {
     /// u̇ by articulated bodies, where no rows close loops.
     fn articulate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
         let all = links(evaluation.layout);
-        let fall = common_fall(evaluation);
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let motion = &evaluation.links[index];
@@ -188,16 +187,10 @@ impl<S: Real> TreeSystem<S> {
         }
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
-            let motion = &evaluation.links[index];
-            let own = match (link.joint, link.inboard) {
-                (None, _) => Twist::slide(motion.axes.transpose() * -fall),
-                (_, Some(inboard)) => motion.accelerated(&self.accelerations[inboard], &[]),
-                (Some(joint), None) => {
-                    motion.accelerated(&base(evaluation, joint, link.reversed, &fall), &[])
-                }
-            };
+            let own = self.accelerated(evaluation, index, &[]);
             let rates = &mut self.rates[link.slots.v..link.slots.v + link.speeds];
-            self.accelerations[index] = self.articulated[index].find(motion, own, rates);
+            self.accelerations[index] =
+                self.articulated[index].find(&evaluation.links[index], own, rates);
         }
     }
 
@@ -265,10 +258,7 @@ impl<S: Real> TreeSystem<S> {
     /// Writes the rows of the joints.
     pub fn write_rows(&mut self, what: Quantity, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         let layout = evaluation.layout;
-        self.move_links(evaluation, &[]);
-        let accelerations = std::mem::take(&mut self.accelerations);
-        self.rows.run(evaluation, &accelerations, false);
-        self.accelerations = accelerations;
+        self.run_rows(evaluation, false);
         if what == Quantity::ConstraintJacobian {
             for (to, from) in out
                 .chunks_exact_mut(layout.nv)
@@ -285,21 +275,10 @@ impl<S: Real> TreeSystem<S> {
         self.rows.write(what, &self.along, out);
     }
 
-    /// Writes M, dense.
-    pub fn write_mass(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    /// M, dense, in the components of the state.
+    fn mass(&mut self, evaluation: &Evaluation<'_, S>) -> &[S] {
         self.compose(evaluation);
         let n = evaluation.layout.nv;
-        for i in 0..n {
-            for j in 0..=i {
-                // A speed that is carried may stand before one that carries it.
-                let value = match self.mass[i * n + j].is_zero() {
-                    true => self.mass[j * n + i],
-                    false => self.mass[i * n + j],
-                };
-                self.mass[i * n + j] = value;
-                self.mass[j * n + i] = value;
-            }
-        }
         for _ in 0..2 {
             // T M Tᵀ: rows, then the rows of the transpose.
             for row in self.mass.chunks_exact_mut(n) {
@@ -311,18 +290,21 @@ impl<S: Real> TreeSystem<S> {
                 }
             }
         }
-        for (to, from) in out.iter_mut().zip(&self.mass) {
-            if !from.is_zero() {
-                *to = *from;
-            }
-        }
+        &self.mass
+    }
+
+    /// Writes M, dense.
+    pub fn write_mass(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        out.copy_from_slice(self.mass(evaluation));
     }
 
     /// Writes the diagonal of M.
     pub fn write_masses(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
-        self.write_mass(evaluation, &mut []);
         let n = evaluation.layout.nv;
-        for (to, from) in out.iter_mut().zip(self.mass.iter().step_by(n + 1)) {
+        for (to, from) in out
+            .iter_mut()
+            .zip(self.mass(evaluation).iter().step_by(n + 1))
+        {
             *to = *from;
         }
     }

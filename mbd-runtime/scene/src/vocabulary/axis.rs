@@ -48,10 +48,11 @@ impl Axis {
         }
     }
 
-    /// Whether it is along an axis of its frame, either way.
+    /// The axes u, v, self where it is along none of its frame's: a frame rotated by them has it as z.
     #[must_use]
-    pub fn is_along_frame(&self) -> bool {
-        self.0.iter().any(|component| component.abs() == 1.0)
+    pub fn to_z(&self) -> Option<Matrix3<f64>> {
+        let along_frame = self.0.iter().any(|component| component.abs() == 1.0);
+        (!along_frame).then(|| self.frame())
     }
 
     /// Two unit vectors that complete it to right-handed axes u, v, self. The axis z has x and y, and so on round.
