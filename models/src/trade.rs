@@ -4,7 +4,7 @@
 use std::io;
 use std::path::Path;
 
-use mbd_compiler::{Interpreted, without_relative};
+use mbd_compiler::Interpreted;
 use mbd_runtime::scene::{Clamp, Coordinates, Difference, NodeModel, PointKind, Scene};
 use mbd_runtime::{Failed, ParamError, Question, Race, TradeError, Variant, trade};
 
@@ -109,7 +109,7 @@ fn contenders(scene: &Scene, settings: &Settings) -> Result<Vec<Contender>, Fail
         Coordinates::Absolute => ("relative coordinates", Coordinates::Relative),
         Coordinates::Relative => ("absolute coordinates", Coordinates::Absolute),
     };
-    if !scene.joints.is_empty() && without_relative(scene).is_none() {
+    if !scene.joints.is_empty() {
         all.extend(of(name, scene.in_coordinates(other)).ok());
     }
     Ok(all)

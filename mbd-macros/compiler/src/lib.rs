@@ -31,7 +31,6 @@ mod toml;
 mod units;
 mod urdf;
 
-pub use check::without_relative;
 #[cfg(feature = "pretty")]
 pub use compile::expand;
 pub use compile::{compile, emit, immovable};

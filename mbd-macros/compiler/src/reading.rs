@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use mbd_scene::{Coordinates, Scene};
+use mbd_scene::Scene;
 use proc_macro2::{Span, TokenStream};
 
-use crate::check::{check, without_relative};
+use crate::check::check;
 use crate::families::Families;
 use crate::lexeme::Region;
 use crate::lexeme::{self, Lexeme, Places};
@@ -175,19 +175,11 @@ pub(crate) fn finish(
 
 /// Takes the cheaper family of coordinates, and notes the choice.
 fn choose_family(resolver: &mut Resolver<'_>) {
-    let (chosen, why) = match without_relative(&resolver.scene) {
-        Some(setting) => {
-            let why = format!("relative ones do not go with `{setting}`");
-            (Coordinates::Absolute, why)
-        }
-        None => {
-            let families = Families::count(&resolver.scene);
-            (families.cheaper(), families.to_string())
-        }
-    };
+    let families = Families::count(&resolver.scene);
+    let chosen = families.cheaper();
     resolver
         .notes
-        .push(format!("coordinates: {}: {why}", chosen.word()));
+        .push(format!("coordinates: {}: {families}", chosen.word()));
     resolver.scene.coordinates = chosen;
 }
 

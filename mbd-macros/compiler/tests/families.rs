@@ -93,15 +93,3 @@ fn text_and_toml_choose_alike_and_toml_is_written_with_the_choice() {
     assert_eq!(toml.scene, Some(scene));
     assert_eq!(toml.notes, text.notes);
 }
-
-#[test]
-fn what_relative_coordinates_do_not_go_with_is_said() {
-    let text = chain(2, "auto").replace("[0.0, 0.0, -9.81] m/s^2", "field");
-    let reading = read_text(&text);
-    let scene = reading.scene.expect("a scene");
-    assert_eq!(scene.coordinates, Coordinates::Absolute);
-    assert_eq!(
-        reading.notes,
-        ["coordinates: absolute: relative ones do not go with `gravity: field`"]
-    );
-}

@@ -3,5 +3,6 @@
 mod agreement;
 mod counts;
 mod generated;
+mod planar;
 mod reference;
 mod runs;

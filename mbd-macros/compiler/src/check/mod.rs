@@ -7,12 +7,10 @@ mod complete;
 mod inertia;
 mod nodes;
 mod planar;
-mod relative;
 mod unused;
 mod winding;
 
 pub use inertia::{WrongInertia, inertia, moments_of_a_part};
-pub use relative::without_relative;
 pub use winding::wound_by_themselves;
 
 use mbd_scene::{Place, PointKind};
@@ -35,7 +33,6 @@ pub fn check(resolver: &mut Resolver<'_>, model: &Model<'_>, whole: bool) {
     nodes::choose_models(resolver);
     nodes::check_models(resolver);
     planar::check_planar(resolver);
-    relative::check_relative(resolver, model);
     unused::check_used(resolver, model);
 }
 

@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use crate::layout::Slots;
+use crate::layout::{Layout, Slots};
 use crate::{Detachable, Part, Place, Scene};
 
 /// A body and what carries it.
@@ -83,11 +83,36 @@ fn may_carry(scene: &Scene, joint: usize) -> bool {
         && !places.iter().any(|place| matches!(place, Place::Point(_)))
 }
 
+/// Of the joints those that move nothing out of the plane of a planar scene: without attitude, all their coordinates change something there. Those on
+/// frames of the world that turn are rows: angles of the bodies count turns, which such a frame does not tell.
+fn moves_in_plane(scene: &Scene) -> Vec<bool> {
+    if scene.planar.is_none() {
+        return vec![true; scene.joints.len()];
+    }
+    let still = Layout::unchanged(scene);
+    let turns = |place: Place| match place {
+        Place::World(frame) => scene
+            .world_frames
+            .get(frame)
+            .is_some_and(|frame| frame.turns(scene)),
+        Place::Body(..) | Place::Point(_) => false,
+    };
+    let joints = scene.joints.iter().enumerate();
+    joints
+        .map(|(index, joint)| {
+            joint.law.attitude().is_none()
+                && !still.iter().any(|&(of, _)| of == index)
+                && ![joint.parent, joint.child].into_iter().any(turns)
+        })
+        .collect()
+}
+
 impl Tree {
     /// The tree of a scene; no coordinates yet.
     pub(crate) fn span(scene: &Scene) -> Self {
+        let in_plane = moves_in_plane(scene);
         let mut candidates: Vec<usize> = (0..scene.joints.len())
-            .filter(|&joint| may_carry(scene, joint))
+            .filter(|&joint| in_plane[joint] && may_carry(scene, joint))
             .collect();
         candidates.sort_by_key(|&joint| scene.joints[joint].law.freedoms());
         // What hangs together: bodies, and behind them the world.

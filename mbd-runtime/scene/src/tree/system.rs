@@ -13,12 +13,11 @@ use nalgebra::{Matrix3, Vector3};
 use super::articulated::Articulated;
 use super::assemble::{applied, speeds_of};
 use super::inertia::Inertia;
-use super::rows::{TreeRows, three};
+use super::rows::TreeRows;
 use crate::elimination::{System, common_fall, enter};
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::point_gravity;
-use crate::scalar::algebra::write;
 use crate::{AngularVelocity, Layout, Link, Part, PointSlots, Quantity, Real, Relative, Twist};
 
 /// Scratch of one scene. Carries nothing from call to call.
@@ -79,11 +78,12 @@ pub(super) fn rotate<S: Real>(
     list: &mut [S],
 ) {
     let at = link.slots.v;
-    let linear = axes * three(list, at);
-    write(list, at, &linear);
+    let directions = evaluation.layout.directions;
+    let linear = axes * directions.linear(list, at);
+    directions.write_linear(list, at, &linear);
     if evaluation.scene.angular_velocity == AngularVelocity::World {
-        let angular = axes * three(list, at + 3);
-        write(list, at + 3, &angular);
+        let angular = axes * directions.angular(list, at);
+        directions.write_angular(list, at, &angular);
     }
 }
 
@@ -130,7 +130,8 @@ impl<S: Real> TreeSystem<S> {
                     if let PointSlots::Mass(slots) = layout.points[point] {
                         let weight = point_gravity(evaluation, point, slots.q)
                             .map(|g| numbers.points[point].0 * g);
-                        write(right, 0, &(assembly.points[point] + weight));
+                        let force = assembly.points[point] + weight;
+                        layout.directions.write_linear(right, 0, &force);
                     }
                 }
                 part => {
@@ -158,7 +159,9 @@ impl<S: Real> TreeSystem<S> {
                 let inverse = evaluation.numbers.points[point].1;
                 let rate = assembly.points[point].map(|f| f * inverse)
                     + point_gravity(evaluation, point, slots.q);
-                write(&mut self.rates, slots.v, &rate);
+                layout
+                    .directions
+                    .write_linear(&mut self.rates, slots.v, &rate);
             }
         }
     }
@@ -318,11 +321,9 @@ impl<S: Real> TreeSystem<S> {
         for (point, slots) in evaluation.layout.points.iter().enumerate() {
             if let PointSlots::Mass(slots) = slots {
                 let mass = evaluation.numbers.points[point].0;
-                write(
-                    out,
-                    slots.v,
-                    &point_gravity(evaluation, point, slots.q).map(|g| -(mass * g)),
-                );
+                let weight = point_gravity(evaluation, point, slots.q).map(|g| -(mass * g));
+                let directions = evaluation.layout.directions;
+                directions.write_linear(out, slots.v, &weight);
             }
         }
         into_state(evaluation, out);
@@ -344,7 +345,8 @@ impl<S: Real> TreeSystem<S> {
         }
         for (point, slots) in evaluation.layout.points.iter().enumerate() {
             if let PointSlots::Mass(slots) = slots {
-                write(out, slots.v, &assembly.points[point]);
+                let directions = evaluation.layout.directions;
+                directions.write_linear(out, slots.v, &assembly.points[point]);
             }
         }
         into_state(evaluation, out);
