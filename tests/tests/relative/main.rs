@@ -2,6 +2,7 @@
 
 mod agreement;
 mod counts;
+mod digits;
 mod generated;
 mod planar;
 mod reference;

@@ -204,29 +204,37 @@ impl Tree {
         link
     }
 
-    /// Which joints the tree is made of, in words, and which it leaves to rows.
+    /// Which joints the tree is made of, in words, which it leaves to rows, and which bodies float.
     #[must_use]
     pub fn sentence(&self, scene: &Scene) -> String {
         const SHOWN: usize = 12;
-        let list = |carrying: bool| {
-            let joints = scene.joints.iter().zip(&self.of_joint);
-            let names: Vec<&str> = joints
-                .filter(|(_, link)| link.is_some() == carrying)
-                .map(|(joint, _)| joint.name.as_str())
-                .collect();
-            match names.len() {
-                0 => "none".to_owned(),
-                count if count > SHOWN => {
-                    format!("{} and {} more", names[..SHOWN].join(", "), count - SHOWN)
-                }
-                _ => names.join(", "),
+        let list = |what: &str, names: Vec<&str>| match names.len() {
+            0 => None,
+            count if count > SHOWN => {
+                let more = count - SHOWN;
+                Some(format!(
+                    "{what} {} and {more} more",
+                    names[..SHOWN].join(", ")
+                ))
             }
+            _ => Some(format!("{what} {}", names.join(", "))),
         };
-        format!(
-            "relative coordinates of the joints {}; rows of {}",
-            list(true),
-            list(false)
-        )
+        let joints = |carrying: bool| {
+            let all = scene.joints.iter().zip(&self.of_joint);
+            let these = all.filter(|(joint, link)| {
+                link.is_some() == carrying && (carrying || joint.law.freedoms() < 6)
+            });
+            these.map(|(joint, _)| joint.name.as_str()).collect()
+        };
+        let floating = self.links.iter().filter(|link| link.joint.is_none());
+        let floating = floating.filter_map(|link| Some(scene.bodies.get(link.body)?.name.as_str()));
+        let parts = [
+            list("of the joints", joints(true)),
+            list("of the floating", floating.collect()),
+            list("rows of", joints(false)),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        format!("relative coordinates {}", parts.join("; "))
     }
 
     /// The link that a joint carries.
