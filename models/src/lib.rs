@@ -3,11 +3,12 @@
 pub mod advice;
 pub mod describe;
 pub mod extremes;
-pub mod files;
 pub mod parachute;
 pub mod progress;
 pub mod quantities;
-pub mod report;
 pub mod run;
 pub mod scenes;
 pub mod trade;
+
+pub use mbd_report as report;
+pub use mbd_report::files;

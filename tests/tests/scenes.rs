@@ -3,7 +3,8 @@
 use mbd_compiler::{read_toml, write_toml};
 use mbd_scene::Layout;
 use models::progress::Progress;
-use models::run::{Outcome, Plan, Quality, Settings, drawings};
+use models::report::drawings;
+use models::run::{Outcome, Plan, Quality, Settings};
 use models::scenes::{READY, Ready};
 use tests::assert_close;
 use tests::reference::{load, numbers};
@@ -62,7 +63,7 @@ fn every_scene_stays_on_its_joints_and_keeps_its_energy() {
         );
         let balance = outcome.imbalance.expect("energy moves").relative();
         assert!(balance <= 1e-7, "{}: {balance}", ready.name);
-        assert!(!drawings(&scene, &plan(ready), &outcome.trajectory).is_empty());
+        assert!(!drawings(&scene, &plan(ready).params, &[], &outcome.trajectory).is_empty());
         let doc = scene.doc.lines().next().unwrap_or_default();
         assert!(
             doc.len() > 20 && doc.ends_with('.'),

@@ -12,6 +12,7 @@ use crate::equations::Equations;
 use crate::kernels::Kernels;
 use crate::messages::{About, Location, Message, check as say};
 use crate::reading::{Reading, read_tokens};
+use crate::resolve::Emitted;
 
 /// More emitted operations than this are a warning.
 const MANY: usize = 20_000;
@@ -192,10 +193,20 @@ fn wanted(reading: &Reading, scene: &Scene, layout: &Layout) -> Vec<Quantity> {
     };
     let asked = |what: Quantity| {
         let known = [quantity::kind(what), &quantity::name(scene, layout, what)];
-        names.iter().any(|name| known.contains(&name.as_str()))
+        names.iter().any(|emitted| match emitted {
+            Emitted::Kind(name) => known.contains(&name.as_str()),
+            Emitted::FrameJacobian(body, frame) => what == Quantity::FrameJacobian(*body, *frame),
+        })
     };
+    all.extend(
+        layout
+            .on_request(scene)
+            .into_iter()
+            .filter(|&what| asked(what)),
+    );
     // Derivatives through the rows of joints: only on request, and all of them.
-    let through_rows = match names.iter().any(|name| name == PARTIAL) {
+    let partial = |emitted: &Emitted| matches!(emitted, Emitted::Kind(name) if name == PARTIAL);
+    let through_rows = match names.iter().any(partial) {
         true => layout.derivatives(),
         false => Vec::new(),
     };

@@ -268,6 +268,9 @@ pub fn rewrite(scene: &mut Scene, change: &mut impl FnMut(&mut Formula)) {
             one(formula, change);
         }
     }
+    for shape in &mut scene.shapes {
+        shape.formulas_mut().for_each(|part| one(part, change));
+    }
     for point in &mut scene.points {
         if let PointKind::Mass(mass) = &mut point.kind {
             one(mass, change);

@@ -176,6 +176,8 @@ pub fn is_matrix(what: Quantity) -> bool {
         what,
         Quantity::MassMatrix
             | Quantity::ConstraintJacobian
+            | Quantity::CentreOfMassJacobian
+            | Quantity::FrameJacobian(..)
             | Quantity::NodeByAnchor(_)
             | Quantity::CondensedStiffness(_)
             | Quantity::Factor
@@ -214,7 +216,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
     let mut law = |what: Quantity| {
         let mut out = vec![Expr::zero(); layout.len(what)];
         let rows = match what {
-            Quantity::Residual => &motion,
+            Quantity::Residual | Quantity::InverseDynamics => &motion,
             Quantity::Solve => &factored,
             _ => &rows,
         };

@@ -202,12 +202,16 @@ impl<T: Float> Model<T> for Interpreted<T> {
     }
 
     fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]) {
-        if let (Some(program), Some(registers)) = (self.equations.program(what), work.get())
-            && out.len() == program.len
-        {
-            program.run(at, &self.params, &self.derived, registers, out);
-        } else if !self.equations.layout.spells_out(what) {
-            mbd_scene::sensitivity(what, &self.equations.layout, at, out);
+        match (self.equations.program(what), work.get()) {
+            (Some(program), Some(registers)) if out.len() == program.len => {
+                program.run(at, &self.params, &self.derived, registers, out);
+            }
+            (Some(_), _) => {}
+            (None, _) if !self.equations.layout.spells_out(what) => {
+                mbd_scene::sensitivity(what, &self.equations.layout, at, out);
+            }
+            // Not traced: loud, not silently zero.
+            (None, _) => out.fill(T::from_f64(f64::NAN)),
         }
     }
 }

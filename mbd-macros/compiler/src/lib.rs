@@ -48,7 +48,7 @@ pub use operation::{Binary, Comparison, Op, Unary};
 pub use partition::{Block, Local, partition};
 pub use program::{Instruction, Operand, Program, Register};
 pub use reading::{Options, Reading, Spans, read_text, read_text_in, read_tokens};
-pub use resolve::Named;
+pub use resolve::{Emitted, Named};
 pub use solution::{Member, Solution};
 pub use strided::{Item, StridedRun};
 pub use syntax::quantities;

@@ -111,6 +111,9 @@ fn is_hot(program: &Program) -> bool {
                 | Quantity::MassMatrix
                 | Quantity::BiasForce
                 | Quantity::Forces
+                | Quantity::CentreOfMass
+                | Quantity::CentreOfMassJacobian
+                | Quantity::FrameJacobian(..)
                 | Quantity::Lines
                 | Quantity::Outputs
                 | Quantity::Coordinates

@@ -10,7 +10,7 @@ use crate::families::Families;
 use crate::lexeme::Region;
 use crate::lexeme::{self, Lexeme, Places};
 use crate::messages::{Location, Message, Messages, syntax as say};
-use crate::resolve::{Named, Resolver, resolve};
+use crate::resolve::{Emitted, Named, Resolver, resolve};
 use crate::syntax::{self, Model};
 use crate::urdf;
 
@@ -45,7 +45,7 @@ pub struct Options {
     /// `verify;`: emit checks of this model.
     pub verify: bool,
     /// `emit: […]`: only these quantities.
-    pub emit: Option<Vec<String>>,
+    pub emit: Option<Vec<Emitted>>,
     /// `<T>` is written: generic over the scalar.
     pub generic: bool,
     /// `pub`, `pub(crate)` or nothing.

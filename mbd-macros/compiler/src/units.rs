@@ -50,7 +50,8 @@ pub const RATE: Dimension = dimension(0, 0, -1);
 pub const GRAVITATIONAL: Dimension = dimension(0, 3, -2);
 const PRESSURE: Dimension = dimension(1, -1, -2);
 const POWER: Dimension = dimension(1, 2, -3);
-const DENSITY: Dimension = dimension(1, -3, 0);
+/// kg/m³
+pub const DENSITY: Dimension = dimension(1, -3, 0);
 const AREA: Dimension = dimension(0, 2, 0);
 const VOLUME: Dimension = dimension(0, 3, 0);
 /// 1/s²

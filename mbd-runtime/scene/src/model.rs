@@ -29,7 +29,7 @@ pub trait Model<T: Float>: Send + Sync {
     fn lines(&self) -> &[LineNumbers<T>];
     /// Writes a quantity into `out`, whose length is [`Layout::len`]. Lists (`Derivative`, `Ends`, …) are written whole; of matrices
     /// (`MassMatrix`, `NodeByAnchor`, `CondensedStiffness`, `Partial`) only the structural non-zeros, so `out` starts at zero there.
-    /// A slice of a wrong length, or the scratch of another model, leaves `out` untouched.
+    /// A slice of a wrong length, or the scratch of another model, leaves `out` untouched; what a compiled model was not asked to emit is not a number.
     fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]);
 }
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::event::{Detachable, Event, Settable};
 use crate::joints::{JointForces, JointLaw, Side};
 use crate::lines::LineKind;
+use crate::solids::Shape;
 use crate::{
     AngularVelocity, Coordinate, Directions, Fixed, Formula, Part, Place, Plane, Table, Unit,
 };
@@ -64,6 +65,9 @@ pub struct Scene {
     /// Bodies, by their index, whose inertia need not be that of a rigid body: its principal moments are positive, and no more is asked of them.
     #[serde(default)]
     pub unchecked: Vec<usize>,
+    /// Shapes of bodies, in their order: what is drawn. Mass and inertia are those of the bodies, whether they follow from shapes or not.
+    #[serde(default)]
+    pub shapes: Vec<Shape>,
 }
 
 /// Where a run starts: formulas of consts and params.

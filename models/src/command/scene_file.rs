@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mbd_compiler::{
-    Message, Reading, immovable, read_text_in, read_toml_in, read_urdf, write_toml,
+    Emitted, Message, Reading, immovable, read_text_in, read_toml_in, read_urdf, write_toml,
 };
 use mbd_runtime::Layout;
 use mbd_runtime::scene::Scene;
@@ -93,7 +93,8 @@ impl SceneFile {
         // Ready scenes are declared over the scalar; data does not tell.
         file.reading.options.generic = true;
         let emitted = (ready.emitted)().into_iter();
-        file.reading.options.emit = Some(emitted.map(str::to_string).collect());
+        file.reading.options.emit =
+            Some(emitted.map(|kind| Emitted::Kind(kind.to_owned())).collect());
         Ok(file)
     }
 

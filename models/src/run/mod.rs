@@ -1,10 +1,8 @@
 //! Running a scene: what is asked ([`Plan`]), the run itself ([`Outcome`]), how well it kept its laws ([`Quality`]), and what it leaves behind.
 
 mod estimate;
-mod mechanism;
 mod outcome;
 mod plan;
-mod plots;
 mod publish;
 mod quality;
 mod settings;
@@ -12,7 +10,6 @@ mod start;
 mod summary;
 
 pub use estimate::{Estimate, doubt};
-pub use mechanism::drawings;
 pub use outcome::{Outcome, fly, fly_model};
 pub use plan::{Plan, PlanError};
 pub use publish::publish;

@@ -6,12 +6,10 @@ use std::path::Path;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Trajectory};
 
-use super::mechanism::drawings;
 use super::outcome::Outcome;
 use super::plan::Plan;
-use super::plots::groups;
 use super::summary::{summary_json, table};
-use crate::report::{Report, Table};
+use crate::report::{Report, Table, Views};
 use crate::{describe, files};
 
 /// Writes everything into a folder and gives the table of the run.
@@ -27,35 +25,29 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
         outcome.trajectory.to_csv(to)
     })?;
     let table = table(scene, plan, outcome);
+    let views = Views::new(
+        scene,
+        &plan.params,
+        &outcome.trajectory,
+        &plan.instants,
+        &plan.figures,
+    );
+    views.write(folder)?;
     let mut report = Report::new(&scene.name);
     if !scene.doc.trim().is_empty() {
         report = report.paragraph(scene.doc.trim());
     }
-    report = report.section("The run").table(&table);
     if let Some(error) = &outcome.error {
         report = report.paragraph(&format!("The run stopped early: {error}"));
     }
+    report = views.with_motion(report).section("The run").table(&table);
     if let Some(text) = not_unique(scene) {
         report = report.paragraph(&text);
     }
     if !outcome.trajectory.events.is_empty() {
         report = report.table(&events(&outcome.trajectory));
     }
-    let drawings = drawings(scene, plan, &outcome.trajectory);
-    if !drawings.is_empty() {
-        report = report.section("Mechanism");
-    }
-    for (index, drawing) in drawings.iter().enumerate() {
-        let view = if index == 0 { "" } else { "_side" };
-        files::write_text(&folder.join(format!("mechanism{view}.svg")), &drawing.svg())?;
-        report = report.drawing(drawing);
-    }
-    report = report.section("Histories");
-    for group in groups(scene, plan, &outcome.trajectory) {
-        let figure = group.figure(outcome.trajectory.times());
-        files::write_text(&folder.join(group.file()), &figure.svg())?;
-        report = report.figure(&figure);
-    }
+    report = views.with_histories(report);
     report = report.section("The scene").table(&describe::counts(scene));
     for things in describe::things(scene) {
         report = report.table(&things);

@@ -3,6 +3,7 @@
 mod agreement;
 mod counts;
 mod digits;
+mod functions;
 mod generated;
 mod planar;
 mod reference;

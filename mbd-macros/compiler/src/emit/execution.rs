@@ -78,14 +78,13 @@ pub fn implementation(context: &Context) -> TokenStream {
             }
         }
     });
-    let (not_emitted, on_numbers) = equations
-        .layout
+    let layout = &equations.layout;
+    let on_numbers: Vec<TokenStream> = layout
         .quantities()
         .into_iter()
-        .filter(|&what| equations.program(what).is_none())
-        .partition::<Vec<_>, _>(|&what| equations.layout.spells_out(what));
-    let paths = |list: Vec<Quantity>| list.into_iter().map(quantity_path).collect::<Vec<_>>();
-    let (not_emitted, on_numbers) = (paths(not_emitted), paths(on_numbers));
+        .filter(|&what| equations.program(what).is_none() && !layout.spells_out(what))
+        .map(quantity_path)
+        .collect();
     let on_numbers = (!on_numbers.is_empty()).then(|| {
         quote! {
             #(#on_numbers)|* => {
@@ -93,15 +92,11 @@ pub fn implementation(context: &Context) -> TokenStream {
             }
         }
     });
-    let not_emitted = (!not_emitted.is_empty()).then(|| {
-        let nan = if context.settings.generic {
-            quote!(T::from_f64(f64::NAN))
-        } else {
-            quote!(f64::NAN)
-        };
-        // Loud, not silently zero.
-        quote!(#(#not_emitted)|* => out.fill(#nan),)
-    });
+    let nan = if context.settings.generic {
+        quote!(T::from_f64(f64::NAN))
+    } else {
+        quote!(f64::NAN)
+    };
     quote! {
         impl #float ::mbd_runtime::Model<#t> for #name #used {
             fn share(&self) -> ::std::sync::Arc<dyn ::mbd_runtime::Model<#t>> {
@@ -140,8 +135,8 @@ pub fn implementation(context: &Context) -> TokenStream {
                 match what {
                     #(#arms)*
                     #on_numbers
-                    #not_emitted
-                    _ => {}
+                    // Not emitted: loud, not silently zero.
+                    _ => out.fill(#nan),
                 }
             }
         }
@@ -174,6 +169,10 @@ pub(super) fn quantity_path(what: Quantity) -> TokenStream {
                 _ => simple("CondensedStiffness"),
             };
             quote!(#name(#k))
+        }
+        Quantity::FrameJacobian(body, frame) => {
+            let (body, frame) = (whole(body), whole(frame));
+            quote!(::mbd_runtime::Quantity::FrameJacobian(#body, #frame))
         }
         Quantity::Partial(of, by) => {
             let (of, by) = (format_ident!("{of:?}"), format_ident!("{by:?}"));

@@ -16,6 +16,9 @@ pub fn methods(context: &Context) -> TokenStream {
     let (name, used, real) = (context.named(""), context.used(), context.real());
     let layout = &context.equations.layout;
     let mut quantities = layout.quantities();
+    let requested = layout.on_request(&context.equations.scene);
+    let emitted = |what: &Quantity| context.equations.program(*what).is_some();
+    quantities.extend(requested.into_iter().filter(emitted));
     quantities.sort_by_key(|&what| order(what));
     let index = |what: Quantity| {
         let mut programs = context.equations.programs.iter();
@@ -104,6 +107,7 @@ fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Si
         Group::Hold,
         Group::Ends,
         Group::Rows,
+        Group::Motion,
     ] {
         if reads.reads(group) {
             let (list, len) = (
@@ -287,9 +291,12 @@ fn value(context: &Context, what: Quantity) -> (TokenStream, TokenStream) {
                 quote!(::mbd_runtime::__private::reactions(&values)),
             )
         }
-        Quantity::ConstraintJacobian => {
-            let (nc, nv) = (whole(layout.nc), whole(layout.nv));
-            let matrix = quote!(::mbd_runtime::nalgebra::SMatrix<#t, #nc, #nv>);
+        Quantity::ConstraintJacobian
+        | Quantity::CentreOfMassJacobian
+        | Quantity::FrameJacobian(..) => {
+            let columns = layout.columns_of(what);
+            let [rows, columns] = [layout.len(what) / columns, columns].map(whole);
+            let matrix = quote!(::mbd_runtime::nalgebra::SMatrix<#t, #rows, #columns>);
             (
                 matrix,
                 quote!(::mbd_runtime::nalgebra::SMatrix::from_row_slice(&values)),

@@ -20,6 +20,13 @@ pub fn name(scene: &Scene, layout: &Layout, what: Quantity) -> String {
             format!("{}_{}", kind(what), network(k))
         }
         Quantity::Partial(of, by) => format!("{}_by_{}", differentiated(of), variable(by)),
+        Quantity::FrameJacobian(body, frame) => {
+            let owner = scene.bodies.get(body);
+            let own = owner.and_then(|body| body.frames.get(frame));
+            let [body, frame] = [owner.map(|body| &body.name), own.map(|frame| &frame.name)]
+                .map(|name| name.map_or_else(String::new, |name| identifier(name)));
+            format!("{}_{body}_{frame}", kind(what))
+        }
         _ => kind(what).to_owned(),
     }
 }
@@ -42,6 +49,11 @@ pub fn kind(what: Quantity) -> &'static str {
         Quantity::MassMatrix => "mass_matrix",
         Quantity::BiasForce => "bias_force",
         Quantity::Forces => "forces",
+        Quantity::InverseDynamics => "inverse_dynamics",
+        Quantity::GravityForce => "gravity_force",
+        Quantity::CentreOfMass => "centre_of_mass",
+        Quantity::CentreOfMassJacobian => "centre_of_mass_jacobian",
+        Quantity::FrameJacobian(..) => "frame_jacobian",
         Quantity::Lines => "lines",
         Quantity::Constraint => "constraint",
         Quantity::ConstraintJacobian => "constraint_jacobian",
@@ -181,6 +193,30 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
         Quantity::Forces => (
             "Applied forces `f` in `M v̇ + h = f`: lines and loads.",
             format!("{nv} [N, N m], about the centres of mass."),
+        ),
+        Quantity::InverseDynamics => (
+            if layout.nc == 0 {
+                "Inverse dynamics: `M v̇ + h − f` at the `v̇` of `motion`, what must act along the speeds besides everything that acts already."
+            } else {
+                "Inverse dynamics: `M v̇ + h − f − Φ_vᵀ λ` at the `v̇` and `λ` of `motion`, what must act along the speeds besides everything that acts already."
+            },
+            format!("{nv} [N, N m]."),
+        ),
+        Quantity::GravityForce => (
+            "What holds a scene at rest against gravity: `h` at zero speeds.",
+            format!("{nv} [N, N m]."),
+        ),
+        Quantity::CentreOfMass => (
+            "Centre of mass of all bodies and points with mass: position, then velocity.",
+            "6 [3 m, 3 m/s], world axes.".to_owned(),
+        ),
+        Quantity::CentreOfMassJacobian => (
+            "Jacobian of the centre of mass: its velocity is `J v`.",
+            format!("3×{nv}, world axes."),
+        ),
+        Quantity::FrameJacobian(..) => (
+            "Jacobian of a frame: velocity of its origin, then angular velocity, are `J v`.",
+            format!("6×{nv}, world axes."),
         ),
         Quantity::Lines => (
             "Lines: tension `T`, length `d`, stretch `s`, rate `ṡ`, stiffness `K u uᵀ + (T/d)(1 − u uᵀ)`.",

@@ -15,7 +15,7 @@ use crate::units;
 const INSTANTS: [f64; 3] = [0.0, 0.37, 2.9];
 
 /// The rows of a rotation matrix.
-type Rows = [[Formula; 3]; 3];
+pub type Rows = [[Formula; 3]; 3];
 
 impl Resolver<'_> {
     /// Fills the frames of the world.
@@ -67,6 +67,11 @@ impl Resolver<'_> {
         let doubtful = fields.doubtful || instance.item.broken;
         let scope = instance.scope(Stage::Fixed);
         let at = instance.item.name_at();
+        let even = fields.get("shape").is_some() && fields.get("inertia").is_none();
+        if let (Some(density), true) = (fields.get("density"), fields.get("mass").is_some()) {
+            let at = density.word.at.into();
+            self.messages.push(say::mass_and_density(at, &name));
+        }
         match fields.value("mass") {
             Some(value) => {
                 let mass =
@@ -75,8 +80,15 @@ impl Resolver<'_> {
                     body.mass = mass;
                 }
             }
-            None if !doubtful => self.messages.push(say::no_mass(at, &name)),
-            None => {}
+            None => match fields.get("density") {
+                Some(_) if even => {}
+                Some(density) if !doubtful => {
+                    let at = density.word.at.into();
+                    self.messages.push(say::density_alone(at, &name));
+                }
+                None if !doubtful => self.messages.push(say::no_mass(at, &name)),
+                _ => {}
+            },
         }
         match fields.value("inertia") {
             Some(value) => {
@@ -90,38 +102,48 @@ impl Resolver<'_> {
                         .extend(unchecked.then_some(instance.slot));
                 }
             }
-            None if !doubtful => self.messages.push(say::no_inertia(at, &name)),
+            None if !doubtful && !even => self.messages.push(say::no_inertia(at, &name)),
             None => {}
         }
     }
 
-    /// With `center_of_mass` declared, frames are measured from the declared origin: shift them.
+    /// With `center_of_mass` declared, or found from shapes, frames and shapes are measured from the declared origin: shift them.
     fn center(&mut self, instance: &Instance<'_>) {
-        let field = instance
-            .item
-            .block
-            .iter()
-            .find(|field| field.word.text == "center_of_mass" && !field.broken);
-        let Some(value) = field.and_then(|field| field.clause(":")) else {
+        let found = self.shapes(instance);
+        let declared = super::shapes::field(instance, "center_of_mass");
+        let (center, at) = match (declared.and_then(|field| field.clause(":")), found) {
+            (Some(value), _) => {
+                let scope = instance.scope(Stage::Fixed);
+                let center = self.triple("center_of_mass", value, units::LENGTH, scope);
+                (center, value.at)
+            }
+            (None, found) => (found, instance.item.name_at()),
+        };
+        let Some(center) = center else {
             return;
         };
-        let scope = instance.scope(Stage::Fixed);
-        let Some(center) = self.triple("center_of_mass", value, units::LENGTH, scope) else {
+        if center.iter().all(|part| *part == Formula::Number(0.0)) {
             return;
-        };
+        }
         let Some(body) = self.scene.bodies.get(instance.slot) else {
             return;
         };
         let mut frames = body.frames.clone();
-        for frame in frames.iter_mut().skip(1) {
-            for (part, offset) in frame.position.iter_mut().zip(&center) {
+        let mut shapes = self.scene.shapes.clone();
+        let own = shapes
+            .iter_mut()
+            .filter(|shape| shape.body == instance.slot);
+        let places = frames.iter_mut().skip(1).map(|frame| &mut frame.position);
+        for place in places.chain(own.map(|shape| &mut shape.position)) {
+            for (part, offset) in place.iter_mut().zip(&center) {
                 let arguments = vec![part.clone(), offset.clone()];
-                match self.apply(Function::Sub, arguments, value.at) {
+                match self.apply(Function::Sub, arguments, at) {
                     Some(shifted) => *part = shifted,
                     None => return,
                 }
             }
         }
+        self.scene.shapes = shapes;
         if let Some(body) = self.scene.bodies.get_mut(instance.slot) {
             body.frames = frames;
         }
@@ -221,7 +243,7 @@ impl Resolver<'_> {
     }
 
     /// The product of two matrices; factors 0 and 1 leave no trace.
-    fn times(&mut self, a: &Rows, b: &Rows, at: Region) -> Option<Rows> {
+    pub fn times(&mut self, a: &Rows, b: &Rows, at: Region) -> Option<Rows> {
         let mut product = Vec::with_capacity(3);
         for row in a {
             let mut line = Vec::with_capacity(3);

@@ -20,6 +20,7 @@ mod numbers;
 mod path;
 mod repeat;
 mod settings;
+mod shapes;
 mod starts;
 mod states;
 mod tables;
@@ -66,9 +67,18 @@ pub struct Asked {
     /// `verify;`
     pub verify: bool,
     /// `emit: […]`
-    pub emit: Option<Vec<String>>,
+    pub emit: Option<Vec<Emitted>>,
     /// `coordinates: auto;`
     pub family: bool,
+}
+
+/// What `emit: […]` asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Emitted {
+    /// Every quantity of a kind.
+    Kind(String),
+    /// The Jacobian of one frame of a body.
+    FrameJacobian(usize, usize),
 }
 
 /// A scene in the making, and everything the later stages need to know about it.
@@ -165,6 +175,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.outputs();
     resolver.events();
     resolver.detached_starts();
+    resolver.emitted(model);
     resolver
 }
 

@@ -1,14 +1,20 @@
 //! Settings of the whole model: coordinates, units, gravity, what is generated.
 
-use mbd_scene::{AngularVelocity, Coordinates, Dimension, Formula, Gravity, Plane, Triple};
+use mbd_scene::{AngularVelocity, Coordinates, Dimension, Formula, Gravity, Place, Plane, Triple};
 
 use super::fields::Accept;
-use super::{Resolver, Scope, Stage, fold};
+use super::{Emitted, Resolver, Scope, Stage, fold};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::{resolve as say, syntax as say_syntax};
 use crate::syntax::item::items;
 use crate::syntax::{Cursor, Item, Model, Value, words};
 use crate::units;
+
+/// What may follow an emitted quantity.
+const NEXT: &str = "`,` and the next quantity";
+
+/// The quantity that may name what it is of.
+const FRAME_JACOBIAN: &str = "frame_jacobian";
 
 /// Settings are made of numbers, consts and params.
 const FIXED: Scope<'static> = Scope {
@@ -55,7 +61,6 @@ impl Resolver<'_> {
                         self.scene.planar = Some(plane);
                     }
                 }
-                ("emit", Some(value)) => self.asked.emit = self.word_list(value),
                 _ => {}
             }
         }
@@ -214,26 +219,51 @@ impl Resolver<'_> {
         self.fits(typed, field, false, wanted)
     }
 
-    /// The emitted quantities and other lists of words.
-    fn word_list(&mut self, value: Value<'_>) -> Option<Vec<String>> {
-        let mut cursor = Cursor::new(value);
-        let Some(group) = cursor.group(Bracket::Square) else {
-            return self.fail(cursor.expected("a list such as `[derivative, outputs]`"));
+    /// What is emitted: kinds of quantities, and Jacobians of frames by the place that they are of.
+    pub fn emitted(&mut self, model: &Model<'_>) {
+        let item = model.items.iter().find(|item| item.word.text == "emit");
+        let Some(value) = item.and_then(|item| item.clause(":")) else {
+            return;
         };
-        let mut list = Vec::new();
-        for part in Cursor::new(group).comma_separated() {
-            match part.lexemes {
-                [only] => {
-                    let word = only.shown();
-                    if !words::EMITTED.contains(&word.as_str()) {
-                        let at = only.at.into();
-                        return self.fail(say::unknown_word(at, "quantity", &word, words::EMITTED));
-                    }
-                    list.push(word);
-                }
-                _ => return self.fail(Cursor::new(part).expected("one word")),
-            }
+        let Some(list) = Cursor::new(value).group(Bracket::Square) else {
+            let wanted = "a list such as `[derivative, outputs]`";
+            return self.messages.push(Cursor::new(value).expected(wanted));
+        };
+        let parts = Cursor::new(list).comma_separated().into_iter();
+        let asked: Vec<Emitted> = parts
+            .filter_map(|part| self.emitted_quantity(part))
+            .collect();
+        self.asked.emit = Some(asked);
+    }
+
+    fn emitted_quantity(&mut self, value: Value<'_>) -> Option<Emitted> {
+        let mut cursor = Cursor::new(value);
+        let Some(word) = cursor.word() else {
+            return self.fail(cursor.expected("a quantity such as `outputs`"));
+        };
+        if !words::EMITTED.contains(&word.text.as_str()) {
+            let at = word.at.into();
+            return self.fail(say::unknown_word(
+                at,
+                "quantity",
+                &word.text,
+                words::EMITTED,
+            ));
         }
-        Some(list)
+        if word.text == FRAME_JACOBIAN
+            && let Some(place) = cursor.group(Bracket::Round)
+        {
+            if let Err(report) = cursor.finish(NEXT) {
+                return self.fail(report);
+            }
+            return match self.place(place, FIXED)? {
+                Place::Body(body, frame) => Some(Emitted::FrameJacobian(body, frame)),
+                _ => self.fail(say::frame_of_a_body(place.at)),
+            };
+        }
+        match cursor.finish(NEXT) {
+            Ok(()) => Some(Emitted::Kind(word.text)),
+            Err(report) => self.fail(report),
+        }
     }
 }

@@ -204,7 +204,15 @@ pub const ITEMS: &[ItemWord] = &[
     repeated(item(
         "body",
         &[],
-        Some(&["mass", "center_of_mass", "inertia", "frame", "start"]),
+        Some(&[
+            "mass",
+            "density",
+            "center_of_mass",
+            "inertia",
+            "shape",
+            "frame",
+            "start",
+        ]),
         "body NAME { mass: 2.0 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2 }",
     )),
     repeated(item(
@@ -431,30 +439,30 @@ pub const FOREIGN_FIELDS: Dictionary = &[
 
 /// Fields that people expect, and how what they mean is said here.
 pub const EXPECTED_FIELDS: Dictionary = &[
-    ("shape", NO_SHAPE),
-    ("geometry", NO_SHAPE),
-    ("mesh", NO_SHAPE),
-    ("visual", NO_SHAPE),
-    ("collision", NO_SHAPE),
+    ("geometry", SHAPE),
+    ("visual", SHAPE),
+    ("collision", SHAPE),
+    ("mesh", NO_MESH),
 ];
 
-const NO_SHAPE: &str =
-    "a body has no shape: `mass`, `center_of_mass` and `inertia` say how it moves";
+const SHAPE: &str = "what a body looks like is its `shape: box [0.2, 0.3, 0.4] m`";
+/// What is said of meshes.
+pub const NO_MESH: &str =
+    "meshes are not read: put together a `shape` of `box`, `cylinder`, `tube`, `sphere`, `capsule`";
 
-/// Inertias of bodies of even density about their centres of mass, by shape.
-pub const SHAPES: Dictionary = &[
-    ("box", BOX),
-    ("cuboid", BOX),
-    ("sphere", BALL),
-    ("ball", BALL),
-    ("cylinder", CYLINDER),
-    ("rod", CYLINDER),
+/// Shapes of other tools.
+pub const FOREIGN_SHAPES: Dictionary = &[
+    ("cube", "box"),
+    ("cuboid", "box"),
+    ("brick", "box"),
+    ("ball", "sphere"),
+    ("rod", "cylinder"),
+    ("disc", "cylinder"),
+    ("disk", "cylinder"),
+    ("pipe", "tube"),
+    ("ring", "tube"),
+    ("pill", "capsule"),
 ];
-
-const BOX: &str = "of an even box `diag(m*(b^2 + c^2)/12, m*(a^2 + c^2)/12, m*(a^2 + b^2)/12)` with its edges a, b, c along x, y, z";
-const BALL: &str = "of an even ball `diag(0.4*m*r^2, 0.4*m*r^2, 0.4*m*r^2)`";
-const CYLINDER: &str =
-    "of an even cylinder along z `diag(m*(3*r^2 + l^2)/12, m*(3*r^2 + l^2)/12, m*r^2/2)`";
 
 /// What stands where a value must be known before a run and is not, and what to write instead.
 pub const NOT_CHANGING: Dictionary = &[
@@ -661,6 +669,11 @@ pub const EMITTED: &[&str] = &[
     "mass_matrix",
     "bias_force",
     "forces",
+    "inverse_dynamics",
+    "gravity_force",
+    "centre_of_mass",
+    "centre_of_mass_jacobian",
+    "frame_jacobian",
     "lines",
     "constraint",
     "constraint_jacobian",

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use mbd_scene::joints::{FILTER, FORCE, MOTOR, NUMBERS, START, START_RATE, STOPS};
+use mbd_scene::solids::Solid;
 use mbd_scene::{
     Actions, AngularVelocity, Axis, Body, Clamp, Detachable, Difference, Dimension, Direction,
     Fixed, Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, NodeModel,
@@ -250,6 +251,7 @@ fn bodies(out: &mut String, scene: &Scene) {
         };
         let inertia = inertia(&body.inertia, scene);
         entry(out, "inertia", &format!("{inertia}{unchecked}"));
+        shapes(out, index, scene);
         frames(out, body, scene);
         start(out, ("body", &body.name), Part::Body(index), scene);
     }
@@ -296,6 +298,38 @@ fn inertia(inertia: &Inertia, scene: &Scene) -> String {
     format!(
         "full {{ xx: {xx}, yy: {yy}, zz: {zz}, xy: {xy}, xz: {xz}, yz: {yz} }} (matrix elements)"
     )
+}
+
+/// The shapes of a body: one as it is, several in brackets.
+fn shapes(out: &mut String, body: usize, scene: &Scene) {
+    let own = scene.shapes.iter().filter(|shape| shape.body == body);
+    let written: Vec<String> = own
+        .map(|shape| {
+            let sizes = shape.sizes.iter().map(|size| text(size, scene));
+            let word = shape.solid.keyword();
+            let mut written = match shape.solid {
+                Solid::Box => format!("{word} [{}]", sizes.collect::<Vec<_>>().join(", ")),
+                solid => {
+                    let named = solid.sizes().iter().zip(sizes);
+                    let named = named.map(|(name, size)| format!("{name}: {size}"));
+                    format!("{word} {{ {} }}", named.collect::<Vec<_>>().join(", "))
+                }
+            };
+            let zero = Formula::Number(0.0);
+            if shape.position.iter().any(|part| *part != zero) || shape.rotation.is_some() {
+                written += &format!(" at {}", vector(&shape.position, scene));
+            }
+            if let Some(rows) = &shape.rotation {
+                written += &format!(" rotated {}", matrix(rows, scene));
+            }
+            written
+        })
+        .collect();
+    match written.as_slice() {
+        [] => {}
+        [one] => entry(out, "shape", one),
+        several => entry(out, "shape", &format!("[{}]", several.join(", "))),
+    }
 }
 
 fn frames(out: &mut String, body: &Body, scene: &Scene) {

@@ -320,7 +320,7 @@ const _: () = {
         static DECLARED: ::std::sync::OnceLock<::mbd_runtime::__private::Declared> = ::std::sync::OnceLock::new();
         DECLARED
             .get_or_init(|| ::mbd_runtime::__private::Declared::unpacked(
-                "9 Parachute 94 Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point. 0 0 0 2 0 42828000000000.0 0 0.0 0 0.0 0 -3404590.0 2 5 L_LEG 0  0 2.1 1 m 1.0 0 2 0 0 3 RHO 0  0 0.014 6 kg/m^3 1.0 2 -6 0 0 3 7 riser_k 23 Stiffness of the riser. 60000.0 1 10000.0 200000.0 4 kN/m 1000.0 2 0 -4 0 5 m_cap 13 Capsule mass. 761.0 1 600.0 900.0 2 kg 1.0 2 0 0 0 4 cd_s 38 Drag coefficient times reference area. 82.0 1 60.0 100.0 3 m^2 1.0 0 4 0 0 1 4 wind 17 Wind, world axes. 3 3 m/s 1.0 0 2 -2 0 0.0 0.0 0.0 0 0 0 1 5 world 0 0.0 0 0.0 0 0.0 0 2 6 canopy 0  0 16.0 0 60.0 0 60.0 0 90.0 0 0.0 0 0.0 0 0.0 3 3 com 0 0.0 0 0.0 0 0.0 0 9 riser_end 0 0.0 0 0.0 0 -9.5 0 2 cp 0 0.0 0 0.0 0 1.57 0 7 capsule 0  2 1 0 300.0 0 310.0 0 420.0 0 -1.5 0 0.0 0 2.0 4 3 com 0 0.0 0 0.0 0 0.0 0 9 bridle[0] 0 0.55 0 0.0 0 1.23 0 9 bridle[1] 0 -0.2749999999999999 0 0.47631397208144133 0 1.23 0 9 bridle[2] 0 -0.27500000000000024 0 -0.47631397208144116 0 1.23 0 1 10 confluence 0  1 2 2 11 canopy_free 0  0 0 0 1 0 0 0 0 12 capsule_free 0  0 0 0 1 1 0 0 0 4 5 riser 0  0 1 0 1 2 0 0 10.0 2 0 0 600.0 6 leg[0] 0  0 1 1 1 2 0 1 0 0 47000.0 0 470.0 6 leg[1] 0  0 1 1 2 2 0 1 0 0 47000.0 0 470.0 6 leg[2] 0  0 1 1 3 2 0 1 0 0 47000.0 0 470.0 2 4 drag 0  1 0 2 0 27 2 2 27 2 2 27 2 2 0 -0.007 2 2 27 6 1 27 1 2 7 1 0 2 3 0 27 1 2 7 1 0 2 3 0 8 thruster 0  1 1 0 2 2 11 riser_force 21 Tension of the riser. 13 0 1 1 N 1.0 2 2 -4 0 4 tilt 0  27 16 2 8 1 1 0 2 8 0 0 2 1 3 rad 1.0 0 0 0 0 1 5 slack 0  13 0 0 0 0 0 0 0 0 0 0 0 ",
+                "9 Parachute 94 Capsule under a disk-gap-band canopy: one riser, three bridle legs, massless confluence point. 0 0 0 2 0 42828000000000.0 0 0.0 0 0.0 0 -3404590.0 2 5 L_LEG 0  0 2.1 1 m 1.0 0 2 0 0 3 RHO 0  0 0.014 6 kg/m^3 1.0 2 -6 0 0 3 7 riser_k 23 Stiffness of the riser. 60000.0 1 10000.0 200000.0 4 kN/m 1000.0 2 0 -4 0 5 m_cap 13 Capsule mass. 761.0 1 600.0 900.0 2 kg 1.0 2 0 0 0 4 cd_s 38 Drag coefficient times reference area. 82.0 1 60.0 100.0 3 m^2 1.0 0 4 0 0 1 4 wind 17 Wind, world axes. 3 3 m/s 1.0 0 2 -2 0 0.0 0.0 0.0 0 0 0 1 5 world 0 0.0 0 0.0 0 0.0 0 2 6 canopy 0  0 16.0 0 60.0 0 60.0 0 90.0 0 0.0 0 0.0 0 0.0 3 3 com 0 0.0 0 0.0 0 0.0 0 9 riser_end 0 0.0 0 0.0 0 -9.5 0 2 cp 0 0.0 0 0.0 0 1.57 0 7 capsule 0  2 1 0 300.0 0 310.0 0 420.0 0 -1.5 0 0.0 0 2.0 4 3 com 0 0.0 0 0.0 0 0.0 0 9 bridle[0] 0 0.55 0 0.0 0 1.23 0 9 bridle[1] 0 -0.2749999999999999 0 0.47631397208144133 0 1.23 0 9 bridle[2] 0 -0.27500000000000024 0 -0.47631397208144116 0 1.23 0 1 10 confluence 0  1 2 2 11 canopy_free 0  0 0 0 1 0 0 0 0 12 capsule_free 0  0 0 0 1 1 0 0 0 4 5 riser 0  0 1 0 1 2 0 0 10.0 2 0 0 600.0 6 leg[0] 0  0 1 1 1 2 0 1 0 0 47000.0 0 470.0 6 leg[1] 0  0 1 1 2 2 0 1 0 0 47000.0 0 470.0 6 leg[2] 0  0 1 1 3 2 0 1 0 0 47000.0 0 470.0 2 4 drag 0  1 0 2 0 27 2 2 27 2 2 27 2 2 0 -0.007 2 2 27 6 1 27 1 2 7 1 0 2 3 0 27 1 2 7 1 0 2 3 0 8 thruster 0  1 1 0 2 2 11 riser_force 21 Tension of the riser. 13 0 1 1 N 1.0 2 2 -4 0 4 tilt 0  27 16 2 8 1 1 0 2 8 0 0 2 1 3 rad 1.0 0 0 0 0 1 5 slack 0  13 0 0 0 0 0 0 0 0 0 0 0 0 ",
                 "0 0 0 1 0 0 0 0 18446744073709551615 ",
             ))
     }
@@ -570,7 +570,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 3;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 5257177318428081095;
+        pub const DECL_HASH: u64 = 14626289852089267215;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
             ("canopy.x", "m"),
@@ -1002,57 +1002,7 @@ const _: () = {
                         );
                     }
                 }
-                ::mbd_runtime::Quantity::Momentum
-                | ::mbd_runtime::Quantity::Lines
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Derivative,
-                    ::mbd_runtime::scene::Variable::State,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Derivative,
-                    ::mbd_runtime::scene::Variable::Node,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Derivative,
-                    ::mbd_runtime::scene::Variable::Parameter,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Derivative,
-                    ::mbd_runtime::scene::Variable::Input,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Balance,
-                    ::mbd_runtime::scene::Variable::State,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Balance,
-                    ::mbd_runtime::scene::Variable::Node,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Balance,
-                    ::mbd_runtime::scene::Variable::Parameter,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Balance,
-                    ::mbd_runtime::scene::Variable::Input,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Outputs,
-                    ::mbd_runtime::scene::Variable::State,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Outputs,
-                    ::mbd_runtime::scene::Variable::Node,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Outputs,
-                    ::mbd_runtime::scene::Variable::Parameter,
-                )
-                | ::mbd_runtime::Quantity::Partial(
-                    ::mbd_runtime::scene::Differentiated::Outputs,
-                    ::mbd_runtime::scene::Variable::Input,
-                ) => out.fill(T::from_f64(f64::NAN)),
-                _ => {}
+                _ => out.fill(T::from_f64(f64::NAN)),
             }
         }
     }

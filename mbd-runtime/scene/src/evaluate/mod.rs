@@ -13,7 +13,9 @@ use crate::laws::{
     energy,
     evaluation::Evaluation,
     forces::{self, AppliedForces},
-    formula, joint_forces,
+    formula,
+    jacobian::{self, Moment},
+    joint_forces,
     kinematics::Kinematics,
     mass, measured, node,
     numbers::Numbers,
@@ -32,6 +34,9 @@ pub struct Scratch<S: Real> {
     rates: Vec<S>,
     bodies: Vec<[Vector3<S>; 2]>,
     nodes: Vec<S>,
+    still: Vec<S>,
+    residual: Vec<S>,
+    moments: Vec<Moment<S>>,
     assembly: AppliedForces<S>,
     solver: Solver<S>,
 }
@@ -47,6 +52,9 @@ impl<S: Real> Scratch<S> {
             rates: Vec::new(),
             bodies: Vec::new(),
             nodes: Vec::new(),
+            still: Vec::new(),
+            residual: Vec::new(),
+            moments: Vec::new(),
             assembly: AppliedForces::new(layout),
             solver: Solver::new(layout),
         }
@@ -76,6 +84,28 @@ pub fn evaluate<S: Real>(
         Quantity::NodeByAnchor(_) | Quantity::CondensedStiffness(_) => {
             return sensitivity(what, layout, at, out);
         }
+        Quantity::GravityForce => {
+            let mut still = std::mem::take(&mut scratch.still);
+            still.clear();
+            still.extend_from_slice(at.state);
+            let speeds = still.get_mut(layout.nq..layout.nq + layout.nv);
+            speeds.unwrap_or_default().fill(S::zero());
+            let at = At {
+                state: &still,
+                ..*at
+            };
+            evaluate(
+                Quantity::BiasForce,
+                scene,
+                layout,
+                numbers,
+                &at,
+                scratch,
+                out,
+            );
+            scratch.still = still;
+            return;
+        }
         Quantity::Partial(..) => return,
         _ => {}
     }
@@ -86,6 +116,9 @@ pub fn evaluate<S: Real>(
         rates,
         bodies,
         nodes,
+        still: _,
+        residual,
+        moments,
         assembly,
         solver,
     } = scratch;
@@ -186,10 +219,24 @@ pub fn evaluate<S: Real>(
             assembly.collect(&evaluation);
             solver.write_residual(&evaluation, assembly, out);
         }
+        Quantity::InverseDynamics => {
+            assembly.collect(&evaluation);
+            residual.clear();
+            residual.resize(layout.len(Quantity::Residual), S::zero());
+            solver.write_residual(&evaluation, assembly, residual);
+            let own = residual.get(layout.nq..layout.nq + layout.nv);
+            out.copy_from_slice(own.unwrap_or_default());
+        }
+        Quantity::CentreOfMass => energy::centre_of_mass(&evaluation, out),
+        Quantity::CentreOfMassJacobian => jacobian::centre_of_mass(&evaluation, moments, out),
+        Quantity::FrameJacobian(body, frame) => {
+            jacobian::frame(&evaluation, [body, frame], moments, out);
+        }
         Quantity::JointCoordinates => measured::joint_coordinates(&evaluation, out),
         Quantity::Factor => solver.write_factor(&evaluation, out),
         Quantity::Solve => solver.solve_by_factor(&evaluation, out),
-        Quantity::Equilibrium(_)
+        Quantity::GravityForce
+        | Quantity::Equilibrium(_)
         | Quantity::NodeByAnchor(_)
         | Quantity::CondensedStiffness(_)
         | Quantity::Partial(..) => {}

@@ -87,6 +87,19 @@ fn visit_moving<S: Real>(
     }
 }
 
+/// Position and velocity of the centre of mass of everything that moves.
+pub fn centre_of_mass<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let (mut whole, mut place, mut momentum) = (S::zero(), Vector3::zeros(), Vector3::zeros());
+    visit_moving(evaluation, |_, mass, position, p, _| {
+        whole += mass;
+        place += position.map(|x| mass * x);
+        momentum += p;
+    });
+    let inverse = S::one() / whole;
+    write(out, 0, &place.map(|x: S| x * inverse));
+    write(out, 3, &momentum.map(|x: S| x * inverse));
+}
+
 pub fn momentum<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
     let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
     visit_moving(evaluation, |_, _, position, p, spin| {

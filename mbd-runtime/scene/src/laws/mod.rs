@@ -8,6 +8,7 @@ pub(crate) mod forces;
 pub(crate) mod formula;
 pub(crate) mod gravity;
 pub(crate) mod ground;
+pub(crate) mod jacobian;
 mod joint_ends;
 pub(crate) mod joint_forces;
 pub(crate) mod kinematics;

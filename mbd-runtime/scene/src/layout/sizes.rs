@@ -2,7 +2,7 @@
 
 use crate::layout::{Asked, Layout, LineEnd, Network, Node};
 use crate::scene::NodeModel;
-use crate::{Differentiated, Quantity, Variable};
+use crate::{Differentiated, Quantity, Scene, Variable};
 
 /// Nodes of the largest network whose sensitivities are spelt out.
 const MOST_SPELT_OUT: usize = 8;
@@ -32,7 +32,13 @@ impl Layout {
             Quantity::Bodies if self.tree.is_some() => self.directions.motion() * self.bodies.len(),
             Quantity::Bodies => 0,
             Quantity::MassMatrix => self.nv * self.nv,
-            Quantity::BiasForce | Quantity::Forces => self.nv,
+            Quantity::BiasForce
+            | Quantity::Forces
+            | Quantity::InverseDynamics
+            | Quantity::GravityForce => self.nv,
+            Quantity::CentreOfMass => 6,
+            Quantity::CentreOfMassJacobian => 3 * self.nv,
+            Quantity::FrameJacobian(..) => 6 * self.nv,
             Quantity::Lines => 10 * self.lines.len(),
             Quantity::NodeByAnchor(k) => self
                 .placed(k)
@@ -63,7 +69,10 @@ impl Layout {
     #[must_use]
     pub fn columns_of(&self, what: Quantity) -> usize {
         match what {
-            Quantity::MassMatrix | Quantity::ConstraintJacobian => self.nv,
+            Quantity::MassMatrix
+            | Quantity::ConstraintJacobian
+            | Quantity::CentreOfMassJacobian
+            | Quantity::FrameJacobian(..) => self.nv,
             Quantity::NodeByAnchor(k) | Quantity::CondensedStiffness(k) => {
                 self.placed(k).map_or(1, |n| 3 * n.anchors.len())
             }
@@ -143,6 +152,23 @@ impl Layout {
         let partials = Variable::ALL.map(|by| Quantity::Partial(Differentiated::Residual, by));
         all.extend(partials);
         all.retain(|&what| self.solves() && self.len(what) > 0);
+        all
+    }
+
+    /// The quantities that no run has a use for, in a fixed order: emitted when asked for only.
+    #[must_use]
+    pub fn on_request(&self, scene: &Scene) -> Vec<Quantity> {
+        let mut all = vec![
+            Quantity::InverseDynamics,
+            Quantity::GravityForce,
+            Quantity::CentreOfMass,
+            Quantity::CentreOfMassJacobian,
+        ];
+        for (body, declared) in scene.bodies.iter().enumerate() {
+            let frames = 0..declared.frames.len();
+            all.extend(frames.map(|frame| Quantity::FrameJacobian(body, frame)));
+        }
+        all.retain(|&what| self.nv > 0 && self.len(what) > 0);
         all
     }
 

@@ -47,6 +47,18 @@ pub enum Quantity {
     BiasForce,
     /// The applied forces f (n_v): lines, loads, and what acts along joint coordinates.
     Forces,
+    /// Inverse dynamics: M v̇ + h − f − Φ_vᵀ λ (n_v) at the v̇ and λ of [`At::rows`] [N, N m]: what must act along the speeds besides everything that
+    /// acts already.
+    InverseDynamics,
+    /// What gravity alone asks of h (n_v): h at rest [N, N m]. Held by these forces a scene without lines and loads stands still.
+    GravityForce,
+    /// Position [m] and velocity [m/s] of the centre of mass of all bodies and points with mass, world axes (6 numbers).
+    CentreOfMass,
+    /// Its Jacobian, dense, row by row (3 × n_v): velocity = J v; only structural non-zeros are written.
+    CentreOfMassJacobian,
+    /// The Jacobian of frame (second index) of a body (first), dense, row by row (6 × n_v): velocity of its origin [m/s] and angular velocity [rad/s],
+    /// world axes, = J v but for what moves by itself in time; only structural non-zeros are written.
+    FrameJacobian(usize, usize),
     /// Per line: tension [N], length [m], stretch [m], stretch rate [m/s] and the stiffness ∂(force on the `to` end)/∂(position of the `from`
     /// end) = K u uᵀ + (T/d)(I − u uᵀ) (6 numbers: xx xy xz yy yz zz) [N/m].
     Lines,
@@ -159,7 +171,7 @@ pub struct At<'a, S> {
     /// Inputs, external loads and external gravity, in the order of `Layout::inputs`.
     pub inputs: &'a [S],
     /// What some quantities are asked with, empty elsewhere: right-hand sides of the rows (n_c) for [`Quantity::ProjectionStep`]; v̇ and λ (n_v, then
-    /// n_c, of each joint the rows in the system first) for [`Quantity::Residual`], v̇ alone for [`Quantity::JointCoordinates`]; the value of [`Quantity::Factor`], then b (n_v) and c (n_c),
+    /// n_c, of each joint the rows in the system first) for [`Quantity::Residual`] and [`Quantity::InverseDynamics`], v̇ alone for [`Quantity::JointCoordinates`]; the value of [`Quantity::Factor`], then b (n_v) and c (n_c),
     /// for [`Quantity::Solve`].
     pub rows: &'a [S],
 }

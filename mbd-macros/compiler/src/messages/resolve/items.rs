@@ -1,6 +1,7 @@
 //! Messages about items: their names, fields, and what they hold.
 
 use mbd_scene::Dimension;
+use mbd_scene::solids::Solid;
 
 use crate::check::WrongInertia;
 use crate::lexeme::Region;
@@ -221,7 +222,7 @@ pub fn no_inertia(at: Region, name: &str) -> Report {
     Report::new(
         at,
         format!(
-            "body `{name}` has no inertia. add `inertia: diag(1.0, 1.0, 1.0) kg*m^2`; for a mass without rotation use `point {name} {{ mass: 1.0 kg }}`"
+            "body `{name}` has no inertia. add `inertia: diag(1.0, 1.0, 1.0) kg*m^2`, or `shape: box [0.2, 0.3, 0.4] m`, from which it follows; for a mass without rotation use `point {name} {{ mass: 1.0 kg }}`"
         ),
     )
 }
@@ -268,9 +269,100 @@ pub fn force_and_stiffness(at: Region, name: &str) -> Report {
 }
 
 pub fn inertia_of_shape(at: Region, shape: &str) -> Option<Report> {
-    let inertia = words::translated(words::SHAPES, shape)?;
-    let text = format!("an inertia is given by its numbers, {inertia}");
+    let ours = words::translated(words::FOREIGN_SHAPES, shape).unwrap_or(shape);
+    let solid = Solid::ALL.iter().find(|solid| solid.keyword() == ours)?;
+    let text = format!(
+        "an inertia is given by its numbers; leave it out, and it follows from `shape: {}` and the mass",
+        solid_form(*solid)
+    );
     Some(Report::new(at, text))
+}
+
+/// A shape as it is written.
+fn solid_form(solid: Solid) -> String {
+    let word = solid.keyword();
+    match solid {
+        Solid::Box => format!("{word} [0.2, 0.3, 0.4] m"),
+        _ => {
+            let sizes = solid.sizes().iter();
+            let sizes: Vec<String> = sizes.map(|size| format!("{size}: 0.1 m")).collect();
+            format!("{word} {{ {} }}", sizes.join(", "))
+        }
+    }
+}
+
+pub fn shape_form(at: Region, found: Option<&str>) -> Report {
+    let known = || Solid::ALL.iter().map(|solid| solid.keyword());
+    let list: Vec<&str> = known().collect();
+    let list = format!(
+        "shapes here: {}, as in `shape: {}`, several in brackets",
+        list.join(", "),
+        solid_form(Solid::Box)
+    );
+    let Some(found) = found else {
+        return Report::new(at, format!("expected a shape. {list}"));
+    };
+    if found == "mesh" {
+        return Report::new(at, words::NO_MESH.to_string());
+    }
+    let suggestion = match words::translated(words::FOREIGN_SHAPES, found) {
+        Some(ours) => format!("; here it is called `{ours}`."),
+        None => ended(did_you_mean(found, known())),
+    };
+    Report::new(at, format!("unknown shape `{found}`{suggestion} {list}"))
+}
+
+pub fn shape_sizes(at: Region, solid: Solid) -> Report {
+    Report::new(
+        at,
+        format!("a {} is written `{}`", solid.keyword(), solid_form(solid)),
+    )
+}
+
+pub fn missing_size(at: Region, solid: Solid, word: &str) -> Report {
+    let word = format!("the {} has no `{word}`", solid.keyword());
+    Report::new(at, format!("{word}: write `{}`", solid_form(solid)))
+}
+
+pub fn tube_without_wall(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the tube of `{name}` has no wall: its `inner` radius must be smaller than its `radius`"
+        ),
+    )
+}
+
+pub fn no_edge(at: Region, name: &str, axis: &str, found: f64) -> Report {
+    Report::new(
+        at,
+        format!("the box of `{name}` is {found} m along {axis}: its edges must be positive"),
+    )
+}
+
+pub fn mass_and_density(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!("body `{name}` has a `mass` and a `density`: give one of them"),
+    )
+}
+
+pub fn density_alone(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the `density` of `{name}` has nothing to fill: give a `mass`; or give a `shape` and no `inertia`, and mass and inertia follow from both"
+        ),
+    )
+}
+
+pub fn center_of_shapes(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the centre of mass of `{name}` follows from its shapes, as its inertia does: leave out `center_of_mass`, or give `inertia`"
+        ),
+    )
 }
 
 pub fn range_of_sign(

@@ -247,6 +247,13 @@ pub fn frame_wanted(at: Region, body: &str, frame: Option<&str>) -> Report {
     )
 }
 
+pub fn frame_of_a_body(at: Region) -> Report {
+    Report::new(
+        at,
+        "a Jacobian is of a frame of a body, such as `frame_jacobian(hand.tip)`, or `hand.com` for its centre of mass".to_string(),
+    )
+}
+
 pub fn no_place(at: Region, word: &str, kind: &str) -> Report {
     Report::new(
         at,

@@ -1,15 +1,18 @@
 //! The figures of a run: histories of outputs and tensions, forces in the joints, drift, energy.
 
+use std::f64::consts::TAU;
+
 use mbd_runtime::scene::{Gravity, Scene};
 use mbd_runtime::{Layout, Name, Trajectory};
 
-use super::plan::Plan;
-use crate::report::{Figure, Series};
+use super::figure::{Figure, Series};
+use super::look::Look;
 
 /// Forces of more joints than this are not told apart: those with the largest forces are drawn.
 const JOINTS: usize = 8;
 
 /// Curves that share a plot.
+#[derive(Clone, Debug)]
 pub struct Group<'a> {
     name: String,
     axis: String,
@@ -20,6 +23,7 @@ pub struct Group<'a> {
 }
 
 /// A curve: recorded, or made of recorded ones.
+#[derive(Clone, Debug)]
 enum Curve<'a> {
     Column(&'a str, &'a [f64]),
     Made(String, Vec<f64>),
@@ -42,13 +46,34 @@ impl<'a> Group<'a> {
         }
     }
 
+    /// The same curves in as many plots as it takes for each to have a look of its own.
+    fn told_apart(self) -> Vec<Group<'a>> {
+        let (all, most) = (self.curves.len(), Look::ALL.len());
+        if all <= most {
+            return vec![self];
+        }
+        let count = all.div_ceil(most);
+        let mut curves = self.curves.into_iter();
+        let part = |k: usize| Group {
+            name: format!("{} ({} of {count})", self.name, k + 1),
+            axis: self.axis.clone(),
+            unit: self.unit.clone(),
+            caption: self.caption.clone(),
+            curves: curves.by_ref().take(all.div_ceil(count)).collect(),
+            logarithmic: self.logarithmic,
+        };
+        (0..count).map(part).collect()
+    }
+
     /// The name of its file.
+    #[must_use]
     pub fn file(&self) -> String {
         let plain = |c: char| !c.is_ascii_alphanumeric();
         format!("{}.svg", self.name.replace(plain, "_"))
     }
 
     /// The picture over these times.
+    #[must_use]
     pub fn figure(&'a self, times: &'a [f64]) -> Figure<'a> {
         let mut figure = Figure::new(&self.name)
             .x("time", "s")
@@ -58,30 +83,37 @@ impl<'a> Group<'a> {
             figure = figure.log_y();
         }
         self.curves.iter().fold(figure, |figure, curve| {
-            figure.series(match curve {
-                Curve::Column(name, values) => Series::new(*name, times, values),
-                Curve::Made(name, values) => Series::new(name, times, values),
+            let (name, values) = match curve {
+                Curve::Column(name, values) => (*name, *values),
+                Curve::Made(name, values) => (name.as_str(), values.as_slice()),
+            };
+            let series = Series::new(name, times, values);
+            figure.series(match period(&self.unit, values) {
+                Some(period) => series.wraps(period),
+                None => series,
             })
         })
     }
 }
 
-/// All figures of a run: those the plan asks for, one for each other output and for the tensions of each line, then joints and energy.
-pub fn groups<'a>(scene: &Scene, plan: &Plan, trajectory: &'a Trajectory) -> Vec<Group<'a>> {
+/// All figures of a run: those that are asked for, one for each other output and for the tensions of each line, then joints and energy.
+///
+/// `figures`: titles, and the columns each shows.
+#[must_use]
+pub fn groups<'a>(
+    scene: &Scene,
+    figures: &[(String, Vec<String>)],
+    trajectory: &'a Trajectory,
+) -> Vec<Group<'a>> {
     let find = |column: &String| trajectory.names().iter().find(|name| name.name == *column);
-    let mut groups: Vec<Group<'a>> = plan
-        .figures
+    let mut groups: Vec<Group<'a>> = figures
         .iter()
         .map(|(title, columns)| {
             let columns: Vec<&Name> = columns.iter().filter_map(find).collect();
             Group::of(title, title, &columns, trajectory)
         })
         .collect();
-    let shown = |name: &Name| {
-        plan.figures
-            .iter()
-            .any(|(_, list)| list.contains(&name.name))
-    };
+    let shown = |name: &Name| figures.iter().any(|(_, list)| list.contains(&name.name));
     for (owner, axis, columns) in histories(scene, trajectory.names()) {
         let title = format!("{owner} {axis}");
         let mut columns: Vec<&Name> = columns.into_iter().filter(|name| !shown(name)).collect();
@@ -103,7 +135,26 @@ pub fn groups<'a>(scene: &Scene, plan: &Plan, trajectory: &'a Trajectory) -> Vec
     groups.extend(reactions(scene, trajectory));
     groups.extend(drift(trajectory));
     groups.extend(energy(scene, trajectory));
-    groups
+    groups.into_iter().flat_map(Group::told_apart).collect()
+}
+
+/// What an angle is periodic by, where all its values lie in one turn: `None` of other quantities and of angles that count turns.
+fn period(unit: &str, values: &[f64]) -> Option<f64> {
+    let period = match unit {
+        "rad" => TAU,
+        "deg" => 360.0,
+        _ => return None,
+    };
+    let (low, high) = values
+        .iter()
+        .filter(|x| x.is_finite())
+        .fold((0.0_f64, 0.0_f64), |(low, high), x| {
+            (low.min(*x), high.max(*x))
+        });
+    let slack = 1e-6 * period;
+    let signed = low >= -0.5 * period - slack && high <= 0.5 * period + slack;
+    let positive = low >= -slack && high <= period + slack;
+    (signed || positive).then_some(period)
 }
 
 /// The word of a name without its index: `leg[2]` → `leg`.
@@ -229,4 +280,35 @@ fn energy<'a>(scene: &Scene, trajectory: &'a Trajectory) -> Vec<Group<'a>> {
         });
     }
     groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_of_one_turn_wrap_and_those_that_count_turns_do_not() {
+        assert_eq!(period("rad", &[-3.1, 3.1]), Some(TAU));
+        assert_eq!(period("deg", &[1.0, 359.0]), Some(360.0));
+        assert_eq!(period("rad", &[0.0, 3.0, 7.0, 9.0]), None);
+        assert_eq!(period("m", &[-3.1, 3.1]), None);
+    }
+
+    #[test]
+    fn a_plot_has_no_two_curves_of_one_look() {
+        let group = Group {
+            name: "legs tension".into(),
+            axis: "tension".into(),
+            unit: "N".into(),
+            caption: String::new(),
+            curves: (0..20)
+                .map(|k| Curve::Made(format!("leg[{k}]"), vec![0.0]))
+                .collect(),
+            logarithmic: false,
+        };
+        let parts = group.told_apart();
+        let counts: Vec<usize> = parts.iter().map(|part| part.curves.len()).collect();
+        assert_eq!(counts, [7, 7, 6]);
+        assert_eq!(parts[2].name, "legs tension (3 of 3)");
+    }
 }

@@ -1,13 +1,12 @@
 //! The mechanism of a run at several instants, drawn in the plane in which it extends most; a planar scene in its own.
 
 use mbd_runtime::Trajectory;
-use mbd_runtime::nalgebra::{Matrix3, Vector3};
-use mbd_runtime::scene::laws::{Numbers, ground};
-use mbd_runtime::scene::rotation;
+use mbd_runtime::nalgebra::Vector3;
+use mbd_runtime::scene::laws::{GravityNumbers, Numbers};
 use mbd_runtime::scene::{Place, Plane, PointKind, Scene};
 
-use super::plan::Plan;
-use crate::report::{Drawing, Shape};
+use super::drawing::{Drawing, Shape};
+use super::stage::{AXES, Stage, Track};
 
 /// The instants of a drawing when none are asked for.
 const INSTANTS: usize = 5;
@@ -19,9 +18,6 @@ const DEEP: f64 = 0.1;
 const TRAVELS: f64 = 1.2;
 /// Places of a joint that are further apart than this slide on each other [m].
 const APART: f64 = 1e-9;
-
-/// Names of positions.
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A part of the mechanism in space.
 enum Part {
@@ -56,14 +52,17 @@ impl Part {
 }
 
 /// The drawings of a run: one, or two views where the mechanism extends in space; none where nothing holds it together.
+///
+/// `params`: in declaration order [SI]. `instants`: when it is drawn [s]; empty: evenly over the run.
 #[must_use]
-pub fn drawings(scene: &Scene, plan: &Plan, trajectory: &Trajectory) -> Vec<Drawing> {
-    let rows = rows(plan, trajectory.times());
-    let stage = Stage {
-        scene,
-        trajectory,
-        numbers: Numbers::new(scene, &plan.params),
-    };
+pub fn drawings(
+    scene: &Scene,
+    params: &[f64],
+    instants: &[f64],
+    trajectory: &Trajectory,
+) -> Vec<Drawing> {
+    let rows = rows(instants, trajectory.times());
+    let stage = Stage::new(scene, params, trajectory);
     let mut instants: Vec<Vec<Part>> = rows.iter().map(|&row| stage.parts(row)).collect();
     let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else {
         return Vec::new();
@@ -71,9 +70,8 @@ pub fn drawings(scene: &Scene, plan: &Plan, trajectory: &Trajectory) -> Vec<Draw
     let mut paths = stage.paths(first..=last);
     let travels = about_itself(&mut instants, &mut paths);
     let depth = extents(&instants, &paths);
-    let Some([across, up, deep]) = views(depth, scene.planar) else {
-        return Vec::new();
-    };
+    let upwards = upwards(scene, &stage.numbers);
+    let planes = views(depth, scene.planar, upwards);
     let times: Vec<String> = rows
         .iter()
         .filter_map(|&row| trajectory.times().get(row))
@@ -93,10 +91,6 @@ pub fn drawings(scene: &Scene, plan: &Plan, trajectory: &Trajectory) -> Vec<Draw
         "At {} s, from pale to dark{seen}{curves}.",
         times.join(", ")
     );
-    let mut planes = vec![[across, up]];
-    if scene.planar.is_none() && depth[deep] > DEEP * depth[across].max(depth[up]) {
-        planes.push([deep, up]);
-    }
     planes
         .into_iter()
         .map(|plane| draw(scene, plane, &instants, &paths, &caption))
@@ -127,13 +121,13 @@ fn draw(
 }
 
 /// The rows of the history nearest to the instants of a plan, each once.
-fn rows(plan: &Plan, times: &[f64]) -> Vec<usize> {
+fn rows(instants: &[f64], times: &[f64]) -> Vec<usize> {
     let Some(&end) = times.last() else {
         return Vec::new();
     };
     let start = times.first().copied().unwrap_or(end);
     let even = |k: usize| start + (end - start) * k as f64 / (INSTANTS - 1) as f64;
-    let wanted: Vec<f64> = match plan.instants.as_slice() {
+    let wanted: Vec<f64> = match instants {
         [] => (0..INSTANTS).map(even).collect(),
         list => list.to_vec(),
     };
@@ -153,72 +147,7 @@ fn rows(plan: &Plan, times: &[f64]) -> Vec<usize> {
     rows
 }
 
-/// What is needed to place things.
-struct Stage<'a> {
-    scene: &'a Scene,
-    trajectory: &'a Trajectory,
-    numbers: Numbers<f64>,
-}
-
 impl Stage<'_> {
-    fn read<const N: usize>(&self, owner: &str, parts: [&str; N], row: usize) -> Option<[f64; N]> {
-        let mut numbers = [0.0; N];
-        for (number, part) in numbers.iter_mut().zip(parts) {
-            *number = *self
-                .trajectory
-                .column(&format!("{owner}.{part}"))?
-                .get(row)?;
-        }
-        Some(numbers)
-    }
-
-    fn position(&self, owner: &str, row: usize) -> Option<Vector3<f64>> {
-        let Some(plane) = self.scene.planar else {
-            return self.read(owner, AXES, row).map(Vector3::from);
-        };
-        let mut position = Vector3::zeros();
-        for axis in (0..3).filter(|&axis| axis != plane.normal()) {
-            let [number] = self.read(owner, [*AXES.get(axis)?], row)?;
-            position[axis] = number;
-        }
-        Some(position)
-    }
-
-    /// Body axes → world axes.
-    fn turn(&self, owner: &str, row: usize) -> Option<Matrix3<f64>> {
-        match self.scene.planar {
-            None => Some(rotation(self.read(owner, ["qw", "qx", "qy", "qz"], row)?)),
-            Some(plane) => {
-                let [angle] = self.read(owner, ["angle"], row)?;
-                Some(plane.axis().turn(angle))
-            }
-        }
-    }
-
-    /// A frame of the world, which may move [m].
-    fn world_frame(&self, frame: usize, row: usize) -> Option<Vector3<f64>> {
-        if !self.scene.world_frames.get(frame)?.moves(self.scene) {
-            return Some(self.numbers.world_frames.get(frame)?.position);
-        }
-        let time = *self.trajectory.times().get(row)?;
-        let mut moving = Vec::new();
-        ground(self.scene, &self.numbers, time, &mut moving);
-        Some(moving.get(frame)?.as_ref()?.position)
-    }
-
-    /// A place in world axes [m].
-    fn place(&self, place: Place, row: usize) -> Option<Vector3<f64>> {
-        match place {
-            Place::World(frame) => self.world_frame(frame, row),
-            Place::Point(point) => self.position(&self.scene.points.get(point)?.name, row),
-            Place::Body(body, frame) => {
-                let name = &self.scene.bodies.get(body)?.name;
-                let arm = self.numbers.bodies.get(body)?.frames.get(frame)?.position;
-                Some(self.position(name, row)? + self.turn(name, row)? * arm)
-            }
-        }
-    }
-
     /// Everything at one row.
     fn parts(&self, row: usize) -> Vec<Part> {
         let scene = self.scene;
@@ -252,9 +181,10 @@ impl Stage<'_> {
         }
         for line in &scene.lines {
             let ends = [line.from, line.to].map(|end| self.place(end, row));
-            let stretch = self.read(&line.name, ["stretch"], row);
-            if let ([Some(from), Some(to)], Some([stretch])) = (ends, stretch) {
-                let slack = stretch <= 0.0 && line.kind.is_unilateral();
+            let stretch = self.column(&line.name, "stretch");
+            let stretch = stretch.and_then(|column| column.get(row));
+            if let ([Some(from), Some(to)], Some(stretch)) = (ends, stretch) {
+                let slack = *stretch <= 0.0 && line.kind.is_unilateral();
                 parts.push(Part::Line([from, to], slack));
             }
             for end in [line.from, line.to] {
@@ -276,23 +206,23 @@ impl Stage<'_> {
 
     /// Paths of the centres of mass and of the points with mass.
     fn paths(&self, rows: std::ops::RangeInclusive<usize>) -> Vec<(String, Vec<Vector3<f64>>)> {
-        let scene = self.scene;
-        let bodies = scene.bodies.iter().map(|body| body.name.as_str());
-        let masses = scene
-            .points
-            .iter()
-            .filter(|point| matches!(point.kind, PointKind::Mass(_)));
-        let names: Vec<&str> = bodies
-            .chain(masses.map(|point| point.name.as_str()))
-            .collect();
-        let shown = match names.as_slice() {
+        let bodies = self.scene.bodies.iter().zip(&self.bodies);
+        let bodies = bodies.map(|(body, track)| (body.name.as_str(), track));
+        let points = self.scene.points.iter().zip(&self.points);
+        let masses = points.filter(|(point, _)| matches!(point.kind, PointKind::Mass(_)));
+        let masses = masses.map(|(point, track)| (point.name.as_str(), track));
+        let all: Vec<(&str, &Option<Track<'_>>)> = bodies.chain(masses).collect();
+        let shown = match all.as_slice() {
             list if list.len() <= PATHS => list,
             [.., last] => std::slice::from_ref(last),
             [] => &[],
         };
-        let path = |name: &&str| {
-            let places = rows.clone().filter_map(|row| self.position(name, row));
-            ((*name).to_string(), places.collect())
+        let path = |(name, track): &(&str, &Option<Track<'_>>)| {
+            let place = |row| track.as_ref()?.position(row);
+            (
+                (*name).to_string(),
+                rows.clone().filter_map(place).collect(),
+            )
         };
         shown.iter().map(path).collect()
     }
@@ -348,9 +278,27 @@ fn extents(instants: &[Vec<Part>], paths: &[(String, Vec<Vector3<f64>>)]) -> Vec
     bounds(all).map_or_else(Vector3::zeros, |(low, high)| high - low)
 }
 
-/// The axes across, up and into the plane of largest extent, or of a planar scene; up is z where it is in the plane, else y. `None` where
-/// nothing extends.
-fn views(extents: Vector3<f64>, plane: Option<Plane>) -> Option<[usize; 3]> {
+/// The axis that gravity points along, backwards: z where there is none, or none that is the same everywhere.
+pub(super) fn upwards(scene: &Scene, numbers: &Numbers<f64>) -> usize {
+    match &numbers.gravity {
+        GravityNumbers::Uniform(pull) if pull.norm() > 0.0 => pull.iamax(),
+        _ => match scene.planar {
+            Some(Plane::Xy) => 1,
+            _ => 2,
+        },
+    }
+}
+
+/// The planes to draw in, each as the axes across and up: that of largest extent, or of a planar scene, and one from the side if the mechanism is
+/// deep. What is up in the world is up in every plane that contains it. None where nothing extends.
+pub(super) fn views(
+    extents: Vector3<f64>,
+    plane: Option<Plane>,
+    upwards: usize,
+) -> Vec<[usize; 2]> {
+    if extents.max() <= 0.0 {
+        return Vec::new();
+    }
     let (deep, least) = extents.argmin();
     let deep = match plane {
         Some(plane) => plane.normal(),
@@ -358,12 +306,25 @@ fn views(extents: Vector3<f64>, plane: Option<Plane>) -> Option<[usize; 3]> {
         None if extents[1] <= least * (1.0 + 1e-9) => 1,
         None => deep,
     };
-    let plane = match deep {
+    let upright = |a: usize, b: usize| match a == upwards {
+        true => [b, a],
+        false => [a, b],
+    };
+    let [a, b] = match deep {
         0 => [1, 2],
         1 => [0, 2],
         _ => [0, 1],
     };
-    (extents.max() > 0.0).then_some([plane[0], plane[1], deep])
+    let front = upright(a, b);
+    // From the side: what is up stays up; of a plan, which has no up, the wider axis stays across.
+    let kept = match deep == upwards {
+        true if extents[b] > extents[a] => b,
+        true => a,
+        false => front[1],
+    };
+    let side = upright(deep.min(kept), deep.max(kept));
+    let is_deep = plane.is_none() && extents[deep] > DEEP * extents.max();
+    [front].into_iter().chain(is_deep.then_some(side)).collect()
 }
 
 #[cfg(test)]
@@ -373,18 +334,39 @@ mod tests {
     #[test]
     fn a_planar_scene_is_seen_along_its_normal_whatever_extends_in_it() {
         for (plane, want) in [
-            (Plane::Xy, [0, 1, 2]),
-            (Plane::Yz, [1, 2, 0]),
-            (Plane::Xz, [0, 2, 1]),
+            (Plane::Xy, [0, 1]),
+            (Plane::Yz, [1, 2]),
+            (Plane::Xz, [0, 2]),
         ] {
             for axis in (0..3).filter(|&axis| axis != plane.normal()) {
                 // A weight that falls along one axis.
                 let mut extents = Vector3::zeros();
                 extents[axis] = 2.0;
-                assert_eq!(views(extents, Some(plane)), Some(want));
+                assert_eq!(views(extents, Some(plane), 2), [want]);
             }
         }
-        assert_eq!(views(Vector3::new(1.0, 2.0, 0.0), None), Some([0, 1, 2]));
-        assert_eq!(views(Vector3::zeros(), Some(Plane::Xz)), None);
+        assert_eq!(views(Vector3::new(1.0, 2.0, 0.0), None, 2), [[0, 1]]);
+        assert!(views(Vector3::zeros(), Some(Plane::Xz), 2).is_empty());
+    }
+
+    #[test]
+    fn what_is_up_in_the_world_is_up_in_every_view() {
+        // A platform: wide along x and y, seen from above and from the side.
+        let platform = Vector3::new(2.0, 1.8, 0.5);
+        assert_eq!(views(platform, None, 2), [[0, 1], [0, 2]]);
+        // The same with gravity along y, as in many papers.
+        assert_eq!(
+            views(Vector3::new(2.0, 0.5, 1.8), None, 1),
+            [[0, 2], [0, 1]]
+        );
+        // A tower and a swing.
+        assert_eq!(
+            views(Vector3::new(1.0, 0.5, 4.0), None, 2),
+            [[0, 2], [1, 2]]
+        );
+        assert_eq!(
+            views(Vector3::new(0.5, 1.0, 4.0), None, 2),
+            [[1, 2], [0, 2]]
+        );
     }
 }

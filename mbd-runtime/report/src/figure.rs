@@ -1,12 +1,14 @@
 //! Line plots: what is drawn, and where each part of the drawing goes.
 
 use super::axis::{Axis, HUGE, Range, Scale};
-use super::frame::{
-    LINE, RIGHT, SMALL, TEXT, TITLE, WIDTH, draw_axes, label, left_margin, legend_rows, open,
-    title_rows, write_under,
-};
+use super::live::{PlotNumbers, SeriesNumbers};
 use super::look::Look;
-use super::svg::{Anchor, Svg, wrap};
+use super::packing::Packed;
+use super::plot::{
+    Entry, Plot, RIGHT, SAMPLE, SMALL, TEXT, WIDTH, draw_grid, label, left_margin, with_exponent,
+};
+use super::svg::{Anchor, Svg};
+use super::thin::curve_rows;
 use super::trace::{Panel, Trace};
 
 /// One curve: pairs of x and y in drawing order, of equal length (a longer one is cut).
@@ -16,6 +18,7 @@ pub struct Series<'a> {
     x: &'a [f64],
     y: &'a [f64],
     look: Option<Look>,
+    period: Option<f64>,
 }
 
 impl<'a> Series<'a> {
@@ -27,7 +30,15 @@ impl<'a> Series<'a> {
             x,
             y,
             look: None,
+            period: None,
         }
+    }
+
+    /// Values this far apart are the same, as 360° and 0° are: no line is drawn where the curve jumps by more than half of it.
+    #[must_use]
+    pub fn wraps(mut self, period: f64) -> Self {
+        self.period = Some(period);
+        self
     }
 
     /// Chooses the look; otherwise the figure hands them out in the order of [`Look::ALL`].
@@ -47,7 +58,7 @@ impl<'a> Series<'a> {
 /// Numbers that are not finite (and numbers ≤ 0 on a logarithmic axis) make a gap, and a note under the plot says how many.
 ///
 /// ```
-/// use models::report::{Figure, Series};
+/// use mbd_report::{Figure, Series};
 /// let (t, f) = ([0.0, 1.0, 2.0], [0.0, 37.6, 30.6]);
 /// let svg = Figure::new("Riser force").x("time", "s").y("force", "N").series(Series::new("node", &t, &f)).svg();
 /// assert!(svg.starts_with("<svg"));
@@ -64,6 +75,9 @@ pub struct Figure<'a> {
 }
 
 const HEIGHT: f64 = 320.0;
+/// The numbers of a figure inside a page take at most about this much [bytes], and a curve is that of so many rows.
+const CURVE_BYTES: usize = 160_000;
+const MOST: usize = 6000;
 
 impl<'a> Figure<'a> {
     /// An empty figure.
@@ -153,24 +167,44 @@ impl<'a> Figure<'a> {
     /// The figure as a file of its own, title and caption included.
     #[must_use]
     pub fn svg(&self) -> String {
-        self.draw(true)
+        self.drawn(|plot| plot.file())
     }
 
-    /// The figure without caption and style sheet, to stand inside an HTML page that has both.
-    pub(super) fn inline(&self) -> String {
-        self.draw(false)
+    /// The figure as a part of a page; `number` tells the page's numbers of this figure.
+    pub(super) fn part(&self, number: Option<usize>) -> String {
+        self.drawn(|plot| plot.part(number))
     }
 
-    fn draw(&self, alone: bool) -> String {
+    /// Its numbers, thinned, for a page that has a player; `None` of a figure that is not over time.
+    pub(super) fn numbers(&self) -> Option<PlotNumbers> {
+        if self.labels[0] != label("time", "s") || self.scales[0] != Scale::Linear {
+            return None;
+        }
+        let most = (CURVE_BYTES / 8 / self.series.len().max(1)).min(MOST);
+        let series = self.series.iter().map(|series| {
+            let rows = curve_rows(series.x, series.y, most);
+            let base = series.y.iter().copied().find(|y| y.is_finite());
+            let base = base.unwrap_or(0.0);
+            SeriesNumbers {
+                t: Packed::floats(rows.iter().map(|row| series.x[*row])),
+                base,
+                v: Packed::floats(rows.iter().map(|row| series.y[*row] - base)),
+                wrap: series.period,
+            }
+        });
+        let [low, high] = Axis::new(self.range(0), self.scales[0], 8).ends();
+        Some(PlotNumbers {
+            x: [low, high],
+            log: self.scales[1] == Scale::Log,
+            series: series.collect(),
+        })
+    }
+
+    fn drawn(&self, finish: impl FnOnce(&Plot<'_>) -> String) -> String {
         let x = Axis::new(self.range(0), self.scales[0], 8);
         let y = Axis::new(self.range(1), self.scales[1], 6);
-        let title = title_rows(&self.title);
-        let names = self.series.iter().map(|series| series.name.as_str());
-        let legend = legend_rows(names, left_margin(&y));
-        let top = 8.0 + 1.3 * TITLE * title.len() as f64 + LINE * legend.len() as f64 + 12.0;
         let left = left_margin(&y);
         let panel = Panel {
-            at: [left, top],
             size: [WIDTH - RIGHT - left, HEIGHT],
             x: &x,
             y: &y,
@@ -178,22 +212,25 @@ impl<'a> Figure<'a> {
         let traces: Vec<Trace> = self
             .series
             .iter()
-            .map(|series| panel.trace(series.samples()))
+            .map(|series| panel.trace(series.samples(), series.period))
             .collect();
-        let under = self.words_under(&traces, alone);
-        let bottom = top + HEIGHT + 48.0;
-        let height = bottom + LINE * under.len() as f64;
-        let mut svg = open(height, left, &self.title, &self.caption, alone);
-        self.draw_legend(
-            &mut svg,
-            &legend,
-            top - 12.0 - LINE * legend.len() as f64,
-            &traces,
-        );
-        draw_axes(&mut svg, &panel, &self.labels);
+        let mut svg = Svg::content();
+        draw_grid(&mut svg, &panel);
         self.draw_curves(&mut svg, &panel, &traces);
-        write_under(&mut svg, &under, left, bottom);
-        svg.close()
+        finish(&Plot {
+            title: &self.title,
+            caption: &self.caption,
+            labels: [
+                with_exponent(&self.labels[0], x.exponent),
+                with_exponent(&self.labels[1], y.exponent),
+            ],
+            legend: self.legend(&traces),
+            content: svg.markup(),
+            left,
+            size: panel.size,
+            equal: false,
+            notes: self.notes(&traces),
+        })
     }
 
     /// The range of one axis: the window, or the data inside the other axis's window.
@@ -244,92 +281,71 @@ impl<'a> Figure<'a> {
             })
     }
 
-    fn draw_legend(&self, svg: &mut Svg, rows: &[Vec<(usize, f64)>], top: f64, traces: &[Trace]) {
-        let marked: Vec<bool> = traces.iter().map(|trace| !trace.marks.is_empty()).collect();
-        for (row, entries) in rows.iter().enumerate() {
-            let middle = top + LINE * (row as f64 + 0.5);
-            for &(index, left) in entries {
-                let class = format!("mbd-series {}", self.look(index).class());
-                svg.line(&class, [left, middle], [left + 36.0, middle]);
-                if marked[index] {
-                    self.draw_mark(svg, index, [left + 18.0, middle]);
-                }
-                let name = &self.series[index].name;
-                let at = [left + 43.0, middle + 0.35 * TEXT];
-                svg.text("", at, TEXT, Anchor::Start, false, name);
+    fn legend(&self, traces: &[Trace]) -> Vec<Entry> {
+        let middle = 0.5 * SAMPLE[1];
+        let entry = |(index, (series, trace)): (usize, (&Series<'_>, &Trace))| {
+            let mut sample = Svg::content();
+            let class = format!("mbd-series {}", self.look(index).class());
+            sample.line(&class, [0.0, middle], [SAMPLE[0], middle]);
+            if !trace.marks.is_empty() {
+                sample.mark([0.5, 0.5], &self.mark_class(index), mark(index));
             }
-        }
+            Entry {
+                sample: sample.markup(),
+                name: series.name.clone(),
+            }
+        };
+        let all = self.series.iter().zip(traces).enumerate();
+        all.map(entry).collect()
     }
 
     fn draw_curves(&self, svg: &mut Svg, panel: &Panel, traces: &[Trace]) {
-        let ([left, top], [width, height]) = (panel.at, panel.size);
         // A curve that just touches an edge is not cut in half there.
         let spill = if self.windows[1].is_some() { 0.0 } else { 2.0 };
-        svg.clip([left, top - spill], [width, height + 2.0 * spill]);
+        svg.stretch(panel.size, spill);
         for (index, trace) in traces.iter().enumerate() {
             svg.path(
                 &format!("mbd-series {}", self.look(index).class()),
                 &trace.path,
             );
         }
+        svg.unstretch();
         for (name, value) in &self.levels {
             if let Some(place) = panel.y.place(*value)
                 && (0.0..=1.0).contains(&place)
             {
-                let down = top + (1.0 - place) * height;
-                svg.line("mbd-level", [left, down], [left + width, down]);
+                svg.level("mbd-level", place);
                 // Above the line, unless it would be cut there.
                 let lift = if place > 0.94 { SMALL + 3.0 } else { -4.0 };
-                let at = [left + 6.0, down + lift];
-                svg.text(" mbd-halo", at, SMALL, Anchor::Start, false, name);
+                let at = ([0.0, place], [6.0, lift]);
+                svg.beside(" mbd-halo", at, SMALL, Anchor::Start, name);
             }
         }
-        svg.unclip();
         if traces.iter().all(|trace| trace.path.is_empty()) {
-            let middle = [left + 0.5 * width, top + 0.5 * height];
-            svg.text(
-                "",
-                middle,
-                TEXT,
-                Anchor::Middle,
-                false,
-                "nothing to draw here",
-            );
+            let middle = ([0.5, 0.5], [0.0, 0.0]);
+            svg.beside("", middle, TEXT, Anchor::Middle, "nothing to draw here");
         }
-        svg.rect("mbd-frame", panel.at, panel.size);
+        svg.border("mbd-frame");
+        let [width, height] = panel.size;
+        svg.group("mbd-marks");
         for (index, trace) in traces.iter().enumerate() {
-            for &mark in &trace.marks {
-                self.draw_mark(svg, index, mark);
+            for &[x, y] in &trace.marks {
+                let at = [x / width, 1.0 - y / height];
+                svg.mark(at, &self.mark_class(index), mark(index));
             }
         }
+        svg.ungroup();
     }
 
-    fn draw_mark(&self, svg: &mut Svg, index: usize, [x, y]: [f64; 2]) {
-        let class = format!("{}-mark", self.look(index).class());
-        let r = 3.6;
-        let corners: &[[f64; 2]] = match index % 4 {
-            0 => &[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]],
-            1 => &[[0.0, -1.2], [1.1, 0.8], [-1.1, 0.8]],
-            2 => &[[0.0, -1.3], [1.1, 0.0], [0.0, 1.3], [-1.1, 0.0]],
-            _ => &[[0.0, 1.2], [1.1, -0.8], [-1.1, -0.8]],
-        };
-        let mut data = String::new();
-        for (k, [dx, dy]) in corners.iter().enumerate() {
-            let word = if k == 0 { "M" } else { " " };
-            let [px, py] = [x + r * dx, y + r * dy].map(super::number::pixel);
-            data += &format!("{word}{px} {py}");
-        }
-        svg.path(&class, &format!("{data}Z"));
+    fn mark_class(&self, index: usize) -> String {
+        format!("{}-mark", self.look(index).class())
     }
 
-    /// Notes on what could not be drawn, then the caption.
-    fn words_under(&self, traces: &[Trace], with_caption: bool) -> Vec<String> {
-        let mut lines = Vec::new();
+    /// What could not be drawn.
+    fn notes(&self, traces: &[Trace]) -> Vec<String> {
+        let mut notes = Vec::new();
         for (series, trace) in self.series.iter().zip(traces) {
-            let mut note = |text: String| {
-                let text = format!("{}: {text}", series.name);
-                lines.extend(wrap(&text, SMALL, WIDTH - 2.0 * RIGHT - 40.0));
-            };
+            let mut note = |text: String| notes.push(format!("{}: {text}", series.name));
             if series.samples().next().is_none() {
                 note("no samples".to_string());
             }
@@ -343,10 +359,17 @@ impl<'a> Figure<'a> {
                 ));
             }
         }
-        if with_caption {
-            lines.extend(wrap(&self.caption, SMALL, WIDTH - 2.0 * RIGHT - 40.0));
-        }
-        lines
+        notes
+    }
+}
+
+/// The outline of the mark of a series: square, triangle, diamond, triangle on its point.
+fn mark(index: usize) -> &'static str {
+    match index % 4 {
+        0 => "M-3.2 -3.2 3.2 -3.2 3.2 3.2 -3.2 3.2Z",
+        1 => "M0 -4.3 4 2.9 -4 2.9Z",
+        2 => "M0 -4.7 4 0 0 4.7 -4 0Z",
+        _ => "M0 4.3 4 -2.9 -4 -2.9Z",
     }
 }
 

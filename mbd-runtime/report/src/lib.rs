@@ -1,9 +1,10 @@
 //! Pictures and reports: what a run leaves behind for people.
 //!
+//! - [`report()`] is the page of a run of your own model, in one call.
 //! - [`Figure`] draws line plots as SVG: axes with units, legend, several [`Series`] that stay apart in black and white.
 //! - [`Drawing`] draws a mechanism at several instants, with equal scales on both axes.
 //! - [`Table`] is one table for the terminal, the report and a CSV file.
-//! - [`Report`] is one HTML file that needs no network.
+//! - [`Report`] is one HTML file that needs no network; with a [`Playback`] it shows the run as it moves.
 //! - [`Spectrum`] says which frequencies a history contains.
 //!
 //! Everything here is a pure function of its input: the same data give the same bytes.
@@ -11,19 +12,34 @@
 mod axis;
 mod drawing;
 mod figure;
-mod frame;
+pub mod files;
 mod html;
+mod live;
 mod look;
+mod mechanism;
 mod number;
+mod of_run;
+mod packing;
+mod playback;
+mod plot;
+mod plots;
 mod spectrum;
+mod stage;
 mod svg;
 mod table;
+mod thin;
 mod trace;
+mod views;
 
 pub use drawing::{Drawing, Shape};
 pub use figure::{Figure, Series};
 pub use html::Report;
 pub use look::Look;
+pub use mechanism::drawings;
 pub use number::significant;
+pub use of_run::report;
+pub use playback::Playback;
+pub use plots::{Group, groups};
 pub use spectrum::{Peak, Spectrum};
 pub use table::{Cell, Table};
+pub use views::Views;

@@ -75,7 +75,7 @@ impl Look {
 /// The style sheet of every figure: light by itself and on paper, dark on a dark screen.
 pub(super) fn style_sheet() -> String {
     let mut light = String::from(
-        ".mbd-ground{fill:#fff}.mbd-grid{stroke:#dcdcdc;stroke-width:.7}.mbd-minor{stroke:#eee;stroke-width:.6}\
+        ".mbd-curves *{vector-effect:non-scaling-stroke}.mbd-ground{fill:#fff}.mbd-grid{stroke:#dcdcdc;stroke-width:.7}.mbd-minor{stroke:#eee;stroke-width:.6}\
          .mbd-frame{stroke:#444;stroke-width:1;fill:none}.mbd-level{stroke:#444;stroke-width:.9;stroke-dasharray:2 3}\
          .mbd-text{fill:#111;font-family:Helvetica,Arial,\"DejaVu Sans\",sans-serif}.mbd-series{fill:none;stroke-linejoin:round;stroke-linecap:butt}\
          .mbd-halo{stroke:#fff;stroke-width:3;stroke-linejoin:round;paint-order:stroke}\

@@ -5,15 +5,17 @@ use std::path::Path;
 
 use super::drawing::Drawing;
 use super::figure::Figure;
+use super::files;
+use super::live::{PlotNumbers, at_the_end, player};
 use super::look::style_sheet;
-use super::svg::escape;
+use super::playback::Playback;
+use super::svg::{escape, words};
 use super::table::Table;
-use crate::files;
 
 /// A report, written from top to bottom. No dates, no paths, no machine names: the same input gives the same bytes.
 ///
 /// ```
-/// use models::report::{Report, Table};
+/// use mbd_report::{Report, Table};
 /// let page = Report::new("Parachute").section("Result").paragraph("All taut.").command("cargo run --release").html();
 /// assert!(page.starts_with("<!DOCTYPE html>"));
 /// ```
@@ -22,31 +24,15 @@ pub struct Report {
     title: String,
     sections: Vec<String>,
     body: String,
+    playback: Option<Playback>,
+    /// Of every figure over time, so that a player can move along it.
+    plots: Vec<PlotNumbers>,
 }
 
-const STYLE: &str = "\
-:root{--ink:#1a1a1a;--ground:#fff;--soft:#666;--line:#d5d5d5;--tint:#f5f6f8;--link:#0a58a8;color-scheme:light dark}
-@media screen and (prefers-color-scheme:dark){:root{--ink:#e8e8e8;--ground:#16181c;--soft:#a5a5a5;--line:#3a3e45;--tint:#1f2228;--link:#7ab8e8}}
-*{box-sizing:border-box}
-body{margin:0 auto;padding:1.5rem 1.2rem 4rem;max-width:64rem;color:var(--ink);background:var(--ground);font:16px/1.5 Helvetica,Arial,\"DejaVu Sans\",sans-serif}
-h1{font-size:1.7rem;line-height:1.25;margin:.5rem 0 1rem}
-h2{font-size:1.25rem;margin:2.2rem 0 .6rem;padding-bottom:.2rem;border-bottom:1px solid var(--line)}
-p{max-width:46rem}
-a{color:var(--link)}
-nav{color:var(--soft);font-size:.9rem}
-figure{margin:1.4rem 0 2rem;break-inside:avoid}
-figure svg{width:100%;height:auto;max-width:60rem}
-figcaption,.note{color:var(--soft);font-size:.9rem;max-width:46rem;margin:.3rem 0}
-.table{margin:1.2rem 0;overflow-x:auto;break-inside:avoid}
-table{border-collapse:collapse;font-size:.9rem;font-variant-numeric:tabular-nums}
-caption{text-align:left;font-weight:bold;padding:.3rem 0}
-th,td{padding:.28rem .8rem .28rem 0;text-align:left;vertical-align:top;border-bottom:1px solid var(--line)}
-th{vertical-align:bottom;border-bottom:2px solid var(--soft)}
-th small{font-weight:normal;color:var(--soft)}
-.right{text-align:right;white-space:nowrap}
-pre{background:var(--tint);border:1px solid var(--line);padding:.6rem .8rem;overflow-x:auto;font-size:.88rem}
-@media print{body{max-width:none;padding:0;font-size:10pt}nav{display:none}.table{overflow:visible}h2{break-after:avoid}}
-";
+/// The style of the page.
+const STYLE: &str = include_str!("page/page.css");
+/// Nothing is fetched from anywhere, and nothing is sent.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
 impl Report {
     /// An empty report.
@@ -56,6 +42,8 @@ impl Report {
             title: title.into(),
             sections: Vec::new(),
             body: String::new(),
+            playback: None,
+            plots: Vec::new(),
         }
     }
 
@@ -68,10 +56,10 @@ impl Report {
         self
     }
 
-    /// Adds a paragraph of plain words.
+    /// Adds a paragraph of plain words; names in backticks are shown as code.
     #[must_use]
-    pub fn paragraph(mut self, words: &str) -> Self {
-        self.body += &format!("<p>{}</p>\n", escape(words));
+    pub fn paragraph(mut self, text: &str) -> Self {
+        self.body += &format!("<p>{}</p>\n", words(text));
         self
     }
 
@@ -92,22 +80,33 @@ impl Report {
 
     /// Adds a figure; its caption stands under it as text.
     #[must_use]
-    pub fn figure(self, figure: &Figure<'_>) -> Self {
-        self.picture(&figure.inline(), figure.caption_text())
+    pub fn figure(mut self, figure: &Figure<'_>) -> Self {
+        let numbers = figure.numbers();
+        self.body += &figure.part(numbers.is_some().then_some(self.plots.len()));
+        self.plots.extend(numbers);
+        self
     }
 
     /// Adds the drawing of a mechanism; its caption stands under it as text.
     #[must_use]
-    pub fn drawing(self, drawing: &Drawing) -> Self {
-        self.picture(&drawing.inline(), drawing.caption_text())
+    pub fn drawing(mut self, drawing: &Drawing) -> Self {
+        let class = if self.playback.is_some() {
+            " class=\"still\""
+        } else {
+            ""
+        };
+        self.body += &format!("<div{class}>\n{}</div>\n", drawing.part());
+        self
     }
 
-    fn picture(mut self, svg: &str, caption: &str) -> Self {
-        let caption = match caption {
-            "" => String::new(),
-            caption => format!("<figcaption>{}</figcaption>\n", escape(caption)),
-        };
-        self.body += &format!("<figure>\n{svg}{caption}</figure>\n");
+    /// Adds a run as a moving drawing, whose time is that of all figures over time. Drawings that are added behind it stand for it on paper and
+    /// where no script runs. A page has one: a later one takes the place of an earlier one.
+    #[must_use]
+    pub fn playback(mut self, playback: Playback) -> Self {
+        if self.playback.is_none() {
+            self.body += &player(&playback);
+        }
+        self.playback = Some(playback);
         self
     }
 
@@ -126,21 +125,32 @@ impl Report {
         } else {
             String::new()
         };
+        let live = self.playback.as_ref();
+        let live = live.map_or_else(String::new, |playback| at_the_end(playback, &self.plots));
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
-             <style>\n{STYLE}{}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{contents}{}</body>\n</html>\n",
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n<title>{title}</title>\n\
+             <style>\n{STYLE}{}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{contents}{}{live}</main>\n</body>\n</html>\n",
             style_sheet(),
             self.body
         )
     }
 
-    /// Writes the page.
+    /// Writes the page into a file that ends in `.html`, or as `report.html` into a folder of any other name, which is made if it is not there.
     ///
     /// # Errors
     /// The file cannot be written whole; the error names it.
     pub fn write(&self, path: impl AsRef<Path>) -> io::Result<()> {
-        files::write_text(path.as_ref(), &self.html())
+        let path = path.as_ref();
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "html")
+        {
+            return files::write_text(path, &self.html());
+        }
+        files::make_folder(path)?;
+        files::write_text(&path.join("report.html"), &self.html())
     }
 }
 
@@ -167,7 +177,7 @@ mod tests {
     #[test]
     fn a_page_refers_to_nothing_outside_itself() {
         let page = page().replace("http://www.w3.org/2000/svg", "");
-        for word in ["http", "src=", "<script", "url(", "@import"] {
+        for word in ["http:", "https:", " src=", "<script", "url(", "@import"] {
             assert!(!page.contains(word), "{word}");
         }
     }

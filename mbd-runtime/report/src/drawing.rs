@@ -1,12 +1,11 @@
 //! Line drawings of a mechanism: bodies, lines, joints and paths in one plane, equal scales on both axes.
 
 use super::axis::{Axis, Range, Scale};
-use super::frame::{
-    LINE, RIGHT, SMALL, TEXT, TITLE, WIDTH, draw_axes, label, left_margin, legend_rows, open,
-    title_rows, write_under,
-};
 use super::look::Look;
-use super::svg::{Anchor, Svg, wrap};
+use super::plot::{
+    Entry, Plot, RIGHT, SAMPLE, WIDTH, draw_grid, label, left_margin, with_exponent,
+};
+use super::svg::Svg;
 use super::trace::Panel;
 
 /// A place in the plane of the drawing: right and up.
@@ -38,6 +37,23 @@ impl Shape {
         }
     }
 
+    /// The same kind of shape in the legend, and what it stands for.
+    fn explained(&self) -> (Shape, &'static str) {
+        let middle = 0.5 * SAMPLE[1];
+        let ends = [[0.0, middle], [SAMPLE[0], middle]];
+        let at = [0.5 * SAMPLE[0], middle];
+        match self {
+            Shape::Body(places) if places.len() == 1 => (Shape::Body(vec![at]), "body"),
+            Shape::Body(_) => (Shape::Body(ends.to_vec()), "body"),
+            Shape::Line(_, true) => (Shape::Line(ends, true), "slack line"),
+            Shape::Line(_, false) => (Shape::Line(ends, false), "line"),
+            Shape::Rail(_) => (Shape::Rail(ends), "between the places of a joint"),
+            Shape::Joint(_) => (Shape::Joint(at), "joint or knot"),
+            Shape::Pivot(_) => (Shape::Pivot([at[0], 4.0]), "held by the world"),
+            Shape::Point(_) => (Shape::Point(at), "point with mass"),
+        }
+    }
+
     /// Later ones lie on top.
     fn layer(&self) -> usize {
         match self {
@@ -52,7 +68,7 @@ impl Shape {
 /// A mechanism at one or more instants, later ones darker, and the paths of named points.
 ///
 /// ```
-/// use models::report::{Drawing, Shape};
+/// use mbd_report::{Drawing, Shape};
 /// let svg = Drawing::new("Pendulum", ["x", "z"])
 ///     .instant([Shape::Body(vec![[0.0, 0.0], [0.3, -0.4]]), Shape::Pivot([0.0, 0.0])])
 ///     .svg();
@@ -115,43 +131,39 @@ impl Drawing {
     /// The drawing as a file of its own, title and caption included.
     #[must_use]
     pub fn svg(&self) -> String {
-        self.draw(true)
+        self.drawn(|plot| plot.file())
     }
 
-    /// The drawing without caption and style sheet, to stand inside an HTML page that has both.
-    pub(super) fn inline(&self) -> String {
-        self.draw(false)
+    /// The drawing as a part of a page.
+    pub(super) fn part(&self) -> String {
+        self.drawn(|plot| plot.part(None))
     }
 
-    fn draw(&self, alone: bool) -> String {
+    fn drawn(&self, finish: impl FnOnce(&Plot<'_>) -> String) -> String {
         let bounds = self.bounds();
         // The margin depends on the labels, which depend on the range: the first guess of the range is close enough for it.
         let left = left_margin(&axis(bounds[1], 300.0));
         let (ranges, size) = fitted(bounds, WIDTH - RIGHT - left);
         let (x, y) = (axis(ranges[0], size[0]), axis(ranges[1], size[1]));
-        let title = title_rows(&self.title);
-        let legend = legend_rows(self.paths.iter().map(|(name, _)| name.as_str()), left);
-        let head = 8.0 + 1.3 * TITLE * title.len() as f64;
-        let top = head + LINE * legend.len() as f64 + 12.0;
-        let panel = Panel {
-            at: [left, top],
-            size,
-            x: &x,
-            y: &y,
-        };
-        let under = match alone {
-            true => wrap(&self.caption, SMALL, WIDTH - 2.0 * RIGHT - 40.0),
-            false => Vec::new(),
-        };
-        let bottom = top + size[1] + 48.0;
-        let height = bottom + LINE * under.len() as f64;
-        let mut svg = open(height, left, &self.title, &self.caption, alone);
-        self.draw_legend(&mut svg, &legend, head);
-        draw_axes(&mut svg, &panel, &self.labels);
+        let panel = Panel { size, x: &x, y: &y };
+        let mut svg = Svg::content();
+        draw_grid(&mut svg, &panel);
         self.draw_inside(&mut svg, &panel);
-        svg.rect("mbd-frame", panel.at, panel.size);
-        write_under(&mut svg, &under, left, bottom);
-        svg.close()
+        svg.border("mbd-frame");
+        finish(&Plot {
+            title: &self.title,
+            caption: &self.caption,
+            labels: [
+                with_exponent(&self.labels[0], x.exponent),
+                with_exponent(&self.labels[1], y.exponent),
+            ],
+            legend: self.legend(),
+            content: svg.markup(),
+            left,
+            size,
+            equal: true,
+            notes: Vec::new(),
+        })
     }
 
     /// Lowest and highest place of everything along both axes; a square metre for nothing.
@@ -168,22 +180,34 @@ impl Drawing {
         bounds.unwrap_or([[-0.5, 0.5]; 2])
     }
 
-    fn draw_legend(&self, svg: &mut Svg, rows: &[Vec<(usize, f64)>], top: f64) {
-        for (row, entries) in rows.iter().enumerate() {
-            let middle = top + LINE * (row as f64 + 0.5);
-            for &(index, left) in entries {
-                let Some((name, _)) = self.paths.get(index) else {
-                    continue;
-                };
-                svg.line(&path_class(index), [left, middle], [left + 36.0, middle]);
-                let at = [left + 43.0, middle + 0.35 * TEXT];
-                svg.text("", at, TEXT, Anchor::Start, false, name);
+    /// Each kind of shape once, then the paths.
+    fn legend(&self) -> Vec<Entry> {
+        let mut legend: Vec<Entry> = Vec::new();
+        for shape in self.instants.iter().flatten() {
+            let (sample, name) = shape.explained();
+            if !shape.places().is_empty() && legend.iter().all(|entry| entry.name != name) {
+                let mut svg = Svg::content();
+                draw_shape(&mut svg, &sample, &|place| Some(*place));
+                legend.push(Entry {
+                    sample: svg.markup(),
+                    name: name.to_string(),
+                });
             }
         }
+        let middle = 0.5 * SAMPLE[1];
+        legend.extend(self.paths.iter().enumerate().map(|(index, (name, _))| {
+            let mut svg = Svg::content();
+            svg.line(&path_class(index), [0.0, middle], [SAMPLE[0], middle]);
+            Entry {
+                sample: svg.markup(),
+                name: format!("path of {name}"),
+            }
+        }));
+        legend
     }
 
     fn draw_inside(&self, svg: &mut Svg, panel: &Panel) {
-        svg.clip(panel.at, panel.size);
+        svg.stretch(panel.size, 0.0);
         let last = self.instants.len().saturating_sub(1);
         for (index, shapes) in self.instants.iter().enumerate() {
             let share = if last == 0 {
@@ -195,15 +219,15 @@ impl Drawing {
             let mut ordered: Vec<&Shape> = shapes.iter().collect();
             ordered.sort_by_key(|shape| shape.layer());
             for shape in ordered {
-                draw_shape(svg, panel, shape);
+                draw_shape(svg, shape, &|place| panel.place(place[0], place[1]));
             }
             svg.unfade();
         }
         for (index, (_, places)) in self.paths.iter().enumerate() {
-            let trace = panel.trace(places.iter().map(|&[x, y]| (x, y)));
+            let trace = panel.trace(places.iter().map(|&[x, y]| (x, y)), None);
             svg.path(&path_class(index), &trace.path);
         }
-        svg.unclip();
+        svg.unstretch();
     }
 }
 
@@ -238,8 +262,7 @@ fn fitted(bounds: [[f64; 2]; 2], widest: f64) -> ([[f64; 2]; 2], [f64; 2]) {
     ([range(0), range(1)], size)
 }
 
-fn draw_shape(svg: &mut Svg, panel: &Panel, shape: &Shape) {
-    let at = |place: &Place| panel.place(place[0], place[1]);
+fn draw_shape(svg: &mut Svg, shape: &Shape, at: &impl Fn(&Place) -> Option<Place>) {
     match shape {
         Shape::Body(places) => {
             let places: Vec<Place> = places.iter().filter_map(at).collect();

@@ -52,6 +52,11 @@ impl Axis {
         }
     }
 
+    /// Its low and its high end; decimal logarithms if logarithmic.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.low, self.high]
+    }
+
     /// The place of a value: 0 at the low end, 1 at the high end; `None` if it cannot be drawn (not finite, or ≤ 0 on a logarithmic axis).
     pub fn place(&self, value: f64) -> Option<f64> {
         let value = match self.scale {

@@ -8,8 +8,6 @@ use super::number::pixel;
 
 /// The rectangle of a plot and its axes.
 pub(super) struct Panel<'a> {
-    /// Left upper corner [px].
-    pub at: [f64; 2],
     /// Width and height [px].
     pub size: [f64; 2],
     /// The horizontal axis.
@@ -43,25 +41,32 @@ impl Panel<'_> {
     /// The place of a sample [px].
     pub fn place(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         let (x, y) = (self.x.place(x)?, self.y.place(y)?);
-        let right = self.at[0] + x * self.size[0];
-        let down = self.at[1] + (1.0 - y) * self.size[1];
+        let right = x * self.size[0];
+        let down = (1.0 - y) * self.size[1];
         Some([right.clamp(-FAR, FAR), down.clamp(-FAR, FAR)])
     }
 
     /// −1 left of the plot, 0 inside, 1 right of it (or above and below, on axis 1); a rounding error outside still counts as inside.
     fn side(&self, place: [f64; 2], axis: usize) -> i32 {
-        let offset = place[axis] - self.at[axis];
+        let offset = place[axis];
         i32::from(offset > self.size[axis] + 1e-6) - i32::from(offset < -1e-6)
     }
 
-    /// Draws samples into a path.
-    pub fn trace(&self, samples: impl Iterator<Item = (f64, f64)>) -> Trace {
+    /// Draws samples into a path. Where `period` is given, values that far apart are the same, and the line breaks where they jump by more than
+    /// half of it.
+    pub fn trace(&self, samples: impl Iterator<Item = (f64, f64)>, period: Option<f64>) -> Trace {
         let mut trace = Trace::default();
         let mut pen = Pen::default();
         let mut previous: Option<[f64; 2]> = None;
         let mut few = true;
+        let mut before = f64::NAN;
         for (x, y) in samples {
             let place = self.place(x, y);
+            if period.is_some_and(|period| (y - before).abs() > 0.5 * period) {
+                pen.up();
+                previous = None;
+            }
+            before = y;
             match (previous, place) {
                 (_, None) => {
                     trace.missing += 1;
@@ -205,12 +210,11 @@ mod tests {
         let x = Axis::new(Range::Fixed(0.0, 10.0), Scale::Linear, 5);
         let y = Axis::new(Range::Fixed(0.0, 1.0), Scale::Linear, 5);
         let panel = Panel {
-            at: [0.0, 0.0],
             size: [100.0, 100.0],
             x: &x,
             y: &y,
         };
-        panel.trace(samples.iter().copied())
+        panel.trace(samples.iter().copied(), None)
     }
 
     fn heights(trace: &Trace) -> Vec<f64> {
@@ -256,6 +260,21 @@ mod tests {
         ]);
         assert_eq!(trace.path.matches('M').count(), 2);
         assert_eq!((trace.missing, trace.inside), (1, 4));
+    }
+
+    #[test]
+    fn an_angle_that_wraps_has_no_line_across_the_plot() {
+        let samples = [(1.0, 0.7), (2.0, 0.95), (3.0, 0.05), (4.0, 0.3)];
+        let x = Axis::new(Range::Fixed(0.0, 10.0), Scale::Linear, 5);
+        let y = Axis::new(Range::Fixed(0.0, 1.0), Scale::Linear, 5);
+        let panel = Panel {
+            size: [100.0, 100.0],
+            x: &x,
+            y: &y,
+        };
+        let trace = panel.trace(samples.into_iter(), Some(1.0));
+        assert_eq!(trace.path, "M10 30 10 30 20 5M30 95 30 95 40 70");
+        assert_eq!((trace.missing, trace.inside), (0, 4));
     }
 
     #[test]

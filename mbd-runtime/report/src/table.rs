@@ -1,7 +1,7 @@
 //! One table for the terminal, the report and a file.
 
 use super::number::significant;
-use super::svg::escape;
+use super::svg::{escape, words};
 
 /// One entry of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +56,7 @@ struct Column {
 /// A table: columns with units, rows of cells.
 ///
 /// ```
-/// use models::report::Table;
+/// use mbd_report::Table;
 /// let table = Table::new("Largest stable step").column("node", "").number("step", "s", 3).row(["mass".into(), 1.565e-4.into()]);
 /// assert!(table.text().contains("1.57e-4"));
 /// ```
@@ -175,8 +175,8 @@ impl Table {
     #[must_use]
     pub fn html(&self) -> String {
         let mut html = format!(
-            "<div class=\"table\"><table>\n<caption>{}</caption>\n<thead><tr>",
-            escape(&self.title)
+            "<div class=\"table\"><div class=\"scroll\"><table>\n<caption>{}</caption>\n<thead><tr>",
+            words(&self.title)
         );
         for (k, column) in self.columns.iter().enumerate() {
             let unit = match column.unit.as_str() {
@@ -190,13 +190,13 @@ impl Table {
         for row in &self.rows {
             html += "<tr>";
             for (k, shown) in self.shown(row).iter().enumerate() {
-                html += &format!("<td{}>{}</td>", self.class(k), escape(shown));
+                html += &format!("<td{}>{}</td>", self.class(k), words(shown));
             }
             html += "</tr>\n";
         }
-        html += "</tbody></table>\n";
+        html += "</tbody></table></div>\n";
         for note in &self.notes {
-            html += &format!("<p class=\"note\">{}</p>\n", escape(note));
+            html += &format!("<p class=\"note\">{}</p>\n", words(note));
         }
         html + "</div>\n"
     }

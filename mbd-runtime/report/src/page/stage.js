@@ -1,0 +1,91 @@
+// The mechanism at a time: what is where, and what of it is drawn how.
+
+class Stage {
+  constructor(data) {
+    this.data = data;
+    this.times = unpack(Float32Array, data.times);
+    const places = (thing) => { thing.p = unpack(Float32Array, thing.p); };
+    data.bodies.forEach((body) => { places(body); body.q = unpack(Int16Array, body.q); });
+    data.points.forEach(places);
+    data.frames.forEach(places);
+    data.lines.forEach((line) => {
+      line.tension = unpack(Float32Array, line.tension);
+      line.slack = unpack(Uint8Array, line.slack);
+    });
+    data.arrows.forEach((arrow) => { arrow.v = unpack(Float32Array, arrow.v); });
+    const most = (list) => list.reduce((most, x) => (Math.abs(x) > most ? Math.abs(x) : most), 0);
+    this.pull = Math.max(...data.lines.map((line) => most(line.tension)), 0);
+    this.longest = {};
+    for (const arrow of data.arrows) {
+      for (let k = 0; k + 2 < arrow.v.length; k += 3) {
+        const size = Math.hypot(arrow.v[k], arrow.v[k + 1], arrow.v[k + 2]);
+        if (size > (this.longest[arrow.unit] || 0)) this.longest[arrow.unit] = size;
+      }
+    }
+    this.measure();
+  }
+
+  /** Where everything is at a time. */
+  at(t) {
+    const { data } = this;
+    const row = between(this.times, t);
+    const fixed = (list) => vectorAt(list, list.length > 3 ? row : [0, 0, 0]);
+    const bodies = data.bodies.map((body) => ({ p: vectorAt(body.p, row), m: attitudeAt(body.q, row) }));
+    const points = data.points.map((point) => vectorAt(point.p, row));
+    const frames = data.frames.map((frame) => fixed(frame.p));
+    const place = ([kind, index, frame]) => {
+      if (kind === 0) return frames[index];
+      if (kind === 2) return points[index];
+      return add(bodies[index].p, turn(bodies[index].m, data.bodies[index].arms[frame]));
+    };
+    return { row, bodies, points, frames, place };
+  }
+
+  /** The lowest and the highest corner of everything at a time; null of nothing. */
+  bounds(t) {
+    const now = this.at(t);
+    const places = [...now.points, ...this.data.frames.map((frame, k) => (frame.used ? now.frames[k] : [NaN, 0, 0]))];
+    this.data.bodies.forEach((body, k) => {
+      const { p, m } = now.bodies[k];
+      body.arms.forEach((arm) => places.push(add(p, turn(m, arm))));
+      const reach = body.reach.map((x) => Math.abs(x));
+      const half = m.map((row) => Math.abs(row[0]) * reach[0] + Math.abs(row[1]) * reach[1] + Math.abs(row[2]) * reach[2]);
+      places.push(add(p, half), add(p, half, -1));
+    });
+    return union(places.filter(finite).map((p) => [p, p]));
+  }
+
+  /** How large it is, how far it travels, where the ground lies. */
+  measure() {
+    const [start, end] = [this.times[0], this.times[this.times.length - 1]];
+    const boxes = [];
+    for (let k = 0; k <= 40; k++) boxes.push(this.bounds(start + ((end - start) * k) / 40));
+    const seen = boxes.filter(Boolean);
+    const [low, high] = union(seen) || [[0, 0, 0], [0, 0, 0]];
+    const length = ([low, high]) => norm(add(high, low, -1));
+    const own = Math.max(1e-9, ...seen.map(length));
+    const whole = length([low, high]);
+    // What nothing holds and what goes further than its own size is followed; what has no size is seen on its whole way.
+    this.travels = !this.data.frames.some((frame) => frame.used) && whole > 1.2 * own && own > 0.01 * whole;
+    this.centre = add(low, add(high, low, -1), 0.5);
+    this.radius = Math.max((this.travels ? own : whole) / 2, 1e-9);
+    this.size = 2 * this.radius;
+    // The ground of the world where it is in reach, else below everything.
+    const { up } = this.data;
+    const least = Math.min(dot(low, up), dot(high, up));
+    this.floor = least >= 0 && least < whole ? 0 : least;
+  }
+
+  /** The middle of everything at a time. */
+  middle(t) {
+    const box = this.bounds(t);
+    return box ? add(box[0], add(box[1], box[0], -1), 0.5) : this.centre;
+  }
+}
+
+/** The box around boxes; null of none. */
+function union(boxes) {
+  if (!boxes.length) return null;
+  const ends = (which, pick) => [0, 1, 2].map((k) => boxes.reduce((x, box) => pick(x, box[which][k]), boxes[0][which][k]));
+  return [ends(0, Math.min), ends(1, Math.max)];
+}
