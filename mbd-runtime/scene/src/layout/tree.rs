@@ -12,7 +12,7 @@
 use std::ops::Range;
 
 use super::link_axes::{self, LinkAxes};
-use crate::layout::Slots;
+use crate::layout::{Layout, Slots};
 use crate::tree::Grouped;
 use crate::{Detachable, Joint, Part, Place, Scene};
 
@@ -98,11 +98,36 @@ fn may_carry(scene: &Scene, joint: usize) -> bool {
         && !places.iter().any(|place| matches!(place, Place::Point(_)))
 }
 
+/// Of the joints those that move nothing out of the plane of a planar scene: without attitude, all their coordinates change something there. Those on
+/// frames of the world that turn are rows: angles of the bodies count turns, which such a frame does not tell.
+fn moves_in_plane(scene: &Scene) -> Vec<bool> {
+    if scene.planar.is_none() {
+        return vec![true; scene.joints.len()];
+    }
+    let still = Layout::unchanged(scene);
+    let turns = |place: Place| match place {
+        Place::World(frame) => scene
+            .world_frames
+            .get(frame)
+            .is_some_and(|frame| frame.turns(scene)),
+        Place::Body(..) | Place::Point(_) => false,
+    };
+    let joints = scene.joints.iter().enumerate();
+    joints
+        .map(|(index, joint)| {
+            joint.law.attitude().is_none()
+                && !still.iter().any(|&(of, _)| of == index)
+                && ![joint.parent, joint.child].into_iter().any(turns)
+        })
+        .collect()
+}
+
 impl Tree {
     /// The tree of a scene; no coordinates yet.
     pub(crate) fn span(scene: &Scene) -> Self {
+        let in_plane = moves_in_plane(scene);
         let mut candidates: Vec<usize> = (0..scene.joints.len())
-            .filter(|&joint| may_carry(scene, joint))
+            .filter(|&joint| in_plane[joint] && may_carry(scene, joint))
             .collect();
         candidates.sort_by_key(|&joint| scene.joints[joint].law.freedoms());
         // What hangs together: bodies, and behind them the world.
@@ -201,6 +226,39 @@ impl Tree {
             self.of_joint[joint] = Some(link);
         }
         link
+    }
+
+    /// Which joints the tree is made of, in words, which it leaves to rows, and which bodies float.
+    #[must_use]
+    pub fn sentence(&self, scene: &Scene) -> String {
+        const SHOWN: usize = 12;
+        let list = |what: &str, names: Vec<&str>| match names.len() {
+            0 => None,
+            count if count > SHOWN => {
+                let more = count - SHOWN;
+                Some(format!(
+                    "{what} {} and {more} more",
+                    names[..SHOWN].join(", ")
+                ))
+            }
+            _ => Some(format!("{what} {}", names.join(", "))),
+        };
+        let joints = |carrying: bool| {
+            let all = scene.joints.iter().zip(&self.of_joint);
+            let these = all.filter(|(joint, link)| {
+                link.is_some() == carrying && (carrying || joint.law.freedoms() < 6)
+            });
+            these.map(|(joint, _)| joint.name.as_str()).collect()
+        };
+        let floating = self.links.iter().filter(|link| link.joint.is_none());
+        let floating = floating.filter_map(|link| Some(scene.bodies.get(link.body)?.name.as_str()));
+        let parts = [
+            list("of the joints", joints(true)),
+            list("of the floating", floating.collect()),
+            list("rows of", joints(false)),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        format!("relative coordinates {}", parts.join("; "))
     }
 
     /// The link that a joint carries.

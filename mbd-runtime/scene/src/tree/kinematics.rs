@@ -22,7 +22,7 @@ use crate::laws::numbers::{BodyNumbers, FrameNumbers, Numbers};
 use crate::layout::{LinkAxes, as_seen};
 use crate::scalar::Few;
 use crate::scalar::algebra::labelled;
-use crate::{At, FrameMotion, Layout, Link, Place, Pose, Real, Relative, Scene, Twist};
+use crate::{At, Directions, FrameMotion, Layout, Link, Place, Pose, Real, Relative, Scene, Twist};
 
 /// A link in motion, its own axes unless said otherwise.
 #[derive(Clone, Debug)]
@@ -51,6 +51,8 @@ pub(crate) struct LinkMotion<S: Real> {
     pub centre: Vector3<S>,
     /// Components of the body → its axes.
     pub body: Matrix3<S>,
+    /// The angle of the body about the normal of a planar scene, turns counted [rad].
+    pub angle: S,
 }
 
 /// What carries a link: another link, the world, or a frame of the world that moves.
@@ -62,6 +64,10 @@ struct Inboard<S: Real> {
     /// The frame of the joint on it.
     place: Vector3<S>,
     frame: Matrix3<S>,
+    /// Its axes → components of its body, or of the world.
+    body: Matrix3<S>,
+    /// The angle of its body about the normal of a planar scene.
+    angle: S,
 }
 
 impl<S: Real> LinkMotion<S> {
@@ -80,15 +86,19 @@ impl<S: Real> LinkMotion<S> {
             origin: Vector3::zeros(),
             centre: Vector3::zeros(),
             body: Matrix3::identity(),
+            angle: S::zero(),
         }
     }
 
-    /// A body that floats: its axes, its centre of mass, six unit columns.
-    fn floating(motion: &BodyMotion<S>) -> Self {
+    /// A body that floats: its axes, its centre of mass, six unit columns, in a plane three.
+    fn floating(motion: &BodyMotion<S>, directions: Directions) -> Self {
         let axes = motion.rotation.map(|x| x * motion.unit);
         let mut columns = Few::new(Twist::zero());
-        columns.extend(units().map(Twist::slide));
-        columns.extend(units().map(Twist::spin));
+        let units = units();
+        let along = directions.translations().iter();
+        columns.extend(along.map(|&axis| Twist::slide(units[axis])));
+        let about = directions.rotations().iter();
+        columns.extend(about.map(|&axis| Twist::spin(units[axis])));
         LinkMotion {
             turn: Turn::by(axes),
             offset: motion.position,
@@ -97,20 +107,30 @@ impl<S: Real> LinkMotion<S> {
             velocity: axes.transpose() * motion.velocity,
             axes,
             origin: motion.position,
+            angle: match motion.attitude {
+                Attitude::Angle(angle) => angle,
+                Attitude::Quaternion(_) | Attitude::Axes => S::zero(),
+            },
             ..LinkMotion::unknown()
         }
     }
 
-    /// The body of the link.
-    fn body_motion(&self) -> BodyMotion<S> {
+    /// The body of the link; nothing of it is out of the plane of a planar scene.
+    fn body_motion(&self, directions: Directions) -> BodyMotion<S> {
         let rotation = self.axes * self.body;
         let moving = self.velocity + self.omega.cross(&self.centre);
         BodyMotion {
-            position: labelled(self.origin + self.axes * self.centre, ["x", "y", "z"]),
+            position: labelled(
+                directions.in_plane(self.origin + self.axes * self.centre),
+                ["x", "y", "z"],
+            ),
             rotation,
             unit: S::one(),
-            attitude: Attitude::Axes,
-            velocity: labelled(self.axes * moving, ["vx", "vy", "vz"]),
+            attitude: match directions.plane {
+                Some(_) => Attitude::Angle(self.angle),
+                None => Attitude::Axes,
+            },
+            velocity: labelled(directions.in_plane(self.axes * moving), ["vx", "vy", "vz"]),
             omega_body: self.body.transpose() * self.omega,
             omega_world: labelled(self.axes * self.omega, ["w_x", "w_y", "w_z"]),
         }
@@ -175,13 +195,13 @@ pub(crate) fn read<'a, S: Real>(
                     layout.directions,
                     scene.angular_velocity,
                 );
-                Some(LinkMotion::floating(&motions[link.body]))
+                Some(LinkMotion::floating(&motions[link.body], layout.directions))
             }
             Some(joint) => instant.carried(link, joint, links),
         };
         let Some(motion) = motion else { continue };
         if link.joint.is_some() {
-            motions[link.body] = motion.body_motion();
+            motions[link.body] = motion.body_motion(layout.directions);
         }
         links[index] = motion;
     }
@@ -264,6 +284,23 @@ impl<S: Real> Instant<'_, S> {
         };
         motion.axes = inboard.axes * motion.turn.matrix();
         motion.origin = inboard.origin + inboard.axes * motion.offset;
+        if let Some(plane) = self.layout.directions.plane {
+            let zero = [S::zero(); 6];
+            let zero = Relative {
+                q: &zero[..link.coordinates],
+                ..at
+            };
+            let start = match link.reversed {
+                false => law.motion(&zero).rotation,
+                true => law.motion(&zero).rotation.transpose(),
+            };
+            let start = inboard.body * frame * start * body;
+            let turns = motion.columns.iter().zip(at.q).map(|(column, &q)| {
+                let about = motion.axes * column.angular;
+                about[plane.normal()] * q
+            });
+            motion.angle = turns.fold(inboard.angle + plane.angle(&start), |sum, turn| sum + turn);
+        }
         Some(motion)
     }
 
@@ -280,6 +317,8 @@ impl<S: Real> Instant<'_, S> {
                         velocity: axes.transpose() * motion.velocity,
                         place: Vector3::zeros(),
                         frame: Matrix3::identity(),
+                        body: axes,
+                        angle: S::zero(),
                     }
                 }
                 None => {
@@ -291,6 +330,8 @@ impl<S: Real> Instant<'_, S> {
                         velocity: Vector3::zeros(),
                         place: frame.position,
                         frame: axes_of(frame),
+                        body: Matrix3::identity(),
+                        angle: S::zero(),
                     }
                 }
             }),
@@ -303,6 +344,8 @@ impl<S: Real> Instant<'_, S> {
                     velocity: link.velocity,
                     place: link.centre + link.body * frame.position,
                     frame: link.body * axes_of(frame),
+                    body: link.body.transpose(),
+                    angle: link.angle,
                 })
             }
             Place::Point(_) => None,
