@@ -152,6 +152,14 @@ impl Trajectory {
         }
     }
 
+    /// Drops all rows and events, for another run of the same scene; the memory stays.
+    pub fn clear(&mut self) {
+        self.columns.iter_mut().for_each(Vec::clear);
+        self.events.clear();
+        (self.first, self.next, self.undetermined) = (f64::NAN, 0, 0);
+        self.statistics = Statistics::default();
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {

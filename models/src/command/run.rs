@@ -3,8 +3,9 @@
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
+use mbd_campaign::Campaign;
 use models::progress::Progress;
-use models::run::{Outcome, Plan, Settings, doubt, publish, summary_json, warning};
+use models::run::{Outcome, Plan, Settings, doubt, fly_model, publish, summary_json, warning};
 use toml::Value;
 
 use super::failure::Failure;
@@ -43,6 +44,17 @@ pub struct RunArgs {
     /// Leave out the second, finer run that tells the error of the first.
     #[arg(long)]
     no_estimate: bool,
+    /// Run a case of this campaign file, with its params, inputs and start.
+    #[arg(long, value_name = "FILE")]
+    campaign: Option<PathBuf>,
+    /// Which case; 0 is the nominal.
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 0,
+        requires = "campaign"
+    )]
+    case: u64,
     /// Print the summary as JSON instead of a table.
     #[arg(long)]
     json: bool,
@@ -50,38 +62,32 @@ pub struct RunArgs {
 
 /// Runs a scene.
 pub fn run(args: &RunArgs) -> Result<String, Failure> {
-    let SceneFile {
-        scene,
-        settings,
-        remarks,
-        fly,
-        ..
-    } = SceneFile::find(&args.scene)?;
-    let settings = with_flags(settings, args)?;
+    let file = SceneFile::find(&args.scene)?;
+    let (scene, remarks) = (&file.scene, &file.remarks);
+    let settings = with_flags(file.settings.clone(), args)?;
     let invalid = |error: &dyn std::fmt::Display| {
         Failure::Invalid(format!("{}: {error}", args.scene.display()))
     };
-    let plan = Plan::new(&scene, &settings).map_err(|error| invalid(&error))?;
-    let progress = &mut Progress::new();
-    let flown = match fly {
-        Some(fly) => fly(&plan, progress),
-        None => models::run::fly(&scene, &plan, progress),
+    let plan = match &args.campaign {
+        Some(campaign) => case_of(&file, settings, campaign, args.case)?,
+        None => Plan::new(scene, &settings).map_err(|error| invalid(&error))?,
     };
-    let outcome = flown.map_err(|error| invalid(&error))?;
+    let model = file.model(&plan.params).map_err(|error| invalid(&error))?;
+    let outcome = fly_model(&*model, &plan, &mut Progress::new());
     let folder = args
         .out
         .clone()
         .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
-    let table = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
-    let warning = warning(&scene, &plan, &outcome);
-    let doubt = doubt(&scene, &plan, &outcome);
+    let table = publish(scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
+    let warning = warning(scene, &plan, &outcome);
+    let doubt = doubt(scene, &plan, &outcome);
     let warning = warning.into_iter().chain(doubt.clone());
     let warning: Vec<String> = warning.collect();
     let told = if args.json {
         for warning in &warning {
             eprintln!("{warning}");
         }
-        summary_json(&scene, &plan, &outcome).map_err(|error| unwritten(&error))?
+        summary_json(scene, &plan, &outcome).map_err(|error| unwritten(&error))?
     } else {
         let remarks = remarks.iter().chain(&warning);
         let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
@@ -92,6 +98,18 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
         None => Ok(told),
         Some(error) => Err(Failure::Aborted(format!("{told}\n{}: {error}", scene.name))),
     }
+}
+
+/// The plan of a case of a campaign.
+fn case_of(
+    file: &SceneFile,
+    settings: Settings,
+    campaign: &Path,
+    case: u64,
+) -> Result<Plan, Failure> {
+    let model = super::campaign::nominal(file)?;
+    let plan = Campaign::read(campaign, model, settings)?.plan(case);
+    plan.map_err(|error| Failure::Invalid(format!("{}: {error}", campaign.display())))
 }
 
 fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Failure> {

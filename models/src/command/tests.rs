@@ -3,6 +3,8 @@
 use super::scene_file::SceneFile;
 use super::*;
 
+mod campaign;
+
 fn run(arguments: &[&str]) -> Result<String, Failure> {
     answer(["mbd"].iter().chain(arguments).map(OsString::from))
 }

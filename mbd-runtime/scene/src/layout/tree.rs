@@ -11,12 +11,13 @@
 
 use std::ops::Range;
 
+use super::link_axes::{self, LinkAxes};
 use crate::layout::{Layout, Slots};
 use crate::tree::Grouped;
-use crate::{Detachable, Part, Place, Scene};
+use crate::{Detachable, Joint, Part, Place, Scene};
 
 /// A body and what carries it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
     /// The body.
     pub body: usize,
@@ -34,11 +35,22 @@ pub struct Link {
     pub speeds: usize,
     /// Number of those of its speeds that are angular: the last ones.
     pub turns: usize,
+    /// Its axes, where they are not those that the declaration gives the frame of its joint.
+    pub axes: Option<LinkAxes>,
     /// What of its inertia goes to the link that carries it.
     pub grouped: Grouped,
 }
 
 impl Link {
+    /// The places of its joint: on what carries it, and on itself.
+    #[must_use]
+    pub fn ends(&self, joint: &Joint) -> [Place; 2] {
+        match self.reversed {
+            false => [joint.parent, joint.child],
+            true => [joint.child, joint.parent],
+        }
+    }
+
     /// Where in q the quaternion of its joint is, if it has one: the last of its coordinates, which are one more than its speeds.
     #[must_use]
     pub fn attitude(&self) -> Option<Range<usize>> {
@@ -48,7 +60,7 @@ impl Link {
 }
 
 /// The tree: every body once, after the body that carries it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tree {
     /// The links, what carries before what it carries.
     pub links: Vec<Link>,
@@ -145,8 +157,15 @@ impl Tree {
         for body in 0..scene.bodies.len() {
             if !placed[body] {
                 placed[body] = true;
-                let link = tree.add(body, None, (false, Grouped::default()), None);
+                let link = tree.add(body, None, false, None);
                 tree.walk(scene, &carrying, Some((body, link)), &mut placed);
+            }
+        }
+        let axes = link_axes::choose(scene, &tree.links);
+        for (link, axes) in tree.links.iter_mut().zip(axes) {
+            link.axes = axes;
+            if let Some(joint) = link.joint {
+                link.grouped = Grouped::of(&scene.joints[joint].law, axes.as_ref());
             }
         }
         tree
@@ -174,8 +193,7 @@ impl Tree {
                         continue;
                     };
                     placed[body] = true;
-                    let how = (reversed, Grouped::of(&declared.law));
-                    let link = self.add(body, Some(joint), how, from.map(|(_, link)| link));
+                    let link = self.add(body, Some(joint), reversed, from.map(|(_, link)| link));
                     next.push(Some((body, link)));
                 }
             }
@@ -187,7 +205,7 @@ impl Tree {
         &mut self,
         body: usize,
         joint: Option<usize>,
-        (reversed, grouped): (bool, Grouped),
+        reversed: bool,
         inboard: Option<usize>,
     ) -> usize {
         let link = self.links.len();
@@ -200,7 +218,8 @@ impl Tree {
             coordinates: 0,
             speeds: 0,
             turns: 0,
-            grouped,
+            axes: None,
+            grouped: Grouped::default(),
         });
         self.of_body[body] = link;
         if let Some(joint) = joint {

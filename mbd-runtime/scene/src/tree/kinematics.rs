@@ -16,8 +16,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::turn::Turn;
 use crate::laws::body::{Attitude, BodyMotion};
 use crate::laws::numbers::{BodyNumbers, FrameNumbers, Numbers};
+use crate::layout::{LinkAxes, as_seen};
 use crate::scalar::Few;
 use crate::scalar::algebra::labelled;
 use crate::{At, Directions, FrameMotion, Layout, Link, Place, Pose, Real, Relative, Scene, Twist};
@@ -26,7 +28,7 @@ use crate::{At, Directions, FrameMotion, Layout, Link, Place, Pose, Real, Relati
 #[derive(Clone, Debug)]
 pub(crate) struct LinkMotion<S: Real> {
     /// E: its axes → those of the link that carries it.
-    pub turn: Matrix3<S>,
+    pub turn: Turn<S>,
     /// r: its origin from that of the link that carries it, axes of that [m].
     pub offset: Vector3<S>,
     /// Axes and origin of the frame of its joint on the link that carries it, in those of that link.
@@ -72,7 +74,7 @@ impl<S: Real> LinkMotion<S> {
     /// Nothing known yet.
     pub fn unknown() -> Self {
         LinkMotion {
-            turn: Matrix3::identity(),
+            turn: Turn::by(Matrix3::identity()),
             offset: Vector3::zeros(),
             joint: (Matrix3::identity(), Vector3::zeros()),
             columns: Few::new(Twist::zero()),
@@ -98,7 +100,7 @@ impl<S: Real> LinkMotion<S> {
         let about = directions.rotations().iter();
         columns.extend(about.map(|&axis| Twist::spin(units[axis])));
         LinkMotion {
-            turn: axes,
+            turn: Turn::by(axes),
             offset: motion.position,
             columns,
             omega: motion.omega_body,
@@ -221,13 +223,18 @@ impl<S: Real> Instant<'_, S> {
                 .get(..link.speeds)?,
             numbers: self.numbers.joints.get(joint)?,
         };
-        let aligned = declared.law.aligned();
-        let (law, alignment) = match &aligned {
-            Some((law, alignment)) => (law, Some(alignment.map(S::from_f64))),
-            None => (&declared.law, None),
+        let (seen, own) = as_seen(&declared.law, link.axes.as_ref());
+        let law = seen.as_ref().unwrap_or(&declared.law);
+        let own = own.map(|own| own.map(S::from_f64));
+        let along = |frame: Matrix3<S>| own.map_or(frame, |own| frame * own);
+        let posed = |q: &[S]| match link.axes {
+            Some(axes) => law.motion(&Relative {
+                q: &shifted(q, &axes),
+                ..at
+            }),
+            None => law.motion(&Relative { q, ..at }),
         };
-        let along = |frame: Matrix3<S>| alignment.map_or(frame, |alignment| frame * alignment);
-        let mut pose = law.motion(&at);
+        let mut pose = posed(at.q);
         if let Some(attitude) = law.attitude() {
             let square = at.q[attitude].iter().fold(S::zero(), |sum, &x| sum + x * x);
             // A quaternion leaves length 1 inside a step.
@@ -238,19 +245,19 @@ impl<S: Real> Instant<'_, S> {
         let columns = &mut columns[..link.speeds];
         law.subspace(&at, columns);
         let bias = law.bias(&at);
-        let (near, far) = match link.reversed {
-            false => (declared.parent, declared.child),
-            true => (declared.child, declared.parent),
-        };
+        let [near, far] = link.ends(declared);
         let inboard = self.inboard(near, link.inboard.and_then(|link| links.get(link)))?;
         let (_, outboard) = frame_of(self.numbers, far)?;
         let (turn, offset, moved) = match link.reversed {
             false => forward(&pose, columns, law.attitude().is_some(), &bias),
             true => backward(&pose, columns, at.u, &bias),
         };
-        let frame = along(inboard.frame);
+        let frame = match link.axes {
+            Some(axes) => axes.fixed.map(S::from_f64),
+            None => along(inboard.frame),
+        };
         let mut motion = LinkMotion {
-            turn: labelled_matrix(frame * turn),
+            turn: Turn::of(frame, turn),
             offset: inboard.place + frame * offset,
             joint: (frame, inboard.place),
             inboard_omega: inboard.omega,
@@ -267,27 +274,22 @@ impl<S: Real> Instant<'_, S> {
             })
         };
         let (slide, spin) = (sum(|column| column.linear), sum(|column| column.angular));
-        let brought = motion.turn.transpose() * inboard.omega;
+        let brought = motion.turn.back(&inboard.omega);
         motion.omega = labelled(brought + spin, ["link_w_x", "link_w_y", "link_w_z"]);
-        motion.velocity = motion.turn.transpose()
-            * (inboard.velocity + inboard.omega.cross(&motion.offset))
-            + slide;
+        let carried = inboard.velocity + inboard.omega.cross(&motion.offset);
+        motion.velocity = motion.turn.back(&carried) + slide;
         let two = S::from_f64(2.0);
         motion.bias = Twist {
             linear: moved.linear + brought.cross(&slide).map(|x| two * x),
             angular: moved.angular + brought.cross(&spin),
         };
-        motion.axes = inboard.axes * motion.turn;
+        motion.axes = inboard.axes * motion.turn.matrix();
         motion.origin = inboard.origin + inboard.axes * motion.offset;
         if let Some(plane) = self.layout.directions.plane {
-            let zero = [S::zero(); 6];
-            let zero = Relative {
-                q: &zero[..link.coordinates],
-                ..at
-            };
+            let start = posed(&[S::zero(); 6][..link.coordinates]).rotation;
             let start = match link.reversed {
-                false => law.motion(&zero).rotation,
-                true => law.motion(&zero).rotation.transpose(),
+                false => start,
+                true => start.transpose(),
             };
             let start = inboard.body * frame * start * body;
             let turns = motion.columns.iter().zip(at.q).map(|(column, &q)| {
@@ -348,6 +350,17 @@ impl<S: Real> Instant<'_, S> {
     }
 }
 
+/// Coordinates of a joint with the angle from which its link counts: at most a displacement and an angle.
+fn shifted<S: Real>(q: &[S], axes: &LinkAxes) -> Few<S, 2> {
+    let mut all = Few::new(S::zero());
+    let own = q.iter().enumerate();
+    all.extend(own.map(|(index, &q)| match index == axes.angle {
+        true => q + S::from_f64(axes.shift),
+        false => q,
+    }));
+    all
+}
+
 /// (1): axes and origin of frame 2 in frame 1; the columns and b are taken to frame-2 axes.
 fn forward<S: Real>(
     pose: &Pose<S>,
@@ -396,14 +409,4 @@ fn backward<S: Real>(
     };
     let back = pose.rotation.transpose();
     (back, -(back * s), moved)
-}
-
-/// The elements of E.
-fn labelled_matrix<S: Real>(turn: Matrix3<S>) -> Matrix3<S> {
-    const NAMES: [[&str; 3]; 3] = [
-        ["e11", "e12", "e13"],
-        ["e21", "e22", "e23"],
-        ["e31", "e32", "e33"],
-    ];
-    Matrix3::from_fn(|row, column| turn[(row, column)].label(NAMES[row][column]))
 }
