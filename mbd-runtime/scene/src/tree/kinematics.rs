@@ -227,13 +227,14 @@ impl<S: Real> Instant<'_, S> {
         let law = seen.as_ref().unwrap_or(&declared.law);
         let own = own.map(|own| own.map(S::from_f64));
         let along = |frame: Matrix3<S>| own.map_or(frame, |own| frame * own);
-        let mut pose = match link.axes {
+        let posed = |q: &[S]| match link.axes {
             Some(axes) => law.motion(&Relative {
-                q: &shifted(at.q, &axes),
+                q: &shifted(q, &axes),
                 ..at
             }),
-            None => law.motion(&at),
+            None => law.motion(&Relative { q, ..at }),
         };
+        let mut pose = posed(at.q);
         if let Some(attitude) = law.attitude() {
             let square = at.q[attitude].iter().fold(S::zero(), |sum, &x| sum + x * x);
             // A quaternion leaves length 1 inside a step.
@@ -285,14 +286,10 @@ impl<S: Real> Instant<'_, S> {
         motion.axes = inboard.axes * motion.turn.matrix();
         motion.origin = inboard.origin + inboard.axes * motion.offset;
         if let Some(plane) = self.layout.directions.plane {
-            let zero = [S::zero(); 6];
-            let zero = Relative {
-                q: &zero[..link.coordinates],
-                ..at
-            };
+            let start = posed(&[S::zero(); 6][..link.coordinates]).rotation;
             let start = match link.reversed {
-                false => law.motion(&zero).rotation,
-                true => law.motion(&zero).rotation.transpose(),
+                false => start,
+                true => start.transpose(),
             };
             let start = inboard.body * frame * start * body;
             let turns = motion.columns.iter().zip(at.q).map(|(column, &q)| {
