@@ -142,8 +142,6 @@ pub use system::{External, NoLoads};
 pub use batch::{Batch, Case, Failed as FailedCase, Finished, Tally, Why};
 pub use lanes::{Lanes, Lanes4, Lanes8, LockStep};
 
-pub use lanes::{Lanes, Lanes4, Lanes8, LockStep};
-
 // What it leaves.
 pub use columns::{Name, state_names};
 pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Stiff, UnevenLines};
