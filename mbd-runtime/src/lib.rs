@@ -8,6 +8,7 @@
 //! | drive it: inputs held, as functions of time and state, by controllers at samples | [`Simulation::set_inputs`], [`Simulation::control`], [`Simulation::control_every`] |
 //! | record named columns with units | [`Trajectory`] with [`Sampling`] and [`Content`] |
 //! | run many cases with other params, inputs and starts on several threads | [`Batch`] of [`Case`]s |
+//! | run several cases beside each other in one register | [`Lanes4`], [`Lanes8`] as the scalar of a generated model, [`LockStep`] |
 //! | stop a run and continue it to the bit | [`Snapshot`] |
 //! | read what events did, and let another model go on | [`Acted`], [`Handover`] |
 //! | linearise at a state: A, B, C, D in minimal coordinates, eigenvalues | [`linearise`], [`StateSpace`]; in all of x and by parameters: [`Linearisation`] |
@@ -51,6 +52,7 @@ mod generated;
 mod generic;
 mod integrate;
 mod inverse;
+mod lanes;
 mod laws;
 mod linearise;
 mod list;
@@ -138,6 +140,7 @@ pub use system::{External, NoLoads};
 
 // Many runs.
 pub use batch::{Batch, Case, Failed as FailedCase, Finished, Tally, Why};
+pub use lanes::{Lanes, Lanes4, Lanes8, LockStep};
 
 // What it leaves.
 pub use columns::{Name, state_names};

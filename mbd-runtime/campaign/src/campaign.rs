@@ -67,6 +67,7 @@ impl Campaign {
         let dispersions = Dispersions::new(written, scene, (&nominal, &settings), folder)?;
         let every_step = nominal.every.is_none();
         let metrics = Metrics::new(written.metrics.iter(), &*model, every_step)?;
+        tell_apart(&metrics, &dispersions)?;
         let block = written.block.unwrap_or(BLOCK).clamp(1, 1 << 20);
         Ok(Campaign {
             settings,
@@ -261,6 +262,21 @@ impl Campaign {
     }
 }
 
+/// Refuses a metric that has the name of another column.
+fn tell_apart(metrics: &Metrics, dispersions: &Dispersions) -> Result<(), PlanError> {
+    let dispersed = dispersions.varied.iter();
+    let mut taken: Vec<&str> = dispersed.map(|varied| varied.known.name.as_str()).collect();
+    taken.extend(["case", "status", "end", "why"]);
+    let mut names = metrics.list.iter().map(|metric| metric.name.as_str());
+    match names.find(|name| taken.contains(name)) {
+        Some(name) => Err(wrong(
+            format!("metrics.{name}"),
+            "another column of the results has this name: give it one of its own",
+        )),
+        None => Ok(()),
+    }
+}
+
 /// The settings of the runs: those of the file, else those of the scene; params that neither gives are those of the model.
 fn settings_of(
     written: &Written,
@@ -278,6 +294,9 @@ fn settings_of(
     settings.every = own.every.or(settings.every);
     settings.max_steps = own.max_steps.or(settings.max_steps);
     settings.locate = own.locate.or(settings.locate);
+    settings.estimate = own.estimate.or(settings.estimate);
+    settings.instants = own.instants.or(settings.instants);
+    merge(&mut settings.figures, own.figures);
     merge(&mut settings.start, own.start);
     merge(&mut settings.inputs, own.inputs);
     merge(&mut settings.params, own.params);

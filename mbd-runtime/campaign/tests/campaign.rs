@@ -45,7 +45,7 @@ wind.y = { dist = "triangular", low = "-2 m/s", mode = "0 m/s", high = "3 m/s" }
 
 [metrics]
 peak = { max = "pull", require = { below = "1 kN", share = 0.9, confidence = 0.9 } }
-end = { final = "lamp.z" }
+height = { final = "lamp.z" }
 swung = { value = "lamp.vz", at = "low" }
 
 [run]
@@ -220,7 +220,7 @@ fn the_nominal_is_case_zero_and_has_no_dispersion() {
         nominal.starts_with("0,ok,0.5,2.0,5.0,0.0,0.0,"),
         "{nominal}"
     );
-    let head = "case,status,end [s],mass [kg],stiffness [kN/m],start.lamp.vx [m/s],inputs.wind.y [m/s],end [m],peak [kN],swung [m/s],why";
+    let head = "case,status,end [s],mass [kg],stiffness [kN/m],start.lamp.vx [m/s],inputs.wind.y [m/s],height [m],peak [kN],swung [m/s],why";
     assert_eq!(rows.lines().next(), Some(head));
 }
 
@@ -476,6 +476,17 @@ fn mistakes_are_told_by_name_with_what_was_meant() {
         ),
         ("mode = \"0 m/s\"", "mode = \"9 m/s\"", "must lie between"),
         ("max = \"pull\"", "max = \"pul\"", "did you mean `pull`"),
+        (
+            "peak =",
+            "end =",
+            "another column of the results has this name",
+        ),
+        (
+            "peak =",
+            "mass =",
+            "another column of the results has this name",
+        ),
+        ("cases = 40", "cases = 1000000000", "at most 100000000"),
         (
             "max = \"pull\"",
             "max = \"pull\", min = \"pull\"",

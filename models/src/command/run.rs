@@ -44,8 +44,8 @@ pub struct RunArgs {
     /// Leave out the second, finer run that tells the error of the first.
     #[arg(long)]
     no_estimate: bool,
-    /// Run a case of this campaign file, with its params, inputs and start.
-    #[arg(long, value_name = "FILE")]
+    /// Run a case of this campaign file as the campaign does, with its params, inputs and start.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["method", "dt", "tol", "until", "every", "max_steps", "set"])]
     campaign: Option<PathBuf>,
     /// Which case; 0 is the nominal.
     #[arg(

@@ -19,6 +19,8 @@ use correlation::Correlation;
 pub use name::{Known, Target};
 pub use written::{Written, WrittenMetric, WrittenRequirement};
 
+/// The most cases.
+const MOST_CASES: u64 = 100_000_000;
 /// Draws of one case before it is given up.
 const ATTEMPTS: u32 = 10_000;
 
@@ -424,9 +426,8 @@ fn cases<'d>(
             ));
         }
     };
-    let most = sampling.most_cases().unwrap_or(1 << 48);
-    match cases <= most {
+    match cases <= MOST_CASES {
         true => Ok(cases),
-        false => Err(wrong("cases", format!("at most {most}"))),
+        false => Err(wrong("cases", format!("at most {MOST_CASES}"))),
     }
 }

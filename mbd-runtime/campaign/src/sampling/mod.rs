@@ -38,12 +38,6 @@ impl Sampling {
     pub fn most(self) -> Option<usize> {
         (self == Sampling::Sobol).then_some(DIMENSIONS)
     }
-
-    /// The most cases, where there is such a limit.
-    #[must_use]
-    pub fn most_cases(self) -> Option<u64> {
-        (self == Sampling::Sobol).then_some(1 << 32)
-    }
 }
 
 /// The numbers in (0, 1) of one name.

@@ -138,3 +138,26 @@ fn a_case_that_is_run_alone_is_that_of_the_campaign_to_the_bit() {
     let error = run(&["run", "swing", "--campaign", &file, "--case", "31"]).unwrap_err();
     assert!(error.to_string().contains("the last is 30"), "{error}");
 }
+
+/// What the page shows is run as it is written, with fewer cases.
+#[test]
+fn the_campaign_file_of_the_page_about_campaigns_runs() {
+    let page = include_str!("../../../../docs/campaigns.md");
+    let from = page.find("seed = 7").unwrap();
+    let file = page[from..].split("```").next().unwrap();
+    let folder = Folder::new("campaign_page");
+    let file = folder.file(
+        "dispersions.toml",
+        &file.replace("cases = 1000 ", "cases = 4 "),
+    );
+    let out = folder.0.join("out").display().to_string();
+    let error = run(&["campaign", "swing", &file, "--out", &out]).unwrap_err();
+    assert_eq!(error.code(), 3, "{error}");
+    let told = error.to_string();
+    assert!(
+        told.contains("5 cases run, 0 of them did not") && told.contains("turned [s]"),
+        "{told}"
+    );
+    let error = run(&["run", "swing", "--campaign", &file, "--dt", "1 ms"]).unwrap_err();
+    assert_eq!(error.code(), 1, "{error}");
+}
