@@ -4,7 +4,8 @@ use mbd_compiler::Equations;
 use mbd_scene::joints::{Axis, Hinge, JointLaw};
 use mbd_scene::{AngularVelocity, Coordinates, Place, Quantity, Scene};
 use nalgebra::{Matrix3, Vector3};
-use tests::mechanism::{add_body, add_frame, add_joint, empty, frame};
+use tests::mechanism::{add_body, add_frame, add_joint, empty, frame, inertia, random_seat};
+use tests::random::Random;
 use tests::reference::load;
 use tests::system::scene;
 
@@ -20,6 +21,20 @@ fn chain(n: usize) -> Scene {
         let axis = if index % 2 == 0 { Axis::Y } else { Axis::X };
         add_joint(&mut scene, JointLaw::Hinge(Hinge { axis }), from, top);
         from = end;
+    }
+    scene.in_coordinates(Coordinates::Relative)
+}
+
+/// Bodies of any inertia hinged on one another anywhere, about any axis.
+fn general(n: usize) -> Scene {
+    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+    let mut random = Random::new(3);
+    for index in 0..n {
+        let body = add_body(&mut scene, random.uniform(0.5, 2.0), &inertia(&mut random));
+        let [near, far] = [index.checked_sub(1), Some(body)]
+            .map(|owner| random_seat(&mut scene, owner, &mut random));
+        let axis = Axis::new(random.vector(1.0)).expect("a direction");
+        add_joint(&mut scene, JointLaw::Hinge(Hinge { axis }), near, far);
     }
     scene.in_coordinates(Coordinates::Relative)
 }
@@ -58,6 +73,14 @@ fn a_robot_takes_fewer_operations_than_the_best_generated_code() {
         let count = operations(&panda, what);
         assert!(count <= own && own < best, "{what:?}: {count}");
     }
+}
+
+#[test]
+fn links_that_lie_anyhow_take_little_more_than_links_along_each_other() {
+    let count = |n| operations(&general(n), Quantity::Derivative);
+    let [eight, long] = [8, 32].map(count);
+    assert!(eight <= 2_760, "{eight}");
+    assert!(long <= 14_800, "{long}");
 }
 
 #[test]

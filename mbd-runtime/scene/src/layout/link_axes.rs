@@ -50,6 +50,10 @@ struct Sitting {
 
 /// The axes of all links; `None` for those that the frames of the declaration serve as well.
 pub(super) fn choose(scene: &Scene, links: &[Link]) -> Vec<Option<LinkAxes>> {
+    if scene.planar.is_some() {
+        // There all axes are one.
+        return vec![None; links.len()];
+    }
     let mut sitting: Vec<Option<Sitting>> = Vec::with_capacity(links.len());
     let mut bodies: Vec<Option<Matrix3<f64>>> = Vec::with_capacity(links.len());
     for link in links {
