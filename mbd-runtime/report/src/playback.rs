@@ -1,18 +1,19 @@
 //! What a page needs to show a run as a moving drawing: the things of the scene, and where they are at the rows of the history.
 
-use mbd_runtime::Trajectory;
 use mbd_runtime::nalgebra::{Matrix3, Vector3};
 use mbd_runtime::scene::laws::{BodyNumbers, FrameNumbers, GravityNumbers, constant};
 use mbd_runtime::scene::{
-    Axis, Coordinate, Formula, Joint, Measure, Place, PointKind, Scene, Triple,
+    Axis, Coordinate, Formula, Joint, LoadKind, Measure, Place, PointKind, Scene, Triple,
 };
 use serde::Serialize;
 
+use super::loads::loads;
 use super::mechanism::{upwards, views};
 use super::packing::Packed;
 use super::stage::{AXES, Stage, Track};
 use super::svg::visible;
 use super::thin::motion_rows;
+use super::views::Run;
 
 /// The motions of a page are thinned to about this many bytes, before they become text.
 const BYTES: usize = 1_500_000;
@@ -114,24 +115,28 @@ struct DrawnArrow {
 }
 
 impl Playback {
-    /// A run of a scene with these params (declaration order, SI). What the history does not hold is not shown, and the page says so.
+    /// A run of a scene. What the history does not hold is not shown, and the page says so.
     #[must_use]
-    pub fn new(scene: &Scene, params: &[f64], trajectory: &Trajectory) -> Self {
-        let stage = Stage::new(scene, params, trajectory);
+    pub fn new(run: &Run<'_>) -> Self {
+        let stage = Stage::new(run.scene, run.params, run.trajectory);
         let rows = rows(&stage);
+        let acting = loads((run.scene, run.params), run.inputs, (run.trajectory, &rows));
         let film = Film {
             stage: &stage,
             rows: &rows,
         };
-        Playback {
-            says: says(&stage, &rows),
-            drawn: film.drawn(),
-        }
+        let mut drawn = film.drawn();
+        drawn
+            .arrows
+            .extend(acting.shown.iter().filter_map(|shown| film.load(shown)));
+        let mut says = says(&stage, &rows);
+        says.extend(acting.says);
+        Playback { says, drawn }
     }
 }
 
 /// The rows that are shown.
-fn rows(stage: &Stage<'_>) -> Vec<usize> {
+pub(super) fn rows(stage: &Stage<'_>) -> Vec<usize> {
     let scene = stage.scene;
     let tracks = stage.bodies.iter().chain(&stage.points).flatten();
     let lines = scene.lines.iter();
@@ -220,6 +225,8 @@ impl Film<'_> {
             let axis = |k: usize| Vector3::from_fn(|i, _| f64::from(u8::from(i == k)));
             Some(axis(across).cross(&axis(above)).into())
         });
+        // What flies freely is held by nothing.
+        let held = scene.joints.iter().filter(|joint| joint.law.rows() > 0);
         Drawn {
             times: Packed::floats(self.rows.iter().filter_map(|row| times.get(*row).copied())),
             up,
@@ -233,7 +240,7 @@ impl Film<'_> {
             frames: (0..scene.world_frames.len())
                 .filter_map(|k| self.frame(k))
                 .collect(),
-            joints: scene.joints.iter().map(|joint| self.joint(joint)).collect(),
+            joints: held.map(|joint| self.joint(joint)).collect(),
             lines: (0..scene.lines.len())
                 .filter_map(|k| self.line(k))
                 .collect(),
@@ -384,6 +391,22 @@ impl Film<'_> {
         })
     }
 
+    /// A load that is not zero all the time.
+    fn load(&self, (index, values): &(usize, Vec<[f64; 3]>)) -> Option<DrawnArrow> {
+        let load = self.stage.scene.loads.get(*index)?;
+        let unit = match load.kind {
+            LoadKind::Torque(_) => "N m",
+            LoadKind::Force(_) | LoadKind::External => "N",
+        };
+        let acts = values.iter().flatten().any(|x| *x != 0.0);
+        acts.then(|| DrawnArrow {
+            name: format!("load {}", safe(&load.name)),
+            unit,
+            at: place(load.at),
+            v: Packed::floats(values.iter().flatten().copied()),
+        })
+    }
+
     /// Force and torque of a joint on its child, where the history holds them and they are not zero all the time.
     fn reactions(&self, joint: &Joint) -> Vec<DrawnArrow> {
         let arrow = |(part, unit): (&str, &'static str)| {
@@ -430,7 +453,7 @@ fn axis(coordinate: &Coordinate) -> Option<(Vector3<f64>, usize)> {
 
 /// Half axes of the homogeneous ellipsoid of the same mass and inertia, body axes [m]: a² = 5 (I₂ + I₃ − I₁) / 2m along the first principal axis.
 /// `None` of what is no such body.
-fn ellipsoid(numbers: &BodyNumbers<f64>) -> Option<[[f64; 3]; 3]> {
+pub(super) fn ellipsoid(numbers: &BodyNumbers<f64>) -> Option<[[f64; 3]; 3]> {
     let (mass, inertia): (f64, Matrix3<f64>) = (numbers.mass, numbers.inertia);
     if !(mass > 0.0 && mass.is_finite() && inertia.iter().all(|x| x.is_finite())) {
         return None;
@@ -468,6 +491,6 @@ fn shapes(scene: &Scene, params: &[f64], body: usize) -> Vec<DrawnShape> {
 }
 
 /// A name without characters that turn the direction of writing.
-fn safe(name: &str) -> String {
+pub(super) fn safe(name: &str) -> String {
     name.chars().map(visible).collect()
 }

@@ -12,6 +12,7 @@ mod parachute;
 mod run;
 mod scene_file;
 mod trade;
+mod watch;
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -29,6 +30,7 @@ use mistakes::Paint;
 use parachute::ParachuteArgs;
 use run::RunArgs;
 use trade::TradeArgs;
+use watch::WatchArgs;
 
 /// Multibody dynamics compiled from a declaration. Without a command it flies the parachute, the main job.
 #[derive(Debug, Parser)]
@@ -50,6 +52,8 @@ enum Command {
     List(ListArgs),
     /// Run a scene: history, figures, report and summary.
     Run(RunArgs),
+    /// Serve the page of a scene file on this machine, and run it again whenever the file is saved.
+    Watch(WatchArgs),
     /// Linearise a scene about its start or its rest: minimal coordinates, eigenvalues with frequency and damping.
     Linearise(LineariseArgs),
     /// Race methods, tolerances and models of equilibrium points: error of a quantity against cost, and what to run for it.
@@ -143,6 +147,7 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
             Ok(models::quantities::table(&file.scene).text())
         }
         Command::Run(args) => run::run(&args),
+        Command::Watch(args) => watch::watch(&args),
         Command::Linearise(args) => linearise::linearise(&args),
         Command::Extremes(args) => extremes::extremes(&args),
         Command::Trade(args) => trade::trade(&args, false),

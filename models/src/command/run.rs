@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use models::progress::Progress;
-use models::run::{Outcome, Plan, Settings, doubt, publish, summary_json, warning};
+use models::run::{Outcome, Plan, Settings, doubt, publish, publish_gltf, summary_json, warning};
 use toml::Value;
 
 use super::failure::Failure;
@@ -43,9 +43,25 @@ pub struct RunArgs {
     /// Leave out the second, finer run that tells the error of the first.
     #[arg(long)]
     no_estimate: bool,
+    /// Write the run as an animated glTF file, too: `motion.glb`, for viewers and Blender.
+    #[arg(long)]
+    gltf: bool,
     /// Print the summary as JSON instead of a table.
     #[arg(long)]
     json: bool,
+}
+
+impl RunArgs {
+    /// The scene as it was typed.
+    pub fn scene(&self) -> &Path {
+        &self.scene
+    }
+
+    /// The folder that the run is written into.
+    pub fn folder(&self) -> PathBuf {
+        let named = || Path::new("out").join(folder_name(&self.scene));
+        self.out.clone().unwrap_or_else(named)
+    }
 }
 
 /// Runs a scene.
@@ -68,14 +84,15 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
         None => models::run::fly(&scene, &plan, progress),
     };
     let outcome = flown.map_err(|error| invalid(&error))?;
-    let folder = args
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
+    let folder = args.folder();
     let table = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
+    let unmoved = args.gltf
+        && !publish_gltf(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
+    let unmoved = unmoved
+        .then(|| "warning: nothing of this scene has a place: no motion.glb is written".to_owned());
     let warning = warning(&scene, &plan, &outcome);
     let doubt = doubt(&scene, &plan, &outcome);
-    let warning = warning.into_iter().chain(doubt.clone());
+    let warning = warning.into_iter().chain(doubt.clone()).chain(unmoved);
     let warning: Vec<String> = warning.collect();
     let told = if args.json {
         for warning in &warning {
