@@ -66,7 +66,7 @@ pub use scene::{
     PointKind, Scene, Starts, State, Triple,
 };
 pub use starts::{declared_parts, place_declared};
-pub use tree::to_relative;
+pub use tree::{Grouped, to_relative};
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
     Energy, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,

@@ -12,6 +12,7 @@
 use std::ops::Range;
 
 use crate::layout::Slots;
+use crate::tree::Grouped;
 use crate::{Detachable, Part, Place, Scene};
 
 /// A body and what carries it.
@@ -33,6 +34,8 @@ pub struct Link {
     pub speeds: usize,
     /// Number of those of its speeds that are angular: the last ones.
     pub turns: usize,
+    /// What of its inertia goes to the link that carries it.
+    pub grouped: Grouped,
 }
 
 impl Link {
@@ -117,7 +120,7 @@ impl Tree {
         for body in 0..scene.bodies.len() {
             if !placed[body] {
                 placed[body] = true;
-                let link = tree.add(body, None, false, None);
+                let link = tree.add(body, None, (false, Grouped::default()), None);
                 tree.walk(scene, &carrying, Some((body, link)), &mut placed);
             }
         }
@@ -146,7 +149,8 @@ impl Tree {
                         continue;
                     };
                     placed[body] = true;
-                    let link = self.add(body, Some(joint), reversed, from.map(|(_, link)| link));
+                    let how = (reversed, Grouped::of(&declared.law));
+                    let link = self.add(body, Some(joint), how, from.map(|(_, link)| link));
                     next.push(Some((body, link)));
                 }
             }
@@ -158,7 +162,7 @@ impl Tree {
         &mut self,
         body: usize,
         joint: Option<usize>,
-        reversed: bool,
+        (reversed, grouped): (bool, Grouped),
         inboard: Option<usize>,
     ) -> usize {
         let link = self.links.len();
@@ -171,6 +175,7 @@ impl Tree {
             coordinates: 0,
             speeds: 0,
             turns: 0,
+            grouped,
         });
         self.of_body[body] = link;
         if let Some(joint) = joint {

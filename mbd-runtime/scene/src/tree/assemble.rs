@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::inertia::Inertia;
 use super::system::{TreeSystem, links};
 use crate::elimination::{common_fall, enter};
 use crate::laws::GravityNumbers;
@@ -19,30 +18,29 @@ impl<S: Real> TreeSystem<S> {
             let rates = rates
                 .get(link.slots.v..link.slots.v + link.speeds)
                 .unwrap_or_default();
-            self.accelerations[index] = self.accelerated(evaluation, index, rates);
+            let motion = &evaluation.links[index];
+            let own = match self.inboard(evaluation, index) {
+                Some(inboard) => motion.accelerated(&inboard),
+                None => falling(evaluation, index),
+            };
+            let columns = motion.columns.iter().zip(rates);
+            self.accelerations[index] =
+                columns.fold(own, |own, (column, &rate)| own.plus(column, rate));
         }
     }
 
-    /// The acceleration of a link, less the common fall, from that of the link that carries it and those of its own coordinates.
-    pub(super) fn accelerated(
-        &self,
-        evaluation: &Evaluation<'_, S>,
-        index: usize,
-        rates: &[S],
-    ) -> Twist<S> {
-        let (link, motion) = (&links(evaluation.layout)[index], &evaluation.links[index]);
-        let fall = common_fall(evaluation);
-        match (link.joint, link.inboard) {
-            (None, _) => {
-                let falling = Twist::slide(motion.axes.transpose() * -fall);
-                let columns = motion.columns.iter().zip(rates);
-                columns.fold(falling, |own, (column, &rate)| own.plus(column, rate))
-            }
-            (_, Some(inboard)) => motion.accelerated(&self.accelerations[inboard], rates),
-            (Some(joint), None) => {
-                motion.accelerated(&base(evaluation, joint, link.reversed, &fall), rates)
-            }
-        }
+    /// The acceleration of what carries a link, less the common fall; `None` for one that floats.
+    pub(super) fn inboard(&self, evaluation: &Evaluation<'_, S>, index: usize) -> Option<Twist<S>> {
+        let link = &links(evaluation.layout)[index];
+        Some(match link.inboard {
+            Some(inboard) => self.accelerations[inboard],
+            None => base(
+                evaluation,
+                link.joint?,
+                link.reversed,
+                &common_fall(evaluation),
+            ),
+        })
     }
 
     /// The rows of the joints: all of them, or of each joint those that are in the system, first.
@@ -51,19 +49,16 @@ impl<S: Real> TreeSystem<S> {
         self.rows.run(evaluation, &self.accelerations, in_system);
     }
 
-    /// What the joints must push the links with for these accelerations, against `forces` if given: leaves first; and along the coordinates.
+    /// What the joints must push the links with for these accelerations, against `forces` if given, by the inertias at hand.
     pub(super) fn balance(
         &mut self,
         evaluation: &Evaluation<'_, S>,
         forces: Option<&AppliedForces<S>>,
     ) {
-        let numbers = evaluation.numbers;
         for (index, link) in links(evaluation.layout).iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
-            let (motion, body) = (&evaluation.links[index], &numbers.bodies[link.body]);
-            let inertia = Inertia::of(body, motion);
-            let mut push = inertia.push(&self.accelerations[index]);
-            push.add(&inertia.gyroscopic(&motion.omega));
+            let (motion, inertia) = (&evaluation.links[index], self.inertias[index]);
+            let mut push = inertia.inertial(&self.accelerations[index], &motion.omega);
             push.add(&self.weight(evaluation, index));
             if let Some(forces) = forces {
                 push = push.plus(&applied(evaluation, index, forces), -S::one());
@@ -107,17 +102,12 @@ impl<S: Real> TreeSystem<S> {
         let (layout, all) = (evaluation.layout, links(evaluation.layout));
         let n = layout.nv;
         self.mass.fill(S::zero());
-        for (index, link) in all.iter().enumerate() {
-            self.composites[index] = Inertia::of(
-                &evaluation.numbers.bodies[link.body],
-                &evaluation.links[index],
-            );
-        }
+        self.composites.copy_from_slice(&self.inertias);
         for (index, link) in all.iter().enumerate().rev() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let (motion, composite) = (&evaluation.links[index], self.composites[index]);
             if let Some(inboard) = link.inboard {
-                self.composites[inboard].take(&composite, motion);
+                self.composites[inboard].take(&composite, &motion.turn, &motion.offset);
             }
             for k in 0..link.speeds {
                 let mut push = composite.push(&motion.columns[k]);
@@ -164,6 +154,7 @@ impl<S: Real> TreeSystem<S> {
     pub(super) fn prepare(&mut self, evaluation: &Evaluation<'_, S>) {
         let layout = evaluation.layout;
         let (plan, n) = (&layout.elimination, layout.nv);
+        self.group_inertias(evaluation);
         self.run_rows(evaluation, true);
         self.compose(evaluation);
         self.system.clear();
@@ -206,6 +197,11 @@ impl<S: Real> TreeSystem<S> {
     }
 }
 
+/// The acceleration of a link that floats, less the common fall, without those of its speeds.
+pub(super) fn falling<S: Real>(evaluation: &Evaluation<'_, S>, index: usize) -> Twist<S> {
+    Twist::slide(evaluation.links[index].axes.transpose() * -common_fall(evaluation))
+}
+
 /// First speed and number of speeds of a node of the system; `None` for rows.
 pub(super) fn speeds_of(layout: &Layout, part: Part) -> Option<(usize, usize)> {
     match part {
@@ -239,7 +235,7 @@ pub(super) fn near<S: Real>(
 }
 
 /// The acceleration of what carries a link on the world, less the common fall, its axes.
-pub(super) fn base<S: Real>(
+fn base<S: Real>(
     evaluation: &Evaluation<'_, S>,
     joint: usize,
     reversed: bool,

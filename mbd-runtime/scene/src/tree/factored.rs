@@ -35,6 +35,7 @@ impl<S: Real> TreeSystem<S> {
         let mut own = std::mem::take(&mut self.rates);
         own.copy_from_slice(rates);
         into_link(evaluation, &mut own);
+        self.group_inertias(evaluation);
         self.move_links(evaluation, &own);
         self.balance(evaluation, Some(assembly));
         self.hand_on(evaluation);

@@ -29,6 +29,8 @@ pub(crate) struct LinkMotion<S: Real> {
     pub turn: Matrix3<S>,
     /// r: its origin from that of the link that carries it, axes of that [m].
     pub offset: Vector3<S>,
+    /// Axes and origin of the frame of its joint on the link that carries it, in those of that link.
+    pub joint: (Matrix3<S>, Vector3<S>),
     /// The columns of H at its origin.
     pub columns: Few<Twist<S>, 6>,
     /// What velocities add to its acceleration by (3), besides the centripetal part of r.
@@ -66,6 +68,7 @@ impl<S: Real> LinkMotion<S> {
         LinkMotion {
             turn: Matrix3::identity(),
             offset: Vector3::zeros(),
+            joint: (Matrix3::identity(), Vector3::zeros()),
             columns: Few::new(Twist::zero()),
             bias: Twist::zero(),
             inboard_omega: Vector3::zeros(),
@@ -229,6 +232,7 @@ impl<S: Real> Instant<'_, S> {
         let mut motion = LinkMotion {
             turn: labelled_matrix(frame * turn),
             offset: inboard.place + frame * offset,
+            joint: (frame, inboard.place),
             inboard_omega: inboard.omega,
             ..LinkMotion::unknown()
         };

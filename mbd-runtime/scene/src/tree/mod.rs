@@ -6,6 +6,7 @@
 mod articulated;
 mod assemble;
 mod factored;
+mod grouped;
 mod inertia;
 mod kinematics;
 mod maps;
@@ -14,6 +15,7 @@ mod rows;
 mod system;
 
 pub(crate) use factored::factored_len;
+pub use grouped::Grouped;
 pub(crate) use kinematics::{LinkMotion, read};
 pub(crate) use maps::Absolute;
 pub use maps::to_relative;

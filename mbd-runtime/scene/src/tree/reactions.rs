@@ -46,6 +46,8 @@ impl<S: Real> TreeSystem<S> {
         let rates = std::mem::take(&mut self.rates);
         self.move_links(evaluation, &rates);
         self.rates = rates;
+        // What joints carry depends on where the mass is.
+        self.read_inertias(evaluation);
         self.balance(evaluation, Some(assembly));
         let multipliers = std::mem::take(&mut self.multipliers);
         let by_rows = self.rows.pushes(evaluation, &multipliers);

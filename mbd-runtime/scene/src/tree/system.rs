@@ -11,7 +11,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::articulated::Articulated;
-use super::assemble::{applied, speeds_of};
+use super::assemble::{applied, falling, speeds_of};
 use super::inertia::Inertia;
 use super::rows::{TreeRows, three};
 use crate::elimination::{System, common_fall, enter};
@@ -30,6 +30,7 @@ pub(crate) struct TreeSystem<S: Real> {
     pub(super) accelerations: Vec<Twist<S>>,
     /// What the joints must push the links with.
     pub(super) pushes: Vec<Twist<S>>,
+    pub(super) inertias: Vec<Inertia<S>>,
     pub(super) composites: Vec<Inertia<S>>,
     pub(super) articulated: Vec<Articulated<S>>,
     /// n_v numbers: generalised forces, speeds or accelerations in the components of the links.
@@ -96,6 +97,7 @@ impl<S: Real> TreeSystem<S> {
             rows: TreeRows::new(layout),
             accelerations: vec![Twist::zero(); count],
             pushes: vec![Twist::zero(); count],
+            inertias: vec![Inertia::none(); count],
             composites: vec![Inertia::none(); count],
             articulated: vec![Articulated::of(&Inertia::none(), Twist::zero()); count],
             along: vec![S::zero(); layout.nv],
@@ -166,11 +168,11 @@ impl<S: Real> TreeSystem<S> {
     /// u̇ by articulated bodies, where no rows close loops.
     fn articulate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
         let all = links(evaluation.layout);
+        self.group_inertias(evaluation);
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
-            let motion = &evaluation.links[index];
-            let inertia = Inertia::of(&evaluation.numbers.bodies[link.body], motion);
-            let mut push = inertia.gyroscopic(&motion.omega);
+            let (motion, inertia) = (&evaluation.links[index], self.inertias[index]);
+            let mut push = inertia.inertial(&Twist::zero(), &motion.omega);
             push.add(&self.weight(evaluation, index));
             push = push.plus(&applied(evaluation, index, assembly), -S::one());
             self.articulated[index] = Articulated::of(&inertia, push);
@@ -187,7 +189,15 @@ impl<S: Real> TreeSystem<S> {
         }
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
-            let own = self.accelerated(evaluation, index, &[]);
+            let own = match self.inboard(evaluation, index) {
+                Some(inboard) => {
+                    let motion = &evaluation.links[index];
+                    let mut own = motion.followed(&inboard);
+                    own.add(&motion.brought());
+                    own
+                }
+                None => falling(evaluation, index),
+            };
             let rates = &mut self.rates[link.slots.v..link.slots.v + link.speeds];
             self.accelerations[index] =
                 self.articulated[index].find(&evaluation.links[index], own, rates);
@@ -277,6 +287,7 @@ impl<S: Real> TreeSystem<S> {
 
     /// M, dense, in the components of the state.
     fn mass(&mut self, evaluation: &Evaluation<'_, S>) -> &[S] {
+        self.group_inertias(evaluation);
         self.compose(evaluation);
         let n = evaluation.layout.nv;
         for _ in 0..2 {
@@ -311,6 +322,7 @@ impl<S: Real> TreeSystem<S> {
 
     /// Writes h: what the joints must push with at rest of the speeds, gravity and velocities alone.
     pub fn write_bias(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+        self.group_inertias(evaluation);
         self.move_links(evaluation, &[]);
         self.balance(evaluation, None);
         self.hand_on(evaluation);
