@@ -5,6 +5,7 @@ mod convert;
 mod expand;
 mod extremes;
 mod failure;
+mod grammar;
 mod linearise;
 mod list;
 mod mistakes;
@@ -66,6 +67,8 @@ enum Command {
     Check(CheckArgs),
     /// Print the Rust that `model!` makes of a scene.
     Expand(SceneArgs),
+    /// Print the language as a TextMate grammar, for editors.
+    Grammar,
     /// Print a scene as TOML or as the text of a declaration, with the settings of its run.
     Convert(ConvertArgs),
 }
@@ -154,6 +157,7 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
         Command::Advise(args) => trade::trade(&args, true),
         Command::Check(args) => check::check(&args),
         Command::Expand(args) => expand::expand(&args.scene),
+        Command::Grammar => Ok(grammar::grammar()),
         Command::Convert(args) => convert::convert(&args),
     }
 }
