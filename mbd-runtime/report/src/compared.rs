@@ -32,7 +32,10 @@ impl<'a> Compared<'a> {
     /// Runs with their labels, the one that others are compared with first.
     #[must_use]
     pub fn new(runs: &[(&'a str, Run<'a>)]) -> Self {
-        let columns = runs.first().map(|(_, first)| columns(first)).unwrap_or_default();
+        let columns = runs
+            .first()
+            .map(|(_, first)| columns(first))
+            .unwrap_or_default();
         let shared = columns.into_iter().filter_map(|name| curves(name, runs));
         let mut curves: Vec<Curves<'_>> = shared.collect();
         let left_out = curves.len().saturating_sub(COLUMNS);
@@ -60,20 +63,29 @@ impl<'a> Compared<'a> {
         for curves in &self.curves {
             let Name { name, unit, .. } = curves.name;
             let over = Figure::new(name).x("time", "s").y(name, unit);
-            let over = curves.runs.iter().fold(over, |figure, (label, times, values)| {
-                let series = Series::new(*label, times, values);
-                figure.series(match period(unit, values) {
-                    Some(period) => series.wraps(period),
-                    None => series,
-                })
-            });
+            let over = curves
+                .runs
+                .iter()
+                .fold(over, |figure, (label, times, values)| {
+                    let series = Series::new(*label, times, values);
+                    figure.series(match period(unit, values) {
+                        Some(period) => series.wraps(period),
+                        None => series,
+                    })
+                });
             let difference = "difference";
-            let apart = Figure::new(format!("{name}: difference")).x("time", "s").y(difference, unit);
-            let apart = curves.apart.iter().fold(apart, |figure, (label, times, values)| {
-                let first = curves.runs.first().map_or("", |(label, ..)| label);
-                figure.series(Series::new(format!("{label} − {first}"), times, values))
-            });
-            let apart = apart.caption("At the rows of the first run; the others are straight between theirs.");
+            let apart = Figure::new(format!("{name}: difference"))
+                .x("time", "s")
+                .y(difference, unit);
+            let apart = curves
+                .apart
+                .iter()
+                .fold(apart, |figure, (label, times, values)| {
+                    let first = curves.runs.first().map_or("", |(label, ..)| label);
+                    figure.series(Series::new(format!("{label} − {first}"), times, values))
+                });
+            let apart = apart
+                .caption("At the rows of the first run; the others are straight between theirs.");
             report = report.figure(&over).figure(&apart);
         }
         match self.left_out {
@@ -97,7 +109,9 @@ fn columns<'a>(run: &Run<'a>) -> Vec<&'a Name> {
         line.is_some_and(|line| run.scene.lines.iter().any(|known| known.name == line))
     };
     let names = run.trajectory.names().iter();
-    names.filter(|name| outputs(&name.name) || tension(&name.name)).collect()
+    names
+        .filter(|name| outputs(&name.name) || tension(&name.name))
+        .collect()
 }
 
 /// A column in all runs that have it in the same unit; `None` where only the first does.
@@ -110,12 +124,17 @@ fn curves<'a>(name: &'a Name, runs: &[(&'a str, Run<'a>)]) -> Option<Curves<'a>>
     };
     let runs: Vec<(&str, &[f64], &[f64])> = runs
         .iter()
-        .filter_map(|(label, run)| has(run.trajectory).map(|(times, column)| (*label, times, column)))
+        .filter_map(|(label, run)| {
+            has(run.trajectory).map(|(times, column)| (*label, times, column))
+        })
         .collect();
     let [(_, times, first), others @ ..] = runs.as_slice() else {
         return None;
     };
-    let wraps = others.iter().chain([&runs[0]]).find_map(|(.., values)| period(&name.unit, values));
+    let wraps = others
+        .iter()
+        .chain([&runs[0]])
+        .find_map(|(.., values)| period(&name.unit, values));
     let apart = others.iter().map(|(label, own, values)| {
         let common = times.iter().zip(*first).filter_map(|(time, reference)| {
             let mut apart = at(own, values, *time)? - reference;
@@ -129,11 +148,7 @@ fn curves<'a>(name: &'a Name, runs: &[(&'a str, Run<'a>)]) -> Option<Curves<'a>>
         (*label, times, apart)
     });
     let apart: Vec<_> = apart.collect();
-    (!apart.is_empty()).then_some(Curves {
-        name,
-        runs,
-        apart,
-    })
+    (!apart.is_empty()).then_some(Curves { name, runs, apart })
 }
 
 /// A column at a time, straight between its rows; `None` beyond its ends.
@@ -147,7 +162,11 @@ fn at(times: &[f64], values: &[f64], time: f64) -> Option<f64> {
     let before = next.saturating_sub(1);
     let [a, b] = [before, next].map(|row| values[row]);
     let span = times[next] - times[before];
-    let share = if span > 0.0 { (time - times[before]) / span } else { 1.0 };
+    let share = if span > 0.0 {
+        (time - times[before]) / span
+    } else {
+        1.0
+    };
     Some(if share >= 1.0 { b } else { a + share * (b - a) })
 }
 

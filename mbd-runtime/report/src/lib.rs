@@ -11,9 +11,12 @@
 //! Everything here is a pure function of its input: the same data give the same bytes.
 
 mod axis;
+mod compared;
 mod drawing;
+mod drawn;
 mod figure;
 pub mod files;
+mod film;
 mod gltf;
 mod html;
 mod live;
@@ -34,6 +37,7 @@ mod thin;
 mod trace;
 mod views;
 
+pub use compared::Compared;
 pub use drawing::{Drawing, Shape};
 pub use figure::{Figure, Series};
 pub use gltf::gltf;

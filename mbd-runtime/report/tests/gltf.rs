@@ -99,11 +99,15 @@ fn bodies_are_where_the_history_has_them_and_turn_by_unit_quaternions() {
         assert!((length - 1.0).abs() < 1e-5);
     }
     let [_, scales] = course("cord", "scale");
-    assert!(
-        scales
-            .chunks_exact(3)
-            .all(|scale| scale[2] > 0.5 && scale[2] < 2.1)
-    );
+    let stone = ["x", "y", "z"].map(|axis| {
+        let column = history.column(&format!("stone.{axis}"));
+        column
+            .and_then(|column| column.last().copied())
+            .expect("a place")
+    });
+    let length = (stone[0].powi(2) + stone[1].powi(2) + (stone[2] - 2.0).powi(2)).sqrt();
+    let last = scales.last().copied().expect("a scale");
+    assert!((f64::from(last) - length).abs() < 1e-5, "{last} {length}");
     // Up is y there.
     let root = document["nodes"]
         .as_array()

@@ -58,7 +58,9 @@ pub fn compare(args: &CompareArgs) -> Result<String, Failure> {
 
 /// A, B, C, ….
 fn label(index: usize) -> String {
-    char::from_u32('A' as u32 + index as u32).unwrap_or('?').to_string()
+    char::from_u32('A' as u32 + index as u32)
+        .unwrap_or('?')
+        .to_string()
 }
 
 /// What was asked and what came out, the rows in which the runs differ; the names of all runs above them.
@@ -76,22 +78,39 @@ fn differences(all: &[(&str, Flown)]) -> Table {
     };
     row("scene", &|run| run.scene.name.as_str().into());
     row("method", &|run| run.plan.options.method.name().into());
-    row("fixed step [s]", &|run| run.plan.options.method.fixed_step().into());
+    row("fixed step [s]", &|run| {
+        run.plan.options.method.fixed_step().into()
+    });
     row("relative tolerance", &|run| {
         let tolerance = run.plan.options.method.tolerance();
         tolerance.map(|[relative, _]| relative).into()
     });
     row("end reached [s]", &|run| run.outcome.time.into());
-    row("steps", &|run| Cell::Count(run.outcome.trajectory.statistics.steps));
-    row("rejected steps", &|run| Cell::Count(run.outcome.trajectory.statistics.rejected));
-    row("right-hand sides", &|run| Cell::Count(run.outcome.trajectory.statistics.rhs));
+    row("steps", &|run| {
+        Cell::Count(run.outcome.trajectory.statistics.steps)
+    });
+    row("rejected steps", &|run| {
+        Cell::Count(run.outcome.trajectory.statistics.rejected)
+    });
+    row("right-hand sides", &|run| {
+        Cell::Count(run.outcome.trajectory.statistics.rhs)
+    });
     row("joints open by at most |Φ| [m]", &|run| {
         Quality::of(&run.outcome.trajectory).drift.into()
     });
     row("energy balance missed by at most [J]", &|run| {
-        run.outcome.imbalance.map(|imbalance| imbalance.energy).into()
+        run.outcome
+            .imbalance
+            .map(|imbalance| imbalance.energy)
+            .into()
     });
-    for name in names(all, |run| run.scene.params.iter().map(|param| param.name.clone()).collect()) {
+    for name in names(all, |run| {
+        run.scene
+            .params
+            .iter()
+            .map(|param| param.name.clone())
+            .collect()
+    }) {
         row(&format!("param {name} [SI]"), &|run| {
             let params = run.scene.params.iter().zip(&run.plan.params);
             let mut found = params.filter(|(param, _)| param.name == name);
@@ -102,7 +121,8 @@ fn differences(all: &[(&str, Flown)]) -> Table {
         let names = run.outcome.trajectory.names().iter();
         let shown = names.filter(|name| {
             let owner = name.name.split('.').next().unwrap_or_default();
-            name.name.ends_with(".tension") || run.scene.outputs.iter().any(|output| output.name == owner)
+            name.name.ends_with(".tension")
+                || run.scene.outputs.iter().any(|output| output.name == owner)
         });
         shown.map(|name| name.name.clone()).collect()
     };

@@ -1,6 +1,7 @@
 //! The commands of `mbd`: what can be typed, and which file answers it.
 
 mod check;
+mod compare;
 mod convert;
 mod expand;
 mod extremes;
@@ -23,6 +24,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use check::CheckArgs;
+use compare::CompareArgs;
 use convert::ConvertArgs;
 use extremes::ExtremesArgs;
 use failure::Failure;
@@ -53,6 +55,8 @@ enum Command {
     List(ListArgs),
     /// Run a scene: history, figures, report and summary.
     Run(RunArgs),
+    /// Run several scenes, or one in several ways, and show on one page what differs.
+    Compare(CompareArgs),
     /// Serve the page of a scene file on this machine, and run it again whenever the file is saved.
     Watch(WatchArgs),
     /// Linearise a scene about its start or its rest: minimal coordinates, eigenvalues with frequency and damping.
@@ -150,6 +154,7 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
             Ok(models::quantities::table(&file.scene).text())
         }
         Command::Run(args) => run::run(&args),
+        Command::Compare(args) => compare::compare(&args),
         Command::Watch(args) => watch::watch(&args),
         Command::Linearise(args) => linearise::linearise(&args),
         Command::Extremes(args) => extremes::extremes(&args),

@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
+use mbd_runtime::scene::Scene;
 use models::progress::Progress;
 use models::run::{Outcome, Plan, Settings, doubt, publish, publish_gltf, summary_json, warning};
 use toml::Value;
@@ -64,8 +65,21 @@ impl RunArgs {
     }
 }
 
-/// Runs a scene.
-pub fn run(args: &RunArgs) -> Result<String, Failure> {
+/// A run that came to an end, or stopped early.
+#[derive(Debug)]
+pub struct Flown {
+    /// What was run.
+    pub scene: Scene,
+    /// How.
+    pub plan: Plan,
+    /// What came out.
+    pub outcome: Outcome,
+    /// What was noticed when the scene was read.
+    pub remarks: Vec<String>,
+}
+
+/// Runs a scene and writes nothing.
+pub fn flown(args: &RunArgs) -> Result<Flown, Failure> {
     let SceneFile {
         scene,
         settings,
@@ -79,11 +93,27 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
     };
     let plan = Plan::new(&scene, &settings).map_err(|error| invalid(&error))?;
     let progress = &mut Progress::new();
-    let flown = match fly {
+    let outcome = match fly {
         Some(fly) => fly(&plan, progress),
         None => models::run::fly(&scene, &plan, progress),
     };
-    let outcome = flown.map_err(|error| invalid(&error))?;
+    let outcome = outcome.map_err(|error| invalid(&error))?;
+    Ok(Flown {
+        scene,
+        plan,
+        outcome,
+        remarks,
+    })
+}
+
+/// Runs a scene and writes everything.
+pub fn run(args: &RunArgs) -> Result<String, Failure> {
+    let Flown {
+        scene,
+        plan,
+        outcome,
+        remarks,
+    } = flown(args)?;
     let folder = args.folder();
     let table = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
     let unmoved = args.gltf

@@ -12,7 +12,7 @@ mod summary;
 pub use estimate::{Estimate, doubt};
 pub use outcome::{Outcome, fly, fly_model};
 pub use plan::{Plan, PlanError};
-pub use publish::{publish, publish_gltf};
+pub use publish::{publish, publish_gltf, shown};
 pub use quality::Quality;
 pub use settings::{Settings, split};
 pub use start::warning;

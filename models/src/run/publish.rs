@@ -52,7 +52,8 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
 }
 
 /// What is shown of a run.
-fn shown<'a>(scene: &'a Scene, plan: &'a Plan, outcome: &'a Outcome) -> Run<'a> {
+#[must_use]
+pub fn shown<'a>(scene: &'a Scene, plan: &'a Plan, outcome: &'a Outcome) -> Run<'a> {
     Run {
         inputs: Some(&plan.inputs),
         instants: &plan.instants,

@@ -10,8 +10,10 @@ use mbd_runtime::scene::laws::constant;
 use mbd_runtime::scene::solids::Solid;
 use serde_json::{Value, json};
 
+use super::drawn::safe;
+use super::film::ellipsoid;
 use super::mechanism::upwards;
-use super::playback::{ellipsoid, rows, safe};
+use super::playback::rows;
 use super::stage::{Stage, Track};
 use super::views::Run;
 use buffer::Buffer;
