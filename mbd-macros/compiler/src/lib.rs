@@ -30,6 +30,7 @@ mod titles;
 mod toml;
 mod units;
 mod urdf;
+mod vocabulary;
 
 #[cfg(feature = "pretty")]
 pub use compile::expand;
@@ -55,3 +56,4 @@ pub use syntax::quantities;
 #[cfg(feature = "toml")]
 pub use toml::{read_toml, read_toml_in, toml_to_text, write_text, write_toml};
 pub use urdf::read_urdf;
+pub use vocabulary::Vocabulary;

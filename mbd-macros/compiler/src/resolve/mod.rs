@@ -30,7 +30,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mbd_scene::Scene;
 
-pub use joints::letter;
+pub use joints::{field_words, letter};
 pub use names::{Named, Namespace};
 pub use value::{Scope, Stage, Typed};
 
