@@ -295,7 +295,11 @@ impl Trajectory {
             self.row
                 .extend(state.iter().take(layout.nx()).map(|x| x.to_f64()));
             let bodies = read(system, (Quantity::Bodies, None), time, state, scratch);
-            for (own, numbers) in layout.bodies.iter().zip(bodies.chunks_exact(13)) {
+            for (own, numbers) in layout
+                .bodies
+                .iter()
+                .zip(bodies.chunks_exact(layout.directions.motion()))
+            {
                 if own.is_none() {
                     self.row.extend(numbers.iter().map(|x| x.to_f64()));
                 }

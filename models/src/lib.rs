@@ -1,5 +1,6 @@
 //! Ready scenes, reports and what the command line `mbd` is made of.
 
+pub mod advice;
 pub mod describe;
 pub mod extremes;
 pub mod parachute;

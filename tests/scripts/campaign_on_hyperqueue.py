@@ -80,8 +80,10 @@ def cluster(mbd, work, out, shards):
 
 
 def start_cluster(mbd, work, out, shards):
-    command = [sys.executable, __file__, "--cluster", str(mbd), str(work), out, ",".join(map(str, shards))]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    script = str(Path(__file__).resolve())
+    command = [sys.executable, script, "--cluster", str(mbd), str(work), out, ",".join(map(str, shards))]
+    # Tasks write their logs where they are submitted.
+    return subprocess.Popen(command, cwd=work, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
 
 
 def same(work, out, what):

@@ -7,6 +7,7 @@ mod differentiate;
 mod emit;
 mod equations;
 mod expression;
+mod families;
 mod hash;
 mod interpret;
 mod kernels;
@@ -29,6 +30,7 @@ mod titles;
 mod toml;
 mod units;
 mod urdf;
+mod vocabulary;
 
 #[cfg(feature = "pretty")]
 pub use compile::expand;
@@ -36,6 +38,7 @@ pub use compile::{compile, emit, immovable};
 pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Label, Mask, Node, Slot, Term, recorded, session};
+pub use families::Families;
 pub use interpret::{Interpreted, Registers};
 pub use kernels::{Driver, Kernel, Kernels, Results, Window};
 pub use lists::{Arguments, Group};
@@ -53,3 +56,4 @@ pub use syntax::quantities;
 #[cfg(feature = "toml")]
 pub use toml::{read_toml, read_toml_in, toml_to_text, write_text, write_toml};
 pub use urdf::read_urdf;
+pub use vocabulary::Vocabulary;

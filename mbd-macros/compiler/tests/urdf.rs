@@ -6,6 +6,7 @@ use dice::Dice;
 use std::path::PathBuf;
 
 use mbd_compiler::{Interpreted, Reading, read_text_in, read_urdf};
+use mbd_scene::solids::Solid;
 use mbd_scene::{Arguments, Formula, Layout, Model, Quantity, Scene, place_declared};
 use nalgebra::{Matrix3, Vector3};
 use serde_json::Value;
@@ -475,6 +476,39 @@ fn a_file_that_is_too_large_or_too_deep_is_refused_soon() {
         told(&read_urdf(&format!("<robot>{links}</robot>")))
             .contains("5000 links are more than 2000")
     );
+}
+
+#[test]
+fn simple_solids_are_shapes_and_meshes_are_left_out() {
+    let shaped = |link: &str, geometry: &str| {
+        let begin = format!("<link name=\"{link}\">");
+        ARM.replace(&begin, &format!("{begin}{geometry}"))
+    };
+    let visual = "<visual><origin xyz=\"0 0 0.1\" rpy=\"0 1.5 0\"/><geometry><cylinder radius=\"0.02\" length=\"0.3\"/></geometry></visual>\
+                  <collision><geometry><box size=\"1 1 1\"/></geometry></collision>";
+    let drawn = scene(read_urdf(&shaped("upper", visual)));
+    let [shape] = drawn.shapes.as_slice() else {
+        panic!("{:?}", drawn.shapes);
+    };
+    assert_eq!((shape.body, shape.solid), (0, Solid::Cylinder));
+    let sizes: Vec<f64> = shape.sizes.iter().map(number).collect();
+    assert_eq!(sizes, [0.02, 0.3]);
+    // Measured from the centre of mass, as frames are; the origin of the link is one of them.
+    let origin = drawn.bodies[0].frames[1].position[2].clone();
+    assert!((number(&shape.position[2]) - number(&origin) - 0.1).abs() < 1e-15);
+    assert!(shape.rotation.is_some());
+    // What a picture lacks stops no run.
+    for odd in [
+        "<visual><geometry><mesh filename=\"a.stl\"/></geometry></visual>",
+        "<visual><geometry><box size=\"1 1\"/></geometry></visual>",
+        "<visual><geometry><sphere radius=\"-1\"/></geometry></visual>",
+        "<visual/>",
+    ] {
+        let reading = read_urdf(&shaped("upper", odd));
+        let left_out = reading.notes.iter().any(|note| note.contains(" visual"));
+        assert!(left_out, "{odd}: {:?}", reading.notes);
+        assert!(scene(reading).shapes.is_empty(), "{odd}");
+    }
 }
 
 #[test]

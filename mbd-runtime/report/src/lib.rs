@@ -5,16 +5,22 @@
 //! - [`Drawing`] draws a mechanism at several instants, with equal scales on both axes.
 //! - [`Table`] is one table for the terminal, the report and a CSV file.
 //! - [`Report`] is one HTML file that needs no network; with a [`Playback`] it shows the run as it moves.
+//! - [`gltf()`] is a run as an animated glTF file, for viewers and Blender.
 //! - [`Spectrum`] says which frequencies a history contains.
 //!
 //! Everything here is a pure function of its input: the same data give the same bytes.
 
 mod axis;
+mod compared;
 mod drawing;
+mod drawn;
 mod figure;
 pub mod files;
+mod film;
+mod gltf;
 mod html;
 mod live;
+mod loads;
 mod look;
 mod mechanism;
 mod number;
@@ -31,8 +37,10 @@ mod thin;
 mod trace;
 mod views;
 
+pub use compared::Compared;
 pub use drawing::{Drawing, Shape};
 pub use figure::{Figure, Series};
+pub use gltf::gltf;
 pub use html::Report;
 pub use look::Look;
 pub use mechanism::drawings;
@@ -42,4 +50,4 @@ pub use playback::Playback;
 pub use plots::{Group, groups};
 pub use spectrum::{Peak, Spectrum};
 pub use table::{Cell, Table};
-pub use views::Views;
+pub use views::{Run, Views};

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::playback::{Drawn, Playback};
+use super::drawn::Drawn;
+use super::playback::Playback;
 use super::svg::words;
 
 /// The script of the page, one idea a file.

@@ -5,7 +5,7 @@ use mbd_runtime::{Model, Options, Trajectory};
 
 use super::html::Report;
 use super::table::{Cell, Table};
-use super::views::Views;
+use super::views::{Run, Views};
 
 /// The page of a run: the mechanism as it moves, the histories, and what made them: model, hash of its declaration, params, options.
 ///
@@ -45,7 +45,7 @@ pub fn report<T: Float>(
 ) -> Report {
     let scene = model.scene();
     let params: Vec<f64> = model.params().iter().map(|param| param.to_f64()).collect();
-    let views = Views::new(scene, &params, history, &[], &[]);
+    let views = Views::new(&Run::new(scene, &params, history));
     let mut page = Report::new(&scene.name);
     if !scene.doc.trim().is_empty() {
         page = page.paragraph(scene.doc.trim());

@@ -139,7 +139,7 @@ pub fn groups<'a>(
 }
 
 /// What an angle is periodic by, where all its values lie in one turn: `None` of other quantities and of angles that count turns.
-fn period(unit: &str, values: &[f64]) -> Option<f64> {
+pub(super) fn period(unit: &str, values: &[f64]) -> Option<f64> {
     let period = match unit {
         "rad" => TAU,
         "deg" => 360.0,

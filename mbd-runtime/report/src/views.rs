@@ -13,6 +13,38 @@ use super::mechanism::drawings;
 use super::playback::Playback;
 use super::plots::{Group, groups};
 
+/// A run that is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// What was run.
+    pub scene: &'a Scene,
+    /// Its params, in declaration order [SI].
+    pub params: &'a [f64],
+    /// What the caller held all the time, if that is known: [`Layout::ni`](mbd_runtime::Layout) numbers.
+    pub inputs: Option<&'a [f64]>,
+    /// What came out.
+    pub trajectory: &'a Trajectory,
+    /// When the mechanism is drawn [s]; empty: evenly over the run.
+    pub instants: &'a [f64],
+    /// Titles of figures, and the columns of the history each shows; what is in none of them has its own.
+    pub figures: &'a [(String, Vec<String>)],
+}
+
+impl<'a> Run<'a> {
+    /// A run of a scene with these params, of which nothing more is said.
+    #[must_use]
+    pub fn new(scene: &'a Scene, params: &'a [f64], trajectory: &'a Trajectory) -> Self {
+        Run {
+            scene,
+            params,
+            inputs: None,
+            trajectory,
+            instants: &[],
+            figures: &[],
+        }
+    }
+}
+
 /// What shows a run, for a page and as files.
 #[derive(Clone, Debug)]
 pub struct Views<'a> {
@@ -23,21 +55,14 @@ pub struct Views<'a> {
 }
 
 impl<'a> Views<'a> {
-    /// Those of a run of a scene with these params (declaration order, SI). `instants`: when the mechanism is drawn [s], evenly over the run if there
-    /// are none; `figures`: titles, and the columns of the history each shows.
+    /// Those of a run.
     #[must_use]
-    pub fn new(
-        scene: &Scene,
-        params: &[f64],
-        trajectory: &'a Trajectory,
-        instants: &[f64],
-        figures: &[(String, Vec<String>)],
-    ) -> Self {
+    pub fn new(run: &Run<'a>) -> Self {
         Views {
-            playback: Playback::new(scene, params, trajectory),
-            drawings: drawings(scene, params, instants, trajectory),
-            groups: groups(scene, figures, trajectory),
-            times: trajectory.times(),
+            playback: Playback::new(run),
+            drawings: drawings(run.scene, run.params, run.instants, run.trajectory),
+            groups: groups(run.scene, run.figures, run.trajectory),
+            times: run.trajectory.times(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Pages of runs of a user's own models: what they show, what they say they do not, what cannot leave its place in them.
 
-use mbd_report::{Report, Views, report};
+use mbd_report::{Report, Run, Views, report};
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Content, Generic, Model, Options, Sampling, Simulation, Trajectory, model};
 
@@ -109,7 +109,10 @@ fn no_name_and_no_word_of_a_scene_becomes_markup_or_turns_the_direction_of_writi
     run.record(0.3, &mut history).expect("a run that ends");
     history.events.push((0.1, TRICK.into()));
     let figures = [(TRICK.to_string(), vec![format!("height{TRICK}")])];
-    let views = Views::new(model.scene(), &[], &history, &[], &figures);
+    let views = Views::new(&Run {
+        figures: &figures,
+        ..Run::new(model.scene(), &[], &history)
+    });
     let pages = [
         report(&model, &options, &history).html(),
         views

@@ -262,8 +262,11 @@ fn steiner<N: Size>(d: &[N; 3], i: usize, j: usize) -> N {
 mod tests {
     use super::*;
 
+    /// Whether a place is inside of a solid.
+    type Inside = fn([f64; 3]) -> bool;
+
     /// J and the volume as sums over small cubes, of a solid inside a cube of half width `half`.
-    fn summed(half: f64, inside: impl Fn([f64; 3]) -> bool) -> (f64, [f64; 3]) {
+    fn summed(half: f64, inside: Inside) -> (f64, [f64; 3]) {
         const CELLS: i32 = 120;
         let edge = 2.0 * half / f64::from(CELLS);
         let (mut volume, mut moments) = (0.0, [0.0; 3]);
@@ -288,25 +291,24 @@ mod tests {
 
     #[test]
     fn volumes_and_moments_are_the_integrals_they_stand_for() {
-        let round = |x: f64, y: f64| x.hypot(y);
-        let cases: [(Solid, &[f64], fn([f64; 3], fn(f64, f64) -> f64) -> bool); 5] = [
-            (Solid::Box, &[1.2, 0.8, 1.6], |[x, y, z], _| {
+        let cases: [(Solid, &[f64], Inside); 5] = [
+            (Solid::Box, &[1.2, 0.8, 1.6], |[x, y, z]| {
                 x.abs() < 0.6 && y.abs() < 0.4 && z.abs() < 0.8
             }),
-            (Solid::Cylinder, &[0.5, 1.4], |[x, y, z], r| {
-                r(x, y) < 0.5 && z.abs() < 0.7
+            (Solid::Cylinder, &[0.5, 1.4], |[x, y, z]| {
+                x.hypot(y) < 0.5 && z.abs() < 0.7
             }),
-            (Solid::Tube, &[0.8, 0.5, 1.4], |[x, y, z], r| {
-                r(x, y) < 0.8 && r(x, y) > 0.5 && z.abs() < 0.7
+            (Solid::Tube, &[0.8, 0.5, 1.4], |[x, y, z]| {
+                x.hypot(y) < 0.8 && x.hypot(y) > 0.5 && z.abs() < 0.7
             }),
-            (Solid::Sphere, &[0.7], |[x, y, z], r| r(r(x, y), z) < 0.7),
-            (Solid::Capsule, &[0.4, 1.0], |[x, y, z], r| {
-                r(r(x, y), (z.abs() - 0.5).max(0.0)) < 0.4
+            (Solid::Sphere, &[0.7], |[x, y, z]| x.hypot(y).hypot(z) < 0.7),
+            (Solid::Capsule, &[0.4, 1.0], |[x, y, z]| {
+                x.hypot(y).hypot((z.abs() - 0.5).max(0.0)) < 0.4
             }),
         ];
         for (solid, sizes, inside) in cases {
             let (volume, moments) = solid.volume_and_moments(sizes);
-            let (about, sums) = summed(0.9, |place| inside(place, round));
+            let (about, sums) = summed(0.9, inside);
             assert!(
                 (volume / about - 1.0).abs() < 0.01,
                 "{solid:?}: {volume} {about}"

@@ -2,10 +2,12 @@
 
 mod campaign;
 mod check;
+mod compare;
 mod convert;
 mod expand;
 mod extremes;
 mod failure;
+mod grammar;
 mod linearise;
 mod list;
 mod mistakes;
@@ -13,6 +15,7 @@ mod parachute;
 mod run;
 mod scene_file;
 mod trade;
+mod watch;
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -23,6 +26,7 @@ use clap::{Args, Parser, Subcommand};
 
 use campaign::SceneCampaignArgs;
 use check::CheckArgs;
+use compare::CompareArgs;
 use convert::ConvertArgs;
 use extremes::ExtremesArgs;
 use failure::Failure;
@@ -32,6 +36,7 @@ use mistakes::Paint;
 use parachute::ParachuteArgs;
 use run::RunArgs;
 use trade::TradeArgs;
+use watch::WatchArgs;
 
 /// Multibody dynamics compiled from a declaration. Without a command it flies the parachute, the main job.
 #[derive(Debug, Parser)]
@@ -53,6 +58,10 @@ enum Command {
     List(ListArgs),
     /// Run a scene: history, figures, report and summary.
     Run(RunArgs),
+    /// Run several scenes, or one in several ways, and show on one page what differs.
+    Compare(CompareArgs),
+    /// Serve the page of a scene file on this machine, and run it again whenever the file is saved.
+    Watch(WatchArgs),
     /// Linearise a scene about its start or its rest: minimal coordinates, eigenvalues with frequency and damping.
     Linearise(LineariseArgs),
     /// Race methods, tolerances and models of equilibrium points: error of a quantity against cost, and what to run for it.
@@ -71,6 +80,8 @@ enum Command {
     Check(CheckArgs),
     /// Print the Rust that `model!` makes of a scene.
     Expand(SceneArgs),
+    /// Print the language as a TextMate grammar, for editors.
+    Grammar,
     /// Print a scene as TOML or as the text of a declaration, with the settings of its run.
     Convert(ConvertArgs),
 }
@@ -152,6 +163,8 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
             Ok(models::quantities::table(&file.scene).text())
         }
         Command::Run(args) => run::run(&args),
+        Command::Compare(args) => compare::compare(&args),
+        Command::Watch(args) => watch::watch(&args),
         Command::Linearise(args) => linearise::linearise(&args),
         Command::Extremes(args) => extremes::extremes(&args),
         Command::Trade(args) => trade::trade(&args, false),
@@ -161,6 +174,7 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
         Command::Report(args) => campaign::report(&args),
         Command::Check(args) => check::check(&args),
         Command::Expand(args) => expand::expand(&args.scene),
+        Command::Grammar => Ok(grammar::grammar()),
         Command::Convert(args) => convert::convert(&args),
     }
 }

@@ -4,8 +4,11 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use mbd_campaign::Campaign;
+use mbd_runtime::scene::Scene;
 use models::progress::Progress;
-use models::run::{Outcome, Plan, Settings, doubt, fly_model, publish, summary_json, warning};
+use models::run::{
+    Outcome, Plan, Settings, doubt, fly_model, publish, publish_gltf, summary_json, warning,
+};
 use toml::Value;
 
 use super::failure::Failure;
@@ -55,39 +58,84 @@ pub struct RunArgs {
         requires = "campaign"
     )]
     case: u64,
+    /// Write the run as an animated glTF file, too: `motion.glb`, for viewers and Blender.
+    #[arg(long)]
+    gltf: bool,
     /// Print the summary as JSON instead of a table.
     #[arg(long)]
     json: bool,
 }
 
-/// Runs a scene.
-pub fn run(args: &RunArgs) -> Result<String, Failure> {
+impl RunArgs {
+    /// The scene as it was typed.
+    pub fn scene(&self) -> &Path {
+        &self.scene
+    }
+
+    /// The folder that the run is written into.
+    pub fn folder(&self) -> PathBuf {
+        let named = || Path::new("out").join(folder_name(&self.scene));
+        self.out.clone().unwrap_or_else(named)
+    }
+}
+
+/// A run that came to an end, or stopped early.
+#[derive(Debug)]
+pub struct Flown {
+    /// What was run.
+    pub scene: Scene,
+    /// How.
+    pub plan: Plan,
+    /// What came out.
+    pub outcome: Outcome,
+    /// What was noticed when the scene was read.
+    pub remarks: Vec<String>,
+}
+
+/// Runs a scene and writes nothing.
+pub fn flown(args: &RunArgs) -> Result<Flown, Failure> {
     let file = SceneFile::find(&args.scene)?;
-    let (scene, remarks) = (&file.scene, &file.remarks);
     let settings = with_flags(file.settings.clone(), args)?;
     let invalid = |error: &dyn std::fmt::Display| {
         Failure::Invalid(format!("{}: {error}", args.scene.display()))
     };
     let plan = match &args.campaign {
         Some(campaign) => case_of(&file, settings, campaign, args.case)?,
-        None => Plan::new(scene, &settings).map_err(|error| invalid(&error))?,
+        None => Plan::new(&file.scene, &settings).map_err(|error| invalid(&error))?,
     };
     let model = file.model(&plan.params).map_err(|error| invalid(&error))?;
     let outcome = fly_model(&*model, &plan, &mut Progress::new());
-    let folder = args
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("out").join(folder_name(&args.scene)));
-    let table = publish(scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
-    let warning = warning(scene, &plan, &outcome);
-    let doubt = doubt(scene, &plan, &outcome);
-    let warning = warning.into_iter().chain(doubt.clone());
+    Ok(Flown {
+        scene: file.scene,
+        plan,
+        outcome,
+        remarks: file.remarks,
+    })
+}
+
+/// Runs a scene and writes everything.
+pub fn run(args: &RunArgs) -> Result<String, Failure> {
+    let Flown {
+        scene,
+        plan,
+        outcome,
+        remarks,
+    } = flown(args)?;
+    let folder = args.folder();
+    let table = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
+    let unmoved = args.gltf
+        && !publish_gltf(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
+    let unmoved = unmoved
+        .then(|| "warning: nothing of this scene has a place: no motion.glb is written".to_owned());
+    let warning = warning(&scene, &plan, &outcome);
+    let doubt = doubt(&scene, &plan, &outcome);
+    let warning = warning.into_iter().chain(doubt.clone()).chain(unmoved);
     let warning: Vec<String> = warning.collect();
     let told = if args.json {
         for warning in &warning {
             eprintln!("{warning}");
         }
-        summary_json(scene, &plan, &outcome).map_err(|error| unwritten(&error))?
+        summary_json(&scene, &plan, &outcome).map_err(|error| unwritten(&error))?
     } else {
         let remarks = remarks.iter().chain(&warning);
         let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();

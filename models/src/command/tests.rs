@@ -821,6 +821,42 @@ fn a_trade_says_what_meets_the_error_that_is_wanted() {
 }
 
 #[test]
+fn a_trade_races_both_families_of_coordinates() {
+    let folder = Folder::new("families");
+    let text = "model Arms { coordinates: auto; gravity: [0, 0, -9.81] m/s^2;
+          body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+          body b { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+          joint p: hinge from world to a.top { axis: y, start: 0.7 rad }
+          joint q: hinge from a.end to b.top { axis: x, start: 0.4 rad }
+          output swing = b.position.x; }
+        [run]\nuntil = \"1 s\"\n";
+    for (declared, other) in [("auto", "absolute"), ("absolute", "relative")] {
+        let text = text.replace("auto", declared);
+        let file = folder.file("arms.mbd", &text);
+        let out = folder.0.join("out").display().to_string();
+        let told = run(&["trade", &file, "--output", "swing", "--out", &out]).unwrap();
+        let other = format!("{other} coordinates");
+        let row = told
+            .lines()
+            .find(|line| line.contains(&other) && line.contains("Vern7"));
+        let row = row.unwrap_or_else(|| panic!("{other}: {told}"));
+        // The motion is the same: the finest setting is as near to the reference as that of the declared family.
+        assert!(told.contains("single precision"), "{row}");
+        let errors = told.lines().filter(|line| line.contains(&other));
+        let errors = errors.filter_map(|line| line.split_whitespace().rev().nth(2)?.parse().ok());
+        let best = errors.fold(f64::INFINITY, f64::min);
+        assert!(best < 1e-9, "{other}: {best}");
+    }
+    let told = run(&["check", &folder.file("arms.mbd", text)]).unwrap();
+    for part in [
+        "note: coordinates: relative: a step of RK4 takes ",
+        "relative coordinates of the joints p, q",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+}
+
+#[test]
 fn a_trade_that_cannot_be_measured_says_why() {
     let folder = Folder::new("no_trade");
     let file = folder.file("rope.mbd", ROPE);
@@ -913,5 +949,49 @@ fn a_robot_is_checked_converted_and_run_like_any_scene() {
     for file in [&broken, &text] {
         let error = run(&["check", file]).unwrap_err();
         assert_eq!(error.code(), 2);
+    }
+}
+
+#[test]
+fn runs_side_by_side_show_what_differs_and_what_does_not_is_left_out() {
+    let folder = Folder::new("compare");
+    let out = folder.0.display().to_string();
+    let text = run(&[
+        "compare",
+        "swing --tol 1e-5",
+        "swing --tol 1e-9",
+        "--out",
+        &out,
+    ])
+    .unwrap();
+    assert!(
+        text.contains("relative tolerance") && text.contains("last height"),
+        "{text}"
+    );
+    assert!(!text.contains("param k"), "{text}");
+    let page = std::fs::read_to_string(folder.0.join("compare.html")).unwrap();
+    for words in [
+        "height: difference",
+        "B − A",
+        "A: bob",
+        "B: bob",
+        "rope_left.tension",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    let other = run(&["compare", "swing --set k=8kN/m", "linkage", "--out", &out]).unwrap();
+    assert!(
+        other.contains("param k") && other.contains("scene"),
+        "{other}"
+    );
+    let page = std::fs::read_to_string(folder.0.join("compare.html")).unwrap();
+    assert!(page.contains("The runs share no output and no tension."));
+    assert!(page.contains("A ends at") || page.contains("B ends at"));
+    for wrong in [
+        &["compare", "swing"][..],
+        &["compare", "swing", "nothing"],
+        &["compare", "swing", "swing --dt"],
+    ] {
+        assert_eq!(run(wrong).unwrap_err().code(), 1);
     }
 }

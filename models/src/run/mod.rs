@@ -10,7 +10,7 @@ mod summary;
 pub use estimate::{Estimate, doubt};
 pub use mbd_campaign::run::{Plan, PlanError, Settings, split};
 pub use outcome::{Outcome, fly, fly_model};
-pub use publish::publish;
+pub use publish::{publish, publish_gltf, shown};
 pub use quality::Quality;
 pub use start::warning;
 pub use summary::summary_json;

@@ -8,7 +8,7 @@ use mbd_runtime::{Layout, Trajectory};
 
 use super::outcome::Outcome;
 use super::summary::{summary_json, table};
-use crate::report::{Report, Table, Views};
+use crate::report::{Report, Run, Table, Views, gltf};
 use crate::{describe, files};
 use mbd_campaign::run::Plan;
 
@@ -25,13 +25,7 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
         outcome.trajectory.to_csv(to)
     })?;
     let table = table(scene, plan, outcome);
-    let views = Views::new(
-        scene,
-        &plan.params,
-        &outcome.trajectory,
-        &plan.instants,
-        &plan.figures,
-    );
+    let views = Views::new(&shown(scene, plan, outcome));
     views.write(folder)?;
     let mut report = Report::new(&scene.name);
     if !scene.doc.trim().is_empty() {
@@ -55,6 +49,34 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
     report.write(folder.join("report.html"))?;
     files::write_text(&summary, &summary_json(scene, plan, outcome)?)?;
     Ok(table)
+}
+
+/// What is shown of a run.
+#[must_use]
+pub fn shown<'a>(scene: &'a Scene, plan: &'a Plan, outcome: &'a Outcome) -> Run<'a> {
+    Run {
+        inputs: Some(&plan.inputs),
+        instants: &plan.instants,
+        figures: &plan.figures,
+        ..Run::new(scene, &plan.params, &outcome.trajectory)
+    }
+}
+
+/// Writes the run into a folder as `motion.glb`, an animated glTF file. Whether there is any motion to show.
+///
+/// # Errors
+/// The file cannot be written whole; the error names it.
+pub fn publish_gltf(
+    scene: &Scene,
+    plan: &Plan,
+    outcome: &Outcome,
+    folder: &Path,
+) -> io::Result<bool> {
+    let Some(bytes) = gltf(&shown(scene, plan, outcome)) else {
+        return Ok(false);
+    };
+    files::write_whole(&folder.join("motion.glb"), |to| to.write_all(&bytes))?;
+    Ok(true)
 }
 
 /// Which reactions of `history.csv` are one choice of many.

@@ -307,20 +307,14 @@ impl Resolver<'_> {
         (keyword, ends): (&str, Ends),
         scope: Scope<'_>,
     ) -> Option<JointLaw> {
-        let mut names = Names(Vec::new());
-        let kind = JointLaw::read(keyword, &mut names)?;
-        if kind.coordinates() > kind.freedoms() {
-            names.0.push("coordinates");
-        }
-        names.0.extend(joint_forces::words(&kind));
-        names.0.push("at_start");
+        let (kind, names) = field_words(keyword)?;
         if let Some(lost) = joint_forces::without_coordinate(&kind, &instance.item.block) {
             let at = lost.word.at.into();
             let couples = !kind.couples().is_empty();
             let report = say::no_single_coordinate(at, keyword, &lost.word.text, couples);
             return self.fail(report);
         }
-        let fields = self.fields(&instance.item.block, &names.0);
+        let fields = self.fields(&instance.item.block, &names);
         if let Some(value) = fields.value("coordinates") {
             self.choice(value, "coordinates of an attitude", &[("quaternion", ())])?;
         }
@@ -432,6 +426,19 @@ fn is_coupling(instance: &Instance<'_>) -> bool {
         .and_then(|value| Cursor::new(value).word());
     let law = keyword.and_then(|word| JointLaw::read(&word.text, &mut Names::default()));
     law.is_some_and(|law| !law.couples().is_empty())
+}
+
+/// A joint by its keyword, and the names of all its fields.
+pub fn field_words(keyword: &str) -> Option<(JointLaw, Vec<&'static str>)> {
+    let mut names = Names(Vec::new());
+    let kind = JointLaw::read(keyword, &mut names)?;
+    let mut names = names.0;
+    if kind.coordinates() > kind.freedoms() {
+        names.push("coordinates");
+    }
+    names.extend(joint_forces::words(&kind));
+    names.push("at_start");
+    Some((kind, names))
 }
 
 /// An axis written as a letter, with or without a sign.

@@ -30,7 +30,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use mbd_scene::Scene;
 
-pub use joints::letter;
+pub use joints::{field_words, letter};
 pub use names::{Named, Namespace};
 pub use value::{Scope, Stage, Typed};
 
@@ -68,6 +68,8 @@ pub struct Asked {
     pub verify: bool,
     /// `emit: […]`
     pub emit: Option<Vec<Emitted>>,
+    /// `coordinates: auto;`
+    pub family: bool,
 }
 
 /// What `emit: […]` asks for.

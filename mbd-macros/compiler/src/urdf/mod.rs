@@ -94,7 +94,7 @@ fn translate(
     }
     Translated {
         model: names::model(&robot.name),
-        notes: notes(&robot, &names),
+        notes: notes(&robot, &names, free),
     }
 }
 
@@ -111,7 +111,7 @@ fn gravity(lexer: &mut Lexer, at: At, messages: &mut Messages) -> String {
     "no gravity is declared: with a URDF it is 9.81 m/s^2 against z".to_owned()
 }
 
-fn notes(robot: &Robot, names: &Names) -> Vec<String> {
+fn notes(robot: &Robot, names: &Names, free: bool) -> Vec<String> {
     let mut notes = Vec::new();
     if !robot.unread.is_empty() {
         let listed = robot
@@ -122,6 +122,13 @@ fn notes(robot: &Robot, names: &Names) -> Vec<String> {
         notes.push(format!(
             "of the URDF, meshes and all else that does not say how it moves are left out: {listed}"
         ));
+    }
+    let root = robot.links.get(robot.root);
+    if !free && root.is_some_and(|link| !link.shapes.is_empty()) {
+        notes.push(
+            "shapes of links at rest are left out: bodies have shapes, the world has none"
+                .to_owned(),
+        );
     }
     if !names.changed.is_empty() {
         let changed = names.changed.join(", ");

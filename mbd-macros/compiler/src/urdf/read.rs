@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use mbd_scene::solids::Solid;
 use nalgebra::Matrix3;
 use roxmltree::{Attribute, Document, Error, Node, ParsingOptions};
 
-use super::robot::{Inertial, Joint, Kind, Limit, Link, Mimic, Origin, Robot};
+use super::robot::{Geometry, Inertial, Joint, Kind, Limit, Link, Mimic, Origin, Robot};
 use crate::lexeme::{At, Lexer, Lines};
 use crate::messages::{Messages, Report, urdf as say};
 
@@ -284,7 +285,24 @@ impl Reader<'_, '_> {
             name: draft.name.clone(),
             at: draft.at,
             inertial: inertial.and_then(|node| self.inertial(&draft.name, node)),
+            shapes: self.shapes(draft.node),
         }
+    }
+
+    /// The simple solids of a link, which then are no longer what is left out.
+    fn shapes(&mut self, link: Node<'_, '_>) -> Vec<Geometry> {
+        for kind in ["visual", "collision"] {
+            let drawn = elements(link).filter(|node| tag(*node) == kind);
+            let shapes: Vec<Geometry> = drawn.filter_map(geometry).collect();
+            if !shapes.is_empty() {
+                if let Some(count) = self.unread.get_mut(kind) {
+                    *count = count.saturating_sub(shapes.len());
+                }
+                self.unread.retain(|_, count| *count > 0);
+                return shapes;
+            }
+        }
+        Vec::new()
     }
 
     fn inertial(&mut self, link: &str, node: Node<'_, '_>) -> Option<Inertial> {
@@ -482,5 +500,44 @@ fn numbered<'d>(drafts: &'d [Draft<'_, '_>]) -> BTreeMap<&'d str, usize> {
     names
         .enumerate()
         .map(|(index, name)| (name, index))
+        .collect()
+}
+
+/// The solid of a `<visual>` or a `<collision>`; `None` of a mesh, and of what is not written as the format has it: pictures stop no run.
+fn geometry(node: Node<'_, '_>) -> Option<Geometry> {
+    let inside = |name: &str| elements(node).find(|child| tag(*child) == name);
+    let shape = elements(inside("geometry")?).next()?;
+    let solid = Solid::ALL
+        .into_iter()
+        .find(|solid| solid.keyword() == tag(shape))?;
+    let sizes: Vec<f64> = match solid {
+        Solid::Box => list(shape, "size")?,
+        _ => {
+            let sizes = solid.sizes().iter();
+            let sizes = sizes.map(|name| list(shape, name)?.first().copied());
+            sizes.collect::<Option<_>>()?
+        }
+    };
+    let fits = sizes.len() == solid.sizes().len() && sizes.iter().all(|size| *size > 0.0);
+    let place = |name: &str| match inside("origin") {
+        Some(origin) if origin.has_attribute(name) => list(origin, name)?.try_into().ok(),
+        _ => Some([0.0; 3]),
+    };
+    let origin = Origin {
+        xyz: place("xyz")?,
+        rpy: place("rpy")?,
+    };
+    fits.then_some(Geometry {
+        solid,
+        sizes,
+        origin,
+    })
+}
+
+/// Finite numbers of an attribute.
+fn list(node: Node<'_, '_>, name: &str) -> Option<Vec<f64>> {
+    let numbers = node.attribute(name)?.split_whitespace();
+    numbers
+        .map(|number| number.parse().ok().filter(|x: &f64| x.is_finite()))
         .collect()
 }

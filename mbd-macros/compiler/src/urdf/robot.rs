@@ -1,5 +1,6 @@
 //! What a URDF says: links and joints, with their places in the file.
 
+use mbd_scene::solids::Solid;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::lexeme::At;
@@ -29,6 +30,19 @@ pub struct Link {
     pub at: At,
     /// Mass and inertia, if any.
     pub inertial: Option<Inertial>,
+    /// What it looks like, as far as that is put together of simple solids.
+    pub shapes: Vec<Geometry>,
+}
+
+/// The `<geometry>` of a `<visual>`, or of a `<collision>` where no `<visual>` is simple.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    /// What it is.
+    pub solid: Solid,
+    /// Its sizes [m], positive.
+    pub sizes: Vec<f64>,
+    /// Its place and axes in those of the link.
+    pub origin: Origin,
 }
 
 /// `<inertial>`.

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use mbd_scene::Axis;
+use mbd_scene::solids::Solid;
 use nalgebra::{Matrix3, Vector3};
 
 use super::names::Names;
@@ -96,6 +97,7 @@ impl Writer<'_> {
             "frame origin at [0.0, 0.0, 0.0] m".to_owned(),
         ];
         fields.extend(self.frames(group, 1));
+        fields.extend(self.shapes(group));
         let _ = write!(text, ".\nbody {name} {{ {} }}", fields.join(", "));
         Ok((link.at, text))
     }
@@ -115,6 +117,27 @@ impl Writer<'_> {
             }
         }
         frames
+    }
+
+    /// The shapes of the links of a group.
+    fn shapes(&self, group: &Group) -> Option<String> {
+        let shapes = group.members.iter().flat_map(|member| {
+            let shapes = self.robot.links[member.link].shapes.iter();
+            shapes.map(|shape| {
+                let (word, sizes) = (shape.solid.keyword(), &shape.sizes);
+                let sizes = match shape.solid {
+                    Solid::Box => format!("{sizes:?} m"),
+                    solid => {
+                        let named = solid.sizes().iter().zip(sizes);
+                        let named = named.map(|(name, size)| format!("{name}: {size:?} m"));
+                        format!("{{ {} }}", named.collect::<Vec<_>>().join(", "))
+                    }
+                };
+                format!("{word} {sizes}{}", place(member.placed.then(shape.origin)))
+            })
+        });
+        let shapes: Vec<String> = shapes.collect();
+        (!shapes.is_empty()).then(|| format!("shape: [{}]", shapes.join(", ")))
     }
 
     /// Where a link's joints are: the body it belongs to.
@@ -247,6 +270,11 @@ fn inertia(of: &Matrix3<f64>, unchecked: bool) -> String {
 }
 
 fn frame(name: &str, placed: Placed) -> String {
+    format!("frame {name}{}", place(placed))
+}
+
+/// Where something is, and its axes.
+fn place(placed: Placed) -> String {
     let at = vector(placed.position());
     let rotated = match placed {
         Placed::Given(origin) if origin.rpy == [0.0; 3] => String::new(),
@@ -260,5 +288,5 @@ fn frame(name: &str, placed: Placed) -> String {
             format!(" rotated matrix({})", rows.join(", "))
         }
     };
-    format!("frame {name} at {at} m{rotated}")
+    format!(" at {at} m{rotated}")
 }

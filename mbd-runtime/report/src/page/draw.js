@@ -4,7 +4,7 @@ class Painter {
   constructor(canvas, stage, camera) {
     Object.assign(this, { canvas, stage, camera });
     this.context = canvas.getContext('2d');
-    this.show = { forces: false, axes: true, names: false, trails: true, ground: true };
+    this.show = { forces: false, axes: stage.data.bodies.length <= 100, names: false, trails: true, ground: true };
     this.restyle();
   }
 

@@ -18,30 +18,29 @@ impl<S: Real> TreeSystem<S> {
             let rates = rates
                 .get(link.slots.v..link.slots.v + link.speeds)
                 .unwrap_or_default();
-            self.accelerations[index] = self.accelerated(evaluation, index, rates);
+            let motion = &evaluation.links[index];
+            let own = match self.inboard(evaluation, index) {
+                Some(inboard) => motion.accelerated(&inboard),
+                None => falling(evaluation, index),
+            };
+            let columns = motion.columns.iter().zip(rates);
+            self.accelerations[index] =
+                columns.fold(own, |own, (column, &rate)| own.plus(column, rate));
         }
     }
 
-    /// The acceleration of a link, less the common fall, from that of the link that carries it and those of its own coordinates.
-    pub(super) fn accelerated(
-        &self,
-        evaluation: &Evaluation<'_, S>,
-        index: usize,
-        rates: &[S],
-    ) -> Twist<S> {
-        let (link, motion) = (&links(evaluation.layout)[index], &evaluation.links[index]);
-        let fall = common_fall(evaluation);
-        match (link.joint, link.inboard) {
-            (None, _) => {
-                let falling = Twist::slide(motion.axes.transpose() * -fall);
-                let columns = motion.columns.iter().zip(rates);
-                columns.fold(falling, |own, (column, &rate)| own.plus(column, rate))
-            }
-            (_, Some(inboard)) => motion.accelerated(&self.accelerations[inboard], rates),
-            (Some(joint), None) => {
-                motion.accelerated(&base(evaluation, joint, link.reversed, &fall), rates)
-            }
-        }
+    /// The acceleration of what carries a link, less the common fall; `None` for one that floats.
+    pub(super) fn inboard(&self, evaluation: &Evaluation<'_, S>, index: usize) -> Option<Twist<S>> {
+        let link = &links(evaluation.layout)[index];
+        Some(match link.inboard {
+            Some(inboard) => self.accelerations[inboard],
+            None => base(
+                evaluation,
+                link.joint?,
+                link.reversed,
+                &common_fall(evaluation),
+            ),
+        })
     }
 
     /// The rows of the joints: all of them, or of each joint those that are in the system, first.
@@ -59,8 +58,7 @@ impl<S: Real> TreeSystem<S> {
         for (index, link) in links(evaluation.layout).iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let (motion, inertia) = (&evaluation.links[index], self.inertias[index]);
-            let mut push = inertia.push(&self.accelerations[index]);
-            push.add(&inertia.gyroscopic(&motion.omega));
+            let mut push = inertia.inertial(&self.accelerations[index], &motion.omega);
             push.add(&self.weight(evaluation, index));
             if let Some(forces) = forces {
                 push = push.plus(&applied(evaluation, index, forces), -S::one());
@@ -133,7 +131,7 @@ impl<S: Real> TreeSystem<S> {
         }
         for (point, slots) in layout.points.iter().enumerate() {
             if let PointSlots::Mass(slots) = slots {
-                for k in slots.v..slots.v + 3 {
+                for k in slots.v..slots.v + layout.directions.translations().len() {
                     self.mass[k * n + k] = evaluation.numbers.points[point].0;
                 }
             }
@@ -199,6 +197,11 @@ impl<S: Real> TreeSystem<S> {
     }
 }
 
+/// The acceleration of a link that floats, less the common fall, without those of its speeds.
+pub(super) fn falling<S: Real>(evaluation: &Evaluation<'_, S>, index: usize) -> Twist<S> {
+    Twist::slide(evaluation.links[index].axes.transpose() * -common_fall(evaluation))
+}
+
 /// First speed and number of speeds of a node of the system; `None` for rows.
 pub(super) fn speeds_of(layout: &Layout, part: Part) -> Option<(usize, usize)> {
     match part {
@@ -232,7 +235,7 @@ pub(super) fn near<S: Real>(
 }
 
 /// The acceleration of what carries a link on the world, less the common fall, its axes.
-pub(super) fn base<S: Real>(
+fn base<S: Real>(
     evaluation: &Evaluation<'_, S>,
     joint: usize,
     reversed: bool,

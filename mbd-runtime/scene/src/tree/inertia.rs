@@ -1,7 +1,7 @@
 //! Inertia and forces along the tree.
 //!
 //! ```text
-//! f = m a + α × h + ω × (ω × h),   n = I α + ω × I ω + h × a            a body at the origin of its link: h = m c, I about it     (1)
+//! f = m a + G h,   n = I α + ω × I ω + h × a,   G = α̃ + ω̃ ω̃            a body at the origin of its link: h = m c, I about it     (1)
 //! f_p += E f,   n_p += E n + r × E f                                    what a link hands on to the one that carries it          (2)
 //! τ = Hᵀ [f; n]                                                                                                                  (3)
 //! m_p += m,  h_p += E h + m r,  I_p += E I Eᵀ + 2 (r·Eh) 1 − Eh rᵀ − r Ehᵀ + m (r·r 1 − r rᵀ)     composite bodies               (4)
@@ -14,6 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::kinematics::LinkMotion;
 use super::system::{TreeSystem, links};
+use super::turn::Turn;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::numbers::BodyNumbers;
 use crate::scalar::algebra::labelled;
@@ -58,6 +59,22 @@ impl<S: Real> Inertia<S> {
         }
     }
 
+    /// (1) with ω × I ω in the elements of G: what lengthens it is the inertia's own products alone.
+    pub fn inertial(&self, motion: &Twist<S>, omega: &Vector3<S>) -> Twist<S> {
+        let (a, alpha, i) = (&motion.linear, &motion.angular, &self.inertia);
+        let (s, g) = (swirl(omega), gradient(alpha, omega));
+        let along = |x: usize| {
+            let (y, z) = ((x + 1) % 3, (x + 2) % 3);
+            let own = i[(x, x)] * alpha[x] + s[(y, z)] * (i[(z, z)] - i[(y, y)]);
+            let products = g[(y, x)] * i[(x, z)] - g[(z, x)] * i[(x, y)];
+            own + products + (g[(y, y)] - g[(z, z)]) * i[(y, z)]
+        };
+        Twist {
+            linear: a.map(|x| self.mass * x) + g * self.moment,
+            angular: Vector3::from_fn(|x, _| along(x)) + self.moment.cross(a),
+        }
+    }
+
     /// (1) for an acceleration, of a body at rest.
     pub fn push(&self, motion: &Twist<S>) -> Twist<S> {
         let (a, alpha) = (&motion.linear, &motion.angular);
@@ -67,18 +84,10 @@ impl<S: Real> Inertia<S> {
         }
     }
 
-    /// What velocities add in (1).
-    pub fn gyroscopic(&self, omega: &Vector3<S>) -> Twist<S> {
-        Twist {
-            linear: omega.cross(&omega.cross(&self.moment)),
-            angular: omega.cross(&(self.inertia * omega)),
-        }
-    }
-
     /// Adds an inertia by (4): that of axes E, here `turn`, with their origin at r.
-    pub fn take(&mut self, other: &Self, turn: &Matrix3<S>, r: &Vector3<S>) {
-        let moment = turn * other.moment;
-        let rotated = turn * other.inertia * turn.transpose();
+    pub fn take(&mut self, other: &Self, turn: &Turn<S>, r: &Vector3<S>) {
+        let moment = turn.apply(&other.moment);
+        let rotated = turn.congruent(&other.inertia);
         let (along, square) = (moment.dot(r), r.dot(r));
         let diagonal = along + along + other.mass * square;
         // h rᵀ + r hᵀ + m r rᵀ = w rᵀ + r hᵀ with w = h + m r, which is the moment that is handed on.
@@ -110,10 +119,26 @@ impl<S: Real> TreeSystem<S> {
             let handed = link.grouped.take_out(&mut self.inertias[index]);
             if let Some(inboard) = link.inboard {
                 let (axes, origin) = &evaluation.links[index].joint;
-                self.inertias[inboard].take(&handed, axes, origin);
+                self.inertias[inboard].take(&handed, &Turn::by(*axes), origin);
             }
         }
     }
+}
+
+/// ω̃ ω̃.
+fn swirl<S: Real>(w: &Vector3<S>) -> Matrix3<S> {
+    let squares = w.map(|x| x * x);
+    symmetric_from(|i, j| match i == j {
+        true => -(squares[(i + 1) % 3] + squares[(i + 2) % 3]),
+        false => w[i] * w[j],
+    })
+}
+
+/// G: how the acceleration of a link changes over its places.
+fn gradient<S: Real>(alpha: &Vector3<S>, omega: &Vector3<S>) -> Matrix3<S> {
+    let (s, a) = (swirl(omega), alpha);
+    let zero = S::zero();
+    s + Matrix3::new(zero, -a.z, a.y, a.z, zero, -a.x, -a.y, a.x, zero)
 }
 
 /// A symmetric matrix from its lower triangle.
@@ -131,9 +156,9 @@ fn symmetric_from<S: Real>(of: impl Fn(usize, usize) -> S) -> Matrix3<S> {
 impl<S: Real> LinkMotion<S> {
     /// (2): a force and a couple at the origin of the link, at that of the link which carries it.
     pub(super) fn hand_on(&self, push: &Twist<S>) -> Twist<S> {
-        let force = self.turn * push.linear;
+        let force = self.turn.apply(&push.linear);
         Twist {
-            angular: self.turn * push.angular + self.offset.cross(&force),
+            angular: self.turn.apply(&push.angular) + self.offset.cross(&force),
             linear: force,
         }
     }
@@ -145,24 +170,28 @@ impl<S: Real> LinkMotion<S> {
             .map_or_else(S::zero, |column| column.dot(push))
     }
 
-    /// Its acceleration by velocities alone, where what carries it has none.
-    pub(super) fn brought(&self) -> Twist<S> {
-        self.accelerated(&Twist::zero(), &[])
+    /// The acceleration of the link by (3) of [`super::kinematics`] without those of its coordinates, from that of the link that carries it.
+    pub(super) fn accelerated(&self, inboard: &Twist<S>) -> Twist<S> {
+        let carried =
+            inboard.linear + gradient(&inboard.angular, &self.inboard_omega) * self.offset;
+        Twist {
+            linear: self.turn.back(&carried) + self.bias.linear,
+            angular: self.turn.back(&inboard.angular) + self.bias.angular,
+        }
     }
 
-    /// The acceleration of the link by (3) of [`super::kinematics`], from that of the link that carries it and the accelerations of its coordinates.
-    pub(super) fn accelerated(&self, inboard: &Twist<S>, rates: &[S]) -> Twist<S> {
-        let (w, r) = (&self.inboard_omega, &self.offset);
-        let carried = inboard.linear + inboard.angular.cross(r) + w.cross(&w.cross(r));
-        let back = self.turn.transpose();
-        let mut motion = Twist {
-            linear: back * carried + self.bias.linear,
-            angular: back * inboard.angular + self.bias.angular,
-        };
-        for (column, &rate) in self.columns.iter().zip(rates) {
-            motion = motion.plus(column, rate);
+    /// The part of it that velocities make.
+    pub(super) fn brought(&self) -> Twist<S> {
+        self.accelerated(&Twist::zero())
+    }
+
+    /// The part of it that the acceleration of the link that carries it makes.
+    pub(super) fn followed(&self, inboard: &Twist<S>) -> Twist<S> {
+        let carried = inboard.linear + inboard.angular.cross(&self.offset);
+        Twist {
+            linear: self.turn.back(&carried),
+            angular: self.turn.back(&inboard.angular),
         }
-        motion
     }
 
     /// A force on the body at its centre of mass and a couple, world axes, and a couple in its own components, at the origin of the link.

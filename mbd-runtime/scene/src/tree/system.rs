@@ -11,14 +11,13 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::articulated::Articulated;
-use super::assemble::{applied, speeds_of};
+use super::assemble::{applied, falling, speeds_of};
 use super::inertia::Inertia;
-use super::rows::{TreeRows, three};
+use super::rows::TreeRows;
 use crate::elimination::{System, common_fall, enter};
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::point_gravity;
-use crate::scalar::algebra::write;
 use crate::{AngularVelocity, Layout, Link, Part, PointSlots, Quantity, Real, Relative, Twist};
 
 /// Scratch of one scene. Carries nothing from call to call.
@@ -80,11 +79,12 @@ pub(super) fn rotate<S: Real>(
     list: &mut [S],
 ) {
     let at = link.slots.v;
-    let linear = axes * three(list, at);
-    write(list, at, &linear);
+    let directions = evaluation.layout.directions;
+    let linear = axes * directions.linear(list, at);
+    directions.write_linear(list, at, &linear);
     if evaluation.scene.angular_velocity == AngularVelocity::World {
-        let angular = axes * three(list, at + 3);
-        write(list, at + 3, &angular);
+        let angular = axes * directions.angular(list, at);
+        directions.write_angular(list, at, &angular);
     }
 }
 
@@ -132,7 +132,8 @@ impl<S: Real> TreeSystem<S> {
                     if let PointSlots::Mass(slots) = layout.points[point] {
                         let weight = point_gravity(evaluation, point, slots.q)
                             .map(|g| numbers.points[point].0 * g);
-                        write(right, 0, &(assembly.points[point] + weight));
+                        let force = assembly.points[point] + weight;
+                        layout.directions.write_linear(right, 0, &force);
                     }
                 }
                 part => {
@@ -160,7 +161,9 @@ impl<S: Real> TreeSystem<S> {
                 let inverse = evaluation.numbers.points[point].1;
                 let rate = assembly.points[point].map(|f| f * inverse)
                     + point_gravity(evaluation, point, slots.q);
-                write(&mut self.rates, slots.v, &rate);
+                layout
+                    .directions
+                    .write_linear(&mut self.rates, slots.v, &rate);
             }
         }
     }
@@ -172,7 +175,7 @@ impl<S: Real> TreeSystem<S> {
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let (motion, inertia) = (&evaluation.links[index], self.inertias[index]);
-            let mut push = inertia.gyroscopic(&motion.omega);
+            let mut push = inertia.inertial(&Twist::zero(), &motion.omega);
             push.add(&self.weight(evaluation, index));
             push = push.plus(&applied(evaluation, index, assembly), -S::one());
             self.articulated[index] = Articulated::of(&inertia, push);
@@ -189,7 +192,15 @@ impl<S: Real> TreeSystem<S> {
         }
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
-            let own = self.accelerated(evaluation, index, &[]);
+            let own = match self.inboard(evaluation, index) {
+                Some(inboard) => {
+                    let motion = &evaluation.links[index];
+                    let mut own = motion.followed(&inboard);
+                    own.add(&motion.brought());
+                    own
+                }
+                None => falling(evaluation, index),
+            };
             let rates = &mut self.rates[link.slots.v..link.slots.v + link.speeds];
             self.accelerations[index] =
                 self.articulated[index].find(&evaluation.links[index], own, rates);
@@ -322,11 +333,9 @@ impl<S: Real> TreeSystem<S> {
         for (point, slots) in evaluation.layout.points.iter().enumerate() {
             if let PointSlots::Mass(slots) = slots {
                 let mass = evaluation.numbers.points[point].0;
-                write(
-                    out,
-                    slots.v,
-                    &point_gravity(evaluation, point, slots.q).map(|g| -(mass * g)),
-                );
+                let weight = point_gravity(evaluation, point, slots.q).map(|g| -(mass * g));
+                let directions = evaluation.layout.directions;
+                directions.write_linear(out, slots.v, &weight);
             }
         }
         into_state(evaluation, out);
@@ -348,7 +357,8 @@ impl<S: Real> TreeSystem<S> {
         }
         for (point, slots) in evaluation.layout.points.iter().enumerate() {
             if let PointSlots::Mass(slots) = slots {
-                write(out, slots.v, &assembly.points[point]);
+                let directions = evaluation.layout.directions;
+                directions.write_linear(out, slots.v, &assembly.points[point]);
             }
         }
         into_state(evaluation, out);

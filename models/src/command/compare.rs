@@ -1,0 +1,153 @@
+//! `mbd compare`: runs side by side on one page: what differs, both motions in one drawing, curves over each other and their differences.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser};
+use models::files;
+use models::report::{Cell, Compared, Report, Table};
+use models::run::{Quality, shown};
+
+use super::failure::Failure;
+use super::run::{Flown, RunArgs, flown, unwritten};
+
+/// What to compare.
+#[derive(Args, Debug)]
+pub struct CompareArgs {
+    /// Runs, each in quotes as it would be typed behind `mbd run`: "swing --tol 1e-6" "swing --tol 1e-10" "other.toml --set k=3N/m".
+    #[arg(required = true, num_args = 2..=8, value_name = "RUN")]
+    runs: Vec<String>,
+    /// Folder for the page.
+    #[arg(long, value_name = "DIR", default_value = "out/compare")]
+    out: PathBuf,
+}
+
+/// A run as it is typed.
+#[derive(Parser)]
+#[command(name = "mbd run", no_binary_name = true)]
+struct Typed {
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// Runs everything and writes `compare.html`.
+pub fn compare(args: &CompareArgs) -> Result<String, Failure> {
+    let mut all = Vec::new();
+    for text in &args.runs {
+        let typed = Typed::try_parse_from(text.split_whitespace())
+            .map_err(|error| Failure::Usage(format!("in \"{text}\": {error}")))?;
+        all.push((text.as_str(), flown(&typed.run)?));
+    }
+    let table = differences(&all);
+    let labels: Vec<String> = (0..all.len()).map(label).collect();
+    let runs: Vec<_> = (labels.iter().zip(&all))
+        .map(|(label, (_, run))| (label.as_str(), shown(&run.scene, &run.plan, &run.outcome)))
+        .collect();
+    let compared = Compared::new(&runs);
+    let mut page = Report::new("Compared runs").table(&table);
+    for (label, (_, run)) in labels.iter().zip(&all) {
+        if let Some(error) = &run.outcome.error {
+            page = page.paragraph(&format!("{label} stopped early: {error}"));
+        }
+    }
+    let page = compared.with_histories(compared.with_motion(page));
+    files::make_folder(&args.out).map_err(|error| unwritten(&error))?;
+    let file = args.out.join("compare.html");
+    page.write(&file).map_err(|error| unwritten(&error))?;
+    Ok(format!("{}\nwritten to {}\n", table.text(), file.display()))
+}
+
+/// A, B, C, ….
+fn label(index: usize) -> String {
+    char::from_u32('A' as u32 + index as u32)
+        .unwrap_or('?')
+        .to_string()
+}
+
+/// What was asked and what came out, the rows in which the runs differ; the names of all runs above them.
+fn differences(all: &[(&str, Flown)]) -> Table {
+    let mut table = Table::new("What differs").column("what", "");
+    for index in 0..all.len() {
+        table = table.number(&label(index), "", 8);
+    }
+    let mut rows: Vec<(String, Vec<Cell>)> = vec![(
+        "run".into(),
+        all.iter().map(|(text, _)| Cell::from(*text)).collect(),
+    )];
+    let mut row = |what: &str, cell: &dyn Fn(&Flown) -> Cell| {
+        rows.push((what.into(), all.iter().map(|(_, run)| cell(run)).collect()));
+    };
+    row("scene", &|run| run.scene.name.as_str().into());
+    row("method", &|run| run.plan.options.method.name().into());
+    row("fixed step [s]", &|run| {
+        run.plan.options.method.fixed_step().into()
+    });
+    row("relative tolerance", &|run| {
+        let tolerance = run.plan.options.method.tolerance();
+        tolerance.map(|[relative, _]| relative).into()
+    });
+    row("end reached [s]", &|run| run.outcome.time.into());
+    row("steps", &|run| {
+        Cell::Count(run.outcome.trajectory.statistics.steps)
+    });
+    row("rejected steps", &|run| {
+        Cell::Count(run.outcome.trajectory.statistics.rejected)
+    });
+    row("right-hand sides", &|run| {
+        Cell::Count(run.outcome.trajectory.statistics.rhs)
+    });
+    row("joints open by at most |Φ| [m]", &|run| {
+        Quality::of(&run.outcome.trajectory).drift.into()
+    });
+    row("energy balance missed by at most [J]", &|run| {
+        run.outcome
+            .imbalance
+            .map(|imbalance| imbalance.energy)
+            .into()
+    });
+    for name in names(all, |run| {
+        run.scene
+            .params
+            .iter()
+            .map(|param| param.name.clone())
+            .collect()
+    }) {
+        row(&format!("param {name} [SI]"), &|run| {
+            let params = run.scene.params.iter().zip(&run.plan.params);
+            let mut found = params.filter(|(param, _)| param.name == name);
+            found.next().map(|(_, value)| *value).into()
+        });
+    }
+    let columns = |run: &Flown| -> Vec<String> {
+        let names = run.outcome.trajectory.names().iter();
+        let shown = names.filter(|name| {
+            let owner = name.name.split('.').next().unwrap_or_default();
+            name.name.ends_with(".tension")
+                || run.scene.outputs.iter().any(|output| output.name == owner)
+        });
+        shown.map(|name| name.name.clone()).collect()
+    };
+    for name in names(all, columns) {
+        row(&format!("last {name}"), &|run| {
+            let column = run.outcome.trajectory.column(&name);
+            column.and_then(|column| column.last().copied()).into()
+        });
+    }
+    for (index, (what, cells)) in rows.into_iter().enumerate() {
+        let differs = cells.windows(2).any(|pair| pair[0] != pair[1]);
+        if index == 0 || differs {
+            table.push([Cell::from(what)].into_iter().chain(cells));
+        }
+    }
+    table.note("Rows in which all runs agree to the last digit are left out.")
+}
+
+/// Every name once, in the order in which they come.
+fn names(all: &[(&str, Flown)], of: impl Fn(&Flown) -> Vec<String>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in all.iter().flat_map(|(_, run)| of(run)) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
