@@ -133,10 +133,21 @@ fn run_time_crates_depend_on_numbers_and_serde_only() {
         ["nalgebra", "num-traits", "serde"]
     );
     let runtime = declared("mbd-runtime");
-    let light = ["mbd-scene", "mbd-macros", "nalgebra", "num-traits", "serde"];
+    // Registers of numbers come along with nalgebra: nothing more is compiled for them.
+    let own = ["mbd-scene", "mbd-macros"];
+    let light = [own.as_slice(), &["nalgebra", "num-traits", "serde", "wide"]].concat();
     for name in &runtime {
         assert!(light.contains(&name.as_str()), "mbd-runtime needs `{name}`");
     }
+    let lock = lock();
+    let brought = lock
+        .iter()
+        .filter(|(_, needs)| needs.iter().any(|need| need == "wide"));
+    let brought: Vec<&String> = brought.map(|(package, _)| package).collect();
+    assert!(
+        brought.iter().any(|package| package.starts_with("simba ")),
+        "{brought:?}"
+    );
 }
 
 #[test]
