@@ -39,7 +39,6 @@ model! {
             center_of_mass: [0 m, 0 m, -center],
             inertia: diag(across, across, ROD * (2 cm)^2 / 2 + 0.4 * ball * radius^2),
             frame pivot at [0.0, 0.0, 0.0] m,
-            frame bob at [0.0, 0.0, -1.0] m,
         }
         joint pin: hinge from world to pendulum.pivot { axis: y, start: 30 deg }
     }
