@@ -28,26 +28,37 @@ impl Name {
     }
 }
 
+/// What a body's position, attitude, velocity and angular velocity are called, as they are in the state of absolute coordinates.
+fn body_words(scene: &Scene, layout: &Layout) -> [Vec<&'static str>; 4] {
+    let along = |names: [&'static str; 3]| -> Vec<&str> {
+        let moves = layout.directions.translations();
+        moves.iter().map(|&k| names[k]).collect()
+    };
+    let attitude = match layout.directions.plane {
+        Some(_) => vec!["angle"],
+        None => vec!["qw", "qx", "qy", "qz"],
+    };
+    let turn = match (
+        layout.directions.plane.map(Plane::normal),
+        scene.angular_velocity,
+    ) {
+        (Some(normal), _) => vec![["omega_x", "omega_y", "omega_z"][normal]],
+        (None, AngularVelocity::Body) => vec!["omega_body_x", "omega_body_y", "omega_body_z"],
+        (None, AngularVelocity::World) => vec!["omega_world_x", "omega_world_y", "omega_world_z"],
+    };
+    [
+        along(["x", "y", "z"]),
+        attitude,
+        along(["vx", "vy", "vz"]),
+        turn,
+    ]
+}
+
 /// The coordinates of the state x = [q | v | z | s], in order: `capsule.x` … `capsule.qz`, `capsule.vx`, `capsule.omega_body_x`, `swivel.x`, ….
 /// In the plane xz: `crank.x`, `crank.z`, `crank.angle` (about y, not periodic), `crank.vx`, `crank.vz`, `crank.omega_y`.
 #[must_use]
 pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
-    let moves = layout.directions.translations();
-    let along =
-        |names: [&'static str; 3]| -> Vec<&str> { moves.iter().map(|&k| names[k]).collect() };
-    let (places, speeds) = (along(["x", "y", "z"]), along(["vx", "vy", "vz"]));
-    let plane = layout.directions.plane.map(Plane::normal);
-    let turn: &[&str] = match (plane, scene.angular_velocity) {
-        (Some(0), _) => &["omega_x"],
-        (Some(1), _) => &["omega_y"],
-        (Some(_), _) => &["omega_z"],
-        (None, AngularVelocity::Body) => &["omega_body_x", "omega_body_y", "omega_body_z"],
-        (None, AngularVelocity::World) => &["omega_world_x", "omega_world_y", "omega_world_z"],
-    };
-    let attitude: (&[&str], &str) = match plane {
-        Some(_) => (&["angle"], "rad"),
-        None => (&["qw", "qx", "qy", "qz"], ""),
-    };
+    let [places, attitude, speeds, turn] = body_words(scene, layout);
     let masses = || {
         let points = scene.points.iter().zip(&layout.points);
         points
@@ -78,13 +89,17 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
     };
     for body in bodies() {
         list(&body.name, &places, "m");
-        list(&body.name, attitude.0, attitude.1);
+        list(
+            &body.name,
+            &attitude,
+            layout.directions.plane.map_or("", |_| "rad"),
+        );
     }
     joints(false).for_each(|(joint, name, unit)| list(joint_name(scene, joint), &[name], unit));
     masses().for_each(|point| list(point, &places, "m"));
     for body in bodies() {
         list(&body.name, &speeds, "m/s");
-        list(&body.name, turn, "rad/s");
+        list(&body.name, &turn, "rad/s");
     }
     joints(true).for_each(|(joint, name, unit)| list(joint_name(scene, joint), &[name], unit));
     masses().for_each(|point| list(point, &speeds, "m/s"));
@@ -99,30 +114,21 @@ pub fn state_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
 
 /// Of the bodies that joints of a tree carry, position, attitude and velocities, named as in absolute coordinates.
 pub(crate) fn carried_names(scene: &Scene, layout: &Layout) -> Vec<Name> {
-    let turn = match scene.angular_velocity {
-        AngularVelocity::Body => ["omega_body_x", "omega_body_y", "omega_body_z"],
-        AngularVelocity::World => ["omega_world_x", "omega_world_y", "omega_world_z"],
-    };
-    let components = [
-        (["x", "y", "z"].as_slice(), "m"),
-        (["qw", "qx", "qy", "qz"].as_slice(), ""),
-        (["vx", "vy", "vz"].as_slice(), "m/s"),
-        (turn.as_slice(), "rad/s"),
+    let units = [
+        "m",
+        layout.directions.plane.map_or("", |_| "rad"),
+        "m/s",
+        "rad/s",
     ];
+    let words = body_words(scene, layout);
     let bodies = scene.bodies.iter().zip(&layout.bodies);
     let carried = bodies.filter(|(_, own)| own.is_none());
     let names = carried.flat_map(|(body, _)| {
-        let of = |(words, unit): (&[&str], &str)| -> Vec<Name> {
-            words
-                .iter()
-                .map(|word| Name::new(&body.name, word, unit))
-                .collect()
-        };
-        components
-            .map(of)
-            .into_iter()
-            .flatten()
-            .collect::<Vec<Name>>()
+        let kinds = words.iter().zip(units);
+        kinds.flat_map(move |(words, unit)| {
+            let names = words.iter();
+            names.map(move |word| Name::new(&body.name, word, unit))
+        })
     });
     names.collect()
 }

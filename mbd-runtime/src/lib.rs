@@ -7,6 +7,8 @@
 //! | integrate a model | [`Simulation`] with [`Options`] |
 //! | drive it: inputs held, as functions of time and state, by controllers at samples | [`Simulation::set_inputs`], [`Simulation::control`], [`Simulation::control_every`] |
 //! | record named columns with units | [`Trajectory`] with [`Sampling`] and [`Content`] |
+//! | run many cases with other params, inputs and starts on several threads | [`Batch`] of [`Case`]s |
+//! | run several cases beside each other in one register | [`Lanes4`], [`Lanes8`] as the scalar of a generated model, [`LockStep`] |
 //! | stop a run and continue it to the bit | [`Snapshot`] |
 //! | read what events did, and let another model go on | [`Acted`], [`Handover`] |
 //! | linearise at a state: A, B, C, D in minimal coordinates, eigenvalues | [`linearise`], [`StateSpace`]; in all of x and by parameters: [`Linearisation`] |
@@ -24,6 +26,10 @@
 struct ThePageAboutEvents;
 
 #[cfg(doctest)]
+#[doc = include_str!("../../docs/campaigns.md")]
+struct ThePageAboutCampaigns;
+
+#[cfg(doctest)]
 #[doc = include_str!("../../docs/control.md")]
 struct ThePageAboutDriving;
 
@@ -33,6 +39,7 @@ pub mod __private;
 mod accuracy;
 mod approach;
 mod balance;
+mod batch;
 mod chatter;
 mod columns;
 mod commands;
@@ -45,6 +52,7 @@ mod generated;
 mod generic;
 mod integrate;
 mod inverse;
+mod lanes;
 mod laws;
 mod linearise;
 mod list;
@@ -129,6 +137,10 @@ pub use options::{Method, Options, Stabilise};
 pub use simulation::{Acted, Handover, Moved, Simulation, Snapshot, Stop};
 pub use supply::{Inputs, Sample};
 pub use system::{External, NoLoads};
+
+// Many runs.
+pub use batch::{Batch, Case, Failed as FailedCase, Finished, Tally, Why};
+pub use lanes::{Lanes, Lanes4, Lanes8, LockStep};
 
 // What it leaves.
 pub use columns::{Name, state_names};

@@ -1,6 +1,6 @@
 //! Whole lists of numbers, folded in lanes: a sum or a comparison need not wait for the one before.
 
-use mbd_scene::Float;
+use mbd_scene::{Float, Real};
 
 /// How many numbers are folded beside each other.
 const LANES: usize = 4;
@@ -62,7 +62,7 @@ pub(crate) const MOST_TERMS: usize = 16;
 
 /// out = state + h Σ w k over `stages`, which follow each other, at most [`MOST_TERMS`] with a weight: every number in the order of the stages, in
 /// one pass over the state.
-pub(crate) fn combine<T: Float>(state: &[T], h: T, weights: &[T], stages: &[T], out: &mut [T]) {
+pub(crate) fn combine<T: Real>(state: &[T], h: T, weights: &[T], stages: &[T], out: &mut [T]) {
     let mut terms: [(T, &[T]); MOST_TERMS] = [(T::zero(), &[]); MOST_TERMS];
     let (mut count, mut rest) = (0, stages);
     for weight in weights {

@@ -10,7 +10,7 @@
 //! light point passes on the forces between heavy bodies, and it is these that must have digits. So a light body that hangs on a heavy one is
 //! measured against the heavy one, too. Source: derived, from a stretch d − L0 whose d comes from positions rounded to ε |p|.
 
-use mbd_scene::{Float, Joint, Layout, Part};
+use mbd_scene::{Directions, Float, Joint, Layout, Part};
 
 use crate::integrate::Scales;
 use crate::moving::{Moving, moving};
@@ -28,6 +28,7 @@ pub(crate) struct Rounding {
     acceleration: f64,
     /// The longest arm of the joints [m]; `None` without rows.
     arm: Option<f64>,
+    directions: Directions,
 }
 
 /// The body or point whose forces rounding changes most.
@@ -60,6 +61,7 @@ impl Rounding {
             parts: parts.into_iter().zip(rates).collect(),
             acceleration: own.max(stiffness.gravity()),
             arm,
+            directions: layout.directions,
         }
     }
 
@@ -77,7 +79,10 @@ impl Rounding {
                 .fold(0.0, |most: f64, x| most.max(x.to_f64().abs()))
         };
         let affected = self.parts.iter().map(|(part, rate)| {
-            let carried = part.carried.map_or(0..0, |body| 13 * body..13 * body + 3);
+            let carried = part.carried.map_or(0..0, |body| {
+                let first = self.directions.motion() * body;
+                first..first + self.directions.translations().len()
+            });
             let distance = largest(state, part.position.clone()).max(largest(bodies, carried));
             let acceleration = self.acceleration.max(largest(rates, part.velocity.clone()));
             let force = precision * distance * rate / acceleration;

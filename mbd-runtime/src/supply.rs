@@ -121,6 +121,9 @@ pub(crate) struct Gauge<'a, T: Float> {
 trait Measure<T> {
     /// Hands the numbers of a quantity to `read`; of outputs only where inputs and nodes are known.
     fn measure(&self, what: Quantity, read: &mut dyn FnMut(&[T]));
+
+    /// The centre of mass of a body, world axes [m].
+    fn position(&self, body: &str) -> Option<[T; 3]>;
 }
 
 impl<T: Float> Measure<T> for RefCell<Gauge<'_, T>> {
@@ -141,6 +144,29 @@ impl<T: Float> Measure<T> for RefCell<Gauge<'_, T>> {
                 read(room);
             }
         }
+    }
+
+    fn position(&self, body: &str) -> Option<[T; 3]> {
+        let mut gauge = self.try_borrow_mut().ok()?;
+        let Gauge {
+            model,
+            at,
+            work,
+            room,
+            ..
+        } = &mut *gauge;
+        let (layout, directions) = (model.layout(), model.layout().directions);
+        let mut bodies = model.scene().bodies.iter();
+        let index = bodies.position(|known| known.name == body)?;
+        let position = match layout.bodies.get(index)? {
+            Some(slots) => directions.linear(at.state, slots.q),
+            None => {
+                let room = room.get_mut(..layout.len(Quantity::Bodies))?;
+                model.evaluate(Quantity::Bodies, at, work, room);
+                directions.linear(room, directions.motion() * index)
+            }
+        };
+        Some(position.into())
     }
 }
 
@@ -182,6 +208,13 @@ impl<'a, I: Inputs<T>, T: Float> Sample<'a, I, T> {
             found = Some(I::coordinates(numbers));
         });
         found.unwrap_or_else(|| I::coordinates(&[]))
+    }
+
+    /// The centre of mass of a body by its name, world axes [m], whatever the coordinates: what a field of gravity is a function of. `None` for a name
+    /// that is no body. Computed when asked for.
+    #[must_use]
+    pub fn position(&self, body: &str) -> Option<[T; 3]> {
+        self.gauge.position(body)
     }
 
     /// The outputs: `sample.outputs()?.pull`, with the inputs as they were up to this sample. Computed when asked for. `None` in a function of

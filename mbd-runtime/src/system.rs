@@ -171,6 +171,7 @@ impl<T: Float> System<T> {
                 layout
                     .len(Quantity::Coordinates)
                     .max(layout.len(Quantity::Outputs))
+                    .max(layout.len(Quantity::Bodies))
             ],
             action_work: 0.0,
             model,

@@ -152,6 +152,14 @@ impl Trajectory {
         }
     }
 
+    /// Drops all rows and events, for another run of the same scene; the memory stays.
+    pub fn clear(&mut self) {
+        self.columns.iter_mut().for_each(Vec::clear);
+        self.events.clear();
+        (self.first, self.next, self.undetermined) = (f64::NAN, 0, 0);
+        self.statistics = Statistics::default();
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -287,7 +295,11 @@ impl Trajectory {
             self.row
                 .extend(state.iter().take(layout.nx()).map(|x| x.to_f64()));
             let bodies = read(system, (Quantity::Bodies, None), time, state, scratch);
-            for (own, numbers) in layout.bodies.iter().zip(bodies.chunks_exact(13)) {
+            for (own, numbers) in layout
+                .bodies
+                .iter()
+                .zip(bodies.chunks_exact(layout.directions.motion()))
+            {
                 if own.is_none() {
                     self.row.extend(numbers.iter().map(|x| x.to_f64()));
                 }

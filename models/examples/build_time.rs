@@ -1,7 +1,8 @@
 //! What a crate that runs its jointed model costs to build: expansion, `cargo check` and release build, beyond an empty crate.
 //!
 //! Every crate makes its model, a simulation of it, and records a second: what a user's crate contains at least.
-//! `cargo run --release -p models --example build_time`; with `-- 8`, chains of at most 8 bodies. Chains of rods on hinges about y, x, y, x, …;
+//! `cargo run --release -p models --example build_time`; with `-- 8`, chains of at most 8 bodies; with `-- 8 relative`, or `auto`, in these
+//! coordinates; `-- 8 relative arm.urdf` adds robots. Chains of rods on hinges about y, x, y, x, …;
 //! chains of identical bodies on spherical joints. The column expansion is the compiler as optimised as this example; in `cargo check` the macro
 //! is not optimised, as in a user's crate that does not ask for it; in the release build it is at level 1. Writes a small crate under the target
 //! directory and builds it again for every line of the table; nothing is downloaded.
@@ -19,13 +20,22 @@ const ROD: &str = "mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, \
     frame top at [0.0, 0.0, 0.5] m, frame end at [0.0, 0.0, -0.5] m";
 
 /// One rod on a hinge.
-fn hinge() -> String {
+fn hinge(family: &str) -> String {
     "pub model Chain {
+            coordinates: FAMILY;
             gravity: [0.0, 0.0, -9.81] m/s^2;
             body rod { mass: 1.0 kg, inertia: diag(0.085, 0.085, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
             joint hold: hinge from world to rod.top { axis: y }
         }"
-    .to_owned()
+    .replace("FAMILY", family)
+}
+
+/// A robot with every function.
+fn robot(file: &str, family: &str) -> Outcome<String> {
+    let path = Path::new(file).canonicalize()?;
+    Ok(format!(
+        "pub model Chain {{ coordinates: {family}; urdf: {path:?} {{ inertias: unchecked }} }}"
+    ))
 }
 
 /// A crate that runs this model so many times over, each a model of its own.
@@ -52,9 +62,10 @@ fn running(text: &str, models: usize) -> String {
 }
 
 /// `n` rods on hinges, n even.
-fn hinges(n: usize) -> String {
+fn hinges(n: usize, family: &str) -> String {
     format!(
         "pub model Chain {{
+            coordinates: {family};
             gravity: [0.0, 0.0, -9.81] m/s^2;
             const HALF = {};
             body even[i in 0..HALF] {{ {ROD} }}
@@ -68,9 +79,10 @@ fn hinges(n: usize) -> String {
 }
 
 /// `n` identical rods on spherical joints.
-fn spherical(n: usize) -> String {
+fn spherical(n: usize, family: &str) -> String {
     format!(
         "pub model Chain {{
+            coordinates: {family};
             gravity: [0.0, 0.0, -9.81] m/s^2;
             body rod[i in 0..{n}] {{ {ROD} }}
             joint hold: spherical from world to rod[0].top;
@@ -165,20 +177,31 @@ fn main() -> Outcome<()> {
         Some(most) => most.parse()?,
         None => 64,
     };
+    let family = std::env::args().nth(2);
+    let family = family.as_deref().unwrap_or("absolute");
     let few = |n: &usize| *n <= most;
-    let chains = [2, 4, 8, 16, 32, 64].into_iter().filter(few);
-    let chains = chains.map(|n| (format!("chain of {n} hinges"), hinges(n)));
+    let chains = [2, 4, 8, 16, 32, 64, 128, 256].into_iter().filter(few);
+    let chains = chains.map(|n| (format!("chain of {n} hinges"), hinges(n, family)));
     let balls = [8, 16, 64].into_iter().filter(few);
-    let balls = balls.map(|n| (format!("chain of {n} spherical joints"), spherical(n)));
+    let balls = balls.map(|n| {
+        (
+            format!("chain of {n} spherical joints"),
+            spherical(n, family),
+        )
+    });
+    let robots: Outcome<Vec<(String, String)>> = std::env::args()
+        .skip(3)
+        .map(|file| Ok((file.clone(), robot(&file, family)?)))
+        .collect();
     for (name, models) in [("one hinge", 1), ("two models of one hinge", 2)] {
-        let text = hinge();
+        let text = hinge(family);
         let (time, tokens) = expansion(&text)?;
         let source = running(&text, models);
         let checked = place.build(&source, &check)? - floor[0];
         let released = place.build(&source, &release)? - floor[1];
         println!("| {name} | {time:.3} s | {tokens} | {checked:.2} s | {released:.2} s |");
     }
-    for (name, text) in chains.chain(balls) {
+    for (name, text) in chains.chain(balls).chain(robots?) {
         let (time, tokens) = expansion(&text)?;
         let source = running(&text, 1);
         let checked = place.build(&source, &check)? - floor[0];

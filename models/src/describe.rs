@@ -49,13 +49,17 @@ pub fn counts(scene: &Scene) -> Table {
     }
     let told = layout.redundancy.sentences(scene);
     let told = told.into_iter().chain(ambiguous(scene, &layout));
-    let notes = [freedoms(scene, &layout)].into_iter().chain(told);
+    let tree = layout.tree.as_ref().map(|tree| tree.sentence(scene));
+    let notes = [freedoms(scene, &layout)]
+        .into_iter()
+        .chain(tree)
+        .chain(told);
     let gravity = format!("gravity: {}", gravity(&scene.gravity));
     notes.chain([gravity]).fold(table, Table::note)
 }
 
-/// Freedoms by Grübler's count, which takes rows as independent (6 a body, 3 a point with mass, in a plane 3 and 2, less the rows of the
-/// joints), and by the true rank; loops.
+/// Freedoms by Grübler's count, which takes rows as independent (6 a body, 3 a point with mass, in a plane 3 and 2, in relative coordinates the
+/// speeds of the tree, less the rows of the joints), and by the true rank; loops.
 fn freedoms(scene: &Scene, layout: &Layout) -> String {
     let (bodies, rows, rank) = (scene.bodies.len(), layout.nc, layout.rank());
     let points = scene.points.len() - layout.nodes.len();
@@ -64,10 +68,11 @@ fn freedoms(scene: &Scene, layout: &Layout) -> String {
         layout.directions.translations().len(),
     );
     let count = |rows: usize| layout.nv as i64 - rows as i64;
-    let mut text = format!(
-        "freedoms (Grübler): {body}·{bodies} + {point}·{points} − {rows} = {}",
-        count(rows)
-    );
+    let speeds = match layout.tree {
+        None => format!("freedoms (Grübler): {body}·{bodies} + {point}·{points}"),
+        Some(_) => format!("freedoms: {} speeds of the tree and of points", layout.nv),
+    };
+    let mut text = format!("{speeds} − {rows} = {}", count(rows));
     if rows > 0 {
         let (left, loops) = (count(rank), layout.redundancy.loops);
         text += &format!("; by the rank {rank} of the rows: {left}; loops: {loops}");

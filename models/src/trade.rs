@@ -1,10 +1,11 @@
-//! The trade between speed and accuracy of a scene: methods and tolerances, and other models of its equilibrium points, raced over one question.
+//! The trade between speed and accuracy of a scene: methods and tolerances, other models of its equilibrium points and the other family of
+//! coordinates, raced over one question.
 
 use std::io;
 use std::path::Path;
 
 use mbd_compiler::Interpreted;
-use mbd_runtime::scene::{Clamp, Difference, NodeModel, PointKind, Scene};
+use mbd_runtime::scene::{Clamp, Coordinates, Difference, NodeModel, PointKind, Scene};
 use mbd_runtime::{Failed, ParamError, Question, Race, TradeError, Variant, trade};
 
 use crate::files::{make_folder, write_text};
@@ -41,7 +42,8 @@ impl std::fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-/// Races a scene as declared, with every other model of its equilibrium points, and in single precision, all interpreted. The window is the whole
+/// Races a scene as declared, with every other model of its equilibrium points, in the other family of coordinates, and in single precision, all
+/// interpreted. The window is the whole
 /// run where none is given.
 ///
 /// # Errors
@@ -75,7 +77,8 @@ pub fn race(
     trade(&variants, &question).map_err(Failure::Trade)
 }
 
-/// The scene as declared, then with each other model of its equilibrium points, where it has some and can be run so.
+/// The scene as declared, then with each other model of its equilibrium points, where it has some and can be run so, and in the other family of
+/// coordinates, where joints make a difference.
 fn contenders(scene: &Scene, settings: &Settings) -> Result<Vec<Contender>, Failure> {
     let of = |name, scene: Scene| -> Result<Contender, Failure> {
         let plan = Plan::new(&scene, settings).map_err(Failure::Plan)?;
@@ -101,6 +104,13 @@ fn contenders(scene: &Scene, settings: &Settings) -> Result<Vec<Contender>, Fail
         if other != *scene {
             all.extend(of(name, other).ok());
         }
+    }
+    let (name, other) = match scene.coordinates {
+        Coordinates::Absolute => ("relative coordinates", Coordinates::Relative),
+        Coordinates::Relative => ("absolute coordinates", Coordinates::Absolute),
+    };
+    if !scene.joints.is_empty() {
+        all.extend(of(name, scene.in_coordinates(other)).ok());
     }
     Ok(all)
 }

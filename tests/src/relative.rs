@@ -36,10 +36,13 @@ impl Both {
         // What the state of the tree says, so that rounding of the given state is not compared.
         let mut from = state.to_vec();
         let bodies = evaluate(&relative, Quantity::Bodies, &own, &[], &[]);
-        for ((_, slots), numbers) in absolute.own_bodies().zip(bodies.chunks_exact(13)) {
-            from[slots.q..slots.q + 7].copy_from_slice(&numbers[..7]);
+        let directions = absolute.directions;
+        let motions = bodies.chunks_exact(directions.motion());
+        for ((_, slots), numbers) in absolute.own_bodies().zip(motions) {
+            let (q, speeds) = numbers.split_at(directions.coordinates());
+            from[slots.q..slots.q + q.len()].copy_from_slice(q);
             let v = absolute.nq + slots.v;
-            from[v..v + 6].copy_from_slice(&numbers[7..]);
+            from[v..v + speeds.len()].copy_from_slice(speeds);
         }
         let moved = from
             .iter()

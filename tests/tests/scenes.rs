@@ -4,7 +4,7 @@ use mbd_compiler::{read_toml, write_toml};
 use mbd_scene::Layout;
 use models::progress::Progress;
 use models::report::drawings;
-use models::run::{Outcome, Plan, Quality, Settings};
+use models::run::{Outcome, Plan, Quality, Settings, fly_model};
 use models::scenes::{READY, Ready};
 use tests::assert_close;
 use tests::reference::{load, numbers};
@@ -25,7 +25,8 @@ fn plan(ready: &Ready) -> Plan {
 fn flown(name: &str, until: f64) -> Outcome {
     let mut plan = plan(ready(name));
     plan.until = plan.until.min(until);
-    let outcome = (ready(name).fly)(&plan, &mut Progress::silent()).expect("default params");
+    let model = (ready(name).model)(&plan.params).expect("default params");
+    let outcome = fly_model(&*model, &plan, &mut Progress::silent());
     assert_eq!(outcome.error, None, "{name}");
     outcome
 }

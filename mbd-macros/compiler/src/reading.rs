@@ -6,6 +6,7 @@ use mbd_scene::Scene;
 use proc_macro2::{Span, TokenStream};
 
 use crate::check::check;
+use crate::families::Families;
 use crate::lexeme::Region;
 use crate::lexeme::{self, Lexeme, Places};
 use crate::messages::{Location, Message, Messages, syntax as say};
@@ -144,6 +145,9 @@ pub(crate) fn finish(
         errors.extend(std::mem::take(&mut resolver.messages));
     }
     let good = errors.is_empty();
+    if good && resolver.asked.family {
+        choose_family(&mut resolver);
+    }
     let spans = spans(&resolver, places);
     let head = places.location(resolver.head);
     let declared = |joint| resolver.declared.get(&Named::Joint(joint));
@@ -167,6 +171,16 @@ pub(crate) fn finish(
         },
         file: None,
     }
+}
+
+/// Takes the cheaper family of coordinates, and notes the choice.
+fn choose_family(resolver: &mut Resolver<'_>) {
+    let families = Families::count(&resolver.scene);
+    let chosen = families.cheaper();
+    resolver
+        .notes
+        .push(format!("coordinates: {}: {families}", chosen.word()));
+    resolver.scene.coordinates = chosen;
 }
 
 fn spans(resolver: &Resolver<'_>, places: &Places) -> Spans {

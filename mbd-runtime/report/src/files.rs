@@ -1,6 +1,8 @@
 //! Files that are whole: a reader finds the new one complete, or what was there before.
 
+use std::collections::hash_map::RandomState;
 use std::fs::{self, File};
+use std::hash::{BuildHasher, Hasher};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -20,8 +22,27 @@ pub fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
+    write_beside(path, ".part", write)
+}
+
+/// [`write_whole`] of a text that other processes may be writing to the same place, on this machine or another: each has a part of its own, the last
+/// to be ready stays.
+///
+/// # Errors
+/// As there.
+pub fn write_shared(path: &Path, text: &str) -> io::Result<()> {
+    let own = RandomState::new().build_hasher().finish();
+    let ending = format!(".{own:016x}.part");
+    write_beside(path, &ending, |to| to.write_all(text.as_bytes()))
+}
+
+fn write_beside(
+    path: &Path,
+    ending: &str,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".part");
+    name.push(ending);
     let part = path.with_file_name(name);
     let written = write_part(&part, write).and_then(|()| fs::rename(&part, path));
     written.map_err(|error| {

@@ -358,6 +358,17 @@ pub enum Coordinates {
     Relative,
 }
 
+impl Coordinates {
+    /// Its word, `relative`.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Coordinates::Absolute => "absolute",
+            Coordinates::Relative => "relative",
+        }
+    }
+}
+
 /// The acceleration of gravity at a position r, world axes [m/s²].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Gravity {
@@ -482,10 +493,20 @@ impl Frame {
     /// Whether it depends on time.
     #[must_use]
     pub fn moves(&self, scene: &Scene) -> bool {
-        let rows = self.rotation.iter().flatten().flatten();
-        let mut all = self.position.iter().chain(rows);
-        all.any(|formula| scene.contains(formula, |part| *part == Formula::Time))
+        let mut all = self.position.iter();
+        self.turns(scene) || all.any(|formula| depends_on_time(scene, formula))
     }
+
+    /// Whether its axes depend on time.
+    #[must_use]
+    pub fn turns(&self, scene: &Scene) -> bool {
+        let mut all = self.rotation.iter().flatten().flatten();
+        all.any(|formula| depends_on_time(scene, formula))
+    }
+}
+
+fn depends_on_time(scene: &Scene, formula: &Formula) -> bool {
+    scene.contains(formula, |part| *part == Formula::Time)
 }
 
 /// A rigid body.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use mbd_compiler::Equations;
 use mbd_runtime::Layout;
+use models::advice::advice;
 use models::describe;
 use models::report::Table;
 use serde_json::{Value, json};
@@ -40,8 +41,11 @@ fn tables(file: &SceneFile) -> String {
     let mut parts = vec![describe::counts(&file.scene).text()];
     parts.extend(describe::things(&file.scene).iter().map(Table::text));
     parts.push(describe::operations(&Equations::trace(&file.scene)).text());
-    if !file.remarks.is_empty() {
-        parts.push(file.remarks.join("\n") + "\n");
+    let advice = advice(&file.scene, &file.settings);
+    let advice = advice.iter().map(|text| format!("advice: {text}"));
+    let told: Vec<String> = file.remarks.iter().cloned().chain(advice).collect();
+    if !told.is_empty() {
+        parts.push(told.join("\n") + "\n");
     }
     parts.join("\n")
 }
@@ -86,5 +90,6 @@ fn contents(file: &SceneFile) -> Value {
         "repeated_rows": layout.redundancy.sentences(scene),
         "warnings": listed(&file.reading.warnings, &file.name),
         "notes": file.reading.notes,
+        "advice": advice(scene, &file.settings),
     })
 }

@@ -15,7 +15,7 @@ pub enum Failure {
     Mistakes(Mistakes),
     /// The scene is invalid; that is told on the standard output, for a program.
     Told(String),
-    /// The run is less accurate than it should be: its whole result, for the standard output.
+    /// The run is less accurate than it should be, or a campaign does not show what is required: the whole result, for the standard output.
     Inaccurate(String),
     /// The run stopped before its end.
     Aborted(String),
@@ -42,6 +42,17 @@ impl fmt::Display for Failure {
             | Failure::Told(text)
             | Failure::Inaccurate(text)
             | Failure::Aborted(text) => f.write_str(text),
+        }
+    }
+}
+
+impl From<mbd_campaign::Failure> for Failure {
+    fn from(failure: mbd_campaign::Failure) -> Self {
+        match failure {
+            mbd_campaign::Failure::Usage(text) => Failure::Usage(text),
+            mbd_campaign::Failure::Invalid(text) => Failure::Invalid(text),
+            mbd_campaign::Failure::NotMet(text) => Failure::Inaccurate(text),
+            mbd_campaign::Failure::Aborted(text) => Failure::Aborted(text),
         }
     }
 }

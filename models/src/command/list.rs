@@ -37,6 +37,30 @@ const WRITTEN: &[Written] = &[
         text: include_str!("../../scenes/linkage.mbd"),
         is_toml: false,
     },
+    Written {
+        name: "arm",
+        what: "Arm of seven joints: motors carry its weight while an input moves it, then their power is cut and it falls. Joint coordinates.",
+        text: include_str!("../../scenes/arm.mbd"),
+        is_toml: false,
+    },
+    Written {
+        name: "quadruped",
+        what: "Trunk that floats on four legs of three hinges, dropped into springs at its feet. Joint coordinates.",
+        text: include_str!("../../scenes/quadruped.mbd"),
+        is_toml: false,
+    },
+    Written {
+        name: "pendulums",
+        what: "Chain of eight rods on hinges about crossed axes. Joint coordinates.",
+        text: include_str!("../../scenes/pendulums.mbd"),
+        is_toml: false,
+    },
+    Written {
+        name: "crank_rocker",
+        what: "Four-bar in a plane in joint coordinates: the fourth hinge closes the loop by rows.",
+        text: include_str!("../../scenes/crank_rocker.mbd"),
+        is_toml: false,
+    },
 ];
 
 /// A ready scene.

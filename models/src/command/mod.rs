@@ -1,5 +1,6 @@
 //! The commands of `mbd`: what can be typed, and which file answers it.
 
+mod campaign;
 mod check;
 mod compare;
 mod convert;
@@ -23,12 +24,14 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use campaign::SceneCampaignArgs;
 use check::CheckArgs;
 use compare::CompareArgs;
 use convert::ConvertArgs;
 use extremes::ExtremesArgs;
 use failure::Failure;
 use linearise::LineariseArgs;
+use mbd_campaign::GatherArgs;
 use mistakes::Paint;
 use parachute::ParachuteArgs;
 use run::RunArgs;
@@ -40,7 +43,7 @@ use watch::WatchArgs;
 #[command(
     name = "mbd",
     version,
-    after_help = "Exit codes: 0 ok, 1 usage, 2 model or params invalid, 3 run done but less accurate than 1 %, 4 run aborted."
+    after_help = "Exit codes: 0 ok, 1 usage, 2 model or params invalid, 3 run done but less accurate than 1 %, or a requirement of a campaign is not shown, 4 run aborted."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -67,6 +70,12 @@ enum Command {
     Advise(TradeArgs),
     /// Run what is extreme: every number is right within its bound, or refused by a typed error.
     Extremes(ExtremesArgs),
+    /// Run many cases of a scene with dispersed params, starts and inputs, or a shard of them.
+    Campaign(SceneCampaignArgs),
+    /// Put the results of all shards of a campaign together and tell what they say.
+    Gather(GatherArgs),
+    /// Write the page of a campaign: requirements, percentiles, histograms, drivers, failures.
+    Report(GatherArgs),
     /// Check a scene and say what it contains: bodies, freedoms, nodes, operations.
     Check(CheckArgs),
     /// Print the Rust that `model!` makes of a scene.
@@ -160,6 +169,9 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
         Command::Extremes(args) => extremes::extremes(&args),
         Command::Trade(args) => trade::trade(&args, false),
         Command::Advise(args) => trade::trade(&args, true),
+        Command::Campaign(args) => campaign::campaign(&args),
+        Command::Gather(args) => campaign::gather(&args),
+        Command::Report(args) => campaign::report(&args),
         Command::Check(args) => check::check(&args),
         Command::Expand(args) => expand::expand(&args.scene),
         Command::Grammar => Ok(grammar::grammar()),

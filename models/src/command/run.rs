@@ -3,9 +3,12 @@
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
+use mbd_campaign::Campaign;
 use mbd_runtime::scene::Scene;
 use models::progress::Progress;
-use models::run::{Outcome, Plan, Settings, doubt, publish, publish_gltf, summary_json, warning};
+use models::run::{
+    Outcome, Plan, Settings, doubt, fly_model, publish, publish_gltf, summary_json, warning,
+};
 use toml::Value;
 
 use super::failure::Failure;
@@ -44,6 +47,17 @@ pub struct RunArgs {
     /// Leave out the second, finer run that tells the error of the first.
     #[arg(long)]
     no_estimate: bool,
+    /// Run a case of this campaign file as the campaign does, with its params, inputs and start.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["method", "dt", "tol", "until", "every", "max_steps", "set"])]
+    campaign: Option<PathBuf>,
+    /// Which case; 0 is the nominal.
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        default_value_t = 0,
+        requires = "campaign"
+    )]
+    case: u64,
     /// Write the run as an animated glTF file, too: `motion.glb`, for viewers and Blender.
     #[arg(long)]
     gltf: bool,
@@ -80,29 +94,22 @@ pub struct Flown {
 
 /// Runs a scene and writes nothing.
 pub fn flown(args: &RunArgs) -> Result<Flown, Failure> {
-    let SceneFile {
-        scene,
-        settings,
-        remarks,
-        fly,
-        ..
-    } = SceneFile::find(&args.scene)?;
-    let settings = with_flags(settings, args)?;
+    let file = SceneFile::find(&args.scene)?;
+    let settings = with_flags(file.settings.clone(), args)?;
     let invalid = |error: &dyn std::fmt::Display| {
         Failure::Invalid(format!("{}: {error}", args.scene.display()))
     };
-    let plan = Plan::new(&scene, &settings).map_err(|error| invalid(&error))?;
-    let progress = &mut Progress::new();
-    let outcome = match fly {
-        Some(fly) => fly(&plan, progress),
-        None => models::run::fly(&scene, &plan, progress),
+    let plan = match &args.campaign {
+        Some(campaign) => case_of(&file, settings, campaign, args.case)?,
+        None => Plan::new(&file.scene, &settings).map_err(|error| invalid(&error))?,
     };
-    let outcome = outcome.map_err(|error| invalid(&error))?;
+    let model = file.model(&plan.params).map_err(|error| invalid(&error))?;
+    let outcome = fly_model(&*model, &plan, &mut Progress::new());
     Ok(Flown {
-        scene,
+        scene: file.scene,
         plan,
         outcome,
-        remarks,
+        remarks: file.remarks,
     })
 }
 
@@ -139,6 +146,18 @@ pub fn run(args: &RunArgs) -> Result<String, Failure> {
         None => Ok(told),
         Some(error) => Err(Failure::Aborted(format!("{told}\n{}: {error}", scene.name))),
     }
+}
+
+/// The plan of a case of a campaign.
+fn case_of(
+    file: &SceneFile,
+    settings: Settings,
+    campaign: &Path,
+    case: u64,
+) -> Result<Plan, Failure> {
+    let model = super::campaign::nominal(file)?;
+    let plan = Campaign::read(campaign, model, settings)?.plan(case);
+    plan.map_err(|error| Failure::Invalid(format!("{}: {error}", campaign.display())))
 }
 
 fn with_flags(mut settings: Settings, args: &RunArgs) -> Result<Settings, Failure> {

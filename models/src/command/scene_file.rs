@@ -1,14 +1,16 @@
 //! Scenes by name or file: reading them, and telling every mistake of a file with its place.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use mbd_compiler::{
-    Emitted, Message, Reading, immovable, read_text_in, read_toml_in, read_urdf, write_toml,
+    Emitted, Interpreted, Message, Reading, immovable, read_text_in, read_toml_in, read_urdf,
+    write_toml,
 };
-use mbd_runtime::Layout;
 use mbd_runtime::scene::Scene;
+use mbd_runtime::{Layout, Model, ParamError};
 use models::run::{Settings, split};
-use models::scenes::{self, Fly};
+use models::scenes::{self, Make};
 
 use super::failure::Failure;
 use super::list::{self, Ready};
@@ -31,8 +33,8 @@ pub struct SceneFile {
     pub run: String,
     /// Warnings, and choices that were made, one line each.
     pub remarks: Vec<String>,
-    /// How its compiled model runs; `None` for a file.
-    pub fly: Option<Fly>,
+    /// Its compiled model; `None` for a file.
+    pub compiled: Option<Make>,
 }
 
 /// How a scene is written.
@@ -82,11 +84,22 @@ impl SceneFile {
         }
     }
 
+    /// What is run: the compiled model, or the compiled equations of a file, interpreted; with these params.
+    ///
+    /// # Errors
+    /// Params that it cannot be run with.
+    pub fn model(&self, params: &[f64]) -> Result<Arc<dyn Model<f64>>, ParamError> {
+        match self.compiled {
+            Some(make) => make(params),
+            None => Ok(Interpreted::<f64>::new(self.scene.clone(), params)?.share()),
+        }
+    }
+
     /// The declaration of a compiled scene, read back from its data.
     fn of_compiled(ready: &scenes::Ready) -> Result<SceneFile, Failure> {
         let text = format!("{}\n{}", write_toml(&(ready.scene)()), (ready.run)());
         let mut file = SceneFile::of_text(&text, Path::new(ready.name), Form::Toml)?;
-        file.fly = Some(ready.fly);
+        file.compiled = Some(ready.model);
         // Its names were checked when it was compiled; in its data consts are folded and would seem unused.
         file.remarks.clear();
         file.reading.warnings.clear();
@@ -137,7 +150,7 @@ impl SceneFile {
                     settings,
                     run: run.trim().to_string(),
                     remarks,
-                    fly: None,
+                    compiled: None,
                 })
             }
             (_, settings) => Err(Failure::Mistakes(Mistakes {

@@ -3,6 +3,8 @@
 use super::scene_file::SceneFile;
 use super::*;
 
+mod campaign;
+
 fn run(arguments: &[&str]) -> Result<String, Failure> {
     answer(["mbd"].iter().chain(arguments).map(OsString::from))
 }
@@ -816,6 +818,42 @@ fn a_trade_says_what_meets_the_error_that_is_wanted() {
         error.is_some_and(|error: f64| error <= 1e-6 / 3.0),
         "{alone}"
     );
+}
+
+#[test]
+fn a_trade_races_both_families_of_coordinates() {
+    let folder = Folder::new("families");
+    let text = "model Arms { coordinates: auto; gravity: [0, 0, -9.81] m/s^2;
+          body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+          body b { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+          joint p: hinge from world to a.top { axis: y, start: 0.7 rad }
+          joint q: hinge from a.end to b.top { axis: x, start: 0.4 rad }
+          output swing = b.position.x; }
+        [run]\nuntil = \"1 s\"\n";
+    for (declared, other) in [("auto", "absolute"), ("absolute", "relative")] {
+        let text = text.replace("auto", declared);
+        let file = folder.file("arms.mbd", &text);
+        let out = folder.0.join("out").display().to_string();
+        let told = run(&["trade", &file, "--output", "swing", "--out", &out]).unwrap();
+        let other = format!("{other} coordinates");
+        let row = told
+            .lines()
+            .find(|line| line.contains(&other) && line.contains("Vern7"));
+        let row = row.unwrap_or_else(|| panic!("{other}: {told}"));
+        // The motion is the same: the finest setting is as near to the reference as that of the declared family.
+        assert!(told.contains("single precision"), "{row}");
+        let errors = told.lines().filter(|line| line.contains(&other));
+        let errors = errors.filter_map(|line| line.split_whitespace().rev().nth(2)?.parse().ok());
+        let best = errors.fold(f64::INFINITY, f64::min);
+        assert!(best < 1e-9, "{other}: {best}");
+    }
+    let told = run(&["check", &folder.file("arms.mbd", text)]).unwrap();
+    for part in [
+        "note: coordinates: relative: a step of RK4 takes ",
+        "relative coordinates of the joints p, q",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
 }
 
 #[test]

@@ -28,7 +28,7 @@ pub struct TradeArgs {
     out: Option<PathBuf>,
 }
 
-/// Races methods, tolerances and models of nodes over one question: the whole table, or the advice alone.
+/// Races methods, tolerances, models of nodes and coordinates over one question: the whole table, or the advice alone.
 pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, Failure> {
     let SceneFile {
         scene, settings, ..

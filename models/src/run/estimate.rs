@@ -4,7 +4,7 @@ use mbd_runtime::scene::Scene;
 use mbd_runtime::{Model, Sampling, Simulation, Trajectory};
 
 use super::outcome::{CONTENT, Outcome};
-use super::plan::Plan;
+use mbd_campaign::run::Plan;
 
 /// At most so many rows are compared.
 const ROWS: usize = 400;

@@ -2,19 +2,16 @@
 
 mod estimate;
 mod outcome;
-mod plan;
 mod publish;
 mod quality;
-mod settings;
 mod start;
 mod summary;
 
 pub use estimate::{Estimate, doubt};
+pub use mbd_campaign::run::{Plan, PlanError, Settings, split};
 pub use outcome::{Outcome, fly, fly_model};
-pub use plan::{Plan, PlanError};
 pub use publish::{publish, publish_gltf, shown};
 pub use quality::Quality;
-pub use settings::{Settings, split};
 pub use start::warning;
 pub use summary::summary_json;
 

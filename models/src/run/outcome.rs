@@ -10,8 +10,8 @@ use mbd_runtime::{
 };
 
 use super::estimate::{Estimate, estimate};
-use super::plan::Plan;
 use crate::progress::Progress;
+use mbd_campaign::run::Plan;
 
 /// What a history holds.
 pub(super) const CONTENT: Content = Content::ALL;

@@ -7,10 +7,10 @@ use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Trajectory};
 
 use super::outcome::Outcome;
-use super::plan::Plan;
 use super::summary::{summary_json, table};
 use crate::report::{Report, Run, Table, Views, gltf};
 use crate::{describe, files};
+use mbd_campaign::run::Plan;
 
 /// Writes everything into a folder and gives the table of the run.
 ///

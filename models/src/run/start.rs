@@ -5,7 +5,7 @@ use mbd_runtime::scene::laws::Numbers;
 use mbd_runtime::{Layout, Moved};
 
 use super::outcome::Outcome;
-use super::plan::Plan;
+use mbd_campaign::run::Plan;
 
 /// A start that is moved by more than this part of the size of the scene is not the one that was asked for.
 const FAR: f64 = 1e-3;

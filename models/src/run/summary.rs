@@ -8,10 +8,10 @@ use mbd_runtime::{Layout, MomentumImbalance};
 use serde::Serialize;
 
 use super::outcome::Outcome;
-use super::plan::Plan;
 use super::quality::Quality;
 use super::start::moved;
 use crate::report::{Cell, Table};
+use mbd_campaign::run::Plan;
 
 /// The numbers of a run, for programs.
 #[derive(Debug, Serialize)]

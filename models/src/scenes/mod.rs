@@ -2,11 +2,10 @@
 //!
 //! A scene's file holds its declaration and `run()`, the table `[run]` of how it is run, as a scene file would have it. `mbd list` shows the list.
 
-use mbd_runtime::ParamError;
-use mbd_runtime::scene::Scene;
+use std::sync::Arc;
 
-use crate::progress::Progress;
-use crate::run::{Outcome, Plan, fly_model};
+use mbd_runtime::scene::Scene;
+use mbd_runtime::{Model, ParamError};
 
 /// A ready scene.
 #[derive(Clone, Copy, Debug)]
@@ -19,15 +18,15 @@ pub struct Ready {
     pub run: fn() -> String,
     /// The functions it was compiled with.
     pub emitted: fn() -> Vec<&'static str>,
-    /// Runs its compiled model as planned.
-    pub fly: Fly,
+    /// Its compiled model.
+    pub model: Make,
 }
 
-/// Runs a compiled model.
+/// A compiled model with params in declaration order [SI].
 ///
 /// # Errors
 /// Params that it cannot be run with.
-pub type Fly = fn(&Plan, &mut Progress) -> Result<Outcome, ParamError>;
+pub type Make = fn(&[f64]) -> Result<Arc<dyn Model<f64>>, ParamError>;
 
 /// A ready scene: its name, and where its model and `run()` are.
 macro_rules! ready {
@@ -40,14 +39,9 @@ macro_rules! ready {
                 let functions = $($module)::+::$model::<f64>::COST.0.iter();
                 functions.map(|(name, _)| *name).collect()
             },
-            fly: |plan, progress| {
-                let values = plan.params.as_slice().try_into().map_err(|_| ParamError::Count {
-                    expected: $($module)::+::$model::<f64>::NP,
-                    found: plan.params.len(),
-                })?;
-                let params = $($module)::+::$params::from_array(values);
-                let model = $($module)::+::$model::new(params)?;
-                Ok(fly_model(&model, plan, progress))
+            model: |params| {
+                let declared = $($module)::+::$params::default();
+                $($module)::+::$model::new(declared)?.with_params(params)
             },
         }
     };

@@ -3,7 +3,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use mbd_runtime::{Generic, Model, Options, Simulation, model};
+use mbd_runtime::{Batch, Case, Generic, Model, Options, Simulation, model};
 use models::parachute::scene::{
     Instant, ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise, TestCase,
 };
@@ -246,4 +246,21 @@ fn an_arm_is_controlled_without_asking_for_memory() {
         });
         assert_eq!(count, 0, "inside");
     }
+}
+
+/// Cases of a batch ask for memory when they begin, not in their steps: runs of twice the length ask as often. Histories are used again.
+#[test]
+fn a_case_of_a_batch_asks_for_memory_as_often_however_long_it_is() {
+    let arm = Arm::new(ArmParams::default()).expect("defaults");
+    let per_case = |until: f64| {
+        let counts = Batch::new(&arm, Options::rk4(1e-3), until)
+            .cases((0..4).map(|_| Case::new().joint("bend[0].angle", 0.3)))
+            .threads(1)
+            .run(|_, history| (COUNT.with(Cell::get), history.len()));
+        let counts: Vec<(u64, usize)> =
+            counts.into_iter().filter_map(|it| it.result.ok()).collect();
+        assert!(counts[3].1 as f64 > until / 1e-3);
+        counts[3].0 - counts[2].0
+    };
+    assert_eq!(per_case(0.1), per_case(0.3));
 }

@@ -2,7 +2,9 @@
 
 mod agreement;
 mod counts;
+mod digits;
 mod functions;
 mod generated;
+mod planar;
 mod reference;
 mod runs;

@@ -181,3 +181,51 @@ fn the_tree_takes_the_joints_of_least_freedom_and_leaves_marked_loops() {
     let pin = layout.carried(1).expect("a link");
     assert!(pin.reversed && pin.body == 0, "{pin:?}");
 }
+
+#[test]
+fn a_field_of_gravity_is_a_function_of_where_the_bodies_of_a_tree_are() {
+    const MU: f64 = 40.0;
+    let body = |gravity: &str| {
+        format!(
+            "gravity: {gravity};
+             body upper {{ mass: 1 kg, inertia: diag(0.02, 0.03, 0.01) kg*m^2, frame top at [0, 0, 0.25] m, frame end at [0, 0, -0.25] m }}
+             body lower {{ mass: 2 kg, inertia: diag(0.04, 0.03, 0.02) kg*m^2, frame top at [0, 0, 0.25] m }}
+             point weight {{ mass: 0.5 kg, start at [0.3, 0.1, -0.8] m }}
+             joint pin: universal from world to upper.top {{ axes: [x, y], angle1: {{ start: 40 deg }} }}
+             joint elbow: hinge from upper.end to lower.top {{ axis: y, start: 20 deg }}
+             spring tie from lower.com to weight {{ free_length: 0.3 m, stiffness: 30 N/m }}
+             output place = lower.position;"
+        )
+    };
+    let ends = |family: &str, field: bool| {
+        let law = "point_mass { mu: 40 m^3/s^2, center: [0.1, 0.2, -3.0] m }";
+        let model = model(family, &body(if field { "field" } else { law }));
+        let mut run = Simulation::new(&model, Options::vern7(1e-11)).expect("options");
+        if field {
+            run.control(|sample, inputs: &mut Vec<f64>| {
+                assert!(sample.position("nobody").is_none());
+                let x = sample.x();
+                let weight = match x.len() {
+                    12 => [x[3], x[4], x[5]],
+                    _ => [x[14], x[15], x[16]],
+                };
+                let bodies = ["upper", "lower"].map(|name| sample.position(name).expect("a body"));
+                let places = bodies.into_iter().chain([weight]);
+                for (place, pull) in places.zip(inputs.chunks_exact_mut(3)) {
+                    let d = [place[0] - 0.1, place[1] - 0.2, place[2] + 3.0];
+                    let cube = d.iter().map(|x| x * x).sum::<f64>().powf(1.5);
+                    (0..3).for_each(|k| pull[k] = -MU * d[k] / cube);
+                }
+            })
+            .expect("inputs");
+        }
+        run.run(2.0).expect("a smooth motion");
+        let mut history = Trajectory::new(&model, Sampling::At(vec![2.0]), Content::ALL);
+        run.record(2.0 + 1e-9, &mut history).expect("a row");
+        ["place.x", "place.y", "place.z"].map(|name| history.column(name).expect("a column")[0])
+    };
+    let want = ends("absolute", false);
+    for family in ["absolute", "relative"] {
+        assert_close(&ends(family, true), &want, 0.0, 1e-8, family);
+    }
+}

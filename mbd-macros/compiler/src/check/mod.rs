@@ -7,7 +7,6 @@ mod complete;
 mod inertia;
 mod nodes;
 mod planar;
-mod relative;
 mod unused;
 mod winding;
 
@@ -34,7 +33,6 @@ pub fn check(resolver: &mut Resolver<'_>, model: &Model<'_>, whole: bool) {
     nodes::choose_models(resolver);
     nodes::check_models(resolver);
     planar::check_planar(resolver);
-    relative::check_relative(resolver, model);
     unused::check_used(resolver, model);
 }
 

@@ -92,6 +92,11 @@ pub fn implementation(context: &Context) -> TokenStream {
             }
         }
     });
+    // Matrices without structural non-zeros are left as they are.
+    let zeros = equations.programs.iter();
+    let zeros = zeros.filter(|(_, program)| program.outputs.is_empty());
+    let zeros: Vec<TokenStream> = zeros.map(|(what, _)| quantity_path(*what)).collect();
+    let zeros = (!zeros.is_empty()).then(|| quote!(#(#zeros)|* => {}));
     let nan = if context.settings.generic {
         quote!(T::from_f64(f64::NAN))
     } else {
@@ -135,6 +140,7 @@ pub fn implementation(context: &Context) -> TokenStream {
                 match what {
                     #(#arms)*
                     #on_numbers
+                    #zeros
                     // Not emitted: loud, not silently zero.
                     _ => out.fill(#nan),
                 }

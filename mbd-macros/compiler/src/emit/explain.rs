@@ -99,7 +99,13 @@ fn equations(scene: &Scene, equations: &Equations, out: &mut String) {
         "State x = [q | v | z{last}]: {} + {} + {}{own}; {components}.",
         layout.nq, layout.nv, layout.nz
     );
-    out.push_str("M v̇ + h = f,  q̇ = N(q) v,  one block of M a body.\n");
+    match &layout.tree {
+        None => out.push_str("M v̇ + h = f,  q̇ = N(q) v,  one block of M a body.\n"),
+        Some(tree) => {
+            let tree = tree.sentence(scene);
+            let _ = writeln!(out, "M v̇ + h = f,  q̇ = N(q) v;  {tree}.");
+        }
+    }
     let _ = writeln!(out, "Gravity: {}.\n", gravity(scene));
     for body in &scene.bodies {
         let i = &body.inertia;

@@ -167,10 +167,16 @@ pub fn documentation(layout: &Layout, what: Quantity) -> [String; 2] {
         ),
         Quantity::Bodies => (
             "Every body as absolute coordinates have it: position of the centre of mass, attitude, velocity, angular velocity.",
-            format!(
-                "{} bodies × 13: x y z [m], qw qx qy qz, vx vy vz [m/s], ω [rad/s]; world axes, ω in the components of the model.",
-                n / 13
-            ),
+            match layout.directions.plane {
+                None => format!(
+                    "{} bodies × 13: x y z [m], qw qx qy qz, vx vy vz [m/s], ω [rad/s]; world axes, ω in the components of the model.",
+                    n / layout.directions.motion()
+                ),
+                Some(_) => format!(
+                    "{} bodies × 6: two of the position [m], the angle about the normal [rad], two of the velocity [m/s], ω [rad/s].",
+                    n / layout.directions.motion()
+                ),
+            },
         ),
         Quantity::Momentum => (
             "Momentum of bodies and points with mass: `Σ m v`, `Σ r × m v + R I ω`.",

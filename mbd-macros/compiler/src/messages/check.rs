@@ -205,17 +205,3 @@ pub fn across_the_plane(model: &str, coordinate: &str, plane: Plane) -> String {
         within.join(" and ")
     )
 }
-
-pub fn relative_in_a_plane(at: Region) -> Report {
-    Report::new(
-        at,
-        "`relative` coordinates need no `planar`: what a tree of joints cannot move is left out anyway; remove `planar`, or take `coordinates: absolute`",
-    )
-}
-
-pub fn relative_in_a_field(at: Region) -> Report {
-    Report::new(
-        at,
-        "`gravity: field` asks for the position of every body, which a state in `relative` coordinates does not hold; take `coordinates: absolute`, or gravity by a law",
-    )
-}

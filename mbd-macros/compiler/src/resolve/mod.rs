@@ -68,6 +68,8 @@ pub struct Asked {
     pub verify: bool,
     /// `emit: […]`
     pub emit: Option<Vec<Emitted>>,
+    /// `coordinates: auto;`
+    pub family: bool,
 }
 
 /// What `emit: […]` asks for.

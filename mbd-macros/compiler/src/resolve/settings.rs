@@ -37,11 +37,14 @@ impl Resolver<'_> {
                 }
                 ("coordinates", Some(value)) => {
                     let set = [
-                        ("absolute", Coordinates::Absolute),
-                        ("relative", Coordinates::Relative),
+                        ("absolute", Some(Coordinates::Absolute)),
+                        ("relative", Some(Coordinates::Relative)),
+                        ("auto", None),
                     ];
-                    if let Some(chosen) = self.choice(value, "kind of coordinates", &set) {
-                        self.scene.coordinates = chosen;
+                    match self.choice(value, "kind of coordinates", &set) {
+                        Some(Some(chosen)) => self.scene.coordinates = chosen,
+                        Some(None) => self.asked.family = true,
+                        None => {}
                     }
                 }
                 ("angular_velocity", Some(value)) => {

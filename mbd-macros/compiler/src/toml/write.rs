@@ -5,9 +5,9 @@ use std::fmt::Write;
 use mbd_scene::joints::{FILTER, FORCE, MOTOR, NUMBERS, START, START_RATE, STOPS};
 use mbd_scene::solids::Solid;
 use mbd_scene::{
-    Actions, AngularVelocity, Axis, Body, Clamp, Coordinates, Detachable, Difference, Dimension,
-    Direction, Fixed, Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind,
-    NodeModel, Output, Part, PointKind, Scene, Setting, Triple, Unit,
+    Actions, AngularVelocity, Axis, Body, Clamp, Detachable, Difference, Dimension, Direction,
+    Fixed, Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, NodeModel,
+    Output, Part, PointKind, Scene, Setting, Triple, Unit,
 };
 
 use toml::Value;
@@ -78,11 +78,7 @@ fn head(out: &mut String, scene: &Scene) {
     entry(out, "model", &scene.name);
     doc(out, &scene.doc);
     entry(out, "units", "si");
-    let coordinates = match scene.coordinates {
-        Coordinates::Absolute => "absolute",
-        Coordinates::Relative => "relative",
-    };
-    entry(out, "coordinates", coordinates);
+    entry(out, "coordinates", scene.coordinates.word());
     let components = match scene.angular_velocity {
         AngularVelocity::Body => "body",
         AngularVelocity::World => "world",

@@ -8,7 +8,6 @@
 //! Source: Kamman, Connecting Joints I: cylindrical, 2 freedoms. The attitude rows also hold for a2 = −a1: the start must satisfy
 //! a1·a2 > 0. Rejected: two points on a line, which are singular when they meet.
 
-use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
@@ -48,9 +47,8 @@ impl Joint for Cylindrical {
         Some(across.slides(ends, &self.axis).turns(ends, &self.axis))
     }
 
-    fn aligned(&self) -> Option<(Self, Matrix3<f64>)> {
-        let about_z = Cylindrical { axis: Axis::Z };
-        self.axis.to_z().map(|rotation| (about_z, rotation))
+    fn about_z(&self) -> Option<(Self, Axis)> {
+        Some((Cylindrical { axis: Axis::Z }, self.axis))
     }
 
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {

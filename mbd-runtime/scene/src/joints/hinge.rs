@@ -8,7 +8,6 @@
 //! Source: Kamman, Connecting Joints I: hinge, 1 freedom. Both attitude rows also hold for a2 = −a1: the start must satisfy a1·a2 > 0.
 //! Rejected: a1 × a2 = 0, three rows of rank 2; and rows in angular velocities alone, whose misalignment cannot be projected away.
 
-use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
@@ -45,9 +44,8 @@ impl Joint for Hinge {
         Some(Carried::coincide().turns(ends, &self.axis))
     }
 
-    fn aligned(&self) -> Option<(Self, Matrix3<f64>)> {
-        let about_z = Hinge { axis: Axis::Z };
-        self.axis.to_z().map(|rotation| (about_z, rotation))
+    fn about_z(&self) -> Option<(Self, Axis)> {
+        Some((Hinge { axis: Axis::Z }, self.axis))
     }
 
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {

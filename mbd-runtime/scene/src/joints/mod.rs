@@ -17,7 +17,6 @@ pub use joint_forces::{
 
 use std::ops::Range;
 
-use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use crate::rows::{Ends, Rows};
@@ -70,9 +69,9 @@ pub trait Joint: Sized {
         None
     }
 
-    /// The same joint about z between frames rotated by the matrix, where its axis is all that its motion knows of the directions of the joint
-    /// frames: an axis along one of their own leaves zeros in relative coordinates. `None` where it lies so already, or where more is known.
-    fn aligned(&self) -> Option<(Self, Matrix3<f64>)> {
+    /// The same joint about z, and its axis, where this is all that its motion knows of the directions of the joint frames: between frames rotated
+    /// so that the axis is z it is the same, and z leaves zeros in relative coordinates.
+    fn about_z(&self) -> Option<(Self, Axis)> {
         None
     }
 
@@ -214,12 +213,12 @@ macro_rules! joints {
                 }
             }
 
-            /// The same joint about z: see [`Joint::aligned`].
+            /// The same joint about z, and its axis: see [`Joint::about_z`].
             #[must_use]
-            pub fn aligned(&self) -> Option<(Self, Matrix3<f64>)> {
+            pub fn about_z(&self) -> Option<(Self, Axis)> {
                 match self {
                     $(JointLaw::$name(joint) => {
-                        joint.aligned().map(|(joint, rotation)| (JointLaw::$name(joint), rotation))
+                        joint.about_z().map(|(joint, axis)| (JointLaw::$name(joint), axis))
                     })*
                 }
             }

@@ -8,7 +8,6 @@
 //! Source: Kamman, Connecting Joints I: prismatic, 1 freedom. The lock rows have eight roots, all of full rank: the start must satisfy
 //! u1·u2, v1·v2, a1·a2 > 0. Rejected: in-plane rows with the parent's arm s1 in place of e, wrong by the slide.
 
-use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use super::motion::write;
@@ -53,9 +52,8 @@ impl Joint for Prismatic {
         Some(across.locks(ends, self.axes()).slides(ends, &self.axis))
     }
 
-    fn aligned(&self) -> Option<(Self, Matrix3<f64>)> {
-        let about_z = Prismatic { axis: Axis::Z };
-        self.axis.to_z().map(|rotation| (about_z, rotation))
+    fn about_z(&self) -> Option<(Self, Axis)> {
+        Some((Prismatic { axis: Axis::Z }, self.axis))
     }
 
     fn motion<S: Real>(&self, at: &Relative<'_, S>) -> Pose<S> {

@@ -111,7 +111,7 @@ fn hand_on<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut [Moment<S>]) {
             continue;
         };
         let Moment { mass, moment } = moments[link.body];
-        let moved = motion.turn * moment + motion.offset.map(|x| mass * x);
+        let moved = motion.turn.apply(&moment) + motion.offset.map(|x| mass * x);
         let carrying = &mut moments[tree.links[inboard].body];
         carrying.mass += mass;
         carrying.moment += moved;

@@ -123,24 +123,27 @@ pub fn lines<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
 
 /// Position, attitude, velocity and angular velocity of every body, as absolute coordinates have them.
 pub fn bodies<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
+    let directions = evaluation.layout.directions;
     for ((motion, body), out) in evaluation
         .motions
         .iter()
         .zip(&evaluation.scene.bodies)
-        .zip(out.chunks_exact_mut(13))
+        .zip(out.chunks_exact_mut(directions.motion()))
     {
         S::section(&body.name);
-        write(out, 0, &motion.position);
-        let attitude = match motion.attitude {
-            Attitude::Quaternion(quaternion) => quaternion,
-            Attitude::Angle(_) | Attitude::Axes => quaternion_of(&motion.rotation),
-        };
-        out[3..7].copy_from_slice(&attitude);
-        write(out, 7, &motion.velocity);
+        directions.write_linear(out, 0, &motion.position);
+        let (attitude, speeds) = out.split_at_mut(directions.coordinates());
+        let attitude = &mut attitude[directions.translations().len()..];
+        match motion.attitude {
+            Attitude::Quaternion(quaternion) => attitude.copy_from_slice(&quaternion),
+            Attitude::Axes => attitude.copy_from_slice(&quaternion_of(&motion.rotation)),
+            Attitude::Angle(angle) => attitude.fill(angle),
+        }
+        directions.write_linear(speeds, 0, &motion.velocity);
         let omega = match evaluation.scene.angular_velocity {
             AngularVelocity::Body => &motion.omega_body,
             AngularVelocity::World => &motion.omega_world,
         };
-        write(out, 10, omega);
+        directions.write_angular(speeds, 0, omega);
     }
 }

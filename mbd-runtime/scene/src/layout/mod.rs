@@ -2,6 +2,7 @@
 
 mod elimination;
 mod joint_numbers;
+mod link_axes;
 mod places;
 mod repeats;
 mod sizes;
@@ -9,6 +10,8 @@ mod slots;
 mod tree;
 
 pub use elimination::{Below, Carrying, Elimination, Order, Step};
+pub use link_axes::LinkAxes;
+pub(crate) use link_axes::as_seen;
 pub use repeats::{HeldMotor, Redundancy, Repeat};
 pub use slots::{
     Anchor, Asked, DetachableJoint, InputSlots, InputSource, JointSlots, LineEnd, LineSlots,

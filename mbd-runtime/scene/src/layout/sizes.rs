@@ -29,7 +29,7 @@ impl Layout {
             Quantity::Coordinates => 2 * self.measured,
             Quantity::Energy => 6,
             Quantity::Momentum => 6,
-            Quantity::Bodies if self.tree.is_some() => 13 * self.bodies.len(),
+            Quantity::Bodies if self.tree.is_some() => self.directions.motion() * self.bodies.len(),
             Quantity::Bodies => 0,
             Quantity::MassMatrix => self.nv * self.nv,
             Quantity::BiasForce

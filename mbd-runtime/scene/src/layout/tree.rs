@@ -11,12 +11,13 @@
 
 use std::ops::Range;
 
-use crate::layout::Slots;
+use super::link_axes::{self, LinkAxes};
+use crate::layout::{Layout, Slots};
 use crate::tree::Grouped;
-use crate::{Detachable, Part, Place, Scene};
+use crate::{Detachable, Joint, Part, Place, Scene};
 
 /// A body and what carries it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
     /// The body.
     pub body: usize,
@@ -34,11 +35,22 @@ pub struct Link {
     pub speeds: usize,
     /// Number of those of its speeds that are angular: the last ones.
     pub turns: usize,
+    /// Its axes, where they are not those that the declaration gives the frame of its joint.
+    pub axes: Option<LinkAxes>,
     /// What of its inertia goes to the link that carries it.
     pub grouped: Grouped,
 }
 
 impl Link {
+    /// The places of its joint: on what carries it, and on itself.
+    #[must_use]
+    pub fn ends(&self, joint: &Joint) -> [Place; 2] {
+        match self.reversed {
+            false => [joint.parent, joint.child],
+            true => [joint.child, joint.parent],
+        }
+    }
+
     /// Where in q the quaternion of its joint is, if it has one: the last of its coordinates, which are one more than its speeds.
     #[must_use]
     pub fn attitude(&self) -> Option<Range<usize>> {
@@ -48,7 +60,7 @@ impl Link {
 }
 
 /// The tree: every body once, after the body that carries it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tree {
     /// The links, what carries before what it carries.
     pub links: Vec<Link>,
@@ -86,11 +98,36 @@ fn may_carry(scene: &Scene, joint: usize) -> bool {
         && !places.iter().any(|place| matches!(place, Place::Point(_)))
 }
 
+/// Of the joints those that move nothing out of the plane of a planar scene: without attitude, all their coordinates change something there. Those on
+/// frames of the world that turn are rows: angles of the bodies count turns, which such a frame does not tell.
+fn moves_in_plane(scene: &Scene) -> Vec<bool> {
+    if scene.planar.is_none() {
+        return vec![true; scene.joints.len()];
+    }
+    let still = Layout::unchanged(scene);
+    let turns = |place: Place| match place {
+        Place::World(frame) => scene
+            .world_frames
+            .get(frame)
+            .is_some_and(|frame| frame.turns(scene)),
+        Place::Body(..) | Place::Point(_) => false,
+    };
+    let joints = scene.joints.iter().enumerate();
+    joints
+        .map(|(index, joint)| {
+            joint.law.attitude().is_none()
+                && !still.iter().any(|&(of, _)| of == index)
+                && ![joint.parent, joint.child].into_iter().any(turns)
+        })
+        .collect()
+}
+
 impl Tree {
     /// The tree of a scene; no coordinates yet.
     pub(crate) fn span(scene: &Scene) -> Self {
+        let in_plane = moves_in_plane(scene);
         let mut candidates: Vec<usize> = (0..scene.joints.len())
-            .filter(|&joint| may_carry(scene, joint))
+            .filter(|&joint| in_plane[joint] && may_carry(scene, joint))
             .collect();
         candidates.sort_by_key(|&joint| scene.joints[joint].law.freedoms());
         // What hangs together: bodies, and behind them the world.
@@ -120,8 +157,15 @@ impl Tree {
         for body in 0..scene.bodies.len() {
             if !placed[body] {
                 placed[body] = true;
-                let link = tree.add(body, None, (false, Grouped::default()), None);
+                let link = tree.add(body, None, false, None);
                 tree.walk(scene, &carrying, Some((body, link)), &mut placed);
+            }
+        }
+        let axes = link_axes::choose(scene, &tree.links);
+        for (link, axes) in tree.links.iter_mut().zip(axes) {
+            link.axes = axes;
+            if let Some(joint) = link.joint {
+                link.grouped = Grouped::of(&scene.joints[joint].law, axes.as_ref());
             }
         }
         tree
@@ -149,8 +193,7 @@ impl Tree {
                         continue;
                     };
                     placed[body] = true;
-                    let how = (reversed, Grouped::of(&declared.law));
-                    let link = self.add(body, Some(joint), how, from.map(|(_, link)| link));
+                    let link = self.add(body, Some(joint), reversed, from.map(|(_, link)| link));
                     next.push(Some((body, link)));
                 }
             }
@@ -162,7 +205,7 @@ impl Tree {
         &mut self,
         body: usize,
         joint: Option<usize>,
-        (reversed, grouped): (bool, Grouped),
+        reversed: bool,
         inboard: Option<usize>,
     ) -> usize {
         let link = self.links.len();
@@ -175,13 +218,47 @@ impl Tree {
             coordinates: 0,
             speeds: 0,
             turns: 0,
-            grouped,
+            axes: None,
+            grouped: Grouped::default(),
         });
         self.of_body[body] = link;
         if let Some(joint) = joint {
             self.of_joint[joint] = Some(link);
         }
         link
+    }
+
+    /// Which joints the tree is made of, in words, which it leaves to rows, and which bodies float.
+    #[must_use]
+    pub fn sentence(&self, scene: &Scene) -> String {
+        const SHOWN: usize = 12;
+        let list = |what: &str, names: Vec<&str>| match names.len() {
+            0 => None,
+            count if count > SHOWN => {
+                let more = count - SHOWN;
+                Some(format!(
+                    "{what} {} and {more} more",
+                    names[..SHOWN].join(", ")
+                ))
+            }
+            _ => Some(format!("{what} {}", names.join(", "))),
+        };
+        let joints = |carrying: bool| {
+            let all = scene.joints.iter().zip(&self.of_joint);
+            let these = all.filter(|(joint, link)| {
+                link.is_some() == carrying && (carrying || joint.law.freedoms() < 6)
+            });
+            these.map(|(joint, _)| joint.name.as_str()).collect()
+        };
+        let floating = self.links.iter().filter(|link| link.joint.is_none());
+        let floating = floating.filter_map(|link| Some(scene.bodies.get(link.body)?.name.as_str()));
+        let parts = [
+            list("of the joints", joints(true)),
+            list("of the floating", floating.collect()),
+            list("rows of", joints(false)),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        format!("relative coordinates {}", parts.join("; "))
     }
 
     /// The link that a joint carries.

@@ -91,10 +91,18 @@ impl Layout {
 /// Where everything lives but the system; of the rows of a joint's law in a plane those that say something there.
 fn places(scene: &Scene) -> Layout {
     Layout::places(scene, |layout| match layout.directions.plane {
-        None => {
-            let laws = scene.joints.iter();
-            laws.map(|joint| RowSet::all(joint.law.rows())).collect()
+        None => every_row(scene),
+        Some(_) if layout.tree.is_none() => redundancy::in_plane(scene, layout),
+        Some(_) => {
+            // Rows say as much, whatever the coordinates.
+            let scene = scene.in_coordinates(Coordinates::Absolute);
+            redundancy::in_plane(&scene, &Layout::places(&scene, |_| every_row(&scene)))
         }
-        Some(_) => redundancy::in_plane(scene, layout),
     })
+}
+
+/// All rows of the laws.
+fn every_row(scene: &Scene) -> Vec<RowSet> {
+    let laws = scene.joints.iter();
+    laws.map(|joint| RowSet::all(joint.law.rows())).collect()
 }

@@ -10,7 +10,9 @@ use crate::redundancy::assembly::Random;
 use crate::redundancy::configuration::Configuration;
 use crate::rows::{Columns, Row, Rows};
 use crate::scalar::orthogonal::take_out;
-use crate::{Directions, Joint, Layout, Part, Place, Redundancy, Relative, RowSet, Scene};
+use crate::{
+    Coordinates, Directions, Joint, Layout, Part, Place, Redundancy, Relative, RowSet, Scene,
+};
 
 /// A row is new when more than this part of it is.
 const NEW: f64 = 1e-9;
@@ -98,6 +100,8 @@ impl Layout {
     /// that no motion in the plane changes. Ends on frames of the world that move are left to the start of a run.
     #[must_use]
     pub fn apart(scene: &Scene) -> Vec<Apart> {
+        // Frames agree or not, whatever the coordinates.
+        let scene = &scene.in_coordinates(Coordinates::Absolute);
         let layout = Layout::keeping(scene, Redundancy::default());
         let mut configuration = Configuration::new(scene, &layout);
         let mut apart = Vec::new();
@@ -134,6 +138,15 @@ impl Layout {
         })
     }
 
+    /// The coordinates of the joints of a planar scene that nothing in the plane changes: joint and coordinate, by index.
+    pub(crate) fn unchanged(scene: &Scene) -> Vec<(usize, usize)> {
+        unchanged(scene, |_, joint| {
+            (0..joint.law.coordinates())
+                .filter(|&index| joint.law.coordinate(index).is_some())
+                .collect()
+        })
+    }
+
     /// The joints of a planar scene that have one coordinate, and nothing in the plane changes it: their axis is the wrong one.
     #[must_use]
     pub fn holding(scene: &Scene) -> Vec<usize> {
@@ -148,6 +161,7 @@ impl Layout {
 
 /// The coordinates, of those asked for of each joint, that nothing in the plane changes: joint and coordinate, by index.
 fn unchanged(scene: &Scene, asked: impl Fn(usize, &Joint) -> Vec<usize>) -> Vec<(usize, usize)> {
+    let scene = &scene.in_coordinates(Coordinates::Absolute);
     let layout = Layout::keeping(scene, Redundancy::default());
     let mut configuration = Configuration::new(scene, &layout);
     let mut still = Vec::new();

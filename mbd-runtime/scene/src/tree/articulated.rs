@@ -128,13 +128,12 @@ impl<S: Real> Articulated<S> {
 
     /// Hands a link that has released its columns on to the one that carries it, by (4). `brought`: ζ of (2).
     pub fn take(&mut self, other: &Self, motion: &LinkMotion<S>, brought: &Twist<S>) {
-        let (turn, back) = (&motion.turn, motion.turn.transpose());
-        let r = motion.offset.cross_matrix();
-        let [linear, mixed, angular] =
-            [other.linear, other.mixed, other.angular].map(|block| turn * block * back);
+        let (turn, r) = (&motion.turn, motion.offset.cross_matrix());
+        let [linear, angular] = [&other.linear, &other.angular].map(|block| turn.congruent(block));
+        let mixed = turn.similar(&other.mixed);
         let moved = mixed - linear * r - r.map(|x| other.mass * x);
         self.mass += other.mass;
-        self.linear += symmetric(&linear);
+        self.linear += linear;
         self.mixed += moved;
         self.angular += symmetric(&(angular - mixed.transpose() * r + r * moved));
         let mut push = other.times(brought);

@@ -131,7 +131,7 @@ impl<S: Real> TreeSystem<S> {
         }
         for (point, slots) in layout.points.iter().enumerate() {
             if let PointSlots::Mass(slots) = slots {
-                for k in slots.v..slots.v + 3 {
+                for k in slots.v..slots.v + layout.directions.translations().len() {
                     self.mass[k * n + k] = evaluation.numbers.points[point].0;
                 }
             }

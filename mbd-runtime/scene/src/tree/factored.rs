@@ -3,7 +3,6 @@
 use nalgebra::Matrix3;
 
 use super::assemble::speeds_of;
-use super::rows::three;
 use super::system::{
     TreeSystem, each_floating, into_link, into_state, links, rotate, write_coordinate_rates,
 };
@@ -11,7 +10,6 @@ use crate::elimination::{enter, factored, sparse_dot};
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::point_gravity;
-use crate::scalar::algebra::write;
 use crate::{Layout, Part, PointSlots, Real};
 
 impl<S: Real> TreeSystem<S> {
@@ -46,12 +44,11 @@ impl<S: Real> TreeSystem<S> {
         for (point, slots) in layout.points.iter().enumerate() {
             if let PointSlots::Mass(slots) = slots {
                 let mass = evaluation.numbers.points[point].0;
-                let fall = three(&own, slots.v) - point_gravity(evaluation, point, slots.q);
-                write(
-                    &mut self.along,
-                    slots.v,
-                    &(fall.map(|x| mass * x) - assembly.points[point]),
-                );
+                let directions = layout.directions;
+                let fall =
+                    directions.linear(&own, slots.v) - point_gravity(evaluation, point, slots.q);
+                let left = fall.map(|x| mass * x) - assembly.points[point];
+                directions.write_linear(&mut self.along, slots.v, &left);
             }
         }
         let rows = out.len() - layout.nc;
@@ -143,7 +140,7 @@ impl<S: Real> TreeSystem<S> {
         for (point, slots) in layout.points.iter().enumerate() {
             if let (PointSlots::Mass(slots), None) = (slots, plan.step_of(Part::Point(point))) {
                 let inverse = evaluation.numbers.points[point].1;
-                let own = slots.v..slots.v + 3;
+                let own = slots.v..slots.v + layout.directions.translations().len();
                 for (to, from) in out[own.clone()].iter_mut().zip(&self.along[own]) {
                     *to = *from * inverse;
                 }

@@ -11,7 +11,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::inertia::Inertia;
+use super::turn::Turn;
 use crate::joints::JointLaw;
+use crate::layout::{LinkAxes, as_seen};
 use crate::{Real, Relative, Twist};
 
 /// The parts of an inertia that obey (1), in the axes of the link at its origin.
@@ -32,9 +34,9 @@ const TRIED: [[f64; 4]; 3] = [[0.0; 4], [0.7, -0.4, 1.1, 0.3], [-1.9, 0.8, 0.2, 
 
 impl Grouped {
     /// Those of the link that a joint carries.
-    pub(crate) fn of(law: &JointLaw) -> Self {
-        let aligned = law.aligned();
-        let law = aligned.as_ref().map_or(law, |(law, _)| law);
+    pub(crate) fn of(law: &JointLaw, axes: Option<&LinkAxes>) -> Self {
+        let (seen, _) = as_seen(law, axes);
+        let law = seen.as_ref().unwrap_or(law);
         let is_free = |part: &Inertia<f64>| TRIED.iter().all(|at| obeys(law, part, at));
         let unit = |axis: usize| Vector3::from_fn(|row, _| f64::from(u8::from(row == axis)));
         let inertia = |inertia: Matrix3<f64>| Inertia {
@@ -111,7 +113,7 @@ fn obeys(law: &JointLaw, part: &Inertia<f64>, at: &[f64; 4]) -> bool {
     let mut columns = vec![Twist::zero(); law.freedoms()];
     law.subspace(&relative, &mut columns);
     let mut moved = Inertia::none();
-    moved.take(part, &pose.rotation, &pose.position);
+    moved.take(part, &Turn::by(pose.rotation), &pose.position);
     let same = small(moved.mass - part.mass)
         && (moved.moment - part.moment).iter().all(|x| small(*x))
         && (moved.inertia - part.inertia).iter().all(|x| small(*x));

@@ -14,6 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::kinematics::LinkMotion;
 use super::system::{TreeSystem, links};
+use super::turn::Turn;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::numbers::BodyNumbers;
 use crate::scalar::algebra::labelled;
@@ -84,9 +85,9 @@ impl<S: Real> Inertia<S> {
     }
 
     /// Adds an inertia by (4): that of axes E, here `turn`, with their origin at r.
-    pub fn take(&mut self, other: &Self, turn: &Matrix3<S>, r: &Vector3<S>) {
-        let moment = turn * other.moment;
-        let rotated = turn * other.inertia * turn.transpose();
+    pub fn take(&mut self, other: &Self, turn: &Turn<S>, r: &Vector3<S>) {
+        let moment = turn.apply(&other.moment);
+        let rotated = turn.congruent(&other.inertia);
         let (along, square) = (moment.dot(r), r.dot(r));
         let diagonal = along + along + other.mass * square;
         // h rᵀ + r hᵀ + m r rᵀ = w rᵀ + r hᵀ with w = h + m r, which is the moment that is handed on.
@@ -118,7 +119,7 @@ impl<S: Real> TreeSystem<S> {
             let handed = link.grouped.take_out(&mut self.inertias[index]);
             if let Some(inboard) = link.inboard {
                 let (axes, origin) = &evaluation.links[index].joint;
-                self.inertias[inboard].take(&handed, axes, origin);
+                self.inertias[inboard].take(&handed, &Turn::by(*axes), origin);
             }
         }
     }
@@ -155,9 +156,9 @@ fn symmetric_from<S: Real>(of: impl Fn(usize, usize) -> S) -> Matrix3<S> {
 impl<S: Real> LinkMotion<S> {
     /// (2): a force and a couple at the origin of the link, at that of the link which carries it.
     pub(super) fn hand_on(&self, push: &Twist<S>) -> Twist<S> {
-        let force = self.turn * push.linear;
+        let force = self.turn.apply(&push.linear);
         Twist {
-            angular: self.turn * push.angular + self.offset.cross(&force),
+            angular: self.turn.apply(&push.angular) + self.offset.cross(&force),
             linear: force,
         }
     }
@@ -173,10 +174,9 @@ impl<S: Real> LinkMotion<S> {
     pub(super) fn accelerated(&self, inboard: &Twist<S>) -> Twist<S> {
         let carried =
             inboard.linear + gradient(&inboard.angular, &self.inboard_omega) * self.offset;
-        let back = self.turn.transpose();
         Twist {
-            linear: back * carried + self.bias.linear,
-            angular: back * inboard.angular + self.bias.angular,
+            linear: self.turn.back(&carried) + self.bias.linear,
+            angular: self.turn.back(&inboard.angular) + self.bias.angular,
         }
     }
 
@@ -187,10 +187,10 @@ impl<S: Real> LinkMotion<S> {
 
     /// The part of it that the acceleration of the link that carries it makes.
     pub(super) fn followed(&self, inboard: &Twist<S>) -> Twist<S> {
-        let back = self.turn.transpose();
+        let carried = inboard.linear + inboard.angular.cross(&self.offset);
         Twist {
-            linear: back * (inboard.linear + inboard.angular.cross(&self.offset)),
-            angular: back * inboard.angular,
+            linear: self.turn.back(&carried),
+            angular: self.turn.back(&inboard.angular),
         }
     }
 

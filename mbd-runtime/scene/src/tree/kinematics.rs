@@ -16,17 +16,19 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::turn::Turn;
 use crate::laws::body::{Attitude, BodyMotion};
 use crate::laws::numbers::{BodyNumbers, FrameNumbers, Numbers};
+use crate::layout::{LinkAxes, as_seen};
 use crate::scalar::Few;
 use crate::scalar::algebra::labelled;
-use crate::{At, FrameMotion, Layout, Link, Place, Pose, Real, Relative, Scene, Twist};
+use crate::{At, Directions, FrameMotion, Layout, Link, Place, Pose, Real, Relative, Scene, Twist};
 
 /// A link in motion, its own axes unless said otherwise.
 #[derive(Clone, Debug)]
 pub(crate) struct LinkMotion<S: Real> {
     /// E: its axes → those of the link that carries it.
-    pub turn: Matrix3<S>,
+    pub turn: Turn<S>,
     /// r: its origin from that of the link that carries it, axes of that [m].
     pub offset: Vector3<S>,
     /// Axes and origin of the frame of its joint on the link that carries it, in those of that link.
@@ -49,6 +51,8 @@ pub(crate) struct LinkMotion<S: Real> {
     pub centre: Vector3<S>,
     /// Components of the body → its axes.
     pub body: Matrix3<S>,
+    /// The angle of the body about the normal of a planar scene, turns counted [rad].
+    pub angle: S,
 }
 
 /// What carries a link: another link, the world, or a frame of the world that moves.
@@ -60,13 +64,17 @@ struct Inboard<S: Real> {
     /// The frame of the joint on it.
     place: Vector3<S>,
     frame: Matrix3<S>,
+    /// Its axes → components of its body, or of the world.
+    body: Matrix3<S>,
+    /// The angle of its body about the normal of a planar scene.
+    angle: S,
 }
 
 impl<S: Real> LinkMotion<S> {
     /// Nothing known yet.
     pub fn unknown() -> Self {
         LinkMotion {
-            turn: Matrix3::identity(),
+            turn: Turn::by(Matrix3::identity()),
             offset: Vector3::zeros(),
             joint: (Matrix3::identity(), Vector3::zeros()),
             columns: Few::new(Twist::zero()),
@@ -78,37 +86,51 @@ impl<S: Real> LinkMotion<S> {
             origin: Vector3::zeros(),
             centre: Vector3::zeros(),
             body: Matrix3::identity(),
+            angle: S::zero(),
         }
     }
 
-    /// A body that floats: its axes, its centre of mass, six unit columns.
-    fn floating(motion: &BodyMotion<S>) -> Self {
+    /// A body that floats: its axes, its centre of mass, six unit columns, in a plane three.
+    fn floating(motion: &BodyMotion<S>, directions: Directions) -> Self {
         let axes = motion.rotation.map(|x| x * motion.unit);
         let mut columns = Few::new(Twist::zero());
-        columns.extend(units().map(Twist::slide));
-        columns.extend(units().map(Twist::spin));
+        let units = units();
+        let along = directions.translations().iter();
+        columns.extend(along.map(|&axis| Twist::slide(units[axis])));
+        let about = directions.rotations().iter();
+        columns.extend(about.map(|&axis| Twist::spin(units[axis])));
         LinkMotion {
-            turn: axes,
+            turn: Turn::by(axes),
             offset: motion.position,
             columns,
             omega: motion.omega_body,
             velocity: axes.transpose() * motion.velocity,
             axes,
             origin: motion.position,
+            angle: match motion.attitude {
+                Attitude::Angle(angle) => angle,
+                Attitude::Quaternion(_) | Attitude::Axes => S::zero(),
+            },
             ..LinkMotion::unknown()
         }
     }
 
-    /// The body of the link.
-    fn body_motion(&self) -> BodyMotion<S> {
+    /// The body of the link; nothing of it is out of the plane of a planar scene.
+    fn body_motion(&self, directions: Directions) -> BodyMotion<S> {
         let rotation = self.axes * self.body;
         let moving = self.velocity + self.omega.cross(&self.centre);
         BodyMotion {
-            position: labelled(self.origin + self.axes * self.centre, ["x", "y", "z"]),
+            position: labelled(
+                directions.in_plane(self.origin + self.axes * self.centre),
+                ["x", "y", "z"],
+            ),
             rotation,
             unit: S::one(),
-            attitude: Attitude::Axes,
-            velocity: labelled(self.axes * moving, ["vx", "vy", "vz"]),
+            attitude: match directions.plane {
+                Some(_) => Attitude::Angle(self.angle),
+                None => Attitude::Axes,
+            },
+            velocity: labelled(directions.in_plane(self.axes * moving), ["vx", "vy", "vz"]),
             omega_body: self.body.transpose() * self.omega,
             omega_world: labelled(self.axes * self.omega, ["w_x", "w_y", "w_z"]),
         }
@@ -173,13 +195,13 @@ pub(crate) fn read<'a, S: Real>(
                     layout.directions,
                     scene.angular_velocity,
                 );
-                Some(LinkMotion::floating(&motions[link.body]))
+                Some(LinkMotion::floating(&motions[link.body], layout.directions))
             }
             Some(joint) => instant.carried(link, joint, links),
         };
         let Some(motion) = motion else { continue };
         if link.joint.is_some() {
-            motions[link.body] = motion.body_motion();
+            motions[link.body] = motion.body_motion(layout.directions);
         }
         links[index] = motion;
     }
@@ -201,13 +223,18 @@ impl<S: Real> Instant<'_, S> {
                 .get(..link.speeds)?,
             numbers: self.numbers.joints.get(joint)?,
         };
-        let aligned = declared.law.aligned();
-        let (law, alignment) = match &aligned {
-            Some((law, alignment)) => (law, Some(alignment.map(S::from_f64))),
-            None => (&declared.law, None),
+        let (seen, own) = as_seen(&declared.law, link.axes.as_ref());
+        let law = seen.as_ref().unwrap_or(&declared.law);
+        let own = own.map(|own| own.map(S::from_f64));
+        let along = |frame: Matrix3<S>| own.map_or(frame, |own| frame * own);
+        let posed = |q: &[S]| match link.axes {
+            Some(axes) => law.motion(&Relative {
+                q: &shifted(q, &axes),
+                ..at
+            }),
+            None => law.motion(&Relative { q, ..at }),
         };
-        let along = |frame: Matrix3<S>| alignment.map_or(frame, |alignment| frame * alignment);
-        let mut pose = law.motion(&at);
+        let mut pose = posed(at.q);
         if let Some(attitude) = law.attitude() {
             let square = at.q[attitude].iter().fold(S::zero(), |sum, &x| sum + x * x);
             // A quaternion leaves length 1 inside a step.
@@ -218,19 +245,19 @@ impl<S: Real> Instant<'_, S> {
         let columns = &mut columns[..link.speeds];
         law.subspace(&at, columns);
         let bias = law.bias(&at);
-        let (near, far) = match link.reversed {
-            false => (declared.parent, declared.child),
-            true => (declared.child, declared.parent),
-        };
+        let [near, far] = link.ends(declared);
         let inboard = self.inboard(near, link.inboard.and_then(|link| links.get(link)))?;
         let (_, outboard) = frame_of(self.numbers, far)?;
         let (turn, offset, moved) = match link.reversed {
             false => forward(&pose, columns, law.attitude().is_some(), &bias),
             true => backward(&pose, columns, at.u, &bias),
         };
-        let frame = along(inboard.frame);
+        let frame = match link.axes {
+            Some(axes) => axes.fixed.map(S::from_f64),
+            None => along(inboard.frame),
+        };
         let mut motion = LinkMotion {
-            turn: labelled_matrix(frame * turn),
+            turn: Turn::of(frame, turn),
             offset: inboard.place + frame * offset,
             joint: (frame, inboard.place),
             inboard_omega: inboard.omega,
@@ -247,18 +274,30 @@ impl<S: Real> Instant<'_, S> {
             })
         };
         let (slide, spin) = (sum(|column| column.linear), sum(|column| column.angular));
-        let brought = motion.turn.transpose() * inboard.omega;
+        let brought = motion.turn.back(&inboard.omega);
         motion.omega = labelled(brought + spin, ["link_w_x", "link_w_y", "link_w_z"]);
-        motion.velocity = motion.turn.transpose()
-            * (inboard.velocity + inboard.omega.cross(&motion.offset))
-            + slide;
+        let carried = inboard.velocity + inboard.omega.cross(&motion.offset);
+        motion.velocity = motion.turn.back(&carried) + slide;
         let two = S::from_f64(2.0);
         motion.bias = Twist {
             linear: moved.linear + brought.cross(&slide).map(|x| two * x),
             angular: moved.angular + brought.cross(&spin),
         };
-        motion.axes = inboard.axes * motion.turn;
+        motion.axes = inboard.axes * motion.turn.matrix();
         motion.origin = inboard.origin + inboard.axes * motion.offset;
+        if let Some(plane) = self.layout.directions.plane {
+            let start = posed(&[S::zero(); 6][..link.coordinates]).rotation;
+            let start = match link.reversed {
+                false => start,
+                true => start.transpose(),
+            };
+            let start = inboard.body * frame * start * body;
+            let turns = motion.columns.iter().zip(at.q).map(|(column, &q)| {
+                let about = motion.axes * column.angular;
+                about[plane.normal()] * q
+            });
+            motion.angle = turns.fold(inboard.angle + plane.angle(&start), |sum, turn| sum + turn);
+        }
         Some(motion)
     }
 
@@ -275,6 +314,8 @@ impl<S: Real> Instant<'_, S> {
                         velocity: axes.transpose() * motion.velocity,
                         place: Vector3::zeros(),
                         frame: Matrix3::identity(),
+                        body: axes,
+                        angle: S::zero(),
                     }
                 }
                 None => {
@@ -286,6 +327,8 @@ impl<S: Real> Instant<'_, S> {
                         velocity: Vector3::zeros(),
                         place: frame.position,
                         frame: axes_of(frame),
+                        body: Matrix3::identity(),
+                        angle: S::zero(),
                     }
                 }
             }),
@@ -298,11 +341,24 @@ impl<S: Real> Instant<'_, S> {
                     velocity: link.velocity,
                     place: link.centre + link.body * frame.position,
                     frame: link.body * axes_of(frame),
+                    body: link.body.transpose(),
+                    angle: link.angle,
                 })
             }
             Place::Point(_) => None,
         }
     }
+}
+
+/// Coordinates of a joint with the angle from which its link counts: at most a displacement and an angle.
+fn shifted<S: Real>(q: &[S], axes: &LinkAxes) -> Few<S, 2> {
+    let mut all = Few::new(S::zero());
+    let own = q.iter().enumerate();
+    all.extend(own.map(|(index, &q)| match index == axes.angle {
+        true => q + S::from_f64(axes.shift),
+        false => q,
+    }));
+    all
 }
 
 /// (1): axes and origin of frame 2 in frame 1; the columns and b are taken to frame-2 axes.
@@ -353,14 +409,4 @@ fn backward<S: Real>(
     };
     let back = pose.rotation.transpose();
     (back, -(back * s), moved)
-}
-
-/// The elements of E.
-fn labelled_matrix<S: Real>(turn: Matrix3<S>) -> Matrix3<S> {
-    const NAMES: [[&str; 3]; 3] = [
-        ["e11", "e12", "e13"],
-        ["e21", "e22", "e23"],
-        ["e31", "e32", "e33"],
-    ];
-    Matrix3::from_fn(|row, column| turn[(row, column)].label(NAMES[row][column]))
 }

@@ -50,11 +50,13 @@ impl Absolute {
             &mut bodies,
         );
         let mut out = vec![0.0; self.layout.nx()];
-        for ((_, slots), numbers) in self.layout.own_bodies().zip(bodies.chunks_exact(13)) {
-            let (q, v) = numbers.split_at(7);
-            out[slots.q..slots.q + 7].copy_from_slice(q);
+        let directions = layout.directions;
+        let motions = bodies.chunks_exact(directions.motion());
+        for ((_, slots), numbers) in self.layout.own_bodies().zip(motions) {
+            let (q, v) = numbers.split_at(directions.coordinates());
+            out[slots.q..slots.q + q.len()].copy_from_slice(q);
             let at = self.layout.nq + slots.v;
-            out[at..at + 6].copy_from_slice(v);
+            out[at..at + v.len()].copy_from_slice(v);
         }
         copy_others((layout, state), (&self.layout, &mut out));
         out
@@ -76,9 +78,10 @@ impl Absolute {
 fn copy_others((layout, from): (&Layout, &[f64]), (other, to): (&Layout, &mut [f64])) {
     for (own, slots) in layout.points.iter().zip(&other.points) {
         if let (PointSlots::Mass(own), PointSlots::Mass(slots)) = (own, slots) {
-            to[slots.q..slots.q + 3].copy_from_slice(&from[own.q..own.q + 3]);
+            let moves = layout.directions.translations().len();
+            to[slots.q..slots.q + moves].copy_from_slice(&from[own.q..own.q + moves]);
             let (own, at) = (layout.nq + own.v, other.nq + slots.v);
-            to[at..at + 3].copy_from_slice(&from[own..own + 3]);
+            to[at..at + moves].copy_from_slice(&from[own..own + moves]);
         }
     }
     to[other.nq + other.nv..].copy_from_slice(&from[layout.nq + layout.nv..]);

@@ -13,6 +13,7 @@ mod maps;
 mod reactions;
 mod rows;
 mod system;
+mod turn;
 
 pub(crate) use factored::factored_len;
 pub use grouped::Grouped;

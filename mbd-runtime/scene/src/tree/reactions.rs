@@ -83,7 +83,11 @@ impl<S: Real> TreeSystem<S> {
             force = -force;
         }
         let [along, about] = on_child(evaluation, joint);
-        [force - along, torque - about]
+        let directions = evaluation.layout.directions;
+        [
+            directions.in_plane(force - along),
+            directions.about_normal(torque - about),
+        ]
     }
 
     /// The same of a joint that closes a loop, from its rows.

@@ -14,7 +14,6 @@ use super::kinematics::LinkMotion;
 use crate::elimination::{common_fall, kept_parts, sparse_dot};
 use crate::laws::evaluation::Evaluation;
 use crate::rows::{Columns, Row, Rows};
-use crate::scalar::algebra::vector;
 use crate::{AngularVelocity, Layout, Part, PointSlots, Quantity, Real, Twist};
 
 /// A row over the speeds of the links and points: Φ, Φ_t, γ of (1).
@@ -148,7 +147,8 @@ impl<S: Real> TreeRows<S> {
                 if let Some(Part::Point(point)) = *end
                     && let PointSlots::Mass(slots) = layout.points[point]
                 {
-                    (0..3).for_each(|k| line[slots.v + k] += columns.linear[k]);
+                    let moves = layout.directions.translations().iter().enumerate();
+                    moves.for_each(|(k, &axis)| line[slots.v + k] += columns.linear[axis]);
                     bias += columns.linear.dot(&fall);
                 }
                 let Some(link) = link else { continue };
@@ -227,9 +227,4 @@ impl<S: Real> TreeRows<S> {
 /// Columns of a row on a body, world axes and its own components, as a push at the origin of its link.
 fn taken<S: Real>(motion: &LinkMotion<S>, columns: &Columns<S>) -> Twist<S> {
     motion.taken([&columns.linear, &Vector3::zeros()], &columns.angular)
-}
-
-/// Three numbers of a list.
-pub(super) fn three<S: Real>(list: &[S], at: usize) -> Vector3<S> {
-    vector(list, at)
 }

@@ -13,12 +13,11 @@ use nalgebra::{Matrix3, Vector3};
 use super::articulated::Articulated;
 use super::assemble::{applied, falling, speeds_of};
 use super::inertia::Inertia;
-use super::rows::{TreeRows, three};
+use super::rows::TreeRows;
 use crate::elimination::{System, common_fall, enter};
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::point_gravity;
-use crate::scalar::algebra::write;
 use crate::{AngularVelocity, Layout, Link, Part, PointSlots, Quantity, Real, Relative, Twist};
 
 /// Scratch of one scene. Carries nothing from call to call.
@@ -80,11 +79,12 @@ pub(super) fn rotate<S: Real>(
     list: &mut [S],
 ) {
     let at = link.slots.v;
-    let linear = axes * three(list, at);
-    write(list, at, &linear);
+    let directions = evaluation.layout.directions;
+    let linear = axes * directions.linear(list, at);
+    directions.write_linear(list, at, &linear);
     if evaluation.scene.angular_velocity == AngularVelocity::World {
-        let angular = axes * three(list, at + 3);
-        write(list, at + 3, &angular);
+        let angular = axes * directions.angular(list, at);
+        directions.write_angular(list, at, &angular);
     }
 }
 
@@ -132,7 +132,8 @@ impl<S: Real> TreeSystem<S> {
                     if let PointSlots::Mass(slots) = layout.points[point] {
                         let weight = point_gravity(evaluation, point, slots.q)
                             .map(|g| numbers.points[point].0 * g);
-                        write(right, 0, &(assembly.points[point] + weight));
+                        let force = assembly.points[point] + weight;
+                        layout.directions.write_linear(right, 0, &force);
                     }
                 }
                 part => {
@@ -160,7 +161,9 @@ impl<S: Real> TreeSystem<S> {
                 let inverse = evaluation.numbers.points[point].1;
                 let rate = assembly.points[point].map(|f| f * inverse)
                     + point_gravity(evaluation, point, slots.q);
-                write(&mut self.rates, slots.v, &rate);
+                layout
+                    .directions
+                    .write_linear(&mut self.rates, slots.v, &rate);
             }
         }
     }
@@ -330,11 +333,9 @@ impl<S: Real> TreeSystem<S> {
         for (point, slots) in evaluation.layout.points.iter().enumerate() {
             if let PointSlots::Mass(slots) = slots {
                 let mass = evaluation.numbers.points[point].0;
-                write(
-                    out,
-                    slots.v,
-                    &point_gravity(evaluation, point, slots.q).map(|g| -(mass * g)),
-                );
+                let weight = point_gravity(evaluation, point, slots.q).map(|g| -(mass * g));
+                let directions = evaluation.layout.directions;
+                directions.write_linear(out, slots.v, &weight);
             }
         }
         into_state(evaluation, out);
@@ -356,7 +357,8 @@ impl<S: Real> TreeSystem<S> {
         }
         for (point, slots) in evaluation.layout.points.iter().enumerate() {
             if let PointSlots::Mass(slots) = slots {
-                write(out, slots.v, &assembly.points[point]);
+                let directions = evaluation.layout.directions;
+                directions.write_linear(out, slots.v, &assembly.points[point]);
             }
         }
         into_state(evaluation, out);

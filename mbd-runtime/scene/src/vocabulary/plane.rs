@@ -9,7 +9,7 @@
 //! plane carries what forces and joints ask for there, and that is not part of any reaction. The laws stay those of space: positions,
 //! velocities and rotations are read with exact zeros out of the plane, and what they ask of the bodies is taken in the plane alone.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Real};
@@ -54,6 +54,12 @@ impl Plane {
             Plane::Yz => 0,
             Plane::Xz => 1,
         }
+    }
+
+    /// The angle of a turn about the normal, in (−π, π] [rad].
+    pub fn angle<S: Real>(self, turn: &Matrix3<S>) -> S {
+        let [from, to] = [1, 2].map(|k| (self.normal() + k) % 3);
+        turn[(to, from)].atan2(turn[(from, from)])
     }
 
     /// The normal as an axis.
@@ -116,6 +122,30 @@ impl Directions {
     #[must_use]
     pub const fn coordinates(self) -> usize {
         self.translations().len() + self.attitude()
+    }
+
+    /// Numbers of a body's motion: its coordinates, then its speeds.
+    #[must_use]
+    pub const fn motion(self) -> usize {
+        self.coordinates() + self.speeds()
+    }
+
+    /// A vector without what is out of the plane.
+    #[must_use]
+    pub fn in_plane<S: Real>(self, mut vector: Vector3<S>) -> Vector3<S> {
+        if let Some(plane) = self.plane {
+            vector[plane.normal()] = S::zero();
+        }
+        vector
+    }
+
+    /// A vector without what is not about an axis about which bodies turn.
+    #[must_use]
+    pub fn about_normal<S: Real>(self, vector: Vector3<S>) -> Vector3<S> {
+        Vector3::from_fn(|axis, _| match self.rotations().contains(&axis) {
+            true => vector[axis],
+            false => S::zero(),
+        })
     }
 
     /// A position or a velocity, world axes, from the numbers of `list` from `at` on; zero out of the plane, NaN where the list is too short.

@@ -38,7 +38,8 @@ pub enum Quantity {
     /// Linear momentum [kg m/s] and angular momentum about the world origin [kg m²/s]; of bodies and points with mass.
     Momentum,
     /// In relative coordinates the state of every body as absolute coordinates have it: position of the centre of mass [m], attitude as a unit
-    /// quaternion w x y z, velocity [m/s], angular velocity in the components of the model [rad/s] (13 numbers).
+    /// quaternion w x y z, velocity [m/s], angular velocity in the components of the model [rad/s] (13 numbers; in a plane 6: two of the position, the angle about the normal,
+    /// two of the velocity, the angular velocity).
     Bodies,
     /// The mass matrix M, dense, row by row (n_v × n_v); only structural non-zeros are written.
     MassMatrix,

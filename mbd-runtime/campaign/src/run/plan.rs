@@ -1,8 +1,6 @@
 //! From settings to numbers: everything a run needs, checked against the scene.
 
-use std::fmt;
-
-use mbd_compiler::{nearest, read_number};
+use mbd_compiler::nearest;
 use mbd_runtime::scene::laws::starts;
 use mbd_runtime::scene::{
     InputSource, JointStart, NodeModel, Part, PlacementError, Scene, declared_parts, place_declared,
@@ -13,6 +11,8 @@ use mbd_runtime::{
 };
 use toml::{Table, Value};
 
+use super::names::{PlanError, flat, no_column, unknown, wrong};
+use super::number::{number, positive};
 use super::settings::Settings;
 
 /// Everything a run needs, in SI numbers.
@@ -42,30 +42,6 @@ pub struct Plan {
     pub figures: Vec<(String, Vec<String>)>,
 }
 
-/// A setting that cannot be used: its name and what is wrong with it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PlanError {
-    /// The setting, `start.capsule.z`.
-    pub setting: String,
-    /// What is wrong, and what to write.
-    pub text: String,
-}
-
-impl fmt::Display for PlanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "`{}`: {}", self.setting, self.text)
-    }
-}
-
-impl std::error::Error for PlanError {}
-
-fn wrong(setting: impl Into<String>, text: impl Into<String>) -> PlanError {
-    PlanError {
-        setting: setting.into(),
-        text: text.into(),
-    }
-}
-
 /// A step that is taken when neither step nor tolerance is given and the scene needs fixed steps [s].
 const STEP: f64 = 1e-3;
 /// The most numbers of a history, rows times columns: 1.6 GB, and some 4 GB as text.
@@ -79,7 +55,14 @@ impl Plan {
     /// # Errors
     /// The first setting that cannot be used.
     pub fn new(scene: &Scene, settings: &Settings) -> Result<Plan, PlanError> {
-        let layout = Layout::new(scene);
+        Plan::with_layout((scene, &Layout::new(scene)), settings)
+    }
+
+    /// The same where somebody has the layout of the scene already.
+    pub(crate) fn with_layout(
+        (scene, layout): (&Scene, &Layout),
+        settings: &Settings,
+    ) -> Result<Plan, PlanError> {
         let seconds = |name: &str, value: &Option<Value>| match value {
             Some(value) => positive(name, value, "s").map(Some),
             None => Ok(None),
@@ -93,13 +76,13 @@ impl Plan {
         let every = seconds("every", &settings.every)?;
         let params = params(scene, &settings.params)?;
         let placed = placed(scene, &settings.start);
-        let (state, nodes) = start((scene, &layout), &params, &settings.start, &placed)?;
+        let (state, nodes) = start((scene, layout), &params, &settings.start, &placed)?;
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants
             .iter()
             .map(|value| number("instants", value, "s"))
             .collect::<Result<_, _>>()?;
-        let options = options(scene, &layout, settings)?;
+        let options = options(scene, layout, settings)?;
         if let Some(rows) = every
             .or(options.method.fixed_step())
             .map(|every| until / every)
@@ -117,7 +100,7 @@ impl Plan {
             placed,
             nodes,
             estimate: settings.estimate.unwrap_or(true),
-            inputs: inputs(scene, &layout, &settings.inputs)?,
+            inputs: inputs(scene, layout, &settings.inputs)?,
         })
     }
 }
@@ -138,6 +121,18 @@ fn fits(scene: &Scene, rows: f64) -> Result<(), PlanError> {
 }
 
 impl Plan {
+    /// Another start, for the params that are planned now.
+    pub(crate) fn place(
+        &mut self,
+        scene: (&Scene, &Layout),
+        given: &Table,
+    ) -> Result<(), PlanError> {
+        let placed = placed(scene.0, given);
+        (self.state, self.nodes) = start(scene, &self.params, given, &placed)?;
+        self.placed = placed;
+        Ok(())
+    }
+
     /// Puts a run where it begins, with the inputs that are held.
     ///
     /// # Errors
@@ -150,64 +145,6 @@ impl Plan {
             Some(nodes) => run.set_nodes(&numbers(nodes)),
             None => Ok(()),
         }
-    }
-}
-
-/// A number in SI from `"2.6 m"` or from a bare number; `unit` is what it must measure.
-fn number(setting: &str, value: &Value, unit: &str) -> Result<f64, PlanError> {
-    let number = match value {
-        Value::Integer(whole) => *whole as f64,
-        Value::Float(number) => *number,
-        Value::String(text) => return with_unit(setting, text, unit),
-        other => {
-            return Err(wrong(
-                setting,
-                format!("expected a number, found {}", other.type_str()),
-            ));
-        }
-    };
-    if number.is_finite() {
-        Ok(number)
-    } else {
-        Err(wrong(setting, "give it a finite value"))
-    }
-}
-
-fn with_unit(setting: &str, text: &str, unit: &str) -> Result<f64, PlanError> {
-    let (value, given) = read_number(text).map_err(|text| wrong(setting, text))?;
-    let expected = match unit {
-        "" => None,
-        unit => read_number(&format!("1 {unit}"))
-            .ok()
-            .map(|(_, unit)| unit.dimension),
-    };
-    if given.text.is_empty() && !unit.is_empty() && value != 0.0 {
-        return Err(wrong(
-            setting,
-            format!("`{text}` needs a unit, such as {unit}"),
-        ));
-    }
-    let bare = given.text.is_empty();
-    if !bare && expected.unwrap_or_default() != given.dimension {
-        let unit = if unit.is_empty() { "no unit" } else { unit };
-        return Err(wrong(
-            setting,
-            format!("`{text}` has the wrong unit: expected {unit}"),
-        ));
-    }
-    if value.is_finite() {
-        Ok(value)
-    } else {
-        Err(wrong(setting, "give it a finite value"))
-    }
-}
-
-fn positive(setting: &str, value: &Value, unit: &str) -> Result<f64, PlanError> {
-    let number = number(setting, value, unit)?;
-    if number > 0.0 {
-        Ok(number)
-    } else {
-        Err(wrong(setting, "must be positive"))
     }
 }
 
@@ -305,15 +242,6 @@ fn figures(scene: &Scene, given: &Table) -> Result<Vec<(String, Vec<String>)>, P
     Ok(figures)
 }
 
-fn no_column<'a>(column: &str, known: impl Iterator<Item = &'a str>) -> String {
-    match nearest(column, known) {
-        Some(near) => format!("the history has no column `{column}`; did you mean `{near}`?"),
-        None => {
-            format!("the history has no column `{column}`; the header of history.csv names them")
-        }
-    }
-}
-
 fn params(scene: &Scene, given: &Table) -> Result<Vec<f64>, PlanError> {
     let mut params: Vec<f64> = scene.params.iter().map(|param| param.default).collect();
     let names = || scene.params.iter().map(|param| param.name.as_str());
@@ -391,7 +319,7 @@ fn start(
 }
 
 /// The unit of a joint coordinate, `pin.angle`, or of its rate, `pin.angle_rate`; `None` of another name.
-fn coordinate_unit(scene: &Scene, name: &str) -> Option<&'static str> {
+pub(crate) fn coordinate_unit(scene: &Scene, name: &str) -> Option<&'static str> {
     let (joint, number, is_rate) = scene.joint_coordinate(name)?;
     let (_, coordinate) = scene.coordinate(joint, number)?;
     Some(match (is_rate, coordinate.is_angle()) {
@@ -442,24 +370,6 @@ fn normalise(scene: &Scene, numbers: &mut [f64], at: usize) -> Result<(), PlanEr
     }
     quaternion.iter_mut().for_each(|x| *x /= length);
     Ok(())
-}
-
-/// Nested tables as dotted names, in the order of the names.
-fn flat(table: &Table) -> Vec<(String, &Value)> {
-    let mut list = Vec::new();
-    for (name, value) in table {
-        match value {
-            Value::Table(inner) => {
-                list.extend(
-                    flat(inner)
-                        .into_iter()
-                        .map(|(rest, value)| (format!("{name}.{rest}"), value)),
-                );
-            }
-            value => list.push((name.clone(), value)),
-        }
-    }
-    list
 }
 
 fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, PlanError> {
@@ -522,29 +432,4 @@ fn inputs(scene: &Scene, layout: &Layout, given: &Table) -> Result<Vec<f64>, Pla
         Some(name) => Err(unknown(&format!("inputs.{name}"), name, known.into_iter())),
         None => Ok(numbers),
     }
-}
-
-fn unknown<'a>(setting: &str, name: &str, known: impl Iterator<Item = &'a str>) -> PlanError {
-    let known: Vec<&str> = known.collect();
-    // Of a thing that is there, everything it has.
-    let owner = name.rsplit_once('.').map(|(owner, _)| format!("{owner}."));
-    let own = known.iter().copied();
-    let own: Vec<&str> = own
-        .filter(|known| owner.as_ref().is_some_and(|owner| known.starts_with(owner)))
-        .collect();
-    let text = match nearest(name, known.iter().copied()) {
-        _ if known.is_empty() => format!("this scene has no `{name}`, nor any other here"),
-        Some(near) if own.is_empty() => {
-            format!("this scene has no `{name}`; did you mean `{near}`?")
-        }
-        Some(near) => format!(
-            "this scene has no `{name}`; did you mean `{near}`? it has {}",
-            own.join(", ")
-        ),
-        None => {
-            let list = if own.is_empty() { known } else { own };
-            format!("this scene has no `{name}`; it has {}", list.join(", "))
-        }
-    };
-    wrong(setting, text)
 }

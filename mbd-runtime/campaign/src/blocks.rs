@@ -1,0 +1,275 @@
+//! A folder of results: the cases in blocks, a file each, that no number of shards, threads or interruptions changes.
+//!
+//! Shard I of N runs blocks I − 1, I − 1 + N, …. A file is written under another name and renamed when it is whole, so what is there is right: a run
+//! that goes on skips it, two processes on one shard write the same bytes, and nothing is locked.
+
+use std::fmt;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use crate::campaign::Campaign;
+use crate::failure::Failure;
+use crate::manifest::Manifest;
+use crate::progress::Progress;
+use crate::results::{head, join};
+use crate::table::number;
+use mbd_report::files;
+
+/// A part of a campaign: which, from 1, of how many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which, from 1.
+    pub index: u64,
+    /// Of how many.
+    pub of: u64,
+}
+
+impl Shard {
+    /// All of it.
+    pub const WHOLE: Shard = Shard { index: 1, of: 1 };
+
+    /// A shard as it is written, `3/8`; of `/8` the number comes from the scheduler's variables.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn find(text: &str, variable: impl Fn(&str) -> Option<String>) -> Result<Self, String> {
+        match text.strip_prefix('/') {
+            None => text.parse(),
+            Some(of) => {
+                // Kubernetes counts from zero, the others as the array was written.
+                let schedulers = [
+                    ("SLURM_ARRAY_TASK_ID", 0),
+                    ("HQ_TASK_ID", 0),
+                    ("JOB_COMPLETION_INDEX", 1),
+                ];
+                let found = schedulers
+                    .iter()
+                    .find_map(|(name, add)| Some((variable(name)?, add)));
+                let Some((number, add)) = found else {
+                    return Err(format!(
+                        "`{text}` needs one of SLURM_ARRAY_TASK_ID, HQ_TASK_ID, JOB_COMPLETION_INDEX; or write it as 3/{of}"
+                    ));
+                };
+                let index = number
+                    .parse::<u64>()
+                    .map_err(|_| format!("`{number}` is no number of a shard"))?;
+                format!("{}/{of}", index + add).parse()
+            }
+        }
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text
+            .split_once('/')
+            .and_then(|(index, of)| Some((index.parse().ok()?, of.parse().ok()?)));
+        match parts {
+            Some((index, of)) if (1..=of).contains(&index) => Ok(Shard { index, of }),
+            _ => Err(format!(
+                "`{text}` is no shard: write it as 3/8, from 1/8 to 8/8"
+            )),
+        }
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.of)
+    }
+}
+
+fn block_file(folder: &Path, block: u64) -> PathBuf {
+    folder.join("blocks").join(format!("{block:08}.csv"))
+}
+
+fn wall_file(folder: &Path, block: u64) -> PathBuf {
+    folder.join("seconds").join(format!("{block:08}.csv"))
+}
+
+/// What a shard did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Done {
+    /// Cases that were run.
+    pub cases: u64,
+    /// Those of them that did not reach their end.
+    pub failed: u64,
+    /// Cases that were there already.
+    pub skipped: u64,
+}
+
+/// Runs the blocks of a shard that are not in the folder yet.
+///
+/// # Errors
+/// The folder holds another campaign, or blocks of this shard where none were expected (`resume`); a file cannot be written.
+pub fn run(
+    campaign: &Campaign,
+    folder: &Path,
+    (shard, resume): (Shard, bool),
+    threads: usize,
+    progress: &mut Progress,
+) -> Result<Done, Failure> {
+    for part in [folder, &folder.join("blocks"), &folder.join("seconds")] {
+        files::make_folder(part).map_err(|error| Failure::unwritten(&error))?;
+    }
+    campaign.manifest().claim(folder)?;
+    let own = (shard.index - 1..campaign.blocks()).step_by(shard.of as usize);
+    let (there, missing): (Vec<u64>, Vec<u64>) =
+        own.partition(|block| block_file(folder, *block).is_file());
+    if !there.is_empty() && !resume {
+        return Err(Failure::Usage(format!(
+            "{} holds {} of the {} blocks of shard {shard} already: go on with --resume, or take another folder",
+            folder.display(),
+            there.len(),
+            there.len() + missing.len()
+        )));
+    }
+    let skipped = there
+        .iter()
+        .map(|block| campaign.block(*block).count() as u64)
+        .sum();
+    let mut done = Done {
+        skipped,
+        ..Done::default()
+    };
+    let all: usize = missing
+        .iter()
+        .map(|block| campaign.block(*block).count())
+        .sum();
+    // Every block but the last one of all has as many cases as the first.
+    let size = campaign.block(0).count().max(1);
+    let case_at =
+        |place: usize| campaign.block(missing[place / size]).start + (place % size) as u64;
+    let (mut rows, mut seconds) = (String::new(), String::new());
+    let mut waiting = missing.iter().copied().peekable();
+    let mut unwritten = None;
+    campaign.run(all, &case_at, threads, |row, took| {
+        done.cases += 1;
+        done.failed += u64::from(row.status != "ok");
+        progress.show(
+            done.cases as f64 / all as f64,
+            &format!("{} of {all} cases, {} failed", done.cases, done.failed),
+        );
+        rows += &(row.line() + "\n");
+        seconds += &format!("{},{}\n", row.case, number(took));
+        let Some(&block) = waiting.peek() else {
+            return ControlFlow::Break(());
+        };
+        if row.case + 1 < campaign.block(block).end {
+            return ControlFlow::Continue(());
+        }
+        waiting.next();
+        // The rows last: where they are, everything is.
+        let written = files::write_shared(&wall_file(folder, block), &seconds)
+            .and_then(|()| files::write_shared(&block_file(folder, block), &rows));
+        rows.clear();
+        seconds.clear();
+        match written {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                unwritten = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    });
+    progress.clear();
+    match unwritten {
+        Some(error) => Err(Failure::unwritten(&error)),
+        None => Ok(done),
+    }
+}
+
+/// Numbers as ranges: `1-3,7`.
+fn ranges(numbers: &[u64]) -> String {
+    let mut parts: Vec<[u64; 2]> = Vec::new();
+    for &number in numbers {
+        match parts.last_mut() {
+            Some([_, last]) if *last + 1 == number => *last = number,
+            _ => parts.push([number, number]),
+        }
+    }
+    let told: Vec<String> = parts
+        .into_iter()
+        .map(|[first, last]| match first == last {
+            true => first.to_string(),
+            false => format!("{first}-{last}"),
+        })
+        .collect();
+    told.join(",")
+}
+
+/// Puts all blocks of a folder together: `cases.csv`, and `seconds.csv` with the time each case took on the clock. `shards` is how many the campaign
+/// was begun with, to tell which of them have to run again.
+///
+/// # Errors
+/// Blocks are missing; a file cannot be written.
+pub fn gather(folder: &Path, shards: Option<u64>) -> Result<Manifest, Failure> {
+    let manifest = Manifest::read(folder)?;
+    let blocks = 0..manifest.cases.div_ceil(manifest.block.max(1));
+    let missing: Vec<u64> = blocks
+        .clone()
+        .filter(|block| !block_file(folder, *block).is_file())
+        .collect();
+    if !missing.is_empty() {
+        let again = shards.filter(|of| *of > 0).map_or(String::new(), |of| {
+            let mut again: Vec<u64> = missing.iter().map(|block| block % of + 1).collect();
+            again.sort_unstable();
+            again.dedup();
+            format!("; run again: --array={}", ranges(&again))
+        });
+        return Err(Failure::Aborted(format!(
+            "{}: {} of {} blocks are missing ({}){again}",
+            folder.display(),
+            missing.len(),
+            blocks.end,
+            ranges(&missing)
+        )));
+    }
+    let join_all = |name: &str, head: &str, file: fn(&Path, u64) -> PathBuf| {
+        let paths: Vec<PathBuf> = blocks.clone().map(|block| file(folder, block)).collect();
+        let paths = paths
+            .iter()
+            .map(PathBuf::as_path)
+            .filter(|path| path.is_file());
+        files::write_whole(&folder.join(name), |to| join(head, paths, to))
+    };
+    join_all("seconds.csv", "case,seconds [s]", wall_file)
+        .and_then(|()| join_all("cases.csv", &head(&manifest), block_file))
+        .map_err(|error| Failure::unwritten(&error))?;
+    Ok(manifest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_are_counted_from_one_and_schedulers_number_them() {
+        assert_eq!("3/8".parse(), Ok(Shard { index: 3, of: 8 }));
+        for text in ["0/8", "9/8", "3", "a/b", "-1/2", ""] {
+            assert!(text.parse::<Shard>().is_err(), "{text}");
+        }
+        let under = |name: &'static str, value: &'static str| {
+            Shard::find("/8", move |asked| (asked == name).then(|| value.to_owned()))
+        };
+        assert_eq!(
+            under("SLURM_ARRAY_TASK_ID", "5"),
+            Ok(Shard { index: 5, of: 8 })
+        );
+        assert_eq!(under("HQ_TASK_ID", "8"), Ok(Shard { index: 8, of: 8 }));
+        assert_eq!(
+            under("JOB_COMPLETION_INDEX", "0"),
+            Ok(Shard { index: 1, of: 8 })
+        );
+        assert!(under("PBS_ARRAYID", "1").is_err());
+    }
+
+    #[test]
+    fn numbers_are_told_as_ranges() {
+        assert_eq!(ranges(&[5, 17, 18, 19, 30]), "5,17-19,30");
+        assert_eq!(ranges(&[]), "");
+    }
+}

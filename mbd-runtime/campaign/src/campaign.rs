@@ -1,0 +1,320 @@
+//! A campaign: a model, how it is run, what is dispersed, what is read from every run.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+
+use mbd_runtime::scene::{Packed, fingerprint};
+use mbd_runtime::{
+    Batch, Case, Content, Finished, Model, RunError, Sampling, Simulation, StepError, Trajectory,
+};
+use toml::Table;
+
+use crate::dispersion::{Dispersions, Written};
+use crate::failure::Failure;
+use crate::manifest::{Column, Manifest};
+use crate::metric::Metrics;
+use crate::results::Row;
+use crate::run::names::wrong;
+use crate::run::{Plan, PlanError, Settings};
+
+/// Cases that share a file of results, where the campaign file says nothing.
+const BLOCK: u64 = 100;
+
+/// A model, how it is run, what is dispersed, and what is read from every run.
+pub struct Campaign {
+    model: Arc<dyn Model<f64>>,
+    settings: Settings,
+    nominal: Plan,
+    dispersions: Dispersions,
+    metrics: Metrics,
+    block: u64,
+}
+
+/// What the judge of a case hands back: when the run ended [s], and its metrics.
+type Judged = (f64, Vec<f64>);
+
+impl Campaign {
+    /// The campaign of a file; `settings` say how the model is run where the file says nothing.
+    ///
+    /// # Errors
+    /// The file cannot be read; the first thing in it that cannot be used, by name.
+    pub fn read(
+        file: &Path,
+        model: Arc<dyn Model<f64>>,
+        settings: Settings,
+    ) -> Result<Self, Failure> {
+        let name = file.display();
+        let text = fs::read_to_string(file)
+            .map_err(|error| Failure::Usage(format!("cannot read {name}: {error}")))?;
+        let written: Written =
+            toml::from_str(&text).map_err(|error| Failure::Invalid(format!("{name}: {error}")))?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        Campaign::new(&written, folder, model, settings)
+            .map_err(|error| Failure::Invalid(format!("{name}: {error}")))
+    }
+
+    fn new(
+        written: &Written,
+        folder: &Path,
+        model: Arc<dyn Model<f64>>,
+        settings: Settings,
+    ) -> Result<Self, PlanError> {
+        let settings = settings_of(written, &*model, settings)?;
+        let scene = (model.scene(), model.layout());
+        let nominal = Plan::with_layout(scene, &settings)?;
+        let dispersions = Dispersions::new(written, scene, (&nominal, &settings), folder)?;
+        let every_step = nominal.every.is_none();
+        let metrics = Metrics::new(written.metrics.iter(), &*model, every_step)?;
+        tell_apart(&metrics, &dispersions)?;
+        let block = written.block.unwrap_or(BLOCK).clamp(1, 1 << 20);
+        Ok(Campaign {
+            settings,
+            nominal,
+            dispersions,
+            metrics,
+            block,
+            model,
+        })
+    }
+
+    /// All cases, with the nominal, which is case 0.
+    #[must_use]
+    pub fn cases(&self) -> u64 {
+        self.dispersions.cases + 1
+    }
+
+    /// How many files of results there are in the end.
+    #[must_use]
+    pub fn blocks(&self) -> u64 {
+        self.cases().div_ceil(self.block)
+    }
+
+    /// The cases of a block.
+    #[must_use]
+    pub fn block(&self, block: u64) -> std::ops::Range<u64> {
+        block * self.block..((block + 1) * self.block).min(self.cases())
+    }
+
+    /// What is dispersed.
+    #[must_use]
+    pub fn dispersions(&self) -> &Dispersions {
+        &self.dispersions
+    }
+
+    /// What the results belong to.
+    #[must_use]
+    pub fn manifest(&self) -> Manifest {
+        let hash = |text: String| format!("{:016x}", fingerprint(text.bytes()));
+        let scene = self.model.scene();
+        let dispersed = self.dispersions.varied.iter().map(|varied| Column {
+            name: varied.known.name.clone(),
+            unit: varied.known.unit.clone(),
+            require: None,
+        });
+        let metrics = self.metrics.list.iter().map(|metric| Column {
+            name: metric.name.clone(),
+            unit: metric.unit.clone(),
+            require: metric.require,
+        });
+        Manifest {
+            model: scene.name.clone(),
+            declaration: hash(scene.packed()),
+            dispersions: hash(format!("{:?} {:?}", self.dispersions, self.metrics)),
+            settings: hash(format!("{:?}", self.nominal)),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+            seed: self.dispersions.seed,
+            cases: self.cases(),
+            block: self.block,
+            dispersed: dispersed.collect(),
+            metrics: metrics.collect(),
+        }
+    }
+
+    fn check(&self, case: u64) -> Result<(), PlanError> {
+        match case < self.cases() {
+            true => Ok(()),
+            false => {
+                let text = format!("there is no case {case}: the last is {}", self.cases() - 1);
+                Err(wrong("case", text))
+            }
+        }
+    }
+
+    /// The plan of a case.
+    ///
+    /// # Errors
+    /// There is no such case; its start cannot be; no draw of it obeys the constraints.
+    pub fn plan(&self, case: u64) -> Result<Plan, PlanError> {
+        self.check(case)?;
+        let values = self.dispersions.values(case)?;
+        let scene = (self.model.scene(), self.model.layout());
+        self.dispersions
+            .plan((&self.nominal, &self.settings), scene, &values)
+    }
+
+    /// Runs so many cases, whose numbers `number` says by their place, on so many threads, and hands their rows with the time each took [s] to
+    /// `deliver`, in order.
+    pub fn run(
+        &self,
+        count: usize,
+        number: &(dyn Fn(usize) -> u64 + Sync),
+        threads: usize,
+        mut deliver: impl FnMut(Row, f64) -> ControlFlow<()>,
+    ) {
+        let sampling = self.nominal.every.map_or(Sampling::Steps, Sampling::Every);
+        Batch::new(&*self.model, self.nominal.options, self.nominal.until)
+            .cases((0..count).map(|place| self.params(number(place))))
+            .threads(threads)
+            .record(sampling, self.metrics.content)
+            .prepare(|case, run| self.begin(number(case.number()), run))
+            .each(
+                |_, history| self.judge(history),
+                |finished| {
+                    let seconds = finished.seconds;
+                    deliver(self.row(number(finished.case), finished), seconds)
+                },
+            );
+    }
+
+    /// Only the params: the rest of the start is found on the thread of the case.
+    fn params(&self, number: u64) -> Case {
+        match self.dispersions.values(number) {
+            Ok(values) => {
+                let mut params = self.nominal.params.clone();
+                self.dispersions.set_params(&values, &mut params);
+                Case::new().params(params)
+            }
+            // Told by `begin`.
+            Err(_) => Case::new(),
+        }
+    }
+
+    fn begin(&self, number: u64, run: &mut Simulation<f64>) -> Result<(), RunError> {
+        let plan = self.plan(number).map_err(|error| RunError {
+            cause: StepError::Unplaced {
+                name: error.setting,
+                why: error.text,
+            },
+            progress: Box::default(),
+        })?;
+        plan.begin(run)
+    }
+
+    fn judge(&self, history: &Trajectory) -> Judged {
+        let end = history.times().last().copied().unwrap_or(f64::NAN);
+        (end, self.metrics.read(history))
+    }
+
+    fn row(&self, case: u64, finished: Finished<Judged>) -> Row {
+        // Where nothing was drawn there is nothing to tell.
+        let nothing = || vec![f64::NAN; self.dispersions.varied.len()];
+        let values = self.dispersions.values(case).unwrap_or_else(|_| nothing());
+        let values = self.dispersions.in_units(&values);
+        match finished.result {
+            Ok((time, metrics)) => Row {
+                case,
+                status: "ok".to_owned(),
+                time,
+                values,
+                metrics,
+                why: String::new(),
+            },
+            Err(failed) => Row {
+                case,
+                status: failed.why.status().to_owned(),
+                time: failed.time,
+                values,
+                metrics: vec![f64::NAN; self.metrics.list.len()],
+                why: failed.to_string(),
+            },
+        }
+    }
+
+    /// Runs one case again, with everything in its history. The row is that of the campaign, to the bit.
+    ///
+    /// # Errors
+    /// There is no such case.
+    pub fn replay(&self, case: u64) -> Result<(Row, Trajectory), PlanError> {
+        self.check(case)?;
+        let mut found = None;
+        self.run(1, &|_| case, 1, |row, _| {
+            found = Some(row);
+            ControlFlow::Break(())
+        });
+        let sampling = self.nominal.every.map_or(Sampling::Steps, Sampling::Every);
+        let mut history = Trajectory::new(&*self.model, sampling, Content::ALL);
+        // What stops the run stands in the row.
+        let _ = self.record(case, &mut history);
+        let row = found.ok_or_else(|| wrong("case", "its run was cancelled"))?;
+        Ok((row, history))
+    }
+
+    fn record(&self, case: u64, history: &mut Trajectory) -> Option<()> {
+        let plan = self.plan(case).ok()?;
+        let model = self.model.with_params(&plan.params).ok()?;
+        let mut run = Simulation::new(&*model, plan.options).ok()?;
+        plan.begin(&mut run).ok()?;
+        run.record(plan.until, history).ok()?;
+        Some(())
+    }
+}
+
+/// Refuses a metric that has the name of another column.
+fn tell_apart(metrics: &Metrics, dispersions: &Dispersions) -> Result<(), PlanError> {
+    let dispersed = dispersions.varied.iter();
+    let mut taken: Vec<&str> = dispersed.map(|varied| varied.known.name.as_str()).collect();
+    taken.extend(["case", "status", "end", "why"]);
+    let mut names = metrics.list.iter().map(|metric| metric.name.as_str());
+    match names.find(|name| taken.contains(name)) {
+        Some(name) => Err(wrong(
+            format!("metrics.{name}"),
+            "another column of the results has this name: give it one of its own",
+        )),
+        None => Ok(()),
+    }
+}
+
+/// The settings of the runs: those of the file, else those of the scene; params that neither gives are those of the model.
+fn settings_of(
+    written: &Written,
+    model: &dyn Model<f64>,
+    mut settings: Settings,
+) -> Result<Settings, PlanError> {
+    let own: Settings = toml::Value::Table(written.run.clone())
+        .try_into()
+        .map_err(|error: toml::de::Error| wrong("run", error.message()))?;
+    if own.step.is_some() || own.tolerance.is_some() || own.method.is_some() {
+        (settings.step, settings.tolerance, settings.method) =
+            (own.step, own.tolerance, own.method);
+    }
+    settings.until = own.until.or(settings.until);
+    settings.every = own.every.or(settings.every);
+    settings.max_steps = own.max_steps.or(settings.max_steps);
+    settings.locate = own.locate.or(settings.locate);
+    settings.estimate = own.estimate.or(settings.estimate);
+    settings.instants = own.instants.or(settings.instants);
+    merge(&mut settings.figures, own.figures);
+    merge(&mut settings.start, own.start);
+    merge(&mut settings.inputs, own.inputs);
+    merge(&mut settings.params, own.params);
+    for (param, value) in model.scene().params.iter().zip(model.params()) {
+        let given = settings.params.entry(&param.name);
+        given.or_insert(toml::Value::Float(*value));
+    }
+    Ok(settings)
+}
+
+/// Puts one table over another.
+fn merge(under: &mut Table, over: Table) {
+    for (name, value) in over {
+        match (under.get_mut(&name), value) {
+            (Some(toml::Value::Table(under)), toml::Value::Table(over)) => merge(under, over),
+            (_, value) => {
+                under.insert(name, value);
+            }
+        }
+    }
+}

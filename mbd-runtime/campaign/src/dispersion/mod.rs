@@ -1,0 +1,433 @@
+//! What is dispersed in a campaign, and the numbers of every case.
+
+mod correlation;
+mod name;
+mod read;
+mod written;
+
+use std::path::Path;
+
+use mbd_runtime::Layout;
+use mbd_runtime::scene::Scene;
+use toml::Table;
+
+use crate::run::names::{PlanError, unknown, wrong};
+use crate::run::number::number;
+use crate::run::{Plan, Settings};
+use crate::sampling::{Distribution, Sampling, Spread};
+use correlation::Correlation;
+pub use name::{Known, Target};
+pub use written::{Written, WrittenMetric, WrittenRequirement};
+
+/// The most cases.
+const MOST_CASES: u64 = 100_000_000;
+/// Draws of one case before it is given up.
+const ATTEMPTS: u32 = 10_000;
+
+/// A number that is dispersed.
+#[derive(Clone, Debug)]
+pub struct Varied {
+    /// What it is, with its nominal value.
+    pub known: Known,
+    /// How it is distributed.
+    pub distribution: Distribution,
+    spread: Spread,
+}
+
+/// A sum that draws keep within bounds.
+#[derive(Clone, Debug, PartialEq)]
+struct Constraint {
+    /// Factors of dispersed numbers, and what the others add.
+    factors: Vec<(usize, f64)>,
+    rest: f64,
+    bounds: [f64; 2],
+}
+
+/// What is dispersed.
+#[derive(Clone, Debug)]
+pub struct Dispersions {
+    /// What all random numbers come from.
+    pub seed: u64,
+    /// How many cases there are beside the nominal.
+    pub cases: u64,
+    /// How they are spread.
+    pub sampling: Sampling,
+    /// The numbers, in the order of their names.
+    pub varied: Vec<Varied>,
+    correlations: Vec<Correlation>,
+    constraints: Vec<Constraint>,
+}
+
+impl Dispersions {
+    /// Those of a file, for a scene that is run as planned; tables lie in `folder`.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used.
+    pub fn new(
+        written: &Written,
+        (scene, layout): (&Scene, &Layout),
+        run: (&Plan, &Settings),
+        folder: &Path,
+    ) -> Result<Self, PlanError> {
+        let sampling = sampling(written)?;
+        let known = name::known(scene, layout, run);
+        let mut distributions = Vec::new();
+        let parts = [
+            ("", &written.params),
+            ("start", &written.start),
+            ("inputs", &written.inputs),
+        ];
+        for (part, table) in parts {
+            for (name, table) in read::flat(part, table)? {
+                let setting = if part.is_empty() {
+                    format!("params.{name}")
+                } else {
+                    name.clone()
+                };
+                let known = name::find(&known, &setting, &name)?;
+                distributions.push((
+                    known.clone(),
+                    read::read(&setting, &table, known, folder)?,
+                    setting,
+                ));
+            }
+        }
+        for (_, read, setting) in &distributions {
+            if read.grid != (sampling == Sampling::Grid) {
+                let text =
+                    "`dist = \"grid\"` goes with `sampling = \"grid\"`, and nothing else does";
+                return Err(wrong(setting, text));
+            }
+        }
+        if let Some(most) = sampling.most().filter(|most| distributions.len() > *most) {
+            let text = format!(
+                "a Sobol sequence has up to {most} dimensions, these are {}: take `latin`",
+                distributions.len()
+            );
+            return Err(wrong("sampling", text));
+        }
+        let cases = cases(
+            written,
+            sampling,
+            distributions.iter().map(|(_, read, _)| &read.distribution),
+        )?;
+        let varied = distributions
+            .into_iter()
+            .enumerate()
+            .map(|(dimension, (known, read, _))| {
+                // Numbers of one file come from one row.
+                let stream = read
+                    .file
+                    .map_or(known.name.clone(), |file| format!("file {file}"));
+                Varied {
+                    spread: Spread::new(sampling, written.seed, &stream, (dimension, cases)),
+                    distribution: read.distribution,
+                    known,
+                }
+            });
+        let mut dispersions = Dispersions {
+            seed: written.seed,
+            cases,
+            sampling,
+            varied: varied.collect(),
+            correlations: Vec::new(),
+            constraints: Vec::new(),
+        };
+        dispersions.read_correlations(written)?;
+        dispersions.read_constraints(written, &known)?;
+        Ok(dispersions)
+    }
+
+    fn index(&self, setting: &str, name: &str) -> Result<usize, PlanError> {
+        let names = self.varied.iter().map(|varied| varied.known.name.as_str());
+        let found = names.clone().position(|known| known == name);
+        found.ok_or_else(|| {
+            let mut error = unknown(setting, name, names);
+            error.text = error
+                .text
+                .replace("this scene has no", "this file disperses no");
+            error
+        })
+    }
+
+    fn read_correlations(&mut self, written: &Written) -> Result<(), PlanError> {
+        for (number, correlated) in written.correlated.iter().enumerate() {
+            let setting = format!("correlated[{number}]");
+            if self.sampling == Sampling::Grid {
+                return Err(wrong(
+                    setting,
+                    "the values of a grid are combined, not drawn: leave this out",
+                ));
+            }
+            let members = correlated
+                .names
+                .iter()
+                .map(|name| self.index(&setting, name));
+            let members: Vec<usize> = members.collect::<Result<_, _>>()?;
+            let before = self.correlations.iter().flat_map(|known| &known.members);
+            let twice = members.iter().enumerate().find(|(at, member)| {
+                members[..*at].contains(member) || before.clone().any(|known| known == *member)
+            });
+            if let Some((_, member)) = twice {
+                let text = format!(
+                    "`{}` is correlated twice: write one matrix",
+                    self.varied[*member].known.name
+                );
+                return Err(wrong(setting, text));
+            }
+            self.correlations
+                .push(Correlation::new(&setting, members, &correlated.matrix)?);
+        }
+        Ok(())
+    }
+
+    fn read_constraints(&mut self, written: &Written, known: &[Known]) -> Result<(), PlanError> {
+        for (index, constraint) in written.constraint.iter().enumerate() {
+            let setting = format!("constraint[{index}]");
+            if self.sampling != Sampling::Random {
+                return Err(wrong(
+                    setting,
+                    "draws that break a constraint are drawn again, which goes with `sampling = \"random\"` alone",
+                ));
+            }
+            let mut unit = None;
+            let (mut factors, mut rest) = (Vec::new(), 0.0);
+            for (name, factor) in &constraint.sum {
+                let known = name::find(known, &setting, name)?;
+                let first = unit.get_or_insert(known.unit.clone());
+                if *first != known.unit {
+                    return Err(wrong(
+                        setting,
+                        format!(
+                            "`{name}` is in {}, the first in {first}: only what has one unit adds up",
+                            known.unit
+                        ),
+                    ));
+                }
+                match self
+                    .varied
+                    .iter()
+                    .position(|varied| varied.known.name == *name)
+                {
+                    Some(at) => factors.push((at, *factor)),
+                    None => rest += factor * known.nominal,
+                }
+            }
+            let Some(unit) = unit.filter(|_| !factors.is_empty()) else {
+                return Err(wrong(setting, "`sum` names nothing that is dispersed"));
+            };
+            let bound = |value: &Option<toml::Value>, free: f64| {
+                value
+                    .as_ref()
+                    .map_or(Ok(free), |value| number(&setting, value, &unit))
+            };
+            let bounds = [
+                bound(&constraint.at_least, f64::NEG_INFINITY)?,
+                bound(&constraint.at_most, f64::INFINITY)?,
+            ];
+            if constraint.at_least.is_none() && constraint.at_most.is_none() {
+                return Err(wrong(setting, "give `at_least` or `at_most`"));
+            }
+            self.constraints.push(Constraint {
+                factors,
+                rest,
+                bounds,
+            });
+        }
+        Ok(())
+    }
+
+    /// The dispersed numbers of a case, in order [SI]; case 0 has the nominal ones.
+    ///
+    /// # Errors
+    /// No draw of this case obeys the constraints.
+    pub fn values(&self, case: u64) -> Result<Vec<f64>, PlanError> {
+        if case == 0 {
+            return Ok(self
+                .varied
+                .iter()
+                .map(|varied| varied.known.nominal)
+                .collect());
+        }
+        if self.sampling == Sampling::Grid {
+            return Ok(self.combination(case - 1));
+        }
+        for attempt in 0..ATTEMPTS {
+            let values = self.draw(case, attempt);
+            if self
+                .constraints
+                .iter()
+                .all(|constraint| constraint.holds(&values))
+            {
+                return Ok(values);
+            }
+        }
+        let text = format!(
+            "none of {ATTEMPTS} draws of case {case} keeps it: loosen it, or narrow the distributions"
+        );
+        Err(wrong("constraint", text))
+    }
+
+    fn draw(&self, case: u64, attempt: u32) -> Vec<f64> {
+        let mut parts: Vec<f64> = self
+            .varied
+            .iter()
+            .map(|varied| varied.spread.at(case, attempt))
+            .collect();
+        let mut quantiles = vec![None; parts.len()];
+        for correlation in &self.correlations {
+            correlation.mix(&mut parts, &mut quantiles);
+        }
+        let drawn = self.varied.iter().zip(parts.iter().zip(quantiles));
+        drawn
+            .map(|(varied, (part, quantile))| varied.distribution.quantile(*part, quantile))
+            .collect()
+    }
+
+    /// A combination of the values of a grid, the last fastest.
+    fn combination(&self, mut index: u64) -> Vec<f64> {
+        let mut values: Vec<f64> = Vec::new();
+        for varied in self.varied.iter().rev() {
+            let Distribution::Listed(list) = &varied.distribution else {
+                continue;
+            };
+            let count = list.len() as u64;
+            values.push(list[(index % count) as usize]);
+            index /= count;
+        }
+        values.reverse();
+        values
+    }
+
+    /// Dispersed numbers, each in the unit of its column.
+    #[must_use]
+    pub fn in_units(&self, values: &[f64]) -> Vec<f64> {
+        let values = self.varied.iter().zip(values);
+        values
+            .map(|(varied, value)| value / varied.known.factor)
+            .collect()
+    }
+
+    /// Sets the params among the dispersed numbers.
+    pub fn set_params(&self, values: &[f64], params: &mut [f64]) {
+        for (varied, value) in self.varied.iter().zip(values) {
+            if let Target::Param(at) = varied.known.target {
+                params[at] = *value;
+            }
+        }
+    }
+
+    /// The plan of a case: that of the nominal with these numbers.
+    ///
+    /// # Errors
+    /// A start that cannot be.
+    pub fn plan(
+        &self,
+        nominal: (&Plan, &Settings),
+        (scene, layout): (&Scene, &Layout),
+        values: &[f64],
+    ) -> Result<Plan, PlanError> {
+        let (plan, settings) = nominal;
+        let mut plan = plan.clone();
+        self.set_params(values, &mut plan.params);
+        let mut start: Option<Table> = None;
+        for (varied, value) in self.varied.iter().zip(values) {
+            match &varied.known.target {
+                Target::Param(_) => {}
+                Target::Input(at) => plan.inputs[*at] = *value,
+                Target::Start(name) => {
+                    let table = start.get_or_insert_with(|| settings.start.clone());
+                    place(table, name, *value);
+                }
+            }
+        }
+        if start.is_some() || plan.params != nominal.0.params {
+            let start = start.unwrap_or_else(|| settings.start.clone());
+            plan.place((scene, layout), &start)?;
+        }
+        Ok(plan)
+    }
+}
+
+impl Constraint {
+    fn holds(&self, values: &[f64]) -> bool {
+        let parts = self.factors.iter().map(|(at, factor)| factor * values[*at]);
+        let sum = self.rest + parts.sum::<f64>();
+        let [low, high] = self.bounds;
+        (low..=high).contains(&sum)
+    }
+}
+
+/// Sets a number by its dotted name.
+fn place(table: &mut Table, name: &str, value: f64) {
+    match name.split_once('.') {
+        // A joint coordinate that is written as one word.
+        _ if table.contains_key(name) => {
+            table.insert(name.to_owned(), toml::Value::Float(value));
+        }
+        Some((owner, rest)) => {
+            let inner = table
+                .entry(owner)
+                .or_insert_with(|| toml::Value::Table(Table::new()));
+            match inner {
+                toml::Value::Table(inner) => place(inner, rest, value),
+                other => *other = toml::Value::Float(value),
+            }
+        }
+        None => {
+            table.insert(name.to_owned(), toml::Value::Float(value));
+        }
+    }
+}
+
+fn sampling(written: &Written) -> Result<Sampling, PlanError> {
+    let Some(word) = &written.sampling else {
+        return Ok(Sampling::Random);
+    };
+    let found = Sampling::WORDS.iter().find(|(known, _)| known == word);
+    found.map(|(_, sampling)| *sampling).ok_or_else(|| {
+        let words = Sampling::WORDS.map(|(word, _)| word);
+        let near = mbd_runtime::scene::similar::did_you_mean(word, words);
+        wrong(
+            "sampling",
+            format!(
+                "there is no sampling `{word}`{near} There are: {}",
+                words.join(", ")
+            ),
+        )
+    })
+}
+
+fn cases<'d>(
+    written: &Written,
+    sampling: Sampling,
+    distributions: impl Iterator<Item = &'d Distribution>,
+) -> Result<u64, PlanError> {
+    let cases = match (sampling, written.cases) {
+        (Sampling::Grid, None) => {
+            let mut counts = distributions.map(|distribution| match distribution {
+                Distribution::Listed(list) => list.len() as u64,
+                _ => 1,
+            });
+            let product = counts.try_fold(1_u64, u64::checked_mul);
+            product.ok_or_else(|| wrong("sampling", "this grid has too many combinations"))?
+        }
+        (Sampling::Grid, Some(_)) => {
+            return Err(wrong(
+                "cases",
+                "a grid has as many cases as combinations: leave this out",
+            ));
+        }
+        (_, Some(cases)) => cases,
+        (_, None) => {
+            return Err(wrong(
+                "cases",
+                "say how many cases there are: `cases = 1000`",
+            ));
+        }
+    };
+    match cases <= MOST_CASES {
+        true => Ok(cases),
+        false => Err(wrong("cases", format!("at most {MOST_CASES}"))),
+    }
+}

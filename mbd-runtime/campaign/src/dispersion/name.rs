@@ -1,0 +1,120 @@
+//! What can be dispersed: params, what the start is said in, inputs. Each by the name that its column of the results has.
+
+use mbd_runtime::scene::{InputSource, Scene};
+use mbd_runtime::{Layout, state_names};
+use toml::Value;
+
+use crate::run::names::{PlanError, unknown};
+use crate::run::plan::coordinate_unit;
+use crate::run::{Plan, Settings};
+
+/// Where a dispersed number goes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Target {
+    /// A param, by index.
+    Param(usize),
+    /// What the start is said in: a coordinate of the state or of a joint, by name.
+    Start(String),
+    /// A number of the inputs, by its place.
+    Input(usize),
+}
+
+/// Something that can be dispersed: where it goes, its unit, and its nominal value [SI].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Known {
+    /// Its name, as the results have it.
+    pub name: String,
+    /// Where it goes.
+    pub target: Target,
+    /// Its unit.
+    pub unit: String,
+    /// SI value of one such unit.
+    pub factor: f64,
+    /// Its value in the nominal case [SI].
+    pub nominal: f64,
+}
+
+/// Everything that can be dispersed in a scene that is run as planned.
+pub fn known(scene: &Scene, layout: &Layout, (plan, settings): (&Plan, &Settings)) -> Vec<Known> {
+    let params = scene.params.iter().zip(&plan.params).enumerate();
+    let mut all: Vec<Known> = params
+        .map(|(index, (param, nominal))| Known {
+            name: param.name.clone(),
+            target: Target::Param(index),
+            unit: param.unit.text.clone(),
+            factor: param.unit.factor,
+            nominal: *nominal,
+        })
+        .collect();
+    let states = state_names(scene, layout).into_iter().zip(&plan.state);
+    all.extend(states.map(|(name, nominal)| start(name.name, &name.unit, *nominal)));
+    for name in scene.joint_coordinates() {
+        if let Some(unit) = coordinate_unit(scene, &name) {
+            let nominal = written(settings, &name);
+            all.push(start(name, unit, nominal));
+        }
+    }
+    for slots in &layout.inputs {
+        let InputSource::Input(index) = slots.source else {
+            continue;
+        };
+        let Some(input) = scene.inputs.get(index) else {
+            continue;
+        };
+        for component in 0..slots.len {
+            let place = slots.at + component;
+            let axis = ["x", "y", "z"].get(component).filter(|_| slots.len > 1);
+            let axis = axis.map_or(String::new(), |axis| format!(".{axis}"));
+            all.push(Known {
+                name: format!("inputs.{}{axis}", input.name),
+                target: Target::Input(place),
+                unit: input.unit.text.clone(),
+                factor: input.unit.factor,
+                nominal: plan.inputs.get(place).copied().unwrap_or(0.0),
+            });
+        }
+    }
+    all
+}
+
+fn start(name: String, unit: &str, nominal: f64) -> Known {
+    Known {
+        name: format!("start.{name}"),
+        unit: unit.to_owned(),
+        factor: 1.0,
+        nominal,
+        target: Target::Start(name),
+    }
+}
+
+/// What the settings give a joint coordinate; zero where they say nothing. Numbers were checked when the run was planned.
+fn written(settings: &Settings, name: &str) -> f64 {
+    let mut table = Some(&settings.start);
+    let mut words = name.split('.').peekable();
+    while let Some(word) = words.next() {
+        let value = table.and_then(|table| table.get(word));
+        match value {
+            Some(Value::Table(inner)) => table = Some(inner),
+            Some(Value::Float(number)) if words.peek().is_none() => return *number,
+            Some(Value::Integer(number)) if words.peek().is_none() => return *number as f64,
+            Some(Value::String(text)) if words.peek().is_none() => {
+                return mbd_compiler::read_number(text).map_or(0.0, |(number, _)| number);
+            }
+            _ => return 0.0,
+        }
+    }
+    0.0
+}
+
+/// Something by its name.
+pub fn find<'k>(known: &'k [Known], setting: &str, name: &str) -> Result<&'k Known, PlanError> {
+    let found = known.iter().find(|known| known.name == name);
+    found.ok_or_else(|| {
+        let part = |of: &&Known| match name.split_once('.') {
+            Some((part @ ("start" | "inputs"), _)) => of.name.starts_with(&format!("{part}.")),
+            _ => matches!(of.target, Target::Param(_)),
+        };
+        let alike = known.iter().filter(part);
+        unknown(setting, name, alike.map(|known| known.name.as_str()))
+    })
+}

@@ -1,0 +1,283 @@
+//! From a distribution as it is written to one in SI.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use mbd_compiler::read_number;
+use toml::{Table, Value};
+
+use super::name::Known;
+use super::written::WrittenDistribution;
+use crate::run::names::{PlanError, wrong};
+use crate::run::number::number;
+use crate::sampling::Distribution;
+use crate::table;
+
+/// The distributions with their settings, and those whose numbers lie in a file.
+const WORDS: [(&str, &[&str]); 7] = [
+    ("normal", &["mean", "sigma", "three_sigma"]),
+    (
+        "truncated_normal",
+        &["mean", "sigma", "three_sigma", "low", "high"],
+    ),
+    ("uniform", &["low", "high"]),
+    ("triangular", &["low", "mode", "high"]),
+    ("discrete", &["values", "weights"]),
+    ("table", &["file", "column"]),
+    ("grid", &["values"]),
+];
+
+/// Whether a table is a distribution, and not a table of them.
+pub fn is_distribution(table: &Table) -> bool {
+    table.contains_key("dist")
+}
+
+/// A distribution that was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Read {
+    /// It.
+    pub distribution: Distribution,
+    /// The file its rows lie in: numbers of one file come from the same row.
+    pub file: Option<String>,
+    /// Whether it is a list of values of a grid.
+    pub grid: bool,
+}
+
+/// Reads a distribution of something; files lie in `folder`.
+pub fn read(setting: &str, table: &Table, known: &Known, folder: &Path) -> Result<Read, PlanError> {
+    let written: WrittenDistribution = Value::Table(table.clone())
+        .try_into()
+        .map_err(|error: toml::de::Error| wrong(setting, error.message()))?;
+    let word = written.dist.as_str();
+    let Some((_, allowed)) = WORDS.iter().find(|(known, _)| *known == word) else {
+        let words = WORDS.iter().map(|(word, _)| *word);
+        let near = mbd_runtime::scene::similar::did_you_mean(word, words.clone());
+        let all: Vec<&str> = words.collect();
+        let text = format!(
+            "there is no distribution `{word}`{near} There are: {}",
+            all.join(", ")
+        );
+        return Err(wrong(setting, text));
+    };
+    let extra = table
+        .keys()
+        .find(|key| *key != "dist" && !allowed.contains(&key.as_str()));
+    if let Some(extra) = extra {
+        let text = format!(
+            "`{extra}` is no setting of `{word}`, which takes: {}",
+            allowed.join(", ")
+        );
+        return Err(wrong(setting, text));
+    }
+    let reader = Reader {
+        setting,
+        known,
+        written: &written,
+    };
+    let mut file = None;
+    let distribution = match word {
+        "normal" => reader.normal()?,
+        "truncated_normal" => reader.truncated()?,
+        "uniform" => {
+            let [low, high] = reader.ends()?;
+            Distribution::Uniform { low, high }
+        }
+        "triangular" => reader.triangular()?,
+        "discrete" => reader.discrete()?,
+        "grid" => Distribution::Listed(reader.values()?),
+        _ => {
+            file = written.file.clone();
+            Distribution::Listed(reader.rows(folder)?)
+        }
+    };
+    Ok(Read {
+        distribution,
+        file,
+        grid: word == "grid",
+    })
+}
+
+struct Reader<'r> {
+    setting: &'r str,
+    known: &'r Known,
+    written: &'r WrittenDistribution,
+}
+
+impl Reader<'_> {
+    fn wrong(&self, text: impl Into<String>) -> PlanError {
+        wrong(self.setting, text)
+    }
+
+    /// A value, or so many percent of the nominal one.
+    fn number(&self, name: &str, value: &Value) -> Result<f64, PlanError> {
+        let setting = format!("{}.{name}", self.setting);
+        let percent = value
+            .as_str()
+            .and_then(|text| text.trim().strip_suffix('%'));
+        match percent.map(|text| text.trim().parse::<f64>()) {
+            None => number(&setting, value, &self.known.unit),
+            Some(Ok(percent)) if percent.is_finite() => {
+                if self.known.nominal == 0.0 {
+                    return Err(wrong(
+                        setting,
+                        "percent of the nominal value, which is zero: give a number with its unit",
+                    ));
+                }
+                Ok(0.01 * percent * self.known.nominal)
+            }
+            Some(_) => Err(wrong(setting, "is no percentage: write it as \"5 %\"")),
+        }
+    }
+
+    fn needed(&self, name: &str, value: &Option<Value>) -> Result<f64, PlanError> {
+        match value {
+            Some(value) => self.number(name, value),
+            None => Err(self.wrong(format!("`{}` needs `{name}`", self.written.dist))),
+        }
+    }
+
+    fn or_nominal(&self, name: &str, value: &Option<Value>) -> Result<f64, PlanError> {
+        value
+            .as_ref()
+            .map_or(Ok(self.known.nominal), |value| self.number(name, value))
+    }
+
+    fn sigma(&self) -> Result<f64, PlanError> {
+        let sigma = match (&self.written.sigma, &self.written.three_sigma) {
+            (Some(sigma), None) => self.number("sigma", sigma)?,
+            (None, Some(three)) => self.number("three_sigma", three)? / 3.0,
+            _ => return Err(self.wrong("give either `sigma` or `three_sigma`")),
+        };
+        // A percentage of a negative number.
+        match sigma.abs() {
+            sigma if sigma > 0.0 => Ok(sigma),
+            _ => Err(self.wrong("`sigma` must be positive")),
+        }
+    }
+
+    fn normal(&self) -> Result<Distribution, PlanError> {
+        let mean = self.or_nominal("mean", &self.written.mean)?;
+        Ok(Distribution::Normal {
+            mean,
+            sigma: self.sigma()?,
+        })
+    }
+
+    fn ends(&self) -> Result<[f64; 2], PlanError> {
+        let ends = [
+            self.needed("low", &self.written.low)?,
+            self.needed("high", &self.written.high)?,
+        ];
+        match ends {
+            [low, high] if low < high => Ok(ends),
+            [low, high] => Err(self.wrong(format!("`low` ({low}) must be below `high` ({high})"))),
+        }
+    }
+
+    fn truncated(&self) -> Result<Distribution, PlanError> {
+        let mean = self.or_nominal("mean", &self.written.mean)?;
+        let (sigma, [low, high]) = (self.sigma()?, self.ends()?);
+        // Further out than this the tail has no digits left.
+        if low > mean + 30.0 * sigma || high < mean - 30.0 * sigma {
+            return Err(self.wrong("nothing of this distribution lies between `low` and `high`"));
+        }
+        Ok(Distribution::TruncatedNormal {
+            mean,
+            sigma,
+            low,
+            high,
+        })
+    }
+
+    fn triangular(&self) -> Result<Distribution, PlanError> {
+        let [low, high] = self.ends()?;
+        let mode = self.or_nominal("mode", &self.written.mode)?;
+        match (low..=high).contains(&mode) {
+            true => Ok(Distribution::Triangular { low, mode, high }),
+            false => Err(self.wrong(format!(
+                "`mode` ({mode}) must lie between `low` ({low}) and `high` ({high})"
+            ))),
+        }
+    }
+
+    fn values(&self) -> Result<Vec<f64>, PlanError> {
+        let values = self.written.values.as_deref().unwrap_or_default();
+        if values.is_empty() {
+            return Err(self.wrong(format!("`{}` needs `values`, a list", self.written.dist)));
+        }
+        values
+            .iter()
+            .map(|value| self.number("values", value))
+            .collect()
+    }
+
+    fn discrete(&self) -> Result<Distribution, PlanError> {
+        let values = self.values()?;
+        let weights = self.written.weights.clone();
+        let weights = weights.unwrap_or_else(|| vec![1.0; values.len()]);
+        let total: f64 = weights.iter().sum();
+        let usable =
+            weights.iter().all(|weight| *weight >= 0.0) && total > 0.0 && total.is_finite();
+        if weights.len() != values.len() || !usable {
+            return Err(self.wrong("`weights` needs a number that is not negative for each of `values`, not all of them zero"));
+        }
+        let mut sum = 0.0;
+        let up_to = weights.iter().map(|weight| {
+            sum += weight / total;
+            sum
+        });
+        Ok(Distribution::Discrete {
+            up_to: up_to.collect(),
+            values,
+        })
+    }
+
+    fn rows(&self, folder: &Path) -> Result<Vec<f64>, PlanError> {
+        let (Some(file), Some(column)) = (&self.written.file, &self.written.column) else {
+            return Err(self.wrong("`table` needs `file` and `column`"));
+        };
+        let (values, unit) =
+            table::column(&folder.join(file), column).map_err(|text| self.wrong(text))?;
+        let factor = match unit.as_str() {
+            "" => 1.0,
+            given => {
+                let measured = |unit: &str| read_number(&format!("1 {unit}")).ok();
+                let expected = measured(&self.known.unit).map(|(_, unit)| unit.dimension);
+                match measured(given) {
+                    Some((factor, unit)) if Some(unit.dimension) == expected => factor,
+                    _ => {
+                        return Err(self.wrong(format!(
+                            "column `{column}` of {file} is in `{given}`: expected {}",
+                            self.known.unit
+                        )));
+                    }
+                }
+            }
+        };
+        Ok(values.into_iter().map(|value| value * factor).collect())
+    }
+}
+
+/// Distributions with their dotted names, in the order of the names.
+pub fn flat(part: &str, table: &Table) -> Result<BTreeMap<String, Table>, PlanError> {
+    let mut all = BTreeMap::new();
+    for (name, value) in table {
+        let full = match part {
+            "" => name.clone(),
+            part => format!("{part}.{name}"),
+        };
+        match value {
+            Value::Table(inner) if is_distribution(inner) => {
+                all.insert(full, inner.clone());
+            }
+            Value::Table(inner) => all.extend(flat(&full, inner)?),
+            _ => {
+                return Err(wrong(
+                    full,
+                    "give a distribution: { dist = \"normal\", sigma = \"5 %\" }",
+                ));
+            }
+        }
+    }
+    Ok(all)
+}

@@ -1,0 +1,38 @@
+//! Campaigns of runs: what is dispersed, what is read from every run, shards on any number of machines, statistics, and the command line of a user's
+//! own compiled model.
+//!
+//! | to … | use |
+//! |---|---|
+//! | give your model a command line: `list`, `run`, `campaign`, `gather`, `report` | [`main`] |
+//! | read a campaign file for a model | [`Campaign::read`] |
+//! | run a shard of it into a folder, put the folder together | [`blocks::run`], [`blocks::gather`] |
+//! | read the results and what they say | [`Results`], [`Summary`] |
+//! | say how a scene is run: the table `[run]` | [`run::Settings`], [`run::Plan`] |
+//!
+//! Many runs without files are a [`mbd_runtime::Batch`]. The page `docs/campaigns.md` has the campaign file, and how clusters run it.
+
+pub mod blocks;
+mod campaign;
+mod command;
+pub mod dispersion;
+mod failure;
+mod manifest;
+mod metric;
+mod page;
+pub mod progress;
+mod results;
+pub mod run;
+pub mod sampling;
+pub mod statistics;
+mod summary;
+mod table;
+
+pub use blocks::Shard;
+pub use campaign::Campaign;
+pub use command::{CampaignArgs, GatherArgs, campaign, gather, main, report, text};
+pub use failure::Failure;
+pub use manifest::{Column, Manifest};
+pub use metric::{Metric, Requirement};
+pub use page::page;
+pub use results::{Results, Row};
+pub use summary::{CONFIDENCE, Failures, PARTS, Summary, Told, Verdict};

@@ -1,0 +1,158 @@
+//! The rows of `cases.csv`: a case each, with what was dispersed, what was read, or why there is nothing to read.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::Path;
+
+use crate::failure::Failure;
+use crate::manifest::{Column, Manifest};
+use crate::table::{cell, cells, heading, number};
+
+/// One case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Its number; 0 is the nominal.
+    pub case: u64,
+    /// `ok`, or the kind of failure.
+    pub status: String,
+    /// When its run ended [s].
+    pub time: f64,
+    /// The dispersed numbers, each in the unit of its column; NaN where nothing could be drawn.
+    pub values: Vec<f64>,
+    /// The metrics, each in its unit; NaN where there is none.
+    pub metrics: Vec<f64>,
+    /// Why it failed.
+    pub why: String,
+}
+
+/// The head of the table.
+pub fn head(manifest: &Manifest) -> String {
+    let columns = manifest.dispersed.iter().chain(&manifest.metrics);
+    let columns = columns.map(|Column { name, unit, .. }| cell(&heading(name, unit)));
+    let all = ["case", "status", "end [s]"].map(str::to_owned).into_iter();
+    let all: Vec<String> = all.chain(columns).chain(["why".to_owned()]).collect();
+    all.join(",")
+}
+
+impl Row {
+    /// It as a line, without its end.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let first = [self.case.to_string(), cell(&self.status), number(self.time)];
+        let numbers = self.values.iter().chain(&self.metrics).map(|x| number(*x));
+        let all: Vec<String> = first
+            .into_iter()
+            .chain(numbers)
+            .chain([cell(&self.why)])
+            .collect();
+        all.join(",")
+    }
+
+    fn read(line: &str, [values, metrics]: [usize; 2]) -> Option<Row> {
+        let mut cells = cells(line).into_iter();
+        let real = |text: String| match text.as_str() {
+            "" => Some(f64::NAN),
+            text => text.parse().ok(),
+        };
+        let case = cells.next()?.parse().ok()?;
+        let status = cells.next()?;
+        let time = real(cells.next()?)?;
+        let mut list = |count: usize| -> Option<Vec<f64>> {
+            (0..count).map(|_| real(cells.next()?)).collect()
+        };
+        let (values, metrics) = (list(values)?, list(metrics)?);
+        let why = cells.next()?;
+        Some(Row {
+            case,
+            status,
+            time,
+            values,
+            metrics,
+            why,
+        })
+    }
+}
+
+/// Writes the head and the rows of some files of rows.
+///
+/// # Errors
+/// One cannot be read; those of the writer.
+pub fn join<'f>(
+    head: &str,
+    files: impl Iterator<Item = &'f Path>,
+    to: &mut dyn Write,
+) -> io::Result<()> {
+    writeln!(to, "{head}")?;
+    for path in files {
+        let named = |error: io::Error| {
+            io::Error::new(error.kind(), format!("from {}: {error}", path.display()))
+        };
+        let mut from = File::open(path).map_err(named)?;
+        io::copy(&mut from, to)?;
+    }
+    Ok(())
+}
+
+/// All cases of a folder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Results {
+    /// What they belong to.
+    pub manifest: Manifest,
+    /// They, in order.
+    pub rows: Vec<Row>,
+}
+
+impl Results {
+    /// Reads what was gathered in a folder.
+    ///
+    /// # Errors
+    /// The folder holds no campaign, or what is there cannot be read.
+    pub fn read(folder: &Path) -> Result<Self, Failure> {
+        let manifest = Manifest::read(folder)?;
+        let path = folder.join("cases.csv");
+        let wrong = |text: String| Failure::Usage(format!("{}: {text}", path.display()));
+        let file =
+            File::open(&path).map_err(|error| wrong(format!("{error}; `gather` writes it")))?;
+        let mut lines = BufReader::new(file).lines();
+        let first = lines
+            .next()
+            .transpose()
+            .map_err(|error| wrong(error.to_string()))?;
+        if first.as_deref() != Some(&head(&manifest)) {
+            return Err(wrong(
+                "its columns are not those of manifest.json: gather it anew".into(),
+            ));
+        }
+        let counts = [manifest.dispersed.len(), manifest.metrics.len()];
+        let mut rows = Vec::new();
+        for (at, line) in lines.enumerate() {
+            let line = line.map_err(|error| wrong(error.to_string()))?;
+            let row = Row::read(&line, counts).filter(|row| row.case == at as u64);
+            rows.push(row.ok_or_else(|| wrong(format!("line {} is no row of case {at}", at + 2)))?);
+        }
+        if rows.len() as u64 != manifest.cases {
+            return Err(wrong(format!(
+                "{} of {} cases: gather it anew",
+                rows.len(),
+                manifest.cases
+            )));
+        }
+        Ok(Results { manifest, rows })
+    }
+
+    /// A dispersed number of every case after the nominal.
+    #[must_use]
+    pub fn dispersed(&self, at: usize) -> Vec<f64> {
+        self.rows.iter().skip(1).map(|row| row.values[at]).collect()
+    }
+
+    /// A metric of every case after the nominal.
+    #[must_use]
+    pub fn metric(&self, at: usize) -> Vec<f64> {
+        self.rows
+            .iter()
+            .skip(1)
+            .map(|row| row.metrics[at])
+            .collect()
+    }
+}

@@ -1,0 +1,10 @@
+//! How a scene is run: the settings as they are written, and what they mean for a scene.
+
+pub(crate) mod names;
+pub(crate) mod number;
+pub(crate) mod plan;
+mod settings;
+
+pub use names::PlanError;
+pub use plan::Plan;
+pub use settings::{Settings, split};

@@ -1,0 +1,89 @@
+//! Names in settings: dotted, misspelt, unknown.
+
+use std::fmt;
+
+use mbd_compiler::nearest;
+use toml::{Table, Value};
+
+/// A setting that cannot be used: its name and what is wrong with it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PlanError {
+    /// The setting, `start.capsule.z`.
+    pub setting: String,
+    /// What is wrong, and what to write.
+    pub text: String,
+}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}`: {}", self.setting, self.text)
+    }
+}
+
+impl std::error::Error for PlanError {}
+
+/// A setting with what is wrong with it.
+pub(crate) fn wrong(setting: impl Into<String>, text: impl Into<String>) -> PlanError {
+    PlanError {
+        setting: setting.into(),
+        text: text.into(),
+    }
+}
+
+/// Nested tables as dotted names, in the order of the names.
+pub(crate) fn flat(table: &Table) -> Vec<(String, &Value)> {
+    let mut list = Vec::new();
+    for (name, value) in table {
+        match value {
+            Value::Table(inner) => {
+                list.extend(
+                    flat(inner)
+                        .into_iter()
+                        .map(|(rest, value)| (format!("{name}.{rest}"), value)),
+                );
+            }
+            value => list.push((name.clone(), value)),
+        }
+    }
+    list
+}
+
+/// What is said of a column that a history has not.
+pub(crate) fn no_column<'a>(column: &str, known: impl Iterator<Item = &'a str>) -> String {
+    match nearest(column, known) {
+        Some(near) => format!("the history has no column `{column}`; did you mean `{near}`?"),
+        None => {
+            format!("the history has no column `{column}`; the header of history.csv names them")
+        }
+    }
+}
+
+/// What is said of a name that is not there: which is near, what there is.
+pub(crate) fn unknown<'a>(
+    setting: &str,
+    name: &str,
+    known: impl Iterator<Item = &'a str>,
+) -> PlanError {
+    let known: Vec<&str> = known.collect();
+    // Of a thing that is there, everything it has.
+    let owner = name.rsplit_once('.').map(|(owner, _)| format!("{owner}."));
+    let own = known.iter().copied();
+    let own: Vec<&str> = own
+        .filter(|known| owner.as_ref().is_some_and(|owner| known.starts_with(owner)))
+        .collect();
+    let text = match nearest(name, known.iter().copied()) {
+        _ if known.is_empty() => format!("this scene has no `{name}`, nor any other here"),
+        Some(near) if own.is_empty() => {
+            format!("this scene has no `{name}`; did you mean `{near}`?")
+        }
+        Some(near) => format!(
+            "this scene has no `{name}`; did you mean `{near}`? it has {}",
+            own.join(", ")
+        ),
+        None => {
+            let list = if own.is_empty() { known } else { own };
+            format!("this scene has no `{name}`; it has {}", list.join(", "))
+        }
+    };
+    wrong(setting, text)
+}

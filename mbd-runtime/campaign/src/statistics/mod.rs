@@ -1,0 +1,9 @@
+//! What is said of the cases of a campaign: by counting, never by fitting.
+
+mod binomial;
+mod order;
+mod ranks;
+
+pub use binomial::at_most;
+pub use order::{Percentile, cases_needed, percentile, rank_above, rank_below, shows};
+pub use ranks::spearman;

@@ -1,0 +1,167 @@
+//! What the cases of a campaign say: percentiles with confidence, requirements, drivers, failures.
+
+use std::collections::BTreeMap;
+
+use crate::metric::Requirement;
+use crate::results::Results;
+use crate::statistics::{Percentile, cases_needed, percentile, shows, spearman};
+
+/// The percentiles that are told.
+pub const PARTS: [f64; 7] = [0.00135, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99865];
+/// The confidence of their intervals.
+pub const CONFIDENCE: f64 = 0.9;
+
+/// A metric over all cases that reached their end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// In the nominal case; NaN where that has none.
+    pub nominal: f64,
+    /// The values, rising.
+    pub sorted: Vec<f64>,
+    /// Cases that failed, or that have no value.
+    pub without: u64,
+    /// Mean and standard deviation; NaN of fewer than two values.
+    pub moments: [f64; 2],
+    /// The cases of the smallest and the largest value.
+    pub ends: Option<[u64; 2]>,
+    /// Percentiles by order statistics.
+    pub percentiles: Vec<Percentile>,
+    /// What is required, and what became of it.
+    pub verdict: Option<Verdict>,
+    /// What drives it: dispersed numbers by index with their rank correlation, the strongest first.
+    pub drivers: Vec<(usize, f64)>,
+}
+
+/// What became of a requirement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
+    /// What is required.
+    pub require: Requirement,
+    /// Cases that do not meet it: failed ones and those without a value among them.
+    pub missed: u64,
+    /// All cases but the nominal.
+    pub of: u64,
+    /// Whether it is shown.
+    pub shown: bool,
+    /// How many cases can show it with so many misses.
+    pub needed: u64,
+}
+
+/// Cases of one kind of failure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failures {
+    /// Its status.
+    pub status: String,
+    /// They.
+    pub cases: Vec<u64>,
+    /// What the first of them says.
+    pub why: String,
+}
+
+/// What the cases of a campaign say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Cases but the nominal.
+    pub cases: u64,
+    /// The metrics.
+    pub metrics: Vec<Told>,
+    /// Failures by kind, the most frequent first; the nominal among them.
+    pub failures: Vec<Failures>,
+}
+
+impl Summary {
+    /// Of these results.
+    #[must_use]
+    pub fn of(results: &Results) -> Self {
+        let metrics = (0..results.manifest.metrics.len()).map(|at| told(results, at));
+        Summary {
+            cases: results.rows.len().saturating_sub(1) as u64,
+            metrics: metrics.collect(),
+            failures: failures(results),
+        }
+    }
+
+    /// Whether every requirement is shown.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        let mut verdicts = self.metrics.iter().filter_map(|told| told.verdict);
+        verdicts.all(|verdict| verdict.shown)
+    }
+}
+
+fn told(results: &Results, at: usize) -> Told {
+    let column = &results.manifest.metrics[at];
+    let values = results.metric(at);
+    let numbers: Vec<(u64, f64)> = (1..)
+        .zip(&values)
+        .filter(|(_, x)| !x.is_nan())
+        .map(|(case, x)| (case, *x))
+        .collect();
+    let mut sorted: Vec<f64> = numbers.iter().map(|(_, x)| *x).collect();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len() as f64;
+    let mean = sorted.iter().sum::<f64>() / n;
+    let square = sorted.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let moments = if n > 1.0 {
+        [mean, square.sqrt()]
+    } else {
+        [f64::NAN; 2]
+    };
+    let smallest = numbers.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    let largest = numbers
+        .iter()
+        .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+    let of = values.len() as u64;
+    let verdict = column.require.map(|require| {
+        let missed = values
+            .iter()
+            .filter(|value| !require.meets(**value))
+            .count() as u64;
+        Verdict {
+            require,
+            missed,
+            of,
+            shown: shows(missed, of, require.share, require.confidence),
+            needed: cases_needed(missed, require.share, require.confidence),
+        }
+    });
+    let dispersed = 0..results.manifest.dispersed.len();
+    let drivers = dispersed
+        .filter_map(|number| Some((number, spearman(&results.dispersed(number), &values)?)));
+    let mut drivers: Vec<(usize, f64)> = drivers.collect();
+    drivers.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()).then(a.0.cmp(&b.0)));
+    Told {
+        name: column.name.clone(),
+        unit: column.unit.clone(),
+        nominal: results.rows.first().map_or(f64::NAN, |row| row.metrics[at]),
+        without: of - sorted.len() as u64,
+        moments,
+        ends: smallest.zip(largest).map(|(low, high)| [low.0, high.0]),
+        percentiles: PARTS
+            .iter()
+            .filter_map(|part| percentile(&sorted, *part, CONFIDENCE))
+            .collect(),
+        sorted,
+        verdict,
+        drivers,
+    }
+}
+
+fn failures(results: &Results) -> Vec<Failures> {
+    let mut kinds: BTreeMap<&str, Failures> = BTreeMap::new();
+    for row in results.rows.iter().filter(|row| row.status != "ok") {
+        let kind = kinds.entry(&row.status).or_insert_with(|| Failures {
+            status: row.status.clone(),
+            cases: Vec::new(),
+            why: row.why.clone(),
+        });
+        kind.cases.push(row.case);
+    }
+    let mut kinds: Vec<Failures> = kinds.into_values().collect();
+    kinds.sort_by_key(|kind| std::cmp::Reverse(kind.cases.len()));
+    kinds
+}

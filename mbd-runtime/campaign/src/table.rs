@@ -1,0 +1,129 @@
+//! Comma-separated values: a header, then rows. Texts with a comma, a quotation mark or a line break stand in quotation marks (RFC 4180).
+
+use std::fs;
+use std::path::Path;
+
+/// The cells of a line.
+pub fn cells(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let (mut quoted, mut signs) = (false, line.chars().peekable());
+    while let Some(sign) = signs.next() {
+        let last = cells.last_mut().expect("there is one from the start");
+        match sign {
+            '"' if quoted && signs.peek() == Some(&'"') => {
+                signs.next();
+                last.push('"');
+            }
+            '"' => quoted = !quoted,
+            ',' if !quoted => cells.push(String::new()),
+            sign => last.push(sign),
+        }
+    }
+    cells
+}
+
+/// A text as a cell; line breaks become spaces.
+pub fn cell(text: &str) -> String {
+    let text = text.replace(['\n', '\r'], " ");
+    match text.contains([',', '"']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text,
+    }
+}
+
+/// A number as a cell, from which the same number is read; empty where there is none.
+pub fn number(value: f64) -> String {
+    match value.is_nan() {
+        true => String::new(),
+        false => format!("{value:?}"),
+    }
+}
+
+/// `name [unit]`, or the name alone.
+pub fn heading(name: &str, unit: &str) -> String {
+    match unit {
+        "" => name.to_owned(),
+        unit => format!("{name} [{unit}]"),
+    }
+}
+
+/// Name and unit of a heading.
+pub fn name_and_unit(heading: &str) -> (&str, &str) {
+    let parts = heading
+        .strip_suffix(']')
+        .and_then(|text| text.rsplit_once(" ["));
+    parts.unwrap_or((heading, ""))
+}
+
+/// A column of numbers of a file, and its unit.
+///
+/// # Errors
+/// What is wrong, with file and line.
+pub fn column(path: &Path, name: &str) -> Result<(Vec<f64>, String), String> {
+    let file = path.display();
+    let text = fs::read_to_string(path).map_err(|error| format!("cannot read {file}: {error}"))?;
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+    let header = lines.next().map_or_else(Vec::new, |(_, line)| cells(line));
+    let headings: Vec<(&str, &str)> = header.iter().map(|it| name_and_unit(it.trim())).collect();
+    let Some(at) = headings.iter().position(|(heading, _)| *heading == name) else {
+        let names: Vec<&str> = headings.iter().map(|(name, _)| *name).collect();
+        let near = mbd_runtime::scene::similar::did_you_mean(name, names.iter().copied());
+        return Err(format!(
+            "{file} has no column `{name}`{near} It has: {}",
+            names.join(", ")
+        ));
+    };
+    let values: Result<Vec<f64>, String> = lines
+        .map(|(line, text)| {
+            let cells = cells(text);
+            let value = cells.get(at).map_or("", |cell| cell.trim());
+            match value.parse::<f64>() {
+                Ok(number) if number.is_finite() => Ok(number),
+                _ => Err(format!(
+                    "{file}, line {}: `{value}` in column `{name}` is not a finite number",
+                    line + 1
+                )),
+            }
+        })
+        .collect();
+    match values? {
+        values if values.is_empty() => Err(format!("{file} has no rows")),
+        values => Ok((values, headings[at].1.to_owned())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_come_back_as_they_were() {
+        for text in ["plain", "a, b", "say \"no\"", "", ",\","] {
+            assert_eq!(cells(&format!("1,{},2", cell(text))), ["1", text, "2"]);
+        }
+        assert_eq!(name_and_unit("riser.tension [N]"), ("riser.tension", "N"));
+        assert_eq!(name_and_unit("leg[0].tension [N]"), ("leg[0].tension", "N"));
+        assert_eq!(name_and_unit("tilt"), ("tilt", ""));
+    }
+
+    #[test]
+    fn numbers_come_back_to_the_bit() {
+        for value in [
+            0.1,
+            -1.0 / 3.0,
+            1e-310,
+            f64::MAX,
+            -0.0,
+            123_456_789.123_456_7,
+        ] {
+            assert_eq!(
+                number(value).parse::<f64>().map(f64::to_bits),
+                Ok(value.to_bits())
+            );
+        }
+        assert_eq!(number(f64::NAN), "");
+    }
+}

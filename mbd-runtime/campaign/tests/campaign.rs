@@ -1,0 +1,560 @@
+//! Campaigns: the same bytes however they are run, and errors that name what is wrong.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use mbd_campaign::progress::Progress;
+use mbd_campaign::run::Settings;
+use mbd_campaign::{Campaign, Failure, Results, Shard, Summary, blocks};
+use mbd_runtime::{Generic, Model, model};
+
+model! {
+    /// A lamp on a cord from a knot without mass, in wind.
+    pub model Lamp {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param mass = 2.0 kg in 0.5 kg ..= 5.0 kg;
+        param stiffness = 5 kN/m in 1 kN/m ..= 20 kN/m;
+        input wind: [speed; 3];
+        world { frame left at [-1.0, 0.0, 2.0] m, frame right at [1.5, 0.0, 2.2] m, }
+        point lamp { mass: mass, start at [0.4, 0.3, 0.8] m }
+        point knot;
+        line a from world.left to knot { free_length: 1.2 m, stiffness: stiffness }
+        line b from world.right to knot { free_length: 1.6 m, stiffness: stiffness }
+        line cord from knot to lamp { free_length: 0.5 m, stiffness: stiffness }
+        load air on lamp = 0.05 kg/m * (wind - lamp.velocity) * norm(wind - lamp.velocity);
+        event low = lamp.position.z falls 0.75 m;
+        output pull = cord.tension in kN;
+    }
+}
+
+const FILE: &str = r#"
+seed = 7
+cases = 40
+block = 6
+
+[params]
+mass = { dist = "normal", sigma = "5 %" }
+stiffness = { dist = "uniform", low = "4 kN/m", high = "6 kN/m" }
+
+[start]
+lamp.vx = { dist = "normal", mean = "0.5 m/s", three_sigma = "0.6 m/s" }
+
+[inputs]
+wind.y = { dist = "triangular", low = "-2 m/s", mode = "0 m/s", high = "3 m/s" }
+
+[metrics]
+peak = { max = "pull", require = { below = "1 kN", share = 0.9, confidence = 0.9 } }
+height = { final = "lamp.z" }
+swung = { value = "lamp.vz", at = "low" }
+
+[run]
+until = "0.5 s"
+tolerance = 1e-6
+"#;
+
+/// A folder of one test, taken away at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("mbd_campaign_{name}_{}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).expect("a folder");
+        Folder(path)
+    }
+
+    fn file(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.0.join(name);
+        fs::write(&path, text).expect("room");
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn lamp() -> Arc<dyn Model<f64>> {
+    Lamp::new(LampParams::default()).expect("defaults").share()
+}
+
+fn read(file: &Path) -> Result<Campaign, Failure> {
+    Campaign::read(file, lamp(), Settings::default())
+}
+
+fn campaign(folder: &Folder, text: &str) -> Campaign {
+    read(&folder.file("dispersions.toml", text)).expect("a campaign")
+}
+
+fn run(
+    campaign: &Campaign,
+    out: &Path,
+    shard: &str,
+    threads: usize,
+) -> Result<blocks::Done, Failure> {
+    let shard: Shard = shard.parse().expect("a shard");
+    blocks::run(
+        campaign,
+        out,
+        (shard, true),
+        threads,
+        &mut Progress::silent(),
+    )
+}
+
+fn gathered(out: &Path) -> String {
+    blocks::gather(out, None).expect("all blocks");
+    fs::read_to_string(out.join("cases.csv")).expect("cases")
+}
+
+/// One process, one thread.
+fn whole(campaign: &Campaign, folder: &Folder) -> String {
+    let out = folder.0.join("whole");
+    run(campaign, &out, "1/1", 1).expect("it runs");
+    gathered(&out)
+}
+
+#[test]
+fn threads_and_shards_change_no_byte() {
+    let folder = Folder::new("shards");
+    let campaign = campaign(&folder, FILE);
+    let expected = whole(&campaign, &folder);
+    assert_eq!(expected.lines().count(), 1 + 41);
+    for shards in [1, 3, 7, 20] {
+        let out = folder.0.join(format!("of_{shards}"));
+        for shard in (1..=shards).rev() {
+            run(&campaign, &out, &format!("{shard}/{shards}"), 1 + shard % 3).expect("it runs");
+        }
+        assert!(gathered(&out) == expected, "{shards}");
+    }
+}
+
+#[test]
+fn a_campaign_goes_on_after_it_was_broken_off_anywhere() {
+    let folder = Folder::new("resume");
+    let campaign = campaign(&folder, FILE);
+    let expected = whole(&campaign, &folder);
+    let out = folder.0.join("broken");
+    run(&campaign, &out, "2/3", 2).expect("it runs");
+    // What a process that was killed leaves: parts that nobody renamed.
+    fs::write(out.join("blocks/00000000.csv.0123.part"), "0,ok,").expect("room");
+    let missing = blocks::gather(&out, Some(3)).expect_err("two shards are missing");
+    let told = missing.to_string();
+    assert!(
+        told.contains("5 of 7 blocks") && told.contains("--array=1,3"),
+        "{told}"
+    );
+    let done = run(&campaign, &out, "1/1", 2).expect("it goes on");
+    assert_eq!((done.skipped, done.cases), (12, 29));
+    assert!(gathered(&out) == expected);
+    // Everything is there: nothing is run.
+    assert_eq!(run(&campaign, &out, "1/1", 2).expect("it is done").cases, 0);
+}
+
+#[test]
+fn two_on_one_shard_leave_what_one_would() {
+    let folder = Folder::new("twice");
+    let campaign = campaign(&folder, FILE);
+    let expected = whole(&campaign, &folder);
+    let out = folder.0.join("both");
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| run(&campaign, &out, "1/1", 1).expect("it runs"));
+        }
+    });
+    assert!(gathered(&out) == expected);
+}
+
+#[test]
+fn a_case_alone_is_its_row_to_the_bit() {
+    let folder = Folder::new("replay");
+    let campaign = campaign(&folder, FILE);
+    let expected = whole(&campaign, &folder);
+    for case in [0, 1, 17, 40] {
+        let (row, history) = campaign.replay(case).expect("a case");
+        assert_eq!(
+            Some(row.line().as_str()),
+            expected.lines().nth(case as usize + 1)
+        );
+        assert!(history.len() > 10);
+    }
+    let error = campaign.replay(41).expect_err("the last is 40");
+    assert!(
+        error.to_string().contains("no case 41: the last is 40"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_further_param_changes_no_column_of_the_others() {
+    let folder = Folder::new("further");
+    let less = FILE.replace(
+        "stiffness = { dist = \"uniform\", low = \"4 kN/m\", high = \"6 kN/m\" }",
+        "",
+    );
+    let [few, all] = [("few.toml", less.as_str()), ("all.toml", FILE)].map(|(name, text)| {
+        let campaign = read(&folder.file(name, text)).expect("a campaign");
+        let values = (1..=40).map(|case| campaign.dispersions().values(case).expect("values"));
+        values.collect::<Vec<_>>()
+    });
+    for (few, all) in few.iter().zip(&all) {
+        assert_eq!(few, &[all[0], all[2], all[3]]);
+    }
+}
+
+#[test]
+fn the_nominal_is_case_zero_and_has_no_dispersion() {
+    let folder = Folder::new("nominal");
+    let campaign = campaign(&folder, FILE);
+    assert_eq!(
+        campaign.dispersions().values(0),
+        Ok(vec![2.0, 5000.0, 0.0, 0.0])
+    );
+    let rows = whole(&campaign, &folder);
+    // In the units of the declaration.
+    let nominal = rows.lines().nth(1).expect("case 0");
+    assert!(
+        nominal.starts_with("0,ok,0.5,2.0,5.0,0.0,0.0,"),
+        "{nominal}"
+    );
+    let head = "case,status,end [s],mass [kg],stiffness [kN/m],start.lamp.vx [m/s],inputs.wind.y [m/s],height [m],peak [kN],swung [m/s],why";
+    assert_eq!(rows.lines().next(), Some(head));
+}
+
+/// Columns of 2000 draws against the matrix: 4 standard errors, (1 − r²)/√n.
+#[test]
+fn correlated_numbers_have_the_correlations_of_their_matrix() {
+    let folder = Folder::new("correlated");
+    let text = FILE.replace("cases = 40", "cases = 2000").replace(
+        "{ dist = \"uniform\", low = \"4 kN/m\", high = \"6 kN/m\" }",
+        "{ dist = \"normal\", sigma = \"4 %\" }",
+    );
+    for sampling in ["random", "latin", "sobol"] {
+        let correlated = format!(
+            "sampling = \"{sampling}\"\n{text}\n[[correlated]]\nnames = [\"mass\", \"stiffness\", \"start.lamp.vx\"]\nmatrix = [[1.0, 0.7, -0.3], [0.7, 1.0, 0.2], [-0.3, 0.2, 1.0]]\n"
+        );
+        let campaign = campaign(&folder, &correlated);
+        let rows: Vec<Vec<f64>> = (1..=2000)
+            .map(|case| campaign.dispersions().values(case).expect("values"))
+            .collect();
+        let n = rows.len() as f64;
+        let mean = |i: usize| rows.iter().map(|row| row[i]).sum::<f64>() / n;
+        let product = |i: usize, j: usize| {
+            let (a, b) = (mean(i), mean(j));
+            rows.iter()
+                .map(|row| (row[i] - a) * (row[j] - b))
+                .sum::<f64>()
+                / n
+        };
+        for (i, j, r) in [(0, 1, 0.7_f64), (0, 2, -0.3), (1, 2, 0.2), (0, 3, 0.0)] {
+            let found = product(i, j) / (product(i, i) * product(j, j)).sqrt();
+            assert!(
+                (found - r).abs() < 4.0 * (1.0 - r * r) / n.sqrt(),
+                "{sampling} {i} {j}: {found} for {r}"
+            );
+        }
+        // What each is by itself stays: 2 kg ± 5 %, 0.5 m/s ± 0.2 m/s.
+        assert!((mean(0) - 2.0).abs() < 4.0 * 0.1 / n.sqrt());
+        assert!((product(2, 2).sqrt() - 0.2).abs() < 4.0 * 0.2 / (2.0 * n).sqrt());
+    }
+}
+
+#[test]
+fn draws_obey_their_constraints_and_a_constraint_that_nothing_obeys_is_a_failed_case() {
+    let folder = Folder::new("constraint");
+    let constrained =
+        |bound: &str| format!("{FILE}\n[[constraint]]\nsum = {{ mass = 1 }}\n{bound}\n");
+    let heavy = campaign(&folder, &constrained("at_least = \"2.05 kg\""));
+    let masses: Vec<f64> = (1..=40)
+        .map(|case| heavy.dispersions().values(case).expect("values")[0])
+        .collect();
+    assert!(masses.iter().all(|mass| *mass >= 2.05), "{masses:?}");
+    let impossible = campaign(&folder, &constrained("at_most = \"0.1 kg\""));
+    let rows = whole(&impossible, &folder);
+    // The nominal is not drawn.
+    assert!(
+        rows.lines()
+            .nth(1)
+            .is_some_and(|row| row.starts_with("0,ok"))
+    );
+    let row = rows.lines().nth(2).expect("case 1");
+    assert!(
+        row.starts_with("1,start,") && row.contains("10000 draws of case 1"),
+        "{row}"
+    );
+}
+
+#[test]
+fn a_grid_has_every_combination_once() {
+    let folder = Folder::new("grid");
+    let text = "sampling = \"grid\"
+        [params]
+        mass = { dist = \"grid\", values = [\"1 kg\", \"2 kg\", \"3 kg\"] }
+        stiffness = { dist = \"grid\", values = [\"4 kN/m\", \"5 kN/m\"] }
+        [run]\nuntil = \"0.1 s\"";
+    let campaign = campaign(&folder, text);
+    assert_eq!(campaign.cases(), 7);
+    let rows: Vec<Vec<f64>> = (1..7)
+        .map(|case| campaign.dispersions().values(case).expect("values"))
+        .collect();
+    let expected = [
+        [1.0, 4e3],
+        [1.0, 5e3],
+        [2.0, 4e3],
+        [2.0, 5e3],
+        [3.0, 4e3],
+        [3.0, 5e3],
+    ];
+    assert_eq!(rows, expected);
+}
+
+#[test]
+fn numbers_of_one_file_come_from_one_row() {
+    let folder = Folder::new("table");
+    folder.file("winds.csv", "east [m/s],north [m/s]\n1,10\n2,20\n3,30\n");
+    let table = |column: &str| {
+        format!("{{ dist = \"table\", file = \"winds.csv\", column = \"{column}\" }}")
+    };
+    let text = format!(
+        "cases = 100\n[inputs]\nwind.x = {}\nwind.y = {}\n[run]\nuntil = \"0.1 s\"",
+        table("east"),
+        table("north")
+    );
+    let campaign = campaign(&folder, &text);
+    let mut seen = [0; 3];
+    for case in 1..=100 {
+        let values = campaign.dispersions().values(case).expect("values");
+        assert_eq!(values[1], 10.0 * values[0]);
+        seen[values[0] as usize - 1] += 1;
+    }
+    assert!(seen.iter().all(|count| *count > 15), "{seen:?}");
+    folder.file("winds.csv", "east [m/s],north [m/s]\n1,10\nNaN,20\n");
+    let error = read(&folder.0.join("dispersions.toml"))
+        .err()
+        .expect("NaN is no wind");
+    assert!(
+        error.to_string().contains("line 3: `NaN` in column `east`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn params_out_of_their_range_fail_their_case_and_are_counted_as_not_meeting_what_is_required() {
+    let folder = Folder::new("range");
+    let wide = FILE.replace(
+        "mass = { dist = \"normal\", sigma = \"5 %\" }",
+        "mass = { dist = \"uniform\", low = \"1 kg\", high = \"6 kg\" }",
+    );
+    let campaign = campaign(&folder, &wide);
+    whole(&campaign, &folder);
+    let results = Results::read(&folder.0.join("whole")).expect("gathered");
+    let failed: Vec<u64> = results
+        .rows
+        .iter()
+        .filter(|row| row.status == "params")
+        .map(|row| row.case)
+        .collect();
+    let heavy: Vec<u64> = results
+        .rows
+        .iter()
+        .filter(|row| row.values[0] > 5.0)
+        .map(|row| row.case)
+        .collect();
+    assert!(!heavy.is_empty() && failed == heavy, "{failed:?} {heavy:?}");
+    assert!(results.rows[heavy[0] as usize].why.contains("mass"));
+    let summary = Summary::of(&results);
+    let peak = &summary.metrics[1];
+    assert_eq!(
+        (peak.name.as_str(), peak.without),
+        ("peak", heavy.len() as u64)
+    );
+    assert!(peak.verdict.expect("required").missed >= heavy.len() as u64);
+    assert_eq!(summary.failures[0].cases, heavy);
+}
+
+#[test]
+fn a_folder_of_another_campaign_is_refused_with_both_values() {
+    let folder = Folder::new("other");
+    let one = campaign(&folder, FILE);
+    let out = folder.0.join("out");
+    run(&one, &out, "1/1", 1).expect("it runs");
+    let other = campaign(&folder, &FILE.replace("seed = 7", "seed = 8"));
+    let error = run(&other, &out, "1/1", 1).expect_err("another seed");
+    assert_eq!(error.code(), 2);
+    assert!(
+        error.to_string().contains("seed: 7 there, 8 here"),
+        "{error}"
+    );
+    let longer = campaign(&folder, &FILE.replace("0.5 s\"\ntol", "0.6 s\"\ntol"));
+    let error = run(&longer, &out, "1/1", 1).expect_err("another end");
+    assert!(error.to_string().contains("settings: "), "{error}");
+    // Without being asked to go on, results that are there are not touched.
+    let error = blocks::run(
+        &one,
+        &out,
+        (Shard::WHOLE, false),
+        1,
+        &mut Progress::silent(),
+    );
+    assert!(
+        error
+            .expect_err("it is done")
+            .to_string()
+            .contains("--resume")
+    );
+}
+
+#[test]
+fn a_block_that_cannot_be_written_is_named_and_the_rest_is_kept() {
+    let folder = Folder::new("disk");
+    let campaign = campaign(&folder, FILE);
+    let out = folder.0.join("out");
+    // A folder where the file belongs: the rename fails as on a full disk.
+    fs::create_dir_all(out.join("blocks/00000003.csv/taken")).expect("room");
+    let error = run(&campaign, &out, "1/1", 2).expect_err("no room");
+    assert_eq!(error.code(), 1);
+    assert!(error.to_string().contains("00000003.csv"), "{error}");
+    fs::remove_dir_all(out.join("blocks/00000003.csv")).expect("ours");
+    assert_eq!(run(&campaign, &out, "1/1", 2).expect("room").skipped, 18);
+    assert!(gathered(&out) == whole(&campaign, &folder));
+}
+
+#[test]
+fn the_laws_and_the_compiled_model_give_the_same_campaign() {
+    let folder = Folder::new("laws");
+    let file = folder.file("dispersions.toml", FILE);
+    let compiled = read(&file).expect("a campaign");
+    let generic = Generic::<f64>::with_defaults(lamp().scene().clone()).expect("a scene");
+    let laws = Campaign::read(&file, generic.share(), Settings::default()).expect("a campaign");
+    assert_eq!(laws.manifest(), compiled.manifest());
+    for case in [0, 5] {
+        let [a, b] = [&laws, &compiled].map(|campaign| campaign.replay(case).expect("a case").0);
+        assert_eq!(a.values, b.values);
+        for (a, b) in a.metrics.iter().zip(&b.metrics) {
+            let both_missing = a.is_nan() && b.is_nan();
+            assert!(both_missing || (a - b).abs() < 1e-5 * b.abs(), "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn mistakes_are_told_by_name_with_what_was_meant() {
+    let folder = Folder::new("mistakes");
+    for (from, to, said) in [
+        (
+            "mass = {",
+            "mas = {",
+            "`params.mas`: this scene has no `mas`; did you mean `mass`?",
+        ),
+        ("lamp.vx", "lamp.vvx", "did you mean `start.lamp.vx`"),
+        ("wind.y", "wnid.y", "did you mean `inputs.wind.y`"),
+        (
+            "dist = \"normal\", sigma",
+            "dist = \"norml\", sigma",
+            "there is no distribution `norml`; did you mean `normal`?",
+        ),
+        (
+            "sigma = \"5 %\"",
+            "sgima = \"5 %\"",
+            "unknown field `sgima`",
+        ),
+        ("sigma = \"5 %\"", "sigma = \"5 m\"", "wrong unit"),
+        ("sigma = \"5 %\"", "sigma = \"0 kg\"", "must be positive"),
+        (
+            "sigma = \"5 %\"",
+            "low = \"1 kg\"",
+            "`low` is no setting of `normal`",
+        ),
+        ("low = \"4 kN/m\"", "low = \"7 kN/m\"", "must be below"),
+        (
+            "low = \"-2 m/s\"",
+            "low = \"10 %\"",
+            "the nominal value, which is zero",
+        ),
+        ("mode = \"0 m/s\"", "mode = \"9 m/s\"", "must lie between"),
+        ("max = \"pull\"", "max = \"pul\"", "did you mean `pull`"),
+        (
+            "peak =",
+            "end =",
+            "another column of the results has this name",
+        ),
+        (
+            "peak =",
+            "mass =",
+            "another column of the results has this name",
+        ),
+        ("cases = 40", "cases = 1000000000", "at most 100000000"),
+        (
+            "max = \"pull\"",
+            "max = \"pull\", min = \"pull\"",
+            "say one thing to read",
+        ),
+        ("at = \"low\"", "at = \"lwo\"", "did you mean `low`"),
+        ("below = \"1 kN\"", "below = \"1 m\"", "wrong unit"),
+        ("share = 0.9,", "share = 1.9,", "between 0 and 1"),
+        ("cases = 40", "", "cases = 1000"),
+        ("cases = 40", "casse = 40", "unknown field `casse`"),
+        (
+            "seed = 7",
+            "seed = 7\nsampling = \"sobl\"",
+            "did you mean `sobol`",
+        ),
+        ("until = \"0.5 s\"", "", "say when the run ends"),
+        (
+            "until = \"0.5 s\"",
+            "untl = \"0.5 s\"",
+            "unknown field `untl`",
+        ),
+    ] {
+        let text = FILE.replacen(from, to, 1);
+        assert_ne!(text, FILE, "{from}");
+        let error = read(&folder.file("wrong.toml", &text))
+            .err()
+            .unwrap_or_else(|| panic!("{to}: no error"));
+        assert_eq!(error.code(), 2, "{error}");
+        assert!(error.to_string().contains(said), "{to}: {error}");
+        assert!(error.to_string().contains("wrong.toml"), "{error}");
+    }
+    for (more, said) in [
+        (
+            "[[correlated]]\nnames = [\"mass\", \"lamp\"]\nmatrix = [[1.0, 0.1], [0.1, 1.0]]",
+            "this file disperses no `lamp`",
+        ),
+        (
+            "[[correlated]]\nnames = [\"mass\", \"mass\"]\nmatrix = [[1.0, 0.1], [0.1, 1.0]]",
+            "correlated twice",
+        ),
+        (
+            "[[correlated]]\nnames = [\"mass\", \"stiffness\"]\nmatrix = [[1.0, 0.1], [0.2, 1.0]]",
+            "symmetric",
+        ),
+        (
+            "[[correlated]]\nnames = [\"mass\", \"stiffness\", \"inputs.wind.y\"]\nmatrix = [[1.0, 0.9, -0.9], [0.9, 1.0, 0.9], [-0.9, 0.9, 1.0]]",
+            "not positive definite",
+        ),
+        (
+            "[[constraint]]\nsum = { mass = 1, stiffness = 1 }\nat_most = \"3 kg\"",
+            "only what has one unit adds up",
+        ),
+        (
+            "[[constraint]]\nsum = { mass = 1 }",
+            "give `at_least` or `at_most`",
+        ),
+    ] {
+        let error = read(&folder.file("wrong.toml", &format!("{FILE}\n{more}\n"))).err();
+        let error = error.unwrap_or_else(|| panic!("{more}: no error"));
+        assert!(error.to_string().contains(said), "{more}: {error}");
+    }
+}
+
+#[test]
+fn no_cases_are_the_nominal_alone() {
+    let folder = Folder::new("none");
+    let campaign = campaign(&folder, &FILE.replace("cases = 40", "cases = 0"));
+    assert_eq!(whole(&campaign, &folder).lines().count(), 2);
+    let summary = Summary::of(&Results::read(&folder.0.join("whole")).expect("gathered"));
+    assert!(!summary.passes(), "nothing is shown by no cases");
+}

@@ -1,0 +1,185 @@
+//! The axes of the links: each about the axis of its joint turned so that few numbers tell how the next joint sits.
+//!
+//! ```text
+//! E = R_z(a) R_x(b) R_z(c) R_z(q)                      how a hinge sits on the link that carries it, then its angle            (1)
+//! E = R_x(b) R_z(q + c + ψ),   ψ = a of the next       axes of the links turned by ψ about their joints                       (2)
+//! ```
+//!
+//! Only frames that depend on no parameter are turned: the angles are numbers. Of several joints that a link carries the first decides.
+//! Source: Denavit and Hartenberg, A kinematic notation for lower-pair mechanisms based on matrices, 1955; here the origins stay where they are.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::joints::{Axis, JointLaw};
+use crate::laws::constant;
+use crate::layout::tree::Link;
+use crate::{Place, Scene, Triple};
+
+/// How the axes of a link lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkAxes {
+    /// The axes of the link where its angle and `shift` add up to zero, in those of the link that carries it.
+    pub fixed: Matrix3<f64>,
+    /// Which coordinate of the joint is its angle.
+    pub angle: usize,
+    /// What is added to it [rad].
+    pub shift: f64,
+    /// The axes of the link in the frame of its joint on it.
+    pub own: Matrix3<f64>,
+}
+
+/// The most elements that may differ from zero where a joint sits simply: a rotation about one of three axes.
+const SIMPLE: usize = 5;
+
+/// Below this an element is zero: what rounding leaves of frames that lie along each other.
+const NOTHING: f64 = 1e-15;
+
+/// A link while its axes are chosen.
+struct Sitting {
+    /// Where its joint sits on the link that carries it, by the unturned axes of both.
+    sits: Matrix3<f64>,
+    /// The axes of the link in the frame of its joint on it, unturned.
+    own: Matrix3<f64>,
+    /// The three angles of (1) of one that does not sit simply.
+    angles: Option<[f64; 3]>,
+    /// Which coordinate of the joint is its angle.
+    angle: usize,
+    /// ψ.
+    turned: f64,
+}
+
+/// The axes of all links; `None` for those that the frames of the declaration serve as well.
+pub(super) fn choose(scene: &Scene, links: &[Link]) -> Vec<Option<LinkAxes>> {
+    if scene.planar.is_some() {
+        // There all axes are one.
+        return vec![None; links.len()];
+    }
+    let mut sitting: Vec<Option<Sitting>> = Vec::with_capacity(links.len());
+    let mut bodies: Vec<Option<Matrix3<f64>>> = Vec::with_capacity(links.len());
+    for link in links {
+        let own = Sitting::of(scene, link, &bodies);
+        bodies.push(in_body(scene, link, own.as_ref()));
+        sitting.push(own);
+    }
+    if !sitting.iter().flatten().any(|own| own.angles.is_some()) {
+        return vec![None; links.len()];
+    }
+    for index in 0..links.len() {
+        let carried = links.iter().zip(&sitting);
+        let mut wanted = carried.filter_map(|(link, own)| {
+            let own = own.as_ref().filter(|_| link.inboard == Some(index));
+            own?.angles
+        });
+        if let Some([a, ..]) = wanted.next()
+            && let Some(own) = &mut sitting[index]
+        {
+            own.turned = a;
+        }
+    }
+    let all = links.iter().zip(&sitting);
+    let axes = all.map(|(link, own)| {
+        let own = own.as_ref()?;
+        let inboard = link.inboard.and_then(|link| sitting[link].as_ref());
+        let turned = inboard.map_or(0.0, |inboard| inboard.turned);
+        let (fixed, rest) = match own.angles {
+            Some([a, b, c]) => (about_z(a - turned) * about_x(b), c),
+            None => (about_z(-turned) * own.sits, 0.0),
+        };
+        let shift = rest + own.turned;
+        Some(LinkAxes {
+            fixed: fixed.map(|x| if x.abs() < NOTHING { 0.0 } else { x }),
+            angle: own.angle,
+            shift: if link.reversed { -shift } else { shift },
+            own: own.own * about_z(own.turned),
+        })
+    });
+    axes.collect()
+}
+
+impl Sitting {
+    /// That of a joint with an angle about its one axis; `None` for others, and where frames depend on parameters.
+    fn of(scene: &Scene, link: &Link, bodies: &[Option<Matrix3<f64>>]) -> Option<Self> {
+        let joint = scene.joints.get(link.joint?)?;
+        let (law, axis) = joint.law.about_z()?;
+        let angle = law
+            .measured()
+            .position(|coordinate| coordinate.is_angle())?;
+        let [near, far] = link.ends(joint);
+        let carrying = match link.inboard {
+            Some(inboard) => bodies.get(inboard).copied().flatten()?,
+            None => Matrix3::identity(),
+        };
+        rotation(scene, far)?;
+        let own: Matrix3<f64> = axis.frame();
+        let sits = carrying.transpose() * rotation(scene, near)? * own;
+        let elements = sits.iter().filter(|x| x.abs() > NOTHING).count();
+        Some(Sitting {
+            angles: (elements > SIMPLE).then(|| angles(&sits)),
+            sits,
+            own,
+            angle,
+            turned: 0.0,
+        })
+    }
+}
+
+/// The unturned axes of a link in its body; `None` where they depend on parameters.
+fn in_body(scene: &Scene, link: &Link, sitting: Option<&Sitting>) -> Option<Matrix3<f64>> {
+    let Some(joint) = link.joint else {
+        return Some(Matrix3::identity());
+    };
+    let joint = scene.joints.get(joint)?;
+    let [_, far] = link.ends(joint);
+    let own = match sitting {
+        Some(sitting) => Some(sitting.own),
+        None => as_seen(&joint.law, None).1,
+    };
+    Some(rotation(scene, far)? * own.unwrap_or_else(Matrix3::identity))
+}
+
+/// A joint as its link sees it, and the axes of that in the frame of the joint: about z where that leaves zeros.
+pub(crate) fn as_seen(
+    law: &JointLaw,
+    axes: Option<&LinkAxes>,
+) -> (Option<JointLaw>, Option<Matrix3<f64>>) {
+    let Some((about_z, axis)) = law.about_z() else {
+        return (None, None);
+    };
+    match axes.map(|axes| axes.own).or_else(|| axis.to_z()) {
+        Some(own) => (Some(about_z), Some(own)),
+        None => (None, None),
+    }
+}
+
+/// The axes of a place in its body; `None` where they depend on parameters.
+fn rotation(scene: &Scene, place: Place) -> Option<Matrix3<f64>> {
+    let frame = match place {
+        Place::World(frame) => scene.world_frames.get(frame)?,
+        Place::Body(body, frame) => scene.bodies.get(body)?.frames.get(frame)?,
+        Place::Point(_) => return None,
+    };
+    let Some(rows) = frame.rotation.as_ref().filter(|_| !frame.moves(scene)) else {
+        return Some(Matrix3::identity());
+    };
+    // What depends on a parameter is no number without it.
+    let unknown = vec![f64::NAN; scene.params.len()];
+    let of = |row: &Triple| Vector3::from(row.each_ref().map(|x| constant(scene, &unknown, x)));
+    let rows = rows.each_ref().map(|row| of(row).transpose());
+    let rotation = Matrix3::from_rows(&rows);
+    rotation.iter().all(|x| x.is_finite()).then_some(rotation)
+}
+
+/// The angles of (1).
+fn angles(sits: &Matrix3<f64>) -> [f64; 3] {
+    let (x, y) = (sits[(0, 2)], -sits[(1, 2)]);
+    let c = sits[(2, 0)].atan2(sits[(2, 1)]);
+    [x.atan2(y), x.hypot(y).atan2(sits[(2, 2)]), c]
+}
+
+fn about_z(angle: f64) -> Matrix3<f64> {
+    Axis::Z.turn(angle)
+}
+
+fn about_x(angle: f64) -> Matrix3<f64> {
+    Axis::X.turn(angle)
+}

@@ -1,0 +1,242 @@
+//! Many runs of one model, on several threads: other params, inputs and starts.
+//!
+//! Every case is a run of its own, begun fresh: its numbers depend on what it starts with and on nothing else, whatever the threads and the cases
+//! beside it. Cases come from an iterator and results go out in its order; what is held in memory depends on the number of threads, not on that of
+//! the cases.
+
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::PoisonError;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::available_parallelism;
+
+use mbd_scene::Model;
+
+use crate::compiled::Scalar;
+use crate::error::RunError;
+use crate::options::Options;
+use crate::simulation::Simulation;
+use crate::trajectory::{Content, Sampling, Trajectory};
+
+mod case;
+mod flight;
+mod queue;
+
+pub use case::{Case, Failed, Finished, Why};
+use flight::Flights;
+
+/// Many runs of one model.
+///
+/// ```
+/// use mbd_runtime::{Batch, Case, Options, model};
+///
+/// model! {
+///     /// A stone that falls in air.
+///     model Stone {
+///         gravity: [0.0, 0.0, -9.81] m/s^2;
+///         param mass = 1.0 kg in 0.1 kg ..= 10.0 kg;
+///         point stone { mass: mass, start at [0.0, 0.0, 100.0] m }
+///         load air on stone = -0.02 kg/m * norm(stone.velocity) * stone.velocity;
+///         output speed = norm(stone.velocity);
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let stone = Stone::new(StoneParams::default())?;
+/// let masses = [0.5, 1.0, 20.0, 2.0];
+/// let speeds = Batch::new(&stone, Options::tsit5(1e-8), 4.0)
+///     .cases(masses.map(|mass| Case::new().params([mass])))
+///     .threads(2)
+///     .run(|_case, history| history.column("speed").and_then(|speed| speed.last().copied()));
+///
+/// // In the order of the cases; one that cannot be run is a result, too.
+/// assert_eq!(speeds.len(), 4);
+/// let failed = speeds[2].result.as_ref().expect_err("20 kg is out of range");
+/// assert_eq!(failed.why.status(), "params");
+/// let speed = |case: usize| speeds[case].result.as_ref().ok().copied().flatten();
+/// assert!(speed(0) < speed(1) && speed(1) < speed(3));
+/// # Ok(())
+/// # }
+/// ```
+pub struct Batch<'b, T: Scalar = f64, I = std::iter::Empty<Case<T>>> {
+    cases: I,
+    flights: Flights<'b, T>,
+    first: usize,
+    threads: usize,
+    sampling: Sampling,
+    content: Content,
+    progress: Option<Watcher<'b>>,
+    cancel: Option<&'b AtomicBool>,
+}
+
+/// What is told of every case that is done.
+type Watcher<'b> = Box<dyn FnMut(Tally) + 'b>;
+
+/// How far a batch is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Cases that are done.
+    pub done: usize,
+    /// Those of them that did not reach their end.
+    pub failed: usize,
+    /// All cases, where the iterator knows how many it has.
+    pub expected: Option<usize>,
+}
+
+impl<'b, T: Scalar> Batch<'b, T> {
+    /// Runs of a model with these options from the start of each case until a time [s]; without cases, on all cores, every step recorded with
+    /// [`Content::RESULTS`].
+    #[must_use]
+    pub fn new(model: &(impl Model<T> + ?Sized), options: Options, until: f64) -> Self {
+        Batch {
+            cases: std::iter::empty(),
+            flights: Flights {
+                model: model.share(),
+                options,
+                until,
+                prepare: None,
+            },
+            first: 0,
+            threads: available_parallelism().map_or(1, usize::from),
+            sampling: Sampling::Steps,
+            content: Content::RESULTS,
+            progress: None,
+            cancel: None,
+        }
+    }
+}
+
+impl<'b, T: Scalar, I> Batch<'b, T, I> {
+    /// What is run: asked for one by one, as threads are free.
+    #[must_use]
+    pub fn cases<C: IntoIterator<Item = Case<T>>>(self, cases: C) -> Batch<'b, T, C::IntoIter> {
+        Batch {
+            cases: cases.into_iter(),
+            flights: self.flights,
+            first: self.first,
+            threads: self.threads,
+            sampling: self.sampling,
+            content: self.content,
+            progress: self.progress,
+            cancel: self.cancel,
+        }
+    }
+
+    /// The number of the first case; 0 by itself.
+    #[must_use]
+    pub fn numbered_from(mut self, first: usize) -> Self {
+        self.first = first;
+        self
+    }
+
+    /// On so many threads, at least one; results do not depend on it.
+    #[must_use]
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = threads.max(1);
+        self
+    }
+
+    /// When a row of each history is written, and what it holds.
+    #[must_use]
+    pub fn record(mut self, sampling: Sampling, content: Content) -> Self {
+        (self.sampling, self.content) = (sampling, content);
+        self
+    }
+
+    /// What is done with the run of each case before it begins: controllers, functions of time and state.
+    #[must_use]
+    pub fn prepare(
+        mut self,
+        prepare: impl Fn(&Case<T>, &mut Simulation<T>) -> Result<(), RunError> + Sync + 'b,
+    ) -> Self {
+        self.flights.prepare = Some(Box::new(prepare));
+        self
+    }
+
+    /// Who hears of every case that is done, on the calling thread.
+    #[must_use]
+    pub fn progress(mut self, watcher: impl FnMut(Tally) + 'b) -> Self {
+        self.progress = Some(Box::new(watcher));
+        self
+    }
+
+    /// A switch that ends the batch once it is true: cases under way are given up after their next step, results so far stay.
+    #[must_use]
+    pub fn cancel(mut self, switch: &'b AtomicBool) -> Self {
+        self.cancel = Some(switch);
+        self
+    }
+}
+
+impl<T: Scalar, I> Batch<'_, T, I>
+where
+    I: Iterator<Item = Case<T>> + Send,
+{
+    /// Runs all cases and lists what `judge` makes of their histories, in the order of the cases. A batch that was cancelled has a shorter list.
+    ///
+    /// `judge` is called on the thread of the case. A panic in it, or in a controller, is a result of its case.
+    pub fn run<R: Send>(
+        self,
+        judge: impl Fn(&Case<T>, &Trajectory) -> R + Sync,
+    ) -> Vec<Finished<R, T>> {
+        let mut all = Vec::new();
+        self.each(judge, |finished| {
+            all.push(finished);
+            ControlFlow::Continue(())
+        });
+        all
+    }
+
+    /// The same without a list: each result is handed to `deliver` on the calling thread, in the order of the cases, until that breaks off.
+    /// Memory does not grow with the number of cases. Tells how many were delivered.
+    pub fn each<R: Send>(
+        self,
+        judge: impl Fn(&Case<T>, &Trajectory) -> R + Sync,
+        mut deliver: impl FnMut(Finished<R, T>) -> ControlFlow<()>,
+    ) -> Tally {
+        let Batch {
+            cases,
+            flights,
+            first,
+            threads,
+            sampling,
+            content,
+            mut progress,
+            cancel,
+        } = self;
+        let mut tally = Tally {
+            expected: cases.size_hint().1,
+            ..Tally::default()
+        };
+        let cancelled = || cancel.is_some_and(|switch| switch.load(Ordering::Relaxed));
+        // A history is as large as a run: each is used again.
+        let histories: Mutex<Vec<Trajectory>> = Mutex::default();
+        let idle = || histories.lock().unwrap_or_else(PoisonError::into_inner);
+        queue::share_out(
+            cases.fuse(),
+            threads,
+            |number, mut case, stop| {
+                case.number = first + number;
+                let history = idle().pop();
+                let mut history = history
+                    .unwrap_or_else(|| Trajectory::new(&*flights.model, sampling.clone(), content));
+                let mut go_on = |_| !(stop.load(Ordering::Relaxed) || cancelled());
+                if !go_on(0.0) {
+                    return None;
+                }
+                let finished = flights.fly(&case, &mut history, &judge, &mut go_on);
+                idle().push(history);
+                finished
+            },
+            |finished| {
+                tally.done += 1;
+                tally.failed += usize::from(finished.result.is_err());
+                if let Some(watcher) = &mut progress {
+                    watcher(tally);
+                }
+                deliver(finished)
+            },
+        );
+        tally
+    }
+}

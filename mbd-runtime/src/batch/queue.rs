@@ -1,0 +1,174 @@
+//! Work shared by threads: handed out in order, given back in order, with a bounded number under way.
+//!
+//! A worker that is far ahead of the oldest piece of work under way waits: what is done and not yet given back never grows with the number of cases.
+
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+/// How many cases a thread may be ahead of the oldest one under way.
+const AHEAD: usize = 16;
+
+/// Work for several threads.
+struct Queue<I, D> {
+    inner: Mutex<Inner<I, D>>,
+    /// Something was given back, or is over: who waits for room looks again.
+    room: Condvar,
+    /// Something is done, or a worker left: who collects looks again.
+    done: Condvar,
+    /// Whether nothing more is begun.
+    stop: AtomicBool,
+    /// The most that may be under way or wait to be given back.
+    window: usize,
+}
+
+struct Inner<I, D> {
+    source: I,
+    taken: usize,
+    given: usize,
+    /// What is under way (`None`) or done, from `given` on; inside, `None` for work that was given up.
+    results: VecDeque<Option<Option<D>>>,
+    workers: usize,
+}
+
+/// A worker that is at work; at its end, also at a panic, the others hear of it.
+struct Worker<'q, I, D>(&'q Queue<I, D>);
+
+impl<I, D> Drop for Worker<'_, I, D> {
+    fn drop(&mut self) {
+        let mut inner = self.0.lock();
+        inner.workers -= 1;
+        if thread::panicking() {
+            self.0.stop.store(true, Ordering::Relaxed);
+        }
+        drop(inner);
+        self.0.room.notify_all();
+        self.0.done.notify_all();
+    }
+}
+
+impl<I: Iterator, D> Queue<I, D> {
+    /// The next piece of work with its number, once there is room for it.
+    fn take(&self) -> Option<(usize, I::Item)> {
+        let mut inner = self.lock();
+        while inner.taken - inner.given >= self.window && !self.stop.load(Ordering::Relaxed) {
+            let waited = self.room.wait(inner);
+            inner = waited.unwrap_or_else(PoisonError::into_inner);
+        }
+        if self.stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        let next = inner.source.next()?;
+        let number = inner.taken;
+        inner.taken += 1;
+        inner.results.push_back(None);
+        Some((number, next))
+    }
+}
+
+impl<I, D> Queue<I, D> {
+    fn lock(&self) -> MutexGuard<'_, Inner<I, D>> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn give(&self, number: usize, result: Option<D>) {
+        let mut inner = self.lock();
+        let place = number - inner.given;
+        if let Some(slot) = inner.results.get_mut(place) {
+            *slot = Some(result);
+        }
+        drop(inner);
+        self.done.notify_one();
+    }
+
+    /// The next result in order; `None` when there is none to come, or when it was given up.
+    fn collect(&self) -> Option<D> {
+        let mut inner = self.lock();
+        loop {
+            match inner.results.front_mut().map(Option::take) {
+                Some(Some(result)) => {
+                    inner.results.pop_front();
+                    inner.given += 1;
+                    self.room.notify_all();
+                    return result;
+                }
+                _ if inner.workers == 0 => return None,
+                _ => {
+                    let waited = self.done.wait(inner);
+                    inner = waited.unwrap_or_else(PoisonError::into_inner);
+                }
+            }
+        }
+    }
+
+    fn stop(&self) {
+        // Under the lock: a worker that has just looked and not yet begun to wait would not hear of it.
+        let inner = self.lock();
+        self.stop.store(true, Ordering::Relaxed);
+        drop(inner);
+        self.room.notify_all();
+    }
+}
+
+/// Does the work of a source on so many threads, and hands the results to `deliver` in the order of the source, on the calling thread, until one
+/// is given up (`None`) or `deliver` breaks off. `work` is told whether to give up.
+pub(super) fn share_out<C: Send, D: Send>(
+    source: impl Iterator<Item = C> + Send,
+    threads: usize,
+    work: impl Fn(usize, C, &AtomicBool) -> Option<D> + Sync,
+    mut deliver: impl FnMut(D) -> ControlFlow<()>,
+) {
+    let queue = Queue {
+        inner: Mutex::new(Inner {
+            source,
+            taken: 0,
+            given: 0,
+            results: VecDeque::new(),
+            workers: 0,
+        }),
+        room: Condvar::new(),
+        done: Condvar::new(),
+        stop: AtomicBool::new(false),
+        window: AHEAD * threads,
+    };
+    let labour = || {
+        let _worker = Worker(&queue);
+        while let Some((number, case)) = queue.take() {
+            queue.give(number, work(number, case, &queue.stop));
+        }
+    };
+    let spawned = thread::scope(|scope| {
+        let mut spawned = 0;
+        for _ in 0..threads {
+            // Counted before it begins, so that nobody takes the first for the last.
+            queue.lock().workers += 1;
+            match thread::Builder::new().spawn_scoped(scope, labour) {
+                Ok(_) => spawned += 1,
+                Err(_) => queue.lock().workers -= 1,
+            }
+        }
+        if spawned > 0 {
+            while let Some(result) = queue.collect() {
+                if deliver(result).is_break() {
+                    break;
+                }
+            }
+            queue.stop();
+        }
+        spawned
+    });
+    // Where the system gives no thread, the calling one does the work.
+    while spawned == 0
+        && let Some((number, case)) = queue.take()
+    {
+        queue.give(number, work(number, case, &queue.stop));
+        let Some(result) = queue.collect() else {
+            return;
+        };
+        if deliver(result).is_break() {
+            return;
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! RK4 for several cases in lock-step: one step of all of them is one step of lanes.
+
+use mbd_scene::{Layout, Quantity};
+
+use super::Lanes;
+use crate::error::StepError;
+use crate::integrate::RK4;
+use crate::list::combine;
+use crate::trajectory::resolution;
+
+/// Stages of a step; the rates at its end are the first of the next.
+const STAGES: usize = 5;
+
+/// Several cases of one model, a case a lane, with the same fixed step of RK4: each lane is what a run with
+/// [`Options::rk4`](crate::Options::rk4) gives, to the bit.
+///
+/// For scenes in which nothing happens and nothing is solved: no rows of joints (open trees in relative coordinates have none), no equilibrium points,
+/// no lines and stops that may let go, no events. A lane that stops being finite disturbs no other.
+///
+/// ```
+/// use mbd_runtime::{Lanes, Lanes8, LockStep, Model, model};
+///
+/// model! {
+///     /// A stone that falls in air.
+///     model Stone<T> {
+///         gravity: [0.0, 0.0, -9.81] m/s^2;
+///         param mass = 1.0 kg in 0.1 kg ..= 10.0 kg;
+///         point stone { mass: mass }
+///         load air on stone = -0.02 kg/m * norm(stone.velocity) * stone.velocity;
+///     }
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let masses = Lanes8::each(|lane| 0.5 + 0.5 * lane as f64);
+/// let stones = Stone::unchecked(StoneParams { mass: masses });
+/// let layout = Stone::<f64>::new(StoneParams::default())?.layout().clone();
+/// let start = StoneState::<Lanes8>::at_origin().to_vec();
+/// let mut run = LockStep::new(&layout, 0.01, start, |_time, x, rates| {
+///     if let Some(state) = StoneState::from_slice(x) {
+///         rates.copy_from_slice(&stones.derivative(&state).to_vec());
+///     }
+/// })?;
+/// run.run(2.0);
+/// // The heavier falls faster.
+/// let speed = run.state()[5];
+/// assert!((1..8).all(|lane| speed.lane(lane) < speed.lane(lane - 1)));
+/// # Ok(())
+/// # }
+/// ```
+pub struct LockStep<L, F> {
+    rates: F,
+    quaternions: Vec<usize>,
+    step: f64,
+    time: f64,
+    /// Steps count from here.
+    origin: f64,
+    count: u64,
+    state: Vec<L>,
+    stages: Vec<L>,
+    trial: Vec<L>,
+    weights: Vec<(f64, Vec<L>)>,
+}
+
+impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
+    /// Steps [s] from a state at time zero; `rates` writes ẋ at a time [s] and a state.
+    ///
+    /// # Errors
+    /// A step that is not positive; a state of another length; a scene in which something happens or is solved.
+    pub fn new(layout: &Layout, step: f64, start: Vec<L>, rates: F) -> Result<Self, StepError> {
+        if !(step > 0.0 && step.is_finite()) {
+            let slot = "step".into();
+            return Err(StepError::InvalidInput { slot, value: step });
+        }
+        let length = layout.nx();
+        if start.len() != length {
+            let slot = format!("length of the state (this model has {length})");
+            let value = start.len() as f64;
+            return Err(StepError::InvalidInput { slot, value });
+        }
+        for (is, what) in [
+            (layout.nc > 0, "joints with rows"),
+            (!layout.nodes.is_empty(), "equilibrium points"),
+            (layout.len(Quantity::Guards) > 0, "lines, stops or events"),
+        ] {
+            if is {
+                return Err(StepError::Unsupported {
+                    what: format!("a run in lock-step of a scene with {what}"),
+                    instead: "run its cases one by one: `Batch`".into(),
+                });
+            }
+        }
+        let rows = RK4.a.iter().zip(&RK4.c).enumerate();
+        let rows = rows.map(|(at, (row, c))| {
+            let weights = row.iter().take(at).map(|weight| L::from_f64(*weight));
+            (*c, weights.collect())
+        });
+        let mut this = LockStep {
+            rates,
+            quaternions: layout.quaternions().collect(),
+            step,
+            time: 0.0,
+            origin: 0.0,
+            count: 0,
+            stages: vec![L::zero(); STAGES * length],
+            trial: start.clone(),
+            state: start,
+            weights: rows.collect(),
+        };
+        let (first, _) = this.stages.split_at_mut(length);
+        (this.rates)(0.0, &this.state, first);
+        Ok(this)
+    }
+
+    /// Time [s].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The states of all lanes, x = [q | v | z | s].
+    #[must_use]
+    pub fn state(&self) -> &[L] {
+        &self.state
+    }
+
+    /// Whether the state of a lane is finite.
+    #[must_use]
+    pub fn is_finite(&self, lane: usize) -> bool {
+        self.state.iter().all(|x| x.lane(lane).is_finite())
+    }
+
+    /// Steps until a time [s]; the last step is shorter where it would go beyond.
+    pub fn run(&mut self, until: f64) {
+        while until - self.time > resolution(self.time) {
+            let left = until - self.time;
+            if self.step >= left * (1.0 - 1e-9) {
+                self.advance(left);
+                (self.time, self.origin, self.count) = (until, until, 0);
+            } else {
+                self.step();
+            }
+        }
+    }
+
+    /// One step of all lanes.
+    pub fn step(&mut self) {
+        self.advance(self.step);
+        self.count += 1;
+        // A product, so that rounding does not accumulate.
+        self.time = self.origin + self.count as f64 * self.step;
+    }
+
+    fn advance(&mut self, step: f64) {
+        let (length, h) = (self.state.len(), L::from_f64(step));
+        for (at, (c, weights)) in self.weights.iter().enumerate().skip(1) {
+            let (done, rest) = self.stages.split_at_mut(at * length);
+            combine(&self.state, h, weights, done, &mut self.trial);
+            if at + 1 == STAGES {
+                normalise(&self.quaternions, &mut self.trial);
+            }
+            let (stage, _) = rest.split_at_mut(length);
+            (self.rates)(self.time + c * step, &self.trial, stage);
+        }
+        self.state.copy_from_slice(&self.trial);
+        let last = (STAGES - 1) * length;
+        self.stages.copy_within(last..last + length, 0);
+    }
+}
+
+/// Makes every quaternion a unit quaternion; one that is zero or not finite stays.
+fn normalise<L: Lanes>(quaternions: &[usize], state: &mut [L]) {
+    for &at in quaternions {
+        let Some(quaternion) = state.get_mut(at..at + 4) else {
+            continue;
+        };
+        let square = quaternion.iter().fold(L::zero(), |sum, x| sum + *x * *x);
+        let norm = square.sqrt();
+        let usable = L::both(L::zero().lt(norm), norm.le(L::from_f64(f64::MAX)));
+        for x in quaternion {
+            *x = L::select(usable, *x / norm, *x);
+        }
+    }
+}

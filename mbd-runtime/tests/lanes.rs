@@ -1,0 +1,216 @@
+//! Cases beside each other in lanes: what each gives alone, to the bit.
+
+use mbd_runtime::{Lanes, Lanes4, Lanes8, LockStep, Model, Options, Real, Simulation, model};
+
+model! {
+    /// A stone in wind and thin air, drawn to a place.
+    pub model Stone<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param mass = 1.0 kg in 0.1 kg ..= 10.0 kg;
+        param drag = 0.02 kg/m in 0.0 kg/m ..= 1.0 kg/m;
+        point stone { mass: mass }
+        load air on stone = -drag * norm(stone.velocity) * stone.velocity * exp(-stone.position.z / 8000 m);
+        load pull on stone = -3.0 N * [tanh(stone.position.x / 1 m), sin(stone.position.y / 1 m), 0.0];
+    }
+}
+
+model! {
+    /// A chain of four links on hinges about crossed axes.
+    pub model Chain<T> {
+        units: si;
+        gravity: [0.0, 0.0, -9.81];
+        coordinates: relative;
+        param length = 1.0 in 0.5 ..= 2.0;
+        body link[i in 0..4] { mass: 1.0, inertia: diag(0.083, 0.083, 0.001), frame top at [0.0, 0.0, 0.5 * length], frame end at [0.0, 0.0, -0.5 * length] }
+        joint first: hinge from world to link[0].top { axis: y, damping: 0.1 }
+        joint bend[i in 0..3]: hinge from link[i].end to link[i + 1].top { axis: x, damping: 0.05 }
+    }
+}
+
+model! {
+    /// A body that tumbles.
+    pub model Tumbler<T> {
+        gravity: none;
+        body top { mass: 2.0 kg, inertia: diag(0.1, 0.2, 0.25) kg*m^2 }
+        joint afloat: free from world to top.com;
+    }
+}
+
+model! {
+    /// A mass on two lines.
+    pub model Hung<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        world { frame hook at [0.0, 0.0, 1.0] m }
+        point knot;
+        point bob { mass: 1.0 kg }
+        line upper from world.hook to knot { free_length: 0.5 m, stiffness: 1 kN/m }
+        line lower from knot to bob { free_length: 0.5 m, stiffness: 1 kN/m }
+    }
+}
+
+/// The end of a run of RK4 alone.
+fn alone(model: &dyn Model<f64>, start: &[f64], step: f64, until: f64) -> Vec<f64> {
+    let mut run = Simulation::new(model, Options::rk4(step)).expect("offered");
+    run.set_state(0.0, start).expect("a state");
+    run.run(until).expect("nothing stops it");
+    run.state().to_vec()
+}
+
+/// Starts that differ from lane to lane, beside each other.
+fn beside<L: Lanes>(starts: &[Vec<f64>]) -> Vec<L> {
+    let lane = |at: usize| L::each(|lane| starts[lane][at]);
+    (0..starts[0].len()).map(lane).collect()
+}
+
+fn assert_same<L: Lanes>(name: &str, state: &[L], lane: usize, expected: &[f64]) {
+    for (at, (x, expected)) in state.iter().zip(expected).enumerate() {
+        let found = x.lane(lane);
+        assert_eq!(
+            found.to_bits(),
+            expected.to_bits(),
+            "{name}, lane {lane}, {at}: {found:e} {expected:e}"
+        );
+    }
+}
+
+fn stones_fly_alike<L: Lanes>() {
+    let mass = |lane: usize| 0.4 + 0.3 * lane as f64;
+    let drag = |lane: usize| 0.01 * lane as f64;
+    let stones = Stone::unchecked(StoneParams {
+        mass: L::each(mass),
+        drag: L::each(drag),
+    });
+    let starts: Vec<Vec<f64>> = (0..L::WIDTH)
+        .map(|lane| vec![0.3, -0.1 * lane as f64, 100.0, 4.0, 1.0 + lane as f64, 5.0])
+        .collect();
+    let one = Stone::new(StoneParams {
+        mass: 1.0,
+        drag: 0.0,
+    })
+    .expect("params");
+    let rates = |_: f64, x: &[L], out: &mut [L]| {
+        let state = StoneState::from_slice(x).expect("a state");
+        out.copy_from_slice(&stones.derivative(&state).to_vec());
+    };
+    let mut run =
+        LockStep::new(one.layout(), 0.01, beside(&starts), rates).expect("nothing happens");
+    run.run(3.0);
+    assert_eq!(run.time(), 3.0);
+    for (lane, start) in starts.iter().enumerate() {
+        let stone = Stone::new(StoneParams {
+            mass: mass(lane),
+            drag: drag(lane),
+        })
+        .expect("params");
+        assert_same("stone", run.state(), lane, &alone(&stone, start, 0.01, 3.0));
+    }
+}
+
+#[test]
+fn a_stone_in_a_lane_flies_as_it_does_alone_whatever_is_beside_it() {
+    stones_fly_alike::<Lanes4>();
+    stones_fly_alike::<Lanes8>();
+}
+
+#[test]
+fn a_chain_in_a_lane_swings_as_it_does_alone() {
+    let length = |lane: usize| 0.7 + 0.1 * lane as f64;
+    let chains = Chain::unchecked(ChainParams {
+        length: Lanes8::each(length),
+    });
+    let starts: Vec<Vec<f64>> = (0..8)
+        .map(|lane| (0..8).map(|at| 0.1 * (lane + at) as f64 - 0.3).collect())
+        .collect();
+    let one = Chain::<f64>::new(ChainParams::default()).expect("params");
+    let rates = |_: f64, x: &[Lanes8], out: &mut [Lanes8]| {
+        let state = ChainState::from_slice(x).expect("a state");
+        out.copy_from_slice(&chains.derivative(&state).to_vec());
+    };
+    let mut run = LockStep::new(one.layout(), 1e-3, beside(&starts), rates).expect("an open tree");
+    run.run(0.5);
+    for (lane, start) in starts.iter().enumerate() {
+        let chain = Chain::new(ChainParams {
+            length: length(lane),
+        })
+        .expect("params");
+        assert_same("chain", run.state(), lane, &alone(&chain, start, 1e-3, 0.5));
+    }
+}
+
+#[test]
+fn attitudes_stay_unit_quaternions_in_every_lane() {
+    let one = Tumbler::<f64>::new(TumblerParams::default()).expect("no params");
+    let tumblers = Tumbler::<Lanes4>::unchecked(TumblerParams::default());
+    let starts: Vec<Vec<f64>> = (0..4)
+        .map(|lane| {
+            let mut start = vec![0.0; 13];
+            (start[3], start[11], start[12]) = (1.0, 2.0 + lane as f64, 0.01);
+            start
+        })
+        .collect();
+    let rates = |_: f64, x: &[Lanes4], out: &mut [Lanes4]| {
+        let state = TumblerState::from_slice(x).expect("a state");
+        out.copy_from_slice(&tumblers.derivative(&state).to_vec());
+    };
+    let mut run = LockStep::new(one.layout(), 0.01, beside(&starts), rates).expect("a free body");
+    run.run(2.0);
+    for (lane, start) in starts.iter().enumerate() {
+        assert_same("tumbler", run.state(), lane, &alone(&one, start, 0.01, 2.0));
+        let size: f64 = run.state()[3..7].iter().map(|x| x.lane(lane).powi(2)).sum();
+        assert!((size - 1.0).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn a_lane_that_explodes_disturbs_no_other() {
+    let one = Stone::<f64>::new(StoneParams::default()).expect("params");
+    let fly = |third: f64| {
+        let masses = Lanes4::from([1.0, 2.0, third, 3.0]);
+        let stones = Stone::unchecked(StoneParams {
+            mass: masses,
+            drag: Lanes4::from_f64(0.02),
+        });
+        let start = beside(&vec![vec![0.3, 0.1, 10.0, 4.0, 1.0, 5.0]; 4]);
+        let rates = move |_: f64, x: &[Lanes4], out: &mut [Lanes4]| {
+            let state = StoneState::from_slice(x).expect("a state");
+            out.copy_from_slice(&stones.derivative(&state).to_vec());
+        };
+        let mut run = LockStep::new(one.layout(), 0.01, start, rates).expect("nothing happens");
+        run.run(1.0);
+        let finite: Vec<bool> = (0..4).map(|lane| run.is_finite(lane)).collect();
+        (finite, run.state().to_vec())
+    };
+    let (finite, exploded) = fly(f64::NAN);
+    assert_eq!(finite, [true, true, false, true]);
+    let (_, calm) = fly(1.5);
+    for (a, b) in exploded.iter().zip(&calm) {
+        for lane in [0, 1, 3] {
+            assert_eq!(a.lane(lane).to_bits(), b.lane(lane).to_bits());
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_run_in_lock_step_is_refused_with_its_reason() {
+    let hung = Hung::<f64>::new(HungParams::default()).expect("no params");
+    let start = vec![Lanes4::from_f64(0.0); hung.layout().nx()];
+    let nothing = |_: f64, _: &[Lanes4], _: &mut [Lanes4]| {};
+    let refused = LockStep::new(hung.layout(), 0.01, start, nothing)
+        .err()
+        .expect("a node");
+    assert!(
+        refused.to_string().contains("equilibrium points"),
+        "{refused}"
+    );
+    let stone = Stone::<f64>::new(StoneParams::default()).expect("params");
+    let short = vec![Lanes4::from_f64(0.0); 5];
+    let refused = LockStep::new(stone.layout(), 0.01, short, nothing)
+        .err()
+        .expect("too short");
+    assert!(
+        refused.to_string().contains("this model has 6"),
+        "{refused}"
+    );
+    let start = vec![Lanes4::from_f64(0.0); 6];
+    assert!(LockStep::new(stone.layout(), -1.0, start, nothing).is_err());
+}
