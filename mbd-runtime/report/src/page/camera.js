@@ -40,7 +40,7 @@ class Camera {
 
   /** Stands so that a ball of this radius fills the view. */
   fit(radius) {
-    this.distance = Math.max(radius, 1e-9) / VIEW / 1.1;
+    this.distance = Math.max(radius, 1e-9) / VIEW / 0.98;
     this.far = this.distance * 100;
     this.offset = [0, 0, 0];
   }
