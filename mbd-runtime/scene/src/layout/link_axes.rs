@@ -61,7 +61,7 @@ pub(super) fn choose(scene: &Scene, links: &[Link]) -> Vec<Option<LinkAxes>> {
         bodies.push(in_body(scene, link, own.as_ref()));
         sitting.push(own);
     }
-    if !sitting.iter().flatten().any(|own| own.angles.is_some()) {
+    if sitting.iter().flatten().all(|own| own.is_simple()) {
         return vec![None; links.len()];
     }
     for index in 0..links.len() {
@@ -97,6 +97,12 @@ pub(super) fn choose(scene: &Scene, links: &[Link]) -> Vec<Option<LinkAxes>> {
 }
 
 impl Sitting {
+    /// Whether the frames of the declaration say it with as few numbers.
+    fn is_simple(&self) -> bool {
+        let elements = || self.sits.iter().filter(|x| **x != 0.0);
+        elements().count() <= SIMPLE && elements().all(|x| x.abs() > NOTHING)
+    }
+
     /// That of a joint with an angle about its one axis; `None` for others, and where frames depend on parameters.
     fn of(scene: &Scene, link: &Link, bodies: &[Option<Matrix3<f64>>]) -> Option<Self> {
         let joint = scene.joints.get(link.joint?)?;
