@@ -44,9 +44,9 @@ pub use joints::{
     Universal,
 };
 pub use layout::{
-    Anchor, Asked, Below, Carrying, Elimination, HeldMotor, InputSlots, InputSource, JointSlots,
-    Layout, LineEnd, LineSlots, Link, Network, Node, Order, Plan, PointSlots, Redundancy, Repeat,
-    Slots, Step, StopSlots, Tree,
+    Anchor, Asked, Below, Carrying, Elimination, Grouped, HeldMotor, InputSlots, InputSource,
+    JointSlots, Layout, LineEnd, LineSlots, Link, LinkAxes, Network, Node, Order, Plan, PointSlots,
+    Redundancy, Repeat, Slots, Step, StopSlots, Tree,
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};
@@ -66,7 +66,7 @@ pub use scene::{
     PointKind, Scene, Starts, State, Triple,
 };
 pub use starts::{declared_parts, place_declared};
-pub use tree::{Grouped, to_relative};
+pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
     Energy, Field, Fields, Fixed, Formula, FrameMotion, Function, Measure, Part, Place, Plane,

@@ -2,7 +2,6 @@
 
 mod elimination;
 mod joint_numbers;
-mod link_axes;
 mod places;
 mod repeats;
 mod sizes;
@@ -10,14 +9,12 @@ mod slots;
 mod tree;
 
 pub use elimination::{Below, Carrying, Elimination, Order, Step};
-pub use link_axes::LinkAxes;
-pub(crate) use link_axes::as_seen;
 pub use repeats::{HeldMotor, Redundancy, Repeat};
 pub use slots::{
     Anchor, Asked, DetachableJoint, InputSlots, InputSource, JointSlots, LineEnd, LineSlots,
     Network, Node, PointSlots, Slots, StopSlots,
 };
-pub use tree::{Link, Tree};
+pub use tree::{Grouped, Link, LinkAxes, Tree};
 
 use serde::{Deserialize, Serialize};
 

@@ -11,10 +11,36 @@
 
 use std::ops::Range;
 
-use super::link_axes::{self, LinkAxes};
+use nalgebra::Matrix3;
+
 use crate::layout::{Layout, Slots};
-use crate::tree::Grouped;
 use crate::{Detachable, Joint, Part, Place, Scene};
+
+/// How the axes of a link lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkAxes {
+    /// The axes of the link where its angle and `shift` add up to zero, in those of the link that carries it.
+    pub fixed: Matrix3<f64>,
+    /// Which coordinate of the joint is its angle.
+    pub angle: usize,
+    /// What is added to it [rad].
+    pub shift: f64,
+    /// The axes of the link in the frame of its joint on it.
+    pub own: Matrix3<f64>,
+}
+
+/// The parts of the inertia of a link that go to the link which carries it, in the axes of the link at its origin: nothing tells them apart there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Grouped {
+    /// A mass at the origin.
+    pub(crate) mass: bool,
+    /// A first moment along each axis.
+    pub(crate) moment: [bool; 3],
+    /// All moments of inertia.
+    pub(crate) inertia: bool,
+    /// Equal moments of inertia about the two axes across this one.
+    pub(crate) across: Option<usize>,
+}
 
 /// A body and what carries it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,13 +185,6 @@ impl Tree {
                 placed[body] = true;
                 let link = tree.add(body, None, false, None);
                 tree.walk(scene, &carrying, Some((body, link)), &mut placed);
-            }
-        }
-        let axes = link_axes::choose(scene, &tree.links);
-        for (link, axes) in tree.links.iter_mut().zip(axes) {
-            link.axes = axes;
-            if let Some(joint) = link.joint {
-                link.grouped = Grouped::of(&scene.joints[joint].law, axes.as_ref());
             }
         }
         tree

@@ -2,6 +2,7 @@
 
 use crate::plan::{Topology, relative};
 use crate::redundancy;
+use crate::tree::lay_axes;
 use crate::{Carrying, Coordinates, Layout, Order, Place, Plan, Redundancy, RowSet, Scene};
 
 impl Layout {
@@ -88,9 +89,9 @@ impl Layout {
     }
 }
 
-/// Where everything lives but the system; of the rows of a joint's law in a plane those that say something there.
+/// Where everything lives but the system, with the axes of the links; of the rows of a joint's law in a plane those that say something there.
 fn places(scene: &Scene) -> Layout {
-    Layout::places(scene, |layout| match layout.directions.plane {
+    let mut layout = Layout::places(scene, |layout| match layout.directions.plane {
         None => every_row(scene),
         Some(_) if layout.tree.is_none() => redundancy::in_plane(scene, layout),
         Some(_) => {
@@ -98,7 +99,11 @@ fn places(scene: &Scene) -> Layout {
             let scene = scene.in_coordinates(Coordinates::Absolute);
             redundancy::in_plane(&scene, &Layout::places(&scene, |_| every_row(&scene)))
         }
-    })
+    });
+    if let Some(tree) = &mut layout.tree {
+        lay_axes(scene, tree);
+    }
+    layout
 }
 
 /// All rows of the laws.

@@ -11,30 +11,17 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::inertia::Inertia;
+use super::link_axes::as_seen;
 use super::turn::Turn;
 use crate::joints::JointLaw;
-use crate::layout::{LinkAxes, as_seen};
-use crate::{Real, Relative, Twist};
-
-/// The parts of an inertia that obey (1), in the axes of the link at its origin.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Grouped {
-    /// A mass at the origin.
-    mass: bool,
-    /// A first moment along each axis.
-    moment: [bool; 3],
-    /// All moments of inertia.
-    inertia: bool,
-    /// Equal moments of inertia about the two axes across this one.
-    across: Option<usize>,
-}
+use crate::{Grouped, LinkAxes, Real, Relative, Twist};
 
 /// Where (1) is tried: coordinates, and numbers of the joint, without a relation between them.
 const TRIED: [[f64; 4]; 3] = [[0.0; 4], [0.7, -0.4, 1.1, 0.3], [-1.9, 0.8, 0.2, -0.6]];
 
 impl Grouped {
     /// Those of the link that a joint carries.
-    pub(crate) fn of(law: &JointLaw, axes: Option<&LinkAxes>) -> Self {
+    pub(super) fn of(law: &JointLaw, axes: Option<&LinkAxes>) -> Self {
         let (seen, _) = as_seen(law, axes);
         let law = seen.as_ref().unwrap_or(law);
         let is_free = |part: &Inertia<f64>| TRIED.iter().all(|at| obeys(law, part, at));

@@ -16,13 +16,15 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::link_axes::as_seen;
 use super::turn::Turn;
 use crate::laws::body::{Attitude, BodyMotion};
 use crate::laws::numbers::{BodyNumbers, FrameNumbers, Numbers};
-use crate::layout::{LinkAxes, as_seen};
 use crate::scalar::Few;
 use crate::scalar::algebra::labelled;
-use crate::{At, Directions, FrameMotion, Layout, Link, Place, Pose, Real, Relative, Scene, Twist};
+use crate::{
+    At, Directions, FrameMotion, Layout, Link, LinkAxes, Place, Pose, Real, Relative, Scene, Twist,
+};
 
 /// A link in motion, its own axes unless said otherwise.
 #[derive(Clone, Debug)]

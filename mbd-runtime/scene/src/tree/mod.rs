@@ -9,6 +9,7 @@ mod factored;
 mod grouped;
 mod inertia;
 mod kinematics;
+mod link_axes;
 mod maps;
 mod reactions;
 mod rows;
@@ -16,8 +17,8 @@ mod system;
 mod turn;
 
 pub(crate) use factored::factored_len;
-pub use grouped::Grouped;
 pub(crate) use kinematics::{LinkMotion, read};
+pub(crate) use link_axes::lay_axes;
 pub(crate) use maps::Absolute;
 pub use maps::to_relative;
 pub(crate) use system::TreeSystem;

@@ -1,7 +1,7 @@
 //! The rotation between a link and the link that carries it: one matrix, or two one after the other where that takes fewer operations.
 //!
 //! ```text
-//! E = E_f R12        E_f: how the joint sits, fixed; R12: what its coordinates turn          (1)
+//! E = E_f R12        E_f: how the joint is mounted; R12: what its coordinates rotate           (1)
 //! ```
 //!
 //! Where both are about one axis of their frames each, six operations take a vector through each of them, and twenty a symmetric matrix; a full

@@ -1,105 +1,102 @@
-//! The axes of the links: each about the axis of its joint turned so that few numbers tell how the next joint sits.
+//! The axes of the links: each rotated about the axis of its joint so that few numbers tell how the next joint is mounted.
 //!
 //! ```text
-//! E = R_z(a) R_x(b) R_z(c) R_z(q)                      how a hinge sits on the link that carries it, then its angle            (1)
-//! E = R_x(b) R_z(q + c + ψ),   ψ = a of the next       axes of the links turned by ψ about their joints                       (2)
+//! E = R_z(a) R_x(b) R_z(c) R_z(q)                      how a hinge is mounted on the link that carries it, then its angle      (1)
+//! E = R_x(b) R_z(q + c + ψ),   ψ = a of the next       axes of the links rotated by ψ about their joints                      (2)
 //! ```
 //!
-//! Only frames that depend on no parameter are turned: the angles are numbers. Of several joints that a link carries the first decides.
+//! Only frames that depend on no parameter are rotated: the angles are numbers. Of several joints that a link carries the first decides.
 //! Source: Denavit and Hartenberg, A kinematic notation for lower-pair mechanisms based on matrices, 1955; here the origins stay where they are.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::joints::{Axis, JointLaw};
 use crate::laws::constant;
-use crate::layout::tree::Link;
-use crate::{Place, Scene, Triple};
+use crate::{Grouped, Link, LinkAxes, Place, Scene, Tree, Triple};
 
-/// How the axes of a link lie.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinkAxes {
-    /// The axes of the link where its angle and `shift` add up to zero, in those of the link that carries it.
-    pub fixed: Matrix3<f64>,
-    /// Which coordinate of the joint is its angle.
-    pub angle: usize,
-    /// What is added to it [rad].
-    pub shift: f64,
-    /// The axes of the link in the frame of its joint on it.
-    pub own: Matrix3<f64>,
-}
-
-/// The most elements that may differ from zero where a joint sits simply: a rotation about one of three axes.
+/// The most elements that may differ from zero where a joint is mounted simply: a rotation about one of three axes.
 const SIMPLE: usize = 5;
 
 /// Below this an element is zero: what rounding leaves of frames that lie along each other.
 const NOTHING: f64 = 1e-15;
 
 /// A link while its axes are chosen.
-struct Sitting {
-    /// Where its joint sits on the link that carries it, by the unturned axes of both.
-    sits: Matrix3<f64>,
-    /// The axes of the link in the frame of its joint on it, unturned.
+struct Mounting {
+    /// The axes of its joint in those of the link that carries it, both before the rotation by ψ.
+    mounted: Matrix3<f64>,
+    /// The axes of the link in the frame of its joint on it, before that rotation.
     own: Matrix3<f64>,
-    /// The three angles of (1) of one that does not sit simply.
+    /// The three angles of (1) of one that is not mounted simply.
     angles: Option<[f64; 3]>,
     /// Which coordinate of the joint is its angle.
     angle: usize,
     /// ψ.
-    turned: f64,
+    psi: f64,
+}
+
+/// Lays the axes of the links of a tree, and finds what of their inertias nothing tells apart there.
+pub(crate) fn lay_axes(scene: &Scene, tree: &mut Tree) {
+    let axes = choose(scene, &tree.links);
+    for (link, axes) in tree.links.iter_mut().zip(axes) {
+        link.axes = axes;
+        if let Some(joint) = link.joint {
+            link.grouped = Grouped::of(&scene.joints[joint].law, axes.as_ref());
+        }
+    }
 }
 
 /// The axes of all links; `None` for those that the frames of the declaration serve as well.
-pub(super) fn choose(scene: &Scene, links: &[Link]) -> Vec<Option<LinkAxes>> {
+fn choose(scene: &Scene, links: &[Link]) -> Vec<Option<LinkAxes>> {
     if scene.planar.is_some() {
         // There all axes are one.
         return vec![None; links.len()];
     }
-    let mut sitting: Vec<Option<Sitting>> = Vec::with_capacity(links.len());
+    let mut mountings: Vec<Option<Mounting>> = Vec::with_capacity(links.len());
     let mut bodies: Vec<Option<Matrix3<f64>>> = Vec::with_capacity(links.len());
     for link in links {
-        let own = Sitting::of(scene, link, &bodies);
+        let own = Mounting::of(scene, link, &bodies);
         bodies.push(in_body(scene, link, own.as_ref()));
-        sitting.push(own);
+        mountings.push(own);
     }
-    if sitting.iter().flatten().all(|own| own.is_simple()) {
+    if mountings.iter().flatten().all(|own| own.is_simple()) {
         return vec![None; links.len()];
     }
     for index in 0..links.len() {
-        let carried = links.iter().zip(&sitting);
+        let carried = links.iter().zip(&mountings);
         let mut wanted = carried.filter_map(|(link, own)| {
             let own = own.as_ref().filter(|_| link.inboard == Some(index));
             own?.angles
         });
         if let Some([a, ..]) = wanted.next()
-            && let Some(own) = &mut sitting[index]
+            && let Some(own) = &mut mountings[index]
         {
-            own.turned = a;
+            own.psi = a;
         }
     }
-    let all = links.iter().zip(&sitting);
+    let all = links.iter().zip(&mountings);
     let axes = all.map(|(link, own)| {
         let own = own.as_ref()?;
-        let inboard = link.inboard.and_then(|link| sitting[link].as_ref());
-        let turned = inboard.map_or(0.0, |inboard| inboard.turned);
+        let inboard = link.inboard.and_then(|link| mountings[link].as_ref());
+        let psi = inboard.map_or(0.0, |inboard| inboard.psi);
         let (fixed, rest) = match own.angles {
-            Some([a, b, c]) => (about_z(a - turned) * about_x(b), c),
-            None => (about_z(-turned) * own.sits, 0.0),
+            Some([a, b, c]) => (about_z(a - psi) * about_x(b), c),
+            None => (about_z(-psi) * own.mounted, 0.0),
         };
-        let shift = rest + own.turned;
+        let shift = rest + own.psi;
         Some(LinkAxes {
             fixed: fixed.map(|x| if x.abs() < NOTHING { 0.0 } else { x }),
             angle: own.angle,
             shift: if link.reversed { -shift } else { shift },
-            own: own.own * about_z(own.turned),
+            own: own.own * about_z(own.psi),
         })
     });
     axes.collect()
 }
 
-impl Sitting {
+impl Mounting {
     /// Whether the frames of the declaration say it with as few numbers.
     fn is_simple(&self) -> bool {
-        let elements = || self.sits.iter().filter(|x| **x != 0.0);
+        let elements = || self.mounted.iter().filter(|x| **x != 0.0);
         elements().count() <= SIMPLE && elements().all(|x| x.abs() > NOTHING)
     }
 
@@ -117,34 +114,34 @@ impl Sitting {
         };
         rotation(scene, far)?;
         let own: Matrix3<f64> = axis.frame();
-        let sits = carrying.transpose() * rotation(scene, near)? * own;
-        let elements = sits.iter().filter(|x| x.abs() > NOTHING).count();
-        Some(Sitting {
-            angles: (elements > SIMPLE).then(|| angles(&sits)),
-            sits,
+        let mounted = carrying.transpose() * rotation(scene, near)? * own;
+        let elements = mounted.iter().filter(|x| x.abs() > NOTHING).count();
+        Some(Mounting {
+            angles: (elements > SIMPLE).then(|| angles(&mounted)),
+            mounted,
             own,
             angle,
-            turned: 0.0,
+            psi: 0.0,
         })
     }
 }
 
-/// The unturned axes of a link in its body; `None` where they depend on parameters.
-fn in_body(scene: &Scene, link: &Link, sitting: Option<&Sitting>) -> Option<Matrix3<f64>> {
+/// The axes of a link in its body before the rotation by ψ; `None` where they depend on parameters.
+fn in_body(scene: &Scene, link: &Link, mounting: Option<&Mounting>) -> Option<Matrix3<f64>> {
     let Some(joint) = link.joint else {
         return Some(Matrix3::identity());
     };
     let joint = scene.joints.get(joint)?;
     let [_, far] = link.ends(joint);
-    let own = match sitting {
-        Some(sitting) => Some(sitting.own),
+    let own = match mounting {
+        Some(mounting) => Some(mounting.own),
         None => as_seen(&joint.law, None).1,
     };
     Some(rotation(scene, far)? * own.unwrap_or_else(Matrix3::identity))
 }
 
 /// A joint as its link sees it, and the axes of that in the frame of the joint: about z where that leaves zeros.
-pub(crate) fn as_seen(
+pub(super) fn as_seen(
     law: &JointLaw,
     axes: Option<&LinkAxes>,
 ) -> (Option<JointLaw>, Option<Matrix3<f64>>) {
@@ -176,10 +173,10 @@ fn rotation(scene: &Scene, place: Place) -> Option<Matrix3<f64>> {
 }
 
 /// The angles of (1).
-fn angles(sits: &Matrix3<f64>) -> [f64; 3] {
-    let (x, y) = (sits[(0, 2)], -sits[(1, 2)]);
-    let c = sits[(2, 0)].atan2(sits[(2, 1)]);
-    [x.atan2(y), x.hypot(y).atan2(sits[(2, 2)]), c]
+fn angles(mounted: &Matrix3<f64>) -> [f64; 3] {
+    let (x, y) = (mounted[(0, 2)], -mounted[(1, 2)]);
+    let c = mounted[(2, 0)].atan2(mounted[(2, 1)]);
+    [x.atan2(y), x.hypot(y).atan2(mounted[(2, 2)]), c]
 }
 
 fn about_z(angle: f64) -> Matrix3<f64> {
