@@ -1,8 +1,11 @@
 //! A mechanism in both families of coordinates.
 
-use mbd_scene::{Coordinates, Layout, Quantity, Scene, to_relative};
+use mbd_scene::{Coordinates, Dual, Layout, Quantity, Scene, to_relative};
 
 use crate::mechanism::evaluate;
+
+/// A number and its rate.
+type Rate = Dual<f64, 1>;
 
 /// A scene in both families, and one state of it in both.
 pub struct Both {
@@ -66,6 +69,24 @@ impl Both {
     #[must_use]
     pub fn get(&self, what: Quantity, inputs: &[f64], rows: &[f64]) -> Vec<f64> {
         evaluate(&self.relative, what, &self.state, inputs, rows)
+    }
+
+    /// The states of all bodies in relative coordinates and their rates, in the order position, attitude, velocity, angular velocity.
+    #[must_use]
+    pub fn bodies_moving(&self, inputs: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let rates = self.get(Quantity::Derivative, inputs, &[]);
+        let state: Vec<Rate> = self
+            .state
+            .iter()
+            .zip(&rates)
+            .map(|(&value, &rate)| Dual {
+                value,
+                slopes: [rate],
+            })
+            .collect();
+        let inputs: Vec<Rate> = inputs.iter().map(|&x| Dual::constant(x)).collect();
+        let moved = evaluate(&self.relative, Quantity::Bodies, &state, &inputs, &[]);
+        moved.iter().map(|x| (x.value, x.slopes[0])).unzip()
     }
 
     /// The same quantity in absolute coordinates.

@@ -8,12 +8,13 @@ fn with_output(formula: &str) -> Vec<Reading> {
     let text = format!(
         "model Long {{ gravity: [0.0, 0.0, -9.81] m/s^2; param b = 1 m; point bob {{ mass: 1 kg }} output long = {formula}; }}"
     );
-    let mut readings = vec![read_text(&text)];
-    #[cfg(feature = "toml")]
-    readings.push(mbd_compiler::read_toml(&format!(
-        "model = \"Long\"\ngravity = \"[0.0, 0.0, -9.81] m/s^2\"\n[param.b]\nvalue = \"1 m\"\n[point.bob]\nmass = \"1 kg\"\n[output.long]\nvalue = \"{formula}\"\n"
-    )));
-    readings
+    vec![
+        read_text(&text),
+        #[cfg(feature = "toml")]
+        mbd_compiler::read_toml(&format!(
+            "model = \"Long\"\ngravity = \"[0.0, 0.0, -9.81] m/s^2\"\n[param.b]\nvalue = \"1 m\"\n[point.bob]\nmass = \"1 kg\"\n[output.long]\nvalue = \"{formula}\"\n"
+        )),
+    ]
 }
 
 /// What the output is.

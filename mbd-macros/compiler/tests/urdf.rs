@@ -128,10 +128,10 @@ fn links_that_are_fixed_to_each_other_are_one_body_with_their_mass_and_inertia()
         assert!((number(have) + want).abs() < 1e-15);
     }
     let mut inertia = Matrix3::zeros();
-    for (mass, at, turned, own) in parts {
+    for (mass, at, rotation, own) in parts {
         let arm: Vector3<f64> = at - center;
         let steiner = Matrix3::identity() * arm.norm_squared() - arm * arm.transpose();
-        inertia += turned * own * turned.transpose() + steiner * mass;
+        inertia += rotation * own * rotation.transpose() + steiner * mass;
     }
     let have = &wrist.inertia;
     let have = [&have.xx, &have.yy, &have.zz, &have.xy, &have.xz, &have.yz].map(number);

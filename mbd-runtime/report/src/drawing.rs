@@ -272,7 +272,7 @@ fn draw_shape(svg: &mut Svg, shape: &Shape, at: &impl Fn(&Place) -> Option<Place
                     let corner = [x - MARK, y - MARK];
                     svg.rect("mbd-body", corner, [2.0 * MARK, 2.0 * MARK]);
                 }
-                corners => svg.outline("mbd-body", corners),
+                corners => svg.polygon("mbd-body", corners),
             }
         }
         Shape::Line([from, to], slack) => {
@@ -294,7 +294,7 @@ fn draw_shape(svg: &mut Svg, shape: &Shape, at: &impl Fn(&Place) -> Option<Place
         Shape::Pivot(place) => {
             if let Some([x, y]) = at(place) {
                 let foot = [[x, y], [x - 8.0, y + 13.0], [x + 8.0, y + 13.0]];
-                svg.outline("mbd-pivot", &foot);
+                svg.polygon("mbd-pivot", &foot);
                 svg.circle("mbd-joint", [x, y], 3.6);
             }
         }

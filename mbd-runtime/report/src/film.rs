@@ -241,7 +241,7 @@ impl<'a> Film<'a> {
     /// An axis of a frame in the axes of its body; of a frame of the world that turns there is none.
     fn direction(&self, place: Place, axis: Vector3<f64>) -> Option<([f64; 3], i64)> {
         let numbers = &self.stage.numbers;
-        let turned = |frame: &FrameNumbers<f64>| match frame.rotation {
+        let along = |frame: &FrameNumbers<f64>| match frame.rotation {
             Some(rotation) => rotation * axis,
             None => axis,
         };
@@ -250,11 +250,11 @@ impl<'a> Film<'a> {
                 let declared = self.stage.scene.world_frames.get(frame)?;
                 let still = declared.rotation.is_none() || !declared.moves(self.stage.scene);
                 let frame = numbers.world_frames.get(frame).filter(|_| still)?;
-                Some((turned(frame).into(), -1))
+                Some((along(frame).into(), -1))
             }
             Place::Body(body, frame) => {
                 let frame = numbers.bodies.get(body)?.frames.get(frame)?;
-                Some((turned(frame).into(), body as i64))
+                Some((along(frame).into(), body as i64))
             }
             Place::Point(_) => None,
         }

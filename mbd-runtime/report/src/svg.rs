@@ -219,8 +219,8 @@ impl Svg {
         self.text += &format!("<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>\n");
     }
 
-    /// A closed outline through these places; a single line for two.
-    pub fn outline(&mut self, class: &str, places: &[[f64; 2]]) {
+    /// A closed polygon through these places; a single line for two.
+    pub fn polygon(&mut self, class: &str, places: &[[f64; 2]]) {
         let mut data = String::new();
         for (index, place) in places.iter().enumerate() {
             let [x, y] = place.map(pixel);

@@ -226,7 +226,7 @@ impl<N: Size> Lump<N> {
                 _ => [0, 1, 2].map(|k| placed.position[k].clone() - center[k].clone()),
             };
             for (element, (i, j)) in inertia.iter_mut().zip(ELEMENTS) {
-                let own = turned(moments, placed.rotation.as_ref(), i, j);
+                let own = rotated(moments, placed.rotation.as_ref(), i, j);
                 *element = element.clone() + own + v.clone() * steiner(&offset, i, j);
             }
         }
@@ -239,7 +239,7 @@ impl<N: Size> Lump<N> {
 }
 
 /// An element of R diag(J) Rᵀ.
-fn turned<N: Size>(moments: &[N; 3], rotation: Option<&[[N; 3]; 3]>, i: usize, j: usize) -> N {
+fn rotated<N: Size>(moments: &[N; 3], rotation: Option<&[[N; 3]; 3]>, i: usize, j: usize) -> N {
     match rotation {
         None if i == j => moments[i].clone(),
         None => N::from(0.0),

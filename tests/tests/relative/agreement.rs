@@ -1,18 +1,14 @@
 //! The same mechanism in both families: places, accelerations, energy, reactions; loops, springs, loads among them.
 
 use mbd_scene::joints::JointLaw;
-use mbd_scene::{AngularVelocity, Dual, Quantity};
+use mbd_scene::{AngularVelocity, Quantity};
 use nalgebra::{DMatrix, DVector};
 use tests::assert_close;
 use tests::looped::mechanism;
-use tests::mechanism::{
-    add_body, add_joint, all_joints, empty, evaluate, inertia, layout, random_seat,
-};
+use tests::mechanism::{add_body, add_joint, all_joints, empty, inertia, layout, random_seat};
 use tests::obeying::obeying;
 use tests::random::Random;
 use tests::relative::Both;
-
-type Rate = Dual<f64, 1>;
 
 /// Mechanisms compared.
 const MECHANISMS: u64 = 60;
@@ -27,28 +23,11 @@ fn both(seed: u64) -> (Both, Vec<f64>) {
     (Both::new(&scene, &state), inputs)
 }
 
-/// The states of all bodies and their rates, in the order position, attitude, velocity, angular velocity.
-fn bodies_moving(both: &Both, inputs: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let rates = both.get(Quantity::Derivative, inputs, &[]);
-    let state: Vec<Rate> = both
-        .state
-        .iter()
-        .zip(&rates)
-        .map(|(&value, &rate)| Dual {
-            value,
-            slopes: [rate],
-        })
-        .collect();
-    let inputs: Vec<Rate> = inputs.iter().map(|&x| Dual::constant(x)).collect();
-    let moved = evaluate(&both.relative, Quantity::Bodies, &state, &inputs, &[]);
-    moved.iter().map(|x| (x.value, x.slopes[0])).unzip()
-}
-
 #[test]
 fn bodies_are_and_accelerate_where_absolute_coordinates_have_them() {
     for seed in 0..MECHANISMS {
         let (both, inputs) = both(seed);
-        let (places, rates) = bodies_moving(&both, &inputs);
+        let (places, rates) = both.bodies_moving(&inputs);
         let absolute = layout(&both.absolute);
         let want = both.want(Quantity::Derivative, &inputs);
         for (body, slots) in absolute.own_bodies() {
@@ -142,7 +121,7 @@ fn long_chains_accelerate_by_articulated_bodies_as_in_absolute_coordinates() {
     for seed in 0..8 {
         let both = long_chain(seed);
         articulated += usize::from(both.layout.elimination.order.articulated);
-        let (_, rates) = bodies_moving(&both, &[]);
+        let (_, rates) = both.bodies_moving(&[]);
         let absolute = layout(&both.absolute);
         let want = both.want(Quantity::Derivative, &[]);
         for (body, slots) in absolute.own_bodies() {

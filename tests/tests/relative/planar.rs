@@ -2,15 +2,13 @@
 
 use mbd_compiler::Interpreted;
 use mbd_runtime::{Content, Options, Sampling, Simulation, Trajectory};
-use mbd_scene::{AngularVelocity, Dual, Plane, Quantity, Scene};
+use mbd_scene::{AngularVelocity, Plane, Quantity, Scene};
 use tests::assert_close;
 use tests::declared::read;
-use tests::mechanism::{evaluate, layout};
+use tests::mechanism::layout;
 use tests::planar::{MECHANISMS, Mechanism, PLANES, placed};
 use tests::random::Random;
 use tests::relative::Both;
-
-type Rate = Dual<f64, 1>;
 
 /// A trolley that flies, with a rod on a hinge whose frame is turned, a slide on the rod, a ball and a cross that the plane leaves one turn each,
 /// a tilted inertia, loads across the plane.
@@ -45,23 +43,6 @@ const FLYER: Mechanism = Mechanism {
     ],
 };
 
-/// The motions of all bodies and their rates in relative coordinates.
-fn moving(both: &Both, inputs: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let rates = both.get(Quantity::Derivative, inputs, &[]);
-    let state: Vec<Rate> = both
-        .state
-        .iter()
-        .zip(&rates)
-        .map(|(&value, &rate)| Dual {
-            value,
-            slopes: [rate],
-        })
-        .collect();
-    let inputs: Vec<Rate> = inputs.iter().map(|&x| Dual::constant(x)).collect();
-    let moved = evaluate(&both.relative, Quantity::Bodies, &state, &inputs, &[]);
-    moved.iter().map(|x| (x.value, x.slopes[0])).unzip()
-}
-
 fn each(mut with: impl FnMut(&str, &Scene, &Both, &[f64])) {
     let mut random = Random::new(77);
     for mechanism in MECHANISMS.into_iter().chain([FLYER]) {
@@ -87,7 +68,7 @@ fn each(mut with: impl FnMut(&str, &Scene, &Both, &[f64])) {
 #[test]
 fn bodies_move_in_the_plane_as_absolute_coordinates_move_them() {
     each(|name, _, both, inputs| {
-        let (motions, rates) = moving(both, inputs);
+        let (motions, rates) = both.bodies_moving(inputs);
         let absolute = layout(&both.absolute);
         let want = both.want(Quantity::Derivative, inputs);
         let size = |list: &[f64]| list.iter().fold(1.0_f64, |most, x| most.max(x.abs()));

@@ -106,8 +106,8 @@ impl Resolver<'_> {
             let start = cursor;
             until(&mut cursor, &[]);
             let value = cursor.since(start);
-            let turned = self.rotation(value, scope)?;
-            place.1 = match (place.1, turned) {
+            let rotation = self.rotation(value, scope)?;
+            place.1 = match (place.1, rotation) {
                 (Some(frame), Some(own)) => Some(self.times(&frame, &own, value.at)?),
                 (frame, own) => frame.or(own),
             };

@@ -94,7 +94,7 @@ impl Mesh {
         mesh
     }
 
-    /// Adds what a line through these pairs of radius and height makes, turned about z; the outside is on its right as it goes up. Smooth across the line where
+    /// Adds what a line through these pairs of radius and height makes, revolved about z; the outside is on its right as it goes up. Smooth across the line where
     /// it bounds a ball, parted by twice `ball`; flat otherwise.
     fn turn(&mut self, profile: &[[f64; 2]], ball: Option<f64>) {
         let first = self.places.len();

@@ -170,12 +170,12 @@ impl Writer<'_> {
             let axes = axes.map(Vector3::from);
             // What is flat has no thickness of its own; a scale of zero has no inverse.
             let scale = axes.map(|axis| axis.norm().max(1e-4 * self.size));
-            let mut turned = Matrix3::from_columns(&principal(&axes));
-            if turned.determinant() < 0.0 {
-                turned.column_mut(2).neg_mut();
+            let mut rotation = Matrix3::from_columns(&principal(&axes));
+            if rotation.determinant() < 0.0 {
+                rotation.column_mut(2).neg_mut();
             }
             parts.push(self.node(json!({
-                "mesh": mesh, "scale": scale, "rotation": quaternion(&attitude(&turned)),
+                "mesh": mesh, "scale": scale, "rotation": quaternion(&attitude(&rotation)),
             })));
         }
         let name = safe(&scene.bodies.get(index)?.name);

@@ -13,15 +13,14 @@ use crate::laws::{
     energy,
     evaluation::Evaluation,
     forces::{self, AppliedForces},
-    formula,
-    jacobian::{self, Moment},
-    joint_forces,
+    formula, jacobian, joint_forces,
     kinematics::Kinematics,
     mass, measured, node,
     numbers::Numbers,
     rate,
 };
 use crate::scalar::algebra::write;
+use crate::tree::Inertia;
 use crate::{At, Layout, Quantity, Real, Scene};
 use solver::Solver;
 
@@ -36,7 +35,7 @@ pub struct Scratch<S: Real> {
     nodes: Vec<S>,
     still: Vec<S>,
     residual: Vec<S>,
-    moments: Vec<Moment<S>>,
+    moments: Vec<Inertia<S>>,
     assembly: AppliedForces<S>,
     solver: Solver<S>,
 }

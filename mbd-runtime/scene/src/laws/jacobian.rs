@@ -4,40 +4,25 @@
 //! ṗ = J v,  ω = J_ω v                       a frame at p, world axes                                                       (1)
 //! J = R (m x + k × h),  J_ω = m R k         column of a coordinate that moves its link by [x; k] at its origin             (2)
 //! J = [m 1, R h̃ᵀ],      J_ω = [0, m R]      columns of a body by itself, its angular velocity in its own axes              (3)
-//! m_p += m,  h_p += E h + m r               what a link hands on to the one that carries it                                (4)
 //! ```
 //!
 //! R: axes of the link, h from its origin. A frame at s of its link is m = 1, h = s there and nothing elsewhere; Σ m_i J_i over all bodies, with
-//! mass and first moment of each, is the momentum over the speeds, and over Σ m_i the Jacobian of the centre of mass.
-//! Source: Siciliano, Sciavicco, Villani and Oriolo, Robotics, section 3.1; (4) [derived].
+//! mass and first moment of each, is the momentum over the speeds, and over Σ m_i the Jacobian of the centre of mass. Links hand m and h on as
+//! composite bodies do.
+//! Source: Siciliano, Sciavicco, Villani and Oriolo, Robotics, section 3.1.
 
 use nalgebra::Vector3;
 
 use crate::laws::evaluation::Evaluation;
 use crate::layout::Slots;
+use crate::tree::Inertia;
 use crate::{AngularVelocity, PointSlots, Real};
-
-/// m and h of (2).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Moment<S: Real> {
-    mass: S,
-    moment: Vector3<S>,
-}
-
-impl<S: Real> Moment<S> {
-    fn none() -> Self {
-        Moment {
-            mass: S::zero(),
-            moment: Vector3::zeros(),
-        }
-    }
-}
 
 /// Writes velocity and angular velocity of a frame of a body over the speeds (6 × n_v).
 pub(crate) fn frame<S: Real>(
     evaluation: &Evaluation<'_, S>,
     [body, frame]: [usize; 2],
-    moments: &mut Vec<Moment<S>>,
+    moments: &mut Vec<Inertia<S>>,
     out: &mut [S],
 ) {
     let numbers = evaluation.numbers.bodies.get(body);
@@ -45,9 +30,10 @@ pub(crate) fn frame<S: Real>(
         return out.fill(S::from_f64(f64::NAN));
     };
     start(evaluation, moments);
-    moments[body] = Moment {
+    moments[body] = Inertia {
         mass: S::one(),
         moment: in_link(evaluation, body, &place.position),
+        ..Inertia::none()
     };
     hand_on(evaluation, moments);
     let (moving, turning) = out.split_at_mut(3 * evaluation.layout.nv);
@@ -57,16 +43,17 @@ pub(crate) fn frame<S: Real>(
 /// Writes the velocity of the centre of mass over the speeds (3 × n_v).
 pub(crate) fn centre_of_mass<S: Real>(
     evaluation: &Evaluation<'_, S>,
-    moments: &mut Vec<Moment<S>>,
+    moments: &mut Vec<Inertia<S>>,
     out: &mut [S],
 ) {
     start(evaluation, moments);
     let mut whole = S::zero();
     for (index, body) in evaluation.numbers.bodies.iter().enumerate() {
         let centre = in_link(evaluation, index, &Vector3::zeros());
-        moments[index] = Moment {
+        moments[index] = Inertia {
             mass: body.mass,
             moment: centre.map(|x| body.mass * x),
+            ..Inertia::none()
         };
         whole += body.mass;
     }
@@ -89,9 +76,9 @@ pub(crate) fn centre_of_mass<S: Real>(
     }
 }
 
-fn start<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut Vec<Moment<S>>) {
+fn start<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut Vec<Inertia<S>>) {
     moments.clear();
-    moments.resize(evaluation.numbers.bodies.len(), Moment::none());
+    moments.resize(evaluation.numbers.bodies.len(), Inertia::none());
 }
 
 /// A place of a body, in its axes from its centre of mass, from the origin of its link, in the axes of that.
@@ -101,8 +88,8 @@ fn in_link<S: Real>(evaluation: &Evaluation<'_, S>, body: usize, place: &Vector3
     link.map_or(*place, |link| link.centre + link.body * place)
 }
 
-/// (4), from the leaves.
-fn hand_on<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut [Moment<S>]) {
+/// What links carry, from the leaves.
+fn hand_on<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut [Inertia<S>]) {
     let Some(tree) = &evaluation.layout.tree else {
         return;
     };
@@ -110,18 +97,15 @@ fn hand_on<S: Real>(evaluation: &Evaluation<'_, S>, moments: &mut [Moment<S>]) {
         let Some(inboard) = link.inboard else {
             continue;
         };
-        let Moment { mass, moment } = moments[link.body];
-        let moved = motion.turn.apply(&moment) + motion.offset.map(|x| mass * x);
-        let carrying = &mut moments[tree.links[inboard].body];
-        carrying.mass += mass;
-        carrying.moment += moved;
+        let own = moments[link.body];
+        moments[tree.links[inboard].body].take(&own, &motion.turn, &motion.offset);
     }
 }
 
 /// Writes the rows of (2) and (3): those along the axes (3 × n_v), and those about them if asked for.
 fn write<S: Real>(
     evaluation: &Evaluation<'_, S>,
-    moments: &[Moment<S>],
+    moments: &[Inertia<S>],
     moving: &mut [S],
     turning: Option<&mut [S]>,
 ) {
@@ -142,7 +126,7 @@ fn write<S: Real>(
             continue;
         }
         S::section(&evaluation.scene.bodies[link.body].name);
-        let Moment { mass, moment } = &moments[link.body];
+        let Inertia { mass, moment, .. } = &moments[link.body];
         for (speed, column) in (link.slots.v..).zip(motion.columns.iter()) {
             let along = column.linear.map(|x| *mass * x) + column.angular.cross(moment);
             let about = column.angular.map(|x| *mass * x);
@@ -160,7 +144,7 @@ fn write<S: Real>(
 fn write_own<S: Real>(
     evaluation: &Evaluation<'_, S>,
     (body, slots): (usize, Slots),
-    Moment { mass, moment }: &Moment<S>,
+    Inertia { mass, moment, .. }: &Inertia<S>,
     [moving, turning]: [&mut [S]; 2],
 ) {
     let (layout, motion) = (evaluation.layout, &evaluation.motions[body]);

@@ -22,7 +22,7 @@ use crate::{Real, Twist};
 
 /// Mass, first moment and inertia about the origin of a link, its axes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Inertia<S: Real> {
+pub(crate) struct Inertia<S: Real> {
     /// m [kg].
     pub mass: S,
     /// h [kg m].
