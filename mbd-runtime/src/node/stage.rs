@@ -217,6 +217,11 @@ impl<T: Float> Nodes<T> {
         result
     }
 
+    /// Whether there are equilibrium points.
+    pub(crate) fn has_networks(&self) -> bool {
+        !self.plans.is_empty()
+    }
+
     /// Whether there is no line, no stop and no equilibrium point.
     fn is_idle(&self) -> bool {
         self.plans.is_empty() && self.stretch.is_empty() && self.hold.is_empty()
