@@ -8,10 +8,11 @@ use mbd_scene::{At, Float, Layout, Model, Quantity};
 
 use super::form::{Beside, Form};
 use super::lockstep::normalise;
+use super::networks::Networks;
 use super::{Lanes, Lanes4, Lanes8};
 use crate::integrate::Explicit;
 use crate::node::Nodes;
-use crate::simulation::beside::Attempt;
+use crate::simulation::beside::{Attempt, Spent};
 use crate::simulation::{Course, Simulation};
 
 /// With fewer runs than this nothing is gained.
@@ -61,22 +62,23 @@ struct Group<L> {
     params: Vec<L>,
     state: Vec<L>,
     stages: Stages<L>,
+    networks: Networks<L>,
     guards: Vec<L>,
     quaternions: Vec<usize>,
 }
 
 /// What the stages read and write beside their states.
-struct Stages<L> {
-    nodes: Vec<L>,
-    effective: Vec<L>,
+pub(super) struct Stages<L> {
+    pub nodes: Vec<L>,
+    pub effective: Vec<L>,
     hold: Vec<L>,
-    ends: Vec<L>,
+    pub ends: Vec<L>,
     inputs: Vec<L>,
     rates: Vec<L>,
 }
 
 impl<L: Lanes> Stages<L> {
-    fn at<'a>(&'a self, time: L, state: &'a [L]) -> At<'a, L> {
+    pub fn at<'a>(&'a self, time: L, state: &'a [L]) -> At<'a, L> {
         At {
             time,
             state,
@@ -89,19 +91,14 @@ impl<L: Lanes> Stages<L> {
         }
     }
 
-    /// The rates at a stage; one in every lane where they hold, zero where nodes follow other rules.
-    fn evaluate(
+    /// Nodes and rates at a stage, both at once; one in every lane where they hold, zero where nodes follow other rules.
+    fn find_rates(
         &mut self,
         form: &mut dyn Form<L>,
         nodes: &Nodes<f64>,
         (time, state): (L, &[L]),
         out: &mut [L],
     ) -> L {
-        let one = L::one();
-        if !nodes.has_networks() {
-            form.evaluate(Quantity::Derivative, &self.at(time, state), out);
-            return one;
-        }
         let mut rates = std::mem::take(&mut self.rates);
         form.evaluate(Quantity::Rates, &self.at(time, state), &mut rates);
         let layout = nodes.layout_of_rates();
@@ -122,7 +119,7 @@ impl<L: Lanes> Stages<L> {
         };
         let holds = layout.holds(&rates, L::from_f64(f64::EPSILON), carries);
         self.rates = rates;
-        L::select(holds, one, L::zero())
+        L::select(holds, L::one(), L::zero())
     }
 }
 
@@ -143,6 +140,7 @@ impl<L: Lanes> Group<L> {
                 inputs: list(layout.ni),
                 rates: list(layout.len(Quantity::Rates)),
             },
+            networks: Networks::new(layout),
             guards: list(layout.len(Quantity::Guards)),
             quaternions: layout.quaternions().collect(),
         }
@@ -158,6 +156,7 @@ impl<L: Lanes> Group<L> {
         set(lane, method.first_mut(), own.first());
         set(lane, &mut self.stages.inputs, &run.system.inputs);
         set(lane, &mut self.stages.hold, run.system.nodes.hold());
+        self.networks.load(lane, run);
         let Some(model) = self.models.get_mut(lane) else {
             return false;
         };
@@ -166,6 +165,7 @@ impl<L: Lanes> Group<L> {
             return false;
         }
         set(lane, &mut self.params, run.system.model.params());
+        self.networks.load_lines(lane, run.system.model.lines());
         *model = Some(run.system.model.clone());
         true
     }
@@ -185,7 +185,7 @@ impl<L: Lanes> Group<L> {
 }
 
 /// Writes a list into a lane.
-fn set<L: Lanes>(lane: usize, lanes: &mut [L], list: &[f64]) {
+pub(super) fn set<L: Lanes>(lane: usize, lanes: &mut [L], list: &[f64]) {
     for (numbers, x) in lanes.iter_mut().zip(list) {
         if let Some(number) = numbers.numbers_mut().get_mut(lane) {
             *number = *x;
@@ -213,7 +213,12 @@ impl<L: Lanes> Together<f64> for Group<L> {
         };
         for lane in (0..L::WIDTH).filter(|lane| tried.has(*lane) && end.is_usable(*lane)) {
             if let Some((run, _, count)) = runs.lane(lane) {
-                self.hand_over(lane, &tried, &end, run);
+                run.receive(&Tries {
+                    lane,
+                    group: self,
+                    tried: &tried,
+                    end: &end,
+                });
                 *count += 1;
             }
         }
@@ -302,6 +307,7 @@ impl<L: Lanes> Group<L> {
             method,
             state,
             stages,
+            networks,
             guards,
             quaternions,
             ..
@@ -313,15 +319,21 @@ impl<L: Lanes> Group<L> {
             holds: L::one(),
             faults: L::zero(),
         };
+        networks.begin();
         let Ok(()) = method.stages(
             [time, step],
             step,
             state,
-            |last, [time, _], trial, rates| {
+            |last, [time, span], trial, rates| {
                 if last {
                     end.drift = normalise(quaternions, trial);
                 }
-                end.holds *= stages.evaluate(&mut **form, nodes, (time, trial), rates);
+                if nodes.has_networks() && !nodes.are_single() {
+                    end.holds *= stages.find_rates(&mut **form, nodes, (time, trial), rates);
+                } else {
+                    end.holds *= networks.solve(&mut **form, nodes, stages, (time, span, trial));
+                    form.evaluate(Quantity::Derivative, &stages.at(time, trial), rates);
+                }
                 // 0 x is zero for a finite number and NaN for others.
                 let faults = rates.iter().map(|x| L::zero() * *x);
                 end.faults = faults.fold(end.faults, |sum, fault| sum + fault);
@@ -339,30 +351,60 @@ impl<L: Lanes> Group<L> {
         }
         Some(end)
     }
+}
 
-    /// Leaves the attempt of a lane with its run.
-    fn hand_over(&self, lane: usize, tried: &Tried, end: &End<L>, run: &mut Simulation<f64>) {
-        let Some(method) = &self.method else {
+/// The attempt of a lane.
+struct Tries<'a, L> {
+    lane: usize,
+    group: &'a Group<L>,
+    tried: &'a Tried,
+    end: &'a End<L>,
+}
+
+impl<L: Lanes> Attempt<f64> for Tries<'_, L> {
+    fn step(&self) -> [f64; 2] {
+        let step = self.tried.steps.get(self.lane).copied();
+        step.unwrap_or([f64::NAN; 2])
+    }
+
+    fn stages(&self, [stages, end]: [&mut [f64]; 2]) {
+        let Some(method) = &self.group.method else {
             return;
         };
         let [all, next] = method.attempted();
-        let later = all.get(next.len()..).unwrap_or_default();
-        let guards = |list: &mut [f64]| get(lane, &self.guards, list);
-        let [looks_at_guards, looks_at_energy] = tried.looks;
-        run.receive(&Attempt {
-            step: tried.steps[lane],
-            stages: &|[stages, end]| {
-                get(
-                    lane,
-                    later,
-                    stages.get_mut(next.len()..).unwrap_or_default(),
-                );
-                get(lane, next, end);
-            },
-            rates: &|list| get(lane, &self.stages.rates, list),
-            guards: if looks_at_guards { Some(&guards) } else { None },
-            energy: looks_at_energy.then(|| end.energy.map(|x| x.lane(lane))),
-            drift: end.drift.lane(lane),
-        });
+        let first = next.len();
+        if let (Some(from), Some(to)) = (all.get(first..), stages.get_mut(first..)) {
+            get(self.lane, from, to);
+        }
+        get(self.lane, next, end);
+    }
+
+    fn rates(&self, into: &mut [f64]) {
+        get(self.lane, &self.group.stages.rates, into);
+    }
+
+    fn nodes(&self, [ends, nodes, effective]: [&mut [f64]; 3]) -> Spent {
+        let stages = &self.group.stages;
+        get(self.lane, &stages.ends, ends);
+        get(self.lane, &stages.nodes, nodes);
+        get(self.lane, &stages.effective, effective);
+        self.group.networks.spent(self.lane)
+    }
+
+    fn guards(&self, into: &mut [f64]) -> bool {
+        let [known, _] = self.tried.looks;
+        if known {
+            get(self.lane, &self.group.guards, into);
+        }
+        known
+    }
+
+    fn energy(&self) -> Option<[f64; 6]> {
+        let [_, known] = self.tried.looks;
+        known.then(|| self.end.energy.map(|x| x.lane(self.lane)))
+    }
+
+    fn drift(&self) -> f64 {
+        self.end.drift.lane(self.lane)
     }
 }

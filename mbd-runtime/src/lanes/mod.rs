@@ -14,6 +14,7 @@ use wide::{f64x4, f64x8};
 mod form;
 mod group;
 mod lockstep;
+mod networks;
 
 pub use form::{Beside, Equations, Form, Forms, InLanes};
 pub(crate) use group::{Lane, Runs, Together, together};

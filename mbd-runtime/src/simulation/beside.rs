@@ -11,25 +11,38 @@ use super::{Course, Simulation};
 use crate::node::Stage;
 use crate::trajectory::resolution;
 
-/// What a run takes over of an attempt that was made elsewhere.
-pub(crate) struct Attempt<'a, T> {
+/// An attempt at a step that was made elsewhere.
+pub(crate) trait Attempt<T> {
     /// Start and size of the step [s].
-    pub step: [f64; 2],
-    /// Writes the rates of all stages after the first, and the state at the end.
-    pub stages: &'a dyn Fn([&mut [T]; 2]),
+    fn step(&self) -> [f64; 2];
+    /// Writes the rates of all stages but the first, which the run has, and the state at the end.
+    fn stages(&self, into: [&mut [T]; 2]);
     /// Writes [`Quantity::Rates`](mbd_scene::Quantity::Rates) at the end.
-    pub rates: &'a dyn Fn(&mut [T]),
-    /// Writes the guards at the end, where they are known.
-    pub guards: Option<&'a dyn Fn(&mut [T])>,
+    fn rates(&self, into: &mut [T]);
+    /// Writes anchors and loads, nodes, and effective line numbers at the end; what the solves of all stages cost.
+    fn nodes(&self, into: [&mut [T]; 3]) -> Spent;
+    /// Writes the guards at the end; `false` where they are not known.
+    fn guards(&self, into: &mut [T]) -> bool;
     /// Energy and powers at the end, where they are known.
-    pub energy: Option<[T; 6]>,
-    /// The largest | |q| − 1 | of a quaternion at the end.
-    pub drift: f64,
+    fn energy(&self) -> Option<[T; 6]>;
+    /// The largest | |q| − 1 | of a quaternion at the end, before it was normalised.
+    fn drift(&self) -> f64;
+}
+
+/// What solves of nodes cost.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Spent {
+    /// Newton steps.
+    pub iterations: u64,
+    /// The most of one solve.
+    pub most: usize,
+    /// Solves that ended with every line slack.
+    pub slack: u64,
 }
 
 impl<T: Float> Simulation<T> {
     /// Start and size of the step that is tried next [s], where its stages may be evaluated elsewhere: an explicit step of a run without rows of joints
-    /// and functions of time and state, whose nodes, if there are any, are found along with the rates.
+    /// and functions of time and state, whose nodes, if there are any, are found along with the rates or each by a solve of its own.
     pub(crate) fn upcoming(&mut self, course: &Course) -> Option<[f64; 2]> {
         let now = resolution(self.time);
         let begins = course.opened && self.started && !self.stale && self.changes.stop.is_none();
@@ -49,14 +62,14 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Takes over an attempt at the upcoming step.
-    pub(crate) fn receive(&mut self, attempt: &Attempt<'_, T>) {
+    pub(crate) fn receive(&mut self, attempt: &dyn Attempt<T>) {
         let Some(method) = self.method.explicit_mut() else {
             return;
         };
-        (attempt.stages)(method.attempted_mut());
+        attempt.stages(method.attempted_mut());
         let (next, stages) = (method.next(), method.count() - 1);
         if self.system.receive(next, stages, attempt) {
-            self.received = Some(attempt.step);
+            self.received = Some(attempt.step());
         }
     }
 
@@ -72,13 +85,13 @@ impl<T: Float> Simulation<T> {
 }
 
 impl<T: Float> crate::system::System<T> {
-    /// Whether a stage is inputs that are held, a state, and nodes that are found along with the rates, and nothing else.
+    /// Whether a stage is inputs that are held, a state, and nodes, and nothing else.
     fn is_plain(&self) -> bool {
         let supplied = !self.controls.is_empty() && !self.inputs.is_empty();
         !supplied && !self.projection.any() && self.length() == self.nx
     }
 
-    /// Holds elements in the modes of the memory; whether nodes, if there are any, may be found along with the rates.
+    /// Holds elements in the modes of the memory; whether nodes, if there are any, may be found elsewhere.
     fn hold_plain(&mut self, time: f64, state: &[T]) -> bool {
         let stage = Stage {
             model: &*self.model,
@@ -86,40 +99,55 @@ impl<T: Float> crate::system::System<T> {
             state,
             inputs: &self.inputs,
         };
-        if self.nodes.has_networks() {
-            return self.nodes.hold_for_rates(stage, &self.memory);
+        let (nodes, memory) = (&mut self.nodes, &self.memory);
+        match (nodes.has_networks(), nodes.are_single()) {
+            (false, _) => {
+                nodes.hold_modes(memory);
+                true
+            }
+            (_, true) => nodes.hold_for_warm(memory),
+            _ => nodes.hold_for_rates(stage, memory),
         }
-        self.nodes.hold_modes(&self.memory);
-        true
     }
 
     /// Leaves everything as the stages of a step that ends with a state would have left it; `false` where the nodes of that state follow other rules.
-    fn receive(&mut self, state: &[T], stages: usize, attempt: &Attempt<'_, T>) -> bool {
-        let [time, step] = attempt.step;
-        let end = time + step;
-        let (stage, span) = (
-            Stage {
-                model: &*self.model,
-                time: T::from_f64(end),
-                state,
-                inputs: &self.inputs,
-            },
-            T::from_f64(step),
-        );
-        let (nodes, memory) = (&mut self.nodes, &self.memory);
-        let placed = match nodes.has_networks() {
-            true => nodes.receive_rates(stage, span, memory, attempt.rates),
-            false => nodes
-                .solve_stage(stage, span, memory, &mut self.work)
-                .is_ok(),
+    fn receive(&mut self, state: &[T], stages: usize, attempt: &dyn Attempt<T>) -> bool {
+        let [time, step] = attempt.step();
+        let (end, span) = (time + step, T::from_f64(step));
+        let stage = Stage {
+            model: &*self.model,
+            time: T::from_f64(end),
+            state,
+            inputs: &self.inputs,
         };
-        if !placed {
-            return false;
+        let (nodes, memory) = (&mut self.nodes, &self.memory);
+        match (nodes.has_networks(), nodes.are_single()) {
+            (false, _) => {
+                if nodes
+                    .solve_stage(stage, span, memory, &mut self.work)
+                    .is_err()
+                {
+                    return false;
+                }
+            }
+            (_, true) => {
+                let mut spent = Spent::default();
+                nodes.receive_warm(stage.model, span, |into| spent = attempt.nodes(into));
+                nodes.count_solves(stages);
+                let statistics = &mut nodes.statistics;
+                statistics.add(spent.iterations, spent.most, spent.slack);
+            }
+            _ => {
+                if !nodes.receive_rates(stage, span, memory, |into| attempt.rates(into)) {
+                    return false;
+                }
+                nodes.count_solves(stages - 1);
+            }
         }
-        self.nodes.count_solves(stages - 1);
         self.counters.rhs = self.counters.rhs.saturating_add(stages as u64);
-        self.drift = attempt.drift;
-        self.known.learn(end, attempt.energy, attempt.guards);
+        self.drift = attempt.drift();
+        self.known
+            .learn(end, attempt.energy(), |into| attempt.guards(into));
         true
     }
 }

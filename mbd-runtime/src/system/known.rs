@@ -23,18 +23,15 @@ impl<T: Float> Known<T> {
         }
     }
 
-    /// Knows what was evaluated at a time [s]; `fill` writes the guards where there are any.
+    /// Knows what was evaluated at a time [s]; `fill` writes the guards, or says that they are not known.
     pub(crate) fn learn(
         &mut self,
         time: f64,
         energy: Option<[T; 6]>,
-        fill: Option<impl FnOnce(&mut [T])>,
+        fill: impl FnOnce(&mut [T]) -> bool,
     ) {
         (self.time, self.energy) = (time, energy);
-        self.has_guards = fill.is_some();
-        if let Some(fill) = fill {
-            fill(&mut self.guards);
-        }
+        self.has_guards = fill(&mut self.guards);
     }
 
     /// The end of another step comes next.
