@@ -9,6 +9,7 @@ use mbd_compiler::{
 };
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Model, ParamError};
+use models::in_lanes::in_lanes;
 use models::run::{Settings, split};
 use models::scenes::{self, Make};
 
@@ -95,6 +96,17 @@ impl SceneFile {
         }
     }
 
+    /// The same for many runs: what is interpreted has its equations over lanes at hand.
+    ///
+    /// # Errors
+    /// Params that it cannot be run with.
+    pub fn model_of_many(&self, params: &[f64]) -> Result<Arc<dyn Model<f64>>, ParamError> {
+        match self.compiled {
+            Some(make) => make(params),
+            None => Ok(in_lanes(&Interpreted::new(self.scene.clone(), params)?).share()),
+        }
+    }
+
     /// The declaration of a compiled scene, read back from its data.
     fn of_compiled(ready: &scenes::Ready) -> Result<SceneFile, Failure> {
         let text = format!("{}\n{}", write_toml(&(ready.scene)()), (ready.run)());
@@ -163,7 +175,8 @@ impl SceneFile {
     }
 }
 
-fn read_file(path: &Path) -> Result<String, Failure> {
+/// Reads an ordinary file of a sensible size.
+pub fn read_file(path: &Path) -> Result<String, Failure> {
     let cannot = |why: String| Failure::Usage(format!("cannot read {}: {why}", path.display()));
     let found = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?;
     // A pipe would keep us waiting for its other end, a device may never end.
