@@ -21,8 +21,14 @@ model! {
             frame tip at [0, 0, 0.15],
         }
         joint base: hinge from world to link[0].root { axis: [0, 0, 1], force: torque[0] }
-        joint bend[i in 0..3]: hinge from link[2 * i].tip to link[2 * i + 1].root { axis: [0, 1, 0], force: torque[2 * i + 1] }
-        joint roll[i in 0..3]: hinge from link[2 * i + 1].tip to link[2 * i + 2].root { axis: [0, 0, 1], force: torque[2 * i + 2] }
+        joint bend[i in 0..3]: hinge from link[2 * i].tip to link[2 * i + 1].root {
+            axis: [0, 1, 0],
+            force: torque[2 * i + 1],
+        }
+        joint roll[i in 0..3]: hinge from link[2 * i + 1].tip to link[2 * i + 2].root {
+            axis: [0, 0, 1],
+            force: torque[2 * i + 2],
+        }
     }
 }
 

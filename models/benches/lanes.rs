@@ -25,7 +25,12 @@ model! {
         coordinates: relative;
         emit: [derivative];
         param length = 1.0 in 0.5 ..= 2.0;
-        body link[i in 0..8] { mass: 1.0, inertia: diag(0.0833, 0.0833, 0.001), frame top at [0.0, 0.0, 0.5 * length], frame end at [0.0, 0.0, -0.5 * length] }
+        body link[i in 0..8] {
+            mass: 1.0,
+            inertia: diag(0.0833, 0.0833, 0.001),
+            frame top at [0.0, 0.0, 0.5 * length],
+            frame end at [0.0, 0.0, -0.5 * length],
+        }
         joint base: hinge from world to link[0].top { axis: y }
         joint odd[i in 0..4]: hinge from link[2 * i].end to link[2 * i + 1].top { axis: x }
         joint even[i in 0..3]: hinge from link[2 * i + 1].end to link[2 * i + 2].top { axis: y }

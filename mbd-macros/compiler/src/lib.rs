@@ -8,6 +8,8 @@ mod emit;
 mod equations;
 mod expression;
 mod families;
+#[cfg(feature = "format")]
+mod format;
 mod hash;
 mod interpret;
 mod kernels;
@@ -39,6 +41,8 @@ pub use emit::{NameSpans, Settings, emit_model};
 pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Label, Mask, Node, Slot, Term, recorded, session};
 pub use families::Families;
+#[cfg(feature = "format")]
+pub use format::{format_rust, format_text};
 pub use interpret::{Interpreted, Registers};
 pub use kernels::{Driver, Kernel, Kernels, Results, Window};
 pub use lists::{Arguments, Group};

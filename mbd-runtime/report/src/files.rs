@@ -44,7 +44,9 @@ fn write_beside(
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(ending);
     let part = path.with_file_name(name);
-    let written = write_part(&part, write).and_then(|()| fs::rename(&part, path));
+    let written = write_part(&part, write)
+        .and_then(|()| keep_permissions(&part, path))
+        .and_then(|()| fs::rename(&part, path));
     written.map_err(|error| {
         // What matters is told below; a part that cannot even be removed is no other news.
         let _ = fs::remove_file(&part);
@@ -67,6 +69,14 @@ pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
 pub fn remove(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(named(path, &error)),
+        _ => Ok(()),
+    }
+}
+
+/// Who may read and write a file stays when a new one takes its place.
+fn keep_permissions(part: &Path, path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(found) if found.is_file() => fs::set_permissions(part, found.permissions()),
         _ => Ok(()),
     }
 }

@@ -15,7 +15,11 @@ model! {
         planar: xz;
         input push: force = 0 N;
         body cart { mass: 1.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
-        body pole { mass: 0.1 kg, inertia: diag(0.008, 0.008, 0.0001) kg*m^2, frame foot at [0.0, 0.0, -0.5] m }
+        body pole {
+            mass: 0.1 kg,
+            inertia: diag(0.008, 0.008, 0.0001) kg*m^2,
+            frame foot at [0.0, 0.0, -0.5] m,
+        }
         joint rail: prismatic from world to cart.com { axis: x, force: push }
         joint pin: hinge from cart.com to pole.foot { axis: y, start: 0.2 rad }
     }

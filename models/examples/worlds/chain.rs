@@ -14,8 +14,12 @@ model! {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         planar: xz;
         const N = 20;
-        body link[i in 0..N] { mass: 0.2 kg, inertia: diag(0.0002, 0.0002, 0.00002) kg*m^2,
-            frame top at [0.0, 0.0, 5 cm], frame tip at [0.0, 0.0, -5 cm] }
+        body link[i in 0..N] {
+            mass: 0.2 kg,
+            inertia: diag(0.0002, 0.0002, 0.00002) kg*m^2,
+            frame top at [0.0, 0.0, 5 cm],
+            frame tip at [0.0, 0.0, -5 cm],
+        }
         joint hook: hinge from world to link[0].top { axis: y }
         joint pin[i in 1..N]: hinge from link[i - 1].tip to link[i].top { axis: y }
     }

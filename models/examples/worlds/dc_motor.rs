@@ -16,7 +16,11 @@ model! {
         const k = 0.05 N*m/A;
         input voltage: V = 24 V;
         body rotor { mass: 0.5 kg, inertia: diag(1e-4, 1e-4, 2e-4) kg*m^2 }
-        joint shaft: hinge from world to rotor.com { axis: z, damping: 1e-4 N*m*s, force: k * current }
+        joint shaft: hinge from world to rotor.com {
+            axis: z,
+            damping: 1e-4 N*m*s,
+            force: k * current,
+        }
         state current = 0 A { rate: (voltage - R * current - k * shaft.angle_rate) / L }
         output speed = shaft.angle_rate in rpm;
         output torque = k * current in mN*m;

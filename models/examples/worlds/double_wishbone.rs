@@ -12,12 +12,25 @@ model! {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         planar: yz;
         world { frame low at [0.0, 0.30, 0.20] m, frame high at [0.0, 0.35, 0.50] m }
-        body lower_arm { mass: 4 kg, inertia: diag(0.06, 0.01, 0.06) kg*m^2,
-            frame inner at [0.0, -0.2, 0.0] m, frame outer at [0.0, 0.2, 0.0] m }
-        body upper_arm { mass: 2 kg, inertia: diag(0.02, 0.01, 0.02) kg*m^2,
-            frame inner at [0.0, -0.15, 0.0] m, frame outer at [0.0, 0.15, 0.0] m }
-        body upright { mass: 25 kg, inertia: diag(0.9, 0.6, 0.9) kg*m^2,
-            frame lower at [0.0, 0.025, -0.15] m, frame upper at [0.0, -0.025, 0.15] m, frame contact at [0.0, 0.1, -0.45] m }
+        body lower_arm {
+            mass: 4 kg,
+            inertia: diag(0.06, 0.01, 0.06) kg*m^2,
+            frame inner at [0.0, -0.2, 0.0] m,
+            frame outer at [0.0, 0.2, 0.0] m,
+        }
+        body upper_arm {
+            mass: 2 kg,
+            inertia: diag(0.02, 0.01, 0.02) kg*m^2,
+            frame inner at [0.0, -0.15, 0.0] m,
+            frame outer at [0.0, 0.15, 0.0] m,
+        }
+        body upright {
+            mass: 25 kg,
+            inertia: diag(0.9, 0.6, 0.9) kg*m^2,
+            frame lower at [0.0, 0.025, -0.15] m,
+            frame upper at [0.0, -0.025, 0.15] m,
+            frame contact at [0.0, 0.1, -0.45] m,
+        }
         joint lower: hinge from world.low to lower_arm.inner { axis: x }
         joint upper: hinge from world.high to upper_arm.inner { axis: x }
         joint lower_ball: hinge from lower_arm.outer to upright.lower { axis: x }

@@ -18,8 +18,17 @@ model! {
         planar: xz;
         input place: length = 0 m;
         body trolley { mass: 2 tonne, inertia: diag(500, 500, 500) kg*m^2 }
-        body hook { mass: 300 kg, inertia: diag(20, 20, 20) kg*m^2, frame top at [0, 0, 8] m, frame bottom at [0, 0, -0.5] m }
-        body cargo { mass: 5 tonne, inertia: diag(4000, 4000, 4000) kg*m^2, frame eye at [0, 0, 3] m }
+        body hook {
+            mass: 300 kg,
+            inertia: diag(20, 20, 20) kg*m^2,
+            frame top at [0, 0, 8] m,
+            frame bottom at [0, 0, -0.5] m,
+        }
+        body cargo {
+            mass: 5 tonne,
+            inertia: diag(4000, 4000, 4000) kg*m^2,
+            frame eye at [0, 0, 3] m,
+        }
         joint rail: prismatic from world to trolley.com { axis: x, motor: place, filter: 0.3 s }
         joint rope: hinge from trolley.com to hook.top { axis: y }
         joint sling: hinge from hook.bottom to cargo.eye { axis: y }

@@ -16,7 +16,11 @@ model! {
         input paid_out: length = 20 m;
         input paying_out: speed;
         point hook { mass: 2000 kg }
-        line rope from world to hook { free_length: [paid_out, paying_out], stiffness: 5e6 N/m, damping: 50 kN*s/m }
+        line rope from world to hook {
+            free_length: [paid_out, paying_out],
+            stiffness: 5e6 N/m,
+            damping: 50 kN*s/m,
+        }
         output pull = rope.tension in kN;
     }
 }

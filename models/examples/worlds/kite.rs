@@ -16,8 +16,13 @@ model! {
         const area = 12 m^2;
         let flow = [wind, 0.0, 0.0] - kite.velocity;
         let pressure = 0.5 * rho * area * norm(flow);
-        body kite { mass: 4 kg, inertia: diag(2, 3, 4) kg*m^2, frame nose at [-0.6, 0.0, 0.0] m, frame tail at [0.6, 0.0, 0.0] m,
-            start at [22.0, 0.0, 82.5] m rotated rpy(0.0, 15 deg, 0.0) }
+        body kite {
+            mass: 4 kg,
+            inertia: diag(2, 3, 4) kg*m^2,
+            frame nose at [-0.6, 0.0, 0.0] m,
+            frame tail at [0.6, 0.0, 0.0] m,
+            start at [22.0, 0.0, 82.5] m rotated rpy(0.0, 15 deg, 0.0),
+        }
         joint fly: free from world to kite.com;
         point knot { equilibrium: static }
         line tether from world to knot { free_length: 80 m, stiffness: 20 kN/m }

@@ -17,13 +17,23 @@ model! {
         const weight = 800 N/m;
         const stiffness = 200 MN;
         world { frame anchor at [-350.0, 0.0, -150.0] m }
-        body platform { mass: 5e6 kg, inertia: diag(1e9, 1e9, 1e9) kg*m^2, frame fairlead at [-20.0, 0.0, 0.0] m }
+        body platform {
+            mass: 5e6 kg,
+            inertia: diag(1e9, 1e9, 1e9) kg*m^2,
+            frame fairlead at [-20.0, 0.0, 0.0] m,
+        }
         joint surge: prismatic from world to platform.com { axis: x, force: push }
         point knot[i in 0..PIECES - 1] { equilibrium: static }
         load own[i in 0..PIECES - 1] on knot[i] = [0 N, 0 N, -weight * piece];
         line low from world.anchor to knot[0] { free_length: piece, stiffness: stiffness / piece }
-        line chain[i in 1..PIECES - 1] from knot[i - 1] to knot[i] { free_length: piece, stiffness: stiffness / piece }
-        line top from knot[PIECES - 2] to platform.fairlead { free_length: piece, stiffness: stiffness / piece }
+        line chain[i in 1..PIECES - 1] from knot[i - 1] to knot[i] {
+            free_length: piece,
+            stiffness: stiffness / piece,
+        }
+        line top from knot[PIECES - 2] to platform.fairlead {
+            free_length: piece,
+            stiffness: stiffness / piece,
+        }
         output tension = top.tension in kN;
     }
 }

@@ -17,12 +17,28 @@ model! {
         emit: [derivative, outputs];
         input command[i in 0..6]: length = 1.1 m;
         world { frame foot[i in 0..6] at polar(0.7 m, (60 * i + 10 * (-1)^i) * 1 deg, 0 m) }
-        body cabin { mass: 400 kg, inertia: diag(90, 110, 130) kg*m^2,
-            frame corner[i in 0..6] at polar(0.4 m, (60 * i + 30 * (-1)^i) * 1 deg, 0 m), start at [0.0, 0.0, 1.0] m }
-        body cylinder[i in 0..6] { mass: 12 kg, inertia: diag(0.4, 0.4, 0.03) kg*m^2, frame foot at [0.0, 0.0, -0.25] m }
-        body rod[i in 0..6] { mass: 5 kg, inertia: diag(0.1, 0.1, 0.005) kg*m^2, frame head at [0.0, 0.0, 0.25] m }
+        body cabin {
+            mass: 400 kg,
+            inertia: diag(90, 110, 130) kg*m^2,
+            frame corner[i in 0..6] at polar(0.4 m, (60 * i + 30 * (-1)^i) * 1 deg, 0 m),
+            start at [0.0, 0.0, 1.0] m,
+        }
+        body cylinder[i in 0..6] {
+            mass: 12 kg,
+            inertia: diag(0.4, 0.4, 0.03) kg*m^2,
+            frame foot at [0.0, 0.0, -0.25] m,
+        }
+        body rod[i in 0..6] {
+            mass: 5 kg,
+            inertia: diag(0.1, 0.1, 0.005) kg*m^2,
+            frame head at [0.0, 0.0, 0.25] m,
+        }
         joint foot[i in 0..6]: universal from world.foot[i] to cylinder[i].foot { axes: [x, y] }
-        joint leg[i in 0..6]: prismatic from cylinder[i].foot to rod[i].head { axis: z, motor: command[i], filter: 10 ms }
+        joint leg[i in 0..6]: prismatic from cylinder[i].foot to rod[i].head {
+            axis: z,
+            motor: command[i],
+            filter: 10 ms,
+        }
         joint ball[i in 0..6]: spherical from rod[i].head to cabin.corner[i];
         output thrust[i in 0..6] = leg[i].motor_force in kN;
     }

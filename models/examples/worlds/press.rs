@@ -14,13 +14,26 @@ model! {
         const r = 80 mm;
         const l = 400 mm;
         const ratio = 20;
-        table motor_torque = { 0 rpm: 180 N*m, 1200 rpm: 240 N*m, 1420 rpm: 120 N*m, 1500 rpm: 0 N*m, 1600 rpm: -200 N*m };
+        table motor_torque = {
+            0 rpm: 180 N*m, 1200 rpm: 240 N*m, 1420 rpm: 120 N*m, 1500 rpm: 0 N*m,
+            1600 rpm: -200 N*m,
+        };
         smooth table die = { 0 mm: 0 kN, 3 mm: 160 kN, 8 mm: 220 kN };
         body flywheel { mass: 300 kg, inertia: diag(20, 40, 20) kg*m^2, frame pin at [0, 0, -r] }
-        body conrod { mass: 12 kg, inertia: diag(0.2, 0.2, 0.01) kg*m^2, frame big at [0, 0, l / 2], frame small at [0, 0, -l / 2] }
+        body conrod {
+            mass: 12 kg,
+            inertia: diag(0.2, 0.2, 0.01) kg*m^2,
+            frame big at [0, 0, l / 2],
+            frame small at [0, 0, -l / 2],
+        }
         body ram { mass: 90 kg, inertia: diag(2, 2, 2) kg*m^2 }
         let depth = -ram.position.z - r - l + 8 mm;
-        joint crank: hinge from world to flywheel.com { axis: y, start: 120 deg, start_rate: 7 rad/s, force: ratio * motor_torque(ratio * crank.angle_rate) }
+        joint crank: hinge from world to flywheel.com {
+            axis: y,
+            start: 120 deg,
+            start_rate: 7 rad/s,
+            force: ratio * motor_torque(ratio * crank.angle_rate),
+        }
         joint big: hinge from flywheel.pin to conrod.big { axis: y }
         joint small: hinge from conrod.small to ram.com { axis: y }
         loop joint slide: prismatic from world to ram.com { axis: z }

@@ -18,7 +18,11 @@ model! {
         body wheel { mass: 40 kg, inertia: diag(1, 1, 1) kg*m^2 }
         body chassis { mass: 320 kg, inertia: diag(100, 100, 100) kg*m^2 }
         joint hub: prismatic from world to wheel.com { axis: z }
-        joint strut: prismatic from wheel.com to chassis.com { axis: z, stiffness: 20 kN/m, damping: strut_damping }
+        joint strut: prismatic from wheel.com to chassis.com {
+            axis: z,
+            stiffness: 20 kN/m,
+            damping: strut_damping,
+        }
         load contact on wheel = [0.0, 0.0, tyre * (road - hub.slide)];
         output height = chassis.position.z;
         output comfort = chassis.acceleration.z;

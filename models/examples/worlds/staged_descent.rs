@@ -16,11 +16,19 @@ model! {
         param cd_s = 2 m^2 in 1 m^2 ..= 800 m^2;
         point capsule { mass: mass, start at [0.0, 0.0, 8000.0] m velocity [40.0, 0.0, -150.0] m/s }
         point drogue { mass: 8 kg, start at [0.0, 0.0, 8020.0] m velocity [40.0, 0.0, -150.0] m/s }
-        line strap from capsule to drogue { free_length: 20 m, stiffness: 20 kN/m, damping: 800 N*s/m }
+        line strap from capsule to drogue {
+            free_length: 20 m,
+            stiffness: 20 kN/m,
+            damping: 800 N*s/m,
+        }
         let air = 1.2 kg/m^3 * exp(-capsule.position.z / (8.5 km));
         load drag on capsule = -0.5 * air * cd_s * norm(capsule.velocity) * capsule.velocity;
         load braking on drogue = -0.5 * air * 6 m^2 * norm(drogue.velocity) * drogue.velocity;
-        event main_out = capsule.position.z falls 4000 m { detach: strap, set: cd_s = 40 m^2, acts: once }
+        event main_out = capsule.position.z falls 4000 m {
+            detach: strap,
+            set: cd_s = 40 m^2,
+            acts: once,
+        }
         event disreefed = capsule.position.z falls 3500 m { set: cd_s = 400 m^2, acts: once }
         event shield_off = capsule.position.z falls 2500 m { set: mass = mass - 200 kg, acts: once }
         event landed = capsule.position.z falls 0 m { then: stop }

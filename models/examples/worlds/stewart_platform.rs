@@ -13,16 +13,35 @@ model! {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         emit: [derivative];
         let turn = 0.1 * sin(2 rad/s * time);
-        let place = [0.1 m * (1 - cos(2 rad/s * time)), 0.1 m * sin(2 rad/s * time), 0.9 m + 0.05 m * sin(3 rad/s * time)];
+        let place = [
+            0.1 m * (1 - cos(2 rad/s * time)),
+            0.1 m * sin(2 rad/s * time),
+            0.9 m + 0.05 m * sin(3 rad/s * time),
+        ];
         let top[i in 0..6] = polar(0.4 m, (60 * i + 30 * (-1)^i) * 1 deg + turn, 0 m);
         let base[i in 0..6] = polar(0.7 m, (60 * i + 10 * (-1)^i) * 1 deg, 0 m);
         world { frame foot[i in 0..6] at polar(0.7 m, (60 * i + 10 * (-1)^i) * 1 deg, 0 m) }
-        body platform { mass: 40 kg, inertia: diag(2, 2, 4) kg*m^2,
-            frame corner[i in 0..6] at polar(0.4 m, (60 * i + 30 * (-1)^i) * 1 deg, 0 m), start at [0.0, 0.0, 0.9] m }
-        body cylinder[i in 0..6] { mass: 5 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame foot at [0.0, 0.0, -0.25] m }
-        body rod[i in 0..6] { mass: 3 kg, inertia: diag(0.06, 0.06, 0.003) kg*m^2, frame head at [0.0, 0.0, 0.25] m }
+        body platform {
+            mass: 40 kg,
+            inertia: diag(2, 2, 4) kg*m^2,
+            frame corner[i in 0..6] at polar(0.4 m, (60 * i + 30 * (-1)^i) * 1 deg, 0 m),
+            start at [0.0, 0.0, 0.9] m,
+        }
+        body cylinder[i in 0..6] {
+            mass: 5 kg,
+            inertia: diag(0.1, 0.1, 0.01) kg*m^2,
+            frame foot at [0.0, 0.0, -0.25] m,
+        }
+        body rod[i in 0..6] {
+            mass: 3 kg,
+            inertia: diag(0.06, 0.06, 0.003) kg*m^2,
+            frame head at [0.0, 0.0, 0.25] m,
+        }
         joint foot[i in 0..6]: universal from world.foot[i] to cylinder[i].foot { axes: [x, y] }
-        joint leg[i in 0..6]: prismatic from cylinder[i].foot to rod[i].head { axis: z, motor: norm(place + top[i] - base[i]) }
+        joint leg[i in 0..6]: prismatic from cylinder[i].foot to rod[i].head {
+            axis: z,
+            motor: norm(place + top[i] - base[i]),
+        }
         joint ball[i in 0..6]: spherical from rod[i].head to platform.corner[i];
     }
 }

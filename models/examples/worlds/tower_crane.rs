@@ -17,7 +17,10 @@ model! {
         let pace = sqrt(9.81 m/s^2 / rope_length) / 3;
         body trolley { mass: 500 kg, inertia: diag(100, 100, 100) kg*m^2 }
         point hook { mass: 2000 kg, start at [0.0, 0.0, -20.0] m }
-        joint jib: prismatic from world to trolley.com { axis: x, motor: 0.5 * way * (1 - cos(pace * time)) }
+        joint jib: prismatic from world to trolley.com {
+            axis: x,
+            motor: 0.5 * way * (1 - cos(pace * time)),
+        }
         joint rope: distance from trolley.com to hook { length: rope_length }
         output drive = jib.motor_force in kN;
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use mbd_compiler::{toml_to_text, write_text, write_toml};
+use mbd_compiler::{format_text, toml_to_text, write_text, write_toml};
 
 use super::failure::Failure;
 use super::scene_file::SceneFile;
@@ -33,12 +33,17 @@ pub fn convert(args: &ConvertArgs) -> Result<String, Failure> {
     // What is a document already keeps its repetitions, consts and units.
     let scene = match (args.to, &file.document) {
         (Form::Toml, Some(document)) => document.clone(),
-        (Form::Mbd, Some(document)) => toml_to_text(document).unwrap_or_default(),
+        (Form::Mbd, Some(document)) => laid_out(toml_to_text(document).unwrap_or_default()),
         (Form::Toml, None) => write_toml(&file.scene),
-        (Form::Mbd, None) => write_text(&file.scene),
+        (Form::Mbd, None) => laid_out(write_text(&file.scene)),
     };
     Ok(match file.run.as_str() {
         "" => scene,
         run => format!("{}\n\n{run}\n", scene.trim_end()),
     })
+}
+
+/// A declaration as `mbd fmt` writes it.
+fn laid_out(text: String) -> String {
+    format_text(&text).unwrap_or(text)
 }

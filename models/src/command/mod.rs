@@ -7,6 +7,7 @@ mod convert;
 mod expand;
 mod extremes;
 mod failure;
+mod fmt;
 mod grammar;
 mod linearise;
 mod list;
@@ -30,6 +31,7 @@ use compare::CompareArgs;
 use convert::ConvertArgs;
 use extremes::ExtremesArgs;
 use failure::Failure;
+use fmt::FmtArgs;
 use linearise::LineariseArgs;
 use mbd_campaign::GatherArgs;
 use mistakes::Paint;
@@ -80,6 +82,8 @@ enum Command {
     Check(CheckArgs),
     /// Print the Rust that `model!` makes of a scene.
     Expand(SceneArgs),
+    /// Format scene files, and the declarations in files of Rust: blanks and ends of lines, nothing else.
+    Fmt(FmtArgs),
     /// Print the language as a TextMate grammar, for editors.
     Grammar,
     /// Print a scene as TOML or as the text of a declaration, with the settings of its run.
@@ -174,6 +178,7 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
         Command::Report(args) => campaign::report(&args),
         Command::Check(args) => check::check(&args),
         Command::Expand(args) => expand::expand(&args.scene),
+        Command::Fmt(args) => fmt::fmt(&args),
         Command::Grammar => Ok(grammar::grammar()),
         Command::Convert(args) => convert::convert(&args),
     }

@@ -175,7 +175,8 @@ impl SceneFile {
     }
 }
 
-fn read_file(path: &Path) -> Result<String, Failure> {
+/// Reads an ordinary file of a sensible size.
+pub fn read_file(path: &Path) -> Result<String, Failure> {
     let cannot = |why: String| Failure::Usage(format!("cannot read {}: {why}", path.display()));
     let found = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?;
     // A pipe would keep us waiting for its other end, a device may never end.

@@ -4,6 +4,7 @@ use super::scene_file::SceneFile;
 use super::*;
 
 mod campaign;
+mod fmt;
 
 fn run(arguments: &[&str]) -> Result<String, Failure> {
     answer(["mbd"].iter().chain(arguments).map(OsString::from))

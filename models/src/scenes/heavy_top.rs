@@ -26,7 +26,10 @@ mbd_runtime::model! {
         /// Spin about the axis, precession included.
         const SPIN = 80 rad/s;
         /// The smaller root of (1).
-        const PRECESSION = (I3 * SPIN - sqrt(I3^2 * SPIN^2 - 4 * I1 * cos(NUTATION) * MASS * (G * 1 m/s^2) * LENGTH)) / (2 * I1 * cos(NUTATION));
+        const PRECESSION = (
+            I3 * SPIN - sqrt(I3^2 * SPIN^2 - 4 * I1 * cos(NUTATION) * MASS * (G * 1 m/s^2) * LENGTH)
+        )
+            / (2 * I1 * cos(NUTATION));
 
         body top {
             mass: MASS,

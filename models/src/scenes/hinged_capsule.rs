@@ -42,8 +42,16 @@ mbd_runtime::model! {
         joint chute_free: free from world to chute.com;
         joint backshell_free: free from world to backshell.com;
         joint pair: hinge from backshell.pivot to lander.top { axis: y }
-        line riser from chute.riser_end to confluence { free_length: 4 m, stiffness: 60 kN/m, damping: 600 N*s/m }
-        line leg[i in 0..3] from backshell.bridle[i] to confluence { free_length: 1.5 m, stiffness: 47 kN/m, damping: 470 N*s/m }
+        line riser from chute.riser_end to confluence {
+            free_length: 4 m,
+            stiffness: 60 kN/m,
+            damping: 600 N*s/m,
+        }
+        line leg[i in 0..3] from backshell.bridle[i] to confluence {
+            free_length: 1.5 m,
+            stiffness: 47 kN/m,
+            damping: 470 N*s/m,
+        }
 
         load drag on chute at cp = -0.5 * RHO * cd * S_REF * norm(chute.velocity) * chute.velocity;
 

@@ -37,7 +37,9 @@ mbd_runtime::model! {
         }
         joint ground[i in 0..=WINDOWS]: hinge from world.pivot[i] to crank[i].root { axis: z }
         joint left[i in 0..WINDOWS]: hinge from crank[i].tip to coupler[i].left { axis: z }
-        joint right[i in 0..WINDOWS]: point_on_line from coupler[i].right to crank[i + 1].tip { axis: z }
+        joint right[i in 0..WINDOWS]: point_on_line from coupler[i].right to crank[i + 1].tip {
+            axis: z,
+        }
 
         /// Tip of the first crank, the point the benchmark asks for.
         output tip = crank[0].tip.position;

@@ -49,7 +49,8 @@ mbd_runtime::model! {
         /// Way of the piston from the bearing of the crank.
         output slide = cylinder.slide;
         /// The same by (1) from the angle of the crank.
-        output closed_form = CRANK * cos(bearing.angle) + sqrt(ROD^2 - CRANK^2 * sin(bearing.angle)^2);
+        output closed_form =
+            CRANK * cos(bearing.angle) + sqrt(ROD^2 - CRANK^2 * sin(bearing.angle)^2);
     }
 }
 

@@ -3,6 +3,7 @@
 //! [`from_tokens`] reads the tokens of a macro call, [`from_text`] plain text; [`Lexer`] collects pieces of text that lie anywhere in one
 //! file. Everything after this layer knows lexemes only, so there is one grammar for all of them.
 
+mod scan;
 mod text;
 mod tokens;
 
@@ -14,6 +15,14 @@ use crate::syntax::words;
 /// The place of a lexeme: index into a table of [`Places`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct At(u32);
+
+#[cfg(feature = "format")]
+impl At {
+    /// The place in the order of lexemes. In one text without a mistake it is the number of the lexeme.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
 
 /// From one lexeme to another, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -365,6 +374,8 @@ impl Lexer {
     }
 }
 
+#[cfg(feature = "format")]
+pub use scan::{Scanned, scan};
 pub use text::from_text;
 pub use text::{Lines, piece};
 pub use tokens::from_tokens;

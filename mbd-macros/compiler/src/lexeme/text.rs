@@ -2,7 +2,8 @@
 
 use std::cell::Cell;
 
-use super::{At, Bracket, Kind, Lexed, Lexer, Places};
+use super::scan::{Scanned, scan};
+use super::{At, Kind, Lexed, Lexer, Places};
 use crate::messages::{Messages, syntax as say};
 
 /// Where the lines of a text start: byte offsets to line and column.
@@ -88,74 +89,59 @@ pub fn piece(
     let anchor = last.unwrap_or((1, 1));
     let place = |offset: usize| base.map_or(anchor, |base| lines.position(base + offset));
     let mut at = 0;
-    while let Some(next) = text[at..].chars().next() {
-        let rest = &text[at..];
-        if next.is_whitespace() {
-            at += next.len_utf8();
-        } else if rest.starts_with("//") {
-            let line = rest.split('\n').next().unwrap_or(rest);
-            if line.starts_with("///") && !line.starts_with("////") {
-                let doc = line[3..].trim_end_matches('\r').to_string();
-                lexer.positioned(Kind::Doc(doc), place(at));
+    while let Some((scanned, length)) = scan(&text[at..]) {
+        let (found, start) = (&text[at..at + length], at);
+        at += length;
+        match scanned {
+            Scanned::Blank | Scanned::Comment => {}
+            Scanned::OpenComment => {
+                let begin = lexer.positioned(Kind::Sign('/'), place(start));
+                messages.push(say::open_comment(begin.into()));
+                break;
             }
-            at += line.len();
-        } else if rest.starts_with("/*") {
-            match rest.find("*/") {
-                Some(end) => at += end + 2,
-                None => {
-                    let begin = lexer.positioned(Kind::Sign('/'), place(at));
-                    messages.push(say::open_comment(begin.into()));
-                    break;
+            Scanned::Doc => {
+                let doc = found[3..].trim_end_matches('\r').to_string();
+                lexer.positioned(Kind::Doc(doc), place(start));
+            }
+            Scanned::Word => {
+                lexer.positioned(Kind::Word(found.to_string()), place(start));
+            }
+            Scanned::Number => {
+                lexer.positioned(Kind::Number(found.to_string()), place(start));
+            }
+            Scanned::Text => {
+                let shown = found.trim_matches('"').to_string();
+                let (path, report) = (lexer.awaits_path(), lexer.string_after());
+                let string = lexer.positioned(Kind::Text(shown), place(start));
+                if !path {
+                    messages.push(report.unwrap_or_else(|| say::string(string.into())));
                 }
             }
-        } else if next.is_alphabetic() || next == '_' {
-            let end = rest
-                .find(|c: char| !(c.is_alphanumeric() || c == '_') || is_superscript(c))
-                .unwrap_or(rest.len());
-            lexer.positioned(Kind::Word(rest[..end].to_string()), place(at));
-            at += end;
-        } else if next.is_ascii_digit() {
-            let end = number_end(rest);
-            lexer.positioned(Kind::Number(rest[..end].to_string()), place(at));
-            at += end;
-        } else if next == '"' {
-            let end = rest[1..].find('"').map_or(rest.len(), |end| end + 2);
-            let shown = rest[..end].trim_matches('"').to_string();
-            let (path, report) = (lexer.awaits_path(), lexer.string_after());
-            let string = lexer.positioned(Kind::Text(shown), place(at));
-            if !path {
-                messages.push(report.unwrap_or_else(|| say::string(string.into())));
+            Scanned::Open(bracket) => {
+                lexer.positioned(Kind::Open(bracket, 0), place(start));
             }
-            at += end;
-        } else if let Some((bracket, opens)) = Bracket::of(next) {
-            at += 1;
-            if opens {
-                lexer.positioned(Kind::Open(bracket, 0), place(at - 1));
-            } else if lexer.open.len() > opened
-                && lexer.waiting().is_some_and(|(open, _)| open == bracket)
-            {
-                lexer.positioned(Kind::Close(bracket), place(at - 1));
-            } else {
+            Scanned::Close(bracket) => {
                 let waiting = (lexer.open.len() > opened)
                     .then(|| lexer.waiting())
                     .flatten();
-                let stray = lexer.positioned(Kind::Sign(next), place(at - 1));
-                messages.push(say::stray_bracket(next, stray.into(), waiting));
-                break;
+                if waiting.is_some_and(|(open, _)| open == bracket) {
+                    lexer.positioned(Kind::Close(bracket), place(start));
+                } else {
+                    let sign = bracket.signs().1;
+                    let stray = lexer.positioned(Kind::Sign(sign), place(start));
+                    messages.push(say::stray_bracket(sign, stray.into(), waiting));
+                    break;
+                }
             }
-        } else {
-            let sign = lexer.positioned(Kind::Sign(next), place(at));
-            if !next.is_ascii() {
-                messages.push(say::foreign_sign(next, sign.into()));
+            Scanned::Sign(sign) => {
+                let here = lexer.positioned(Kind::Sign(sign), place(start));
+                if !sign.is_ascii() {
+                    messages.push(say::foreign_sign(sign, here.into()));
+                }
             }
-            at += next.len_utf8();
         }
     }
     close_all(lexer, opened, place(text.len()), messages);
-}
-
-fn is_superscript(c: char) -> bool {
-    matches!(c, '²' | '³' | '¹' | '⁰'..='⁹')
 }
 
 /// Closes what the text left open, so that every later stage sees balanced brackets.
@@ -173,36 +159,4 @@ fn close_all(lexer: &mut Lexer, opened: usize, end: (usize, usize), messages: &m
         }
         lexer.positioned(Kind::Close(bracket), end);
     }
-}
-
-/// How many bytes at the start of `text` are a number: digits, a fraction, an exponent; 0 when there is none.
-pub(super) fn number_end(text: &str) -> usize {
-    let bytes = text.as_bytes();
-    let digit = |i: usize| bytes.get(i).is_some_and(u8::is_ascii_digit);
-    let digits = |mut i: usize| {
-        while digit(i) || bytes.get(i) == Some(&b'_') {
-            i += 1;
-        }
-        i
-    };
-    if !digit(0) {
-        return 0;
-    }
-    let mut end = digits(0);
-    // `0..3` is a range and `1.x` no number: a fraction needs a digit, or nothing that could belong to it.
-    let after = bytes.get(end + 1);
-    let fraction = bytes.get(end) == Some(&b'.')
-        && after.is_none_or(|&b| {
-            b.is_ascii_digit() || !(b == b'.' || b == b'_' || b.is_ascii_alphabetic() || b >= 128)
-        });
-    if fraction {
-        end = digits(end + 1);
-    }
-    if matches!(bytes.get(end), Some(b'e' | b'E')) {
-        let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
-        if digit(end + 1 + sign) {
-            end = digits(end + 1 + sign);
-        }
-    }
-    end
 }

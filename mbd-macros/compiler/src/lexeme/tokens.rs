@@ -82,7 +82,7 @@ impl Lexer {
             Some(rest) => (true, rest),
             None => (false, text),
         };
-        let end = super::text::number_end(digits);
+        let end = super::scan::number_end(digits);
         if end == 0 {
             let path = self.awaits_path();
             let shown = match string(text) {

@@ -33,6 +33,14 @@ pub fn string(at: Region) -> Report {
     )
 }
 
+#[cfg(feature = "format")]
+pub fn would_change(at: Region) -> Report {
+    Report::new(
+        at,
+        "this declaration cannot be formatted without changing what it says, which is a mistake of the formatter; it stays as it is",
+    )
+}
+
 pub fn open_comment(at: Region) -> Report {
     Report::new(at, "this comment is never closed: add `*/`")
 }

@@ -1,7 +1,7 @@
 //! The largest declaration of this repository: 64 rods on hinges, let go from a slant, for one second.
 //!
-//! `cargo run --release -p mbd-runtime --example long_chain`. `.ci/run` runs it without optimisation, where rustc fails on functions of some
-//! thousand terms: kernels keep them short.
+//! `cargo run --release -p models --example long_chain`. The profile `dev` does not optimise it, and there rustc fails on functions of some thousand
+//! terms: kernels keep them short.
 
 use std::time::Instant;
 

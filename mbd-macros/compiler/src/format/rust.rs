@@ -1,0 +1,144 @@
+//! Formatting the declarations in a file of Rust.
+
+use std::ops::Range;
+
+use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
+
+use super::layout::Margin;
+use super::{Part, line_end};
+use crate::lexeme::{Bracket, Kind, Lines, Region, from_tokens};
+use crate::messages::{Location, Message, syntax as say};
+
+/// Formats what stands between the braces of every `model! { … }` of a file of Rust, and leaves all else as it is. What has a `$` in it is a part
+/// of `macro_rules!` and stays, too, as do calls with other brackets.
+///
+/// # Errors
+/// What is wrong with one of the declarations, or where the file is no Rust.
+pub fn format_rust(text: &str) -> Result<String, Vec<Message>> {
+    let (mark, code) = match text.strip_prefix('\u{feff}') {
+        Some(code) => ("\u{feff}", code),
+        None => ("", text),
+    };
+    let tokens = tokens(code)?;
+    let mut calls = Vec::new();
+    find(tokens, &mut calls);
+    let (mut written, mut at) = (mark.to_owned(), 0);
+    let mut errors = Vec::new();
+    for call in &calls {
+        match call.formatted(code) {
+            Ok(inside) => {
+                written.push_str(&code[at..call.inside.start]);
+                written.push_str(&inside.replace('\n', line_end(code)));
+                at = call.inside.end;
+            }
+            Err(messages) => errors.extend(messages),
+        }
+    }
+    written.push_str(&code[at..]);
+    match errors.is_empty() {
+        true => Ok(written),
+        false => Err(errors),
+    }
+}
+
+/// A declaration in a file.
+struct Call {
+    /// The bytes between its braces.
+    inside: Range<usize>,
+    /// Its tokens.
+    tokens: TokenStream,
+}
+
+impl Call {
+    fn formatted(&self, code: &str) -> Result<String, Vec<Message>> {
+        let line = code[..self.inside.start].rsplit('\n').next().unwrap_or("");
+        let blanks = line.len() - line.trim_start().len();
+        let part = Part {
+            text: code,
+            start: self.inside.start,
+            end: self.inside.end,
+            margin: Margin::Braces(line[..blanks].to_owned()),
+        };
+        let written = part.formatted()?;
+        // Rust divides a text in its own way; it has to find the same.
+        match tokens(&written).map(said) {
+            Ok(now) if now == said(self.tokens.clone()) => Ok(written),
+            _ => Err(vec![self.changed(code)]),
+        }
+    }
+
+    fn changed(&self, code: &str) -> Message {
+        let (line, column) = Lines::new(code).position(self.inside.start);
+        let report = say::would_change(Region::START);
+        Message::new(report.text, Location::Text { line, column })
+    }
+}
+
+/// The lexemes that Rust finds, but for commas before `]` and `}`.
+fn said(tokens: TokenStream) -> Vec<Kind> {
+    let (lexemes, _, _) = from_tokens(tokens);
+    let mut kinds: Vec<Kind> = Vec::with_capacity(lexemes.len());
+    for lexeme in lexemes {
+        let closes = matches!(lexeme.kind, Kind::Close(Bracket::Square | Bracket::Brace));
+        if closes && kinds.last() == Some(&Kind::Sign(',')) {
+            kinds.pop();
+        }
+        kinds.push(match lexeme.kind {
+            // How far a bracket reaches depends on those commas.
+            Kind::Open(bracket, _) => Kind::Open(bracket, 0),
+            kind => kind,
+        });
+    }
+    kinds
+}
+
+fn tokens(code: &str) -> Result<TokenStream, Vec<Message>> {
+    code.parse().map_err(|error: proc_macro2::LexError| {
+        let start = error.span().start();
+        let location = Location::Text {
+            line: start.line.max(1),
+            column: start.column + 1,
+        };
+        let text = "this is no Rust: brackets, quotes or comments do not close from here on";
+        vec![Message::new(text.to_owned(), location)]
+    })
+}
+
+/// Adds every `model! { … }` without a `$` in it.
+fn find(tokens: TokenStream, calls: &mut Vec<Call>) {
+    let mut before = [false; 2];
+    for token in tokens {
+        let is_call = before == [true; 2];
+        before = match &token {
+            TokenTree::Ident(word) => [word == "model", false],
+            TokenTree::Punct(sign) if sign.as_char() == '!' => [before[0], true],
+            _ => [false; 2],
+        };
+        let TokenTree::Group(group) = token else {
+            continue;
+        };
+        if is_call && group.delimiter() == Delimiter::Brace {
+            calls.extend(call(&group));
+        } else {
+            find(group.stream(), calls);
+        }
+    }
+}
+
+fn call(group: &Group) -> Option<Call> {
+    fn is_template(tokens: TokenStream) -> bool {
+        tokens.into_iter().any(|token| match token {
+            TokenTree::Punct(sign) => sign.as_char() == '$',
+            TokenTree::Group(group) => is_template(group.stream()),
+            _ => false,
+        })
+    }
+    let (open, close) = (
+        group.span_open().byte_range(),
+        group.span_close().byte_range(),
+    );
+    (!is_template(group.stream())).then(|| Call {
+        inside: open.end..close.start,
+        tokens: group.stream(),
+    })
+}
