@@ -13,9 +13,10 @@ use crate::error::RunError;
 use crate::event::Happening;
 use crate::generic::Generic;
 use crate::inverse::Efforts;
+use crate::lanes::Together;
 use crate::linearise::{Linearisation, LinearisationError, StateSpace};
 use crate::options::Options;
-use crate::simulation::{Handover, Simulation, Snapshot, Stop};
+use crate::simulation::{Course, Handover, Simulation, Snapshot, Stop};
 use crate::supply::{self, Inputs, Law, Sample};
 use crate::system::External;
 use crate::trajectory::Trajectory;
@@ -50,6 +51,9 @@ macro_rules! doors {
 doors! {
     fn make_simulation(model: Arc<dyn Model<Self>>, options: Options, controls: Vec<Law<Self>>) -> Result<Simulation<Self>, RunError> = Simulation::make;
     fn drive(run: &mut Simulation<Self>, until: f64, trajectory: Option<&mut Trajectory>, go_on: &mut dyn FnMut(f64) -> bool) -> Result<Stop, RunError> = Simulation::drive;
+    fn set_course(run: &mut Simulation<Self>, until: f64) -> Result<Course, RunError> = Simulation::set_course;
+    fn follow(run: &mut Simulation<Self>, course: &mut Course, trajectory: &mut Option<&mut Trajectory>, go_on: &mut dyn FnMut(f64) -> bool) -> Result<Option<Stop>, RunError> = Simulation::follow;
+    fn together(model: &dyn Model<Self>, width: usize) -> Option<Box<dyn Together<Self>>> = crate::lanes::together;
     fn take_step(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::take_step;
     fn begin(run: &mut Simulation<Self>) -> Result<(), RunError> = Simulation::begin;
     fn look(run: &mut Simulation<Self>, what: Quantity, out: &mut [Self]) -> Result<(), RunError> = Simulation::look;

@@ -140,7 +140,7 @@ pub use system::{External, NoLoads};
 
 // Many runs.
 pub use batch::{Batch, Case, Failed as FailedCase, Finished, Tally, Why};
-pub use lanes::{Lanes, Lanes4, Lanes8, LockStep};
+pub use lanes::{Beside, Equations, Form, Forms, InLanes, Lanes, Lanes4, Lanes8, LockStep};
 
 // What it leaves.
 pub use columns::{Name, state_names};

@@ -23,6 +23,7 @@ use crate::unilateral::{Mode, report};
 use crate::watch::Watch;
 
 mod act;
+pub(crate) mod beside;
 mod control;
 mod drive;
 mod handover;
@@ -34,6 +35,7 @@ mod stiffness;
 
 pub use act::Acted;
 use act::Changes;
+pub(crate) use drive::Course;
 pub use handover::Handover;
 pub use moved::Moved;
 pub use snapshot::Snapshot;
@@ -116,6 +118,8 @@ pub struct Simulation<T: Float> {
     pub(crate) noisy: bool,
     /// The size of the last attempt; NaN where it failed [s].
     pub(crate) attempted: f64,
+    /// Start and size of an attempt that was made beside those of other runs, until it is used [s].
+    received: Option<[f64; 2]>,
     /// When a switch happened without a step [s].
     pub(crate) stalled: f64,
     pace: Pace,

@@ -3,6 +3,7 @@
 pub mod advice;
 pub mod describe;
 pub mod extremes;
+pub mod in_lanes;
 pub mod parachute;
 pub mod quantities;
 pub mod run;

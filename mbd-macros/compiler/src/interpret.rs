@@ -114,6 +114,63 @@ pub struct Interpreted<T> {
     lines: Vec<LineNumbers<T>>,
 }
 
+impl<T: Real> Interpreted<T> {
+    /// The equations with parameters that nobody has checked: for dual numbers and lanes.
+    #[must_use]
+    pub fn unchecked(equations: Arc<Equations>, params: &[T]) -> Self {
+        let mut derived = vec![T::zero(); equations.derived.len];
+        let mut registers = Registers::new(equations.derived.registers());
+        let nowhere = At {
+            time: T::zero(),
+            state: &[],
+            nodes: &[],
+            effective: &[],
+            hold: &[],
+            ends: &[],
+            inputs: &[],
+            rows: &[],
+        };
+        equations
+            .derived
+            .run(&nowhere, params, &[], &mut registers, &mut derived);
+        Interpreted {
+            lines: Numbers::new(&equations.scene, params).lines,
+            params: params.to_vec(),
+            derived,
+            equations,
+        }
+    }
+
+    /// Registers for every quantity.
+    #[must_use]
+    pub fn registers(&self) -> Registers<T> {
+        let programs = self.equations.programs.iter();
+        let most = programs.map(|(_, program)| program.registers()).max();
+        Registers::new(most.unwrap_or_default())
+    }
+
+    /// Writes a quantity, as [`Model::evaluate`] does.
+    pub fn run(&self, what: Quantity, at: &At<'_, T>, registers: &mut Registers<T>, out: &mut [T]) {
+        match self.equations.program(what) {
+            Some(program) if out.len() == program.len => {
+                program.run(at, &self.params, &self.derived, registers, out);
+            }
+            Some(_) => {}
+            None if !self.equations.layout.spells_out(what) => {
+                mbd_scene::sensitivity(what, &self.equations.layout, at, out);
+            }
+            // Not traced: loud, not silently zero.
+            None => out.fill(T::from_f64(f64::NAN)),
+        }
+    }
+
+    /// Its equations.
+    #[must_use]
+    pub fn equations(&self) -> &Arc<Equations> {
+        &self.equations
+    }
+}
+
 impl<T: Float> Interpreted<T> {
     /// Traces a scene and evaluates its constants for `params` (SI, declaration order).
     ///
@@ -133,33 +190,7 @@ impl<T: Float> Interpreted<T> {
     ) -> Result<Self, ParamError> {
         let equations = equations.into();
         check_params(&equations.scene, params)?;
-        let mut derived = vec![T::zero(); equations.derived.len];
-        let mut registers = Registers::new(equations.derived.registers());
-        let nowhere = At {
-            time: T::zero(),
-            state: &[],
-            nodes: &[],
-            effective: &[],
-            hold: &[],
-            ends: &[],
-            inputs: &[],
-            rows: &[],
-        };
-        equations
-            .derived
-            .run(&nowhere, params, &[], &mut registers, &mut derived);
-        Ok(Interpreted {
-            lines: Numbers::new(&equations.scene, params).lines,
-            params: params.to_vec(),
-            derived,
-            equations,
-        })
-    }
-
-    /// Its equations.
-    #[must_use]
-    pub fn equations(&self) -> &Equations {
-        &self.equations
+        Ok(Self::unchecked(equations, params))
     }
 }
 
@@ -176,13 +207,7 @@ impl<T: Float> Model<T> for Interpreted<T> {
     }
 
     fn work(&self) -> Work<T> {
-        let programs = self.equations.programs.iter();
-        Work::of(Registers::<T>::new(
-            programs
-                .map(|(_, p)| p.registers())
-                .max()
-                .unwrap_or_default(),
-        ))
+        Work::of(self.registers())
     }
 
     fn scene(&self) -> &Scene {
@@ -202,16 +227,8 @@ impl<T: Float> Model<T> for Interpreted<T> {
     }
 
     fn evaluate(&self, what: Quantity, at: &At<'_, T>, work: &mut Work<T>, out: &mut [T]) {
-        match (self.equations.program(what), work.get()) {
-            (Some(program), Some(registers)) if out.len() == program.len => {
-                program.run(at, &self.params, &self.derived, registers, out);
-            }
-            (Some(_), _) => {}
-            (None, _) if !self.equations.layout.spells_out(what) => {
-                mbd_scene::sensitivity(what, &self.equations.layout, at, out);
-            }
-            // Not traced: loud, not silently zero.
-            (None, _) => out.fill(T::from_f64(f64::NAN)),
+        if let Some(registers) = work.get() {
+            self.run(what, at, registers, out);
         }
     }
 }

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::campaign::Campaign;
+use crate::campaign::{Campaign, Resources};
 use crate::failure::Failure;
 use crate::manifest::Manifest;
 use crate::progress::Progress;
@@ -109,7 +109,7 @@ pub fn run(
     campaign: &Campaign,
     folder: &Path,
     (shard, resume): (Shard, bool),
-    threads: usize,
+    resources: Resources,
     progress: &mut Progress,
 ) -> Result<Done, Failure> {
     for part in [folder, &folder.join("blocks"), &folder.join("seconds")] {
@@ -146,7 +146,7 @@ pub fn run(
     let (mut rows, mut seconds) = (String::new(), String::new());
     let mut waiting = missing.iter().copied().peekable();
     let mut unwritten = None;
-    campaign.run(all, &case_at, threads, |row, took| {
+    campaign.run(all, &case_at, resources, |row, took| {
         done.cases += 1;
         done.failed += u64::from(row.status != "ok");
         progress.show(

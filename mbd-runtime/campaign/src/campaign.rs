@@ -35,6 +35,15 @@ pub struct Campaign {
 /// What the judge of a case hands back: when the run ended [s], and its metrics.
 type Judged = (f64, Vec<f64>);
 
+/// What a campaign may use of a machine; its results do not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Resources {
+    /// Threads.
+    pub threads: usize,
+    /// Cases beside each other on each thread: 1, 4 or 8, or as [`Batch::lanes`] says.
+    pub lanes: Option<usize>,
+}
+
 impl Campaign {
     /// The campaign of a file; `settings` say how the model is run where the file says nothing.
     ///
@@ -155,19 +164,22 @@ impl Campaign {
             .plan((&self.nominal, &self.settings), scene, &values)
     }
 
-    /// Runs so many cases, whose numbers `number` says by their place, on so many threads, and hands their rows with the time each took [s] to
-    /// `deliver`, in order.
+    /// Runs so many cases, whose numbers `number` says by their place, and hands their rows with the time each took [s] to `deliver`, in order.
     pub fn run(
         &self,
         count: usize,
         number: &(dyn Fn(usize) -> u64 + Sync),
-        threads: usize,
+        resources: Resources,
         mut deliver: impl FnMut(Row, f64) -> ControlFlow<()>,
     ) {
         let sampling = self.nominal.every.map_or(Sampling::Steps, Sampling::Every);
-        Batch::new(&*self.model, self.nominal.options, self.nominal.until)
+        let mut batch = Batch::new(&*self.model, self.nominal.options, self.nominal.until);
+        if let Some(lanes) = resources.lanes {
+            batch = batch.lanes(lanes);
+        }
+        batch
             .cases((0..count).map(|place| self.params(number(place))))
-            .threads(threads)
+            .threads(resources.threads)
             .record(sampling, self.metrics.content)
             .prepare(|case, run| self.begin(number(case.number()), run))
             .each(
@@ -240,7 +252,11 @@ impl Campaign {
     pub fn replay(&self, case: u64) -> Result<(Row, Trajectory), PlanError> {
         self.check(case)?;
         let mut found = None;
-        self.run(1, &|_| case, 1, |row, _| {
+        let resources = Resources {
+            threads: 1,
+            lanes: Some(1),
+        };
+        self.run(1, &|_| case, resources, |row, _| {
             found = Some(row);
             ControlFlow::Break(())
         });

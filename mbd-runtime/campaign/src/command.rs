@@ -7,11 +7,12 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::thread::available_parallelism;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use mbd_runtime::{Model, ParamError};
 
 use crate::blocks::{self, Shard};
-use crate::campaign::Campaign;
+use crate::campaign::{Campaign, Resources};
 use crate::failure::Failure;
 use crate::page::page;
 use crate::progress::Progress;
@@ -38,6 +39,10 @@ pub struct CampaignArgs {
     /// On so many threads [default: all cores].
     #[arg(long, value_name = "NUMBER")]
     threads: Option<usize>,
+    /// So many cases beside each other on each thread, in the lanes of one register, where the model has its equations over lanes at hand; the results
+    /// do not depend on it [default: what the program is compiled for: 8 with AVX-512, 4 with AVX, else 1].
+    #[arg(long, value_parser = PossibleValuesParser::new(["1", "4", "8"]).try_map(|lanes| lanes.parse::<usize>()))]
+    lanes: Option<usize>,
     /// Go on with what is in the folder already.
     #[arg(long)]
     resume: bool,
@@ -73,12 +78,15 @@ pub fn campaign(
         Some(text) => Shard::find(text, |name| std::env::var(name).ok()).map_err(Failure::Usage)?,
     };
     let all_cores = available_parallelism().map_or(1, usize::from);
-    let threads = args.threads.unwrap_or(all_cores);
+    let resources = Resources {
+        threads: args.threads.unwrap_or(all_cores),
+        lanes: args.lanes,
+    };
     let done = blocks::run(
         &campaign,
         &folder,
         (shard, args.resume),
-        threads,
+        resources,
         &mut Progress::new(),
     )?;
     let written = files::write_shared(&folder.join(REPLAY), &(replay(&args.file) + "\n"));
@@ -341,6 +349,10 @@ struct RunArgs {
 /// ```
 ///
 /// `program campaign dispersions.toml --out results --threads 8` then runs it, `program run dispersions.toml --case 17` repeats one case of it.
+///
+/// Of a model over any scalar, `model Stone<T> { … }`, cases are run beside each other in the lanes of one register, compiled for a processor that has them
+/// (`RUSTFLAGS="-C target-cpu=native"`), where its equations are put at hand: `mbd_campaign::main(Stone::new(StoneParams::default()).map(InLanes::in_lanes))`
+/// with [`mbd_runtime::InLanes`].
 pub fn main(model: Result<impl Model<f64>, ParamError>) -> ExitCode {
     let told = model
         .map_err(|error| Failure::Invalid(error.to_string()))

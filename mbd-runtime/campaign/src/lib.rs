@@ -28,7 +28,7 @@ mod summary;
 mod table;
 
 pub use blocks::Shard;
-pub use campaign::Campaign;
+pub use campaign::{Campaign, Resources};
 pub use command::{CampaignArgs, GatherArgs, campaign, gather, main, report, text};
 pub use failure::Failure;
 pub use manifest::{Column, Manifest};

@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use mbd_campaign::progress::Progress;
 use mbd_campaign::run::Settings;
-use mbd_campaign::{Campaign, Failure, Results, Shard, Summary, blocks};
-use mbd_runtime::{Generic, Model, model};
+use mbd_campaign::{Campaign, Failure, Resources, Results, Shard, Summary, blocks};
+use mbd_runtime::{Generic, InLanes, Model, model};
 
 model! {
     /// A lamp on a cord from a knot without mass, in wind.
-    pub model Lamp {
+    pub model Lamp<T> {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         param mass = 2.0 kg in 0.5 kg ..= 5.0 kg;
         param stiffness = 5 kN/m in 1 kN/m ..= 20 kN/m;
@@ -78,7 +78,8 @@ impl Drop for Folder {
 }
 
 fn lamp() -> Arc<dyn Model<f64>> {
-    Lamp::new(LampParams::default()).expect("defaults").share()
+    let lamp = Lamp::<f64>::new(LampParams::default()).expect("defaults");
+    lamp.share()
 }
 
 fn read(file: &Path) -> Result<Campaign, Failure> {
@@ -95,12 +96,22 @@ fn run(
     shard: &str,
     threads: usize,
 ) -> Result<blocks::Done, Failure> {
+    let lanes = Some(1);
+    run_on(campaign, out, shard, Resources { threads, lanes })
+}
+
+fn run_on(
+    campaign: &Campaign,
+    out: &Path,
+    shard: &str,
+    resources: Resources,
+) -> Result<blocks::Done, Failure> {
     let shard: Shard = shard.parse().expect("a shard");
     blocks::run(
         campaign,
         out,
         (shard, true),
-        threads,
+        resources,
         &mut Progress::silent(),
     )
 }
@@ -118,17 +129,26 @@ fn whole(campaign: &Campaign, folder: &Folder) -> String {
 }
 
 #[test]
-fn threads_and_shards_change_no_byte() {
+fn threads_lanes_and_shards_change_no_byte() {
     let folder = Folder::new("shards");
     let campaign = campaign(&folder, FILE);
     let expected = whole(&campaign, &folder);
     assert_eq!(expected.lines().count(), 1 + 41);
-    for shards in [1, 3, 7, 20] {
+    let lamp = Lamp::<f64>::new(LampParams::default()).expect("defaults");
+    let file = folder.0.join("dispersions.toml");
+    let in_lanes = Campaign::read(&file, lamp.in_lanes().share(), Settings::default());
+    let in_lanes = in_lanes.expect("the same campaign");
+    for (shards, lanes) in [(1, 1), (3, 4), (7, 8), (20, 8)] {
         let out = folder.0.join(format!("of_{shards}"));
         for shard in (1..=shards).rev() {
-            run(&campaign, &out, &format!("{shard}/{shards}"), 1 + shard % 3).expect("it runs");
+            let resources = Resources {
+                threads: [1, 2, 5][shard % 3],
+                lanes: Some(lanes),
+            };
+            let shard = format!("{shard}/{shards}");
+            run_on(&in_lanes, &out, &shard, resources).expect("it runs");
         }
-        assert!(gathered(&out) == expected, "{shards}");
+        assert!(gathered(&out) == expected, "{shards} {lanes}");
     }
 }
 
@@ -396,7 +416,10 @@ fn a_folder_of_another_campaign_is_refused_with_both_values() {
         &one,
         &out,
         (Shard::WHOLE, false),
-        1,
+        Resources {
+            threads: 1,
+            lanes: None,
+        },
         &mut Progress::silent(),
     );
     assert!(

@@ -45,9 +45,9 @@ pub use joints::{
     Universal,
 };
 pub use layout::{
-    Anchor, Asked, Below, Carrying, Elimination, Grouped, HeldMotor, InputSlots, InputSource,
-    JointSlots, Layout, LineEnd, LineSlots, Link, LinkAxes, Network, Node, Order, Plan, PointSlots,
-    Redundancy, Repeat, Slots, Step, StopSlots, Tree,
+    Anchor, Asked, Below, Carrying, Dependent, Elimination, Grouped, HeldMotor, InputSlots,
+    InputSource, JointSlots, Layout, LineEnd, LineSlots, Link, LinkAxes, Network, Node, Order,
+    Plan, PointSlots, Redundancy, Repeat, Slots, Step, StopSlots, Tree,
 };
 pub use lines::LineKind;
 pub use model::{Model, Work};

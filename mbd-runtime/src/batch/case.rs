@@ -93,7 +93,10 @@ pub struct Finished<R, T = f64> {
     pub result: Result<R, Failed<T>>,
     /// What the run cost.
     pub statistics: Statistics,
-    /// Time it took on the clock [s]: the one number here that is another in another run.
+    /// Steps that were tried in lanes beside those of other cases; what is in the result does not depend on it.
+    pub beside: u64,
+    /// Time from its begin to its end on the clock [s], during which others may have been under way beside it. This and `beside` are the only numbers here
+    /// that are others in another run.
     pub seconds: f64,
 }
 

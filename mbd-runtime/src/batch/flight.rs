@@ -1,4 +1,5 @@
-//! One case of a batch, flown: a fresh run of its own, so that nothing of one case is seen by another.
+//! Cases of a batch, flown: each a fresh run of its own, so that nothing of one case is seen by another. Several may be under way at once, whose
+//! steps are then tried beside each other.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -8,11 +9,13 @@ use std::time::Instant;
 use mbd_scene::Model;
 
 use super::case::{Case, Failed, Finished, Why};
+use super::queue::Desk;
 use crate::compiled::Scalar;
 use crate::error::{RunError, Statistics, StepError};
+use crate::lanes::{Lane, Runs};
 use crate::options::Options;
-use crate::simulation::Simulation;
-use crate::trajectory::Trajectory;
+use crate::simulation::{Course, Simulation};
+use crate::trajectory::{Content, Sampling, Trajectory};
 
 /// What the caller does with a fresh run before it begins.
 pub(super) type Prepare<'b, T> =
@@ -24,69 +27,147 @@ pub(super) struct Flights<'b, T: Scalar> {
     pub options: Options,
     pub until: f64,
     pub prepare: Option<Prepare<'b, T>>,
+    /// When a row of each history is written, and what it holds.
+    pub record: (Sampling, Content),
+    /// The number of the first case.
+    pub first: usize,
+    /// The most cases that a thread has under way at once.
+    pub beside: usize,
+}
+
+/// A case under way.
+struct Flight<T: Scalar> {
+    case: Case<T>,
+    /// Its run, once it has begun; it stays where it stops.
+    run: Option<(Simulation<T>, Course)>,
+    history: Trajectory,
+    began: Instant,
+    /// Steps that were tried beside those of other cases.
+    beside: u64,
+}
+
+/// How a turn of a flight ended.
+enum Turn {
+    /// There is more to come.
+    GoesOn,
+    Ended(Result<(), Why>),
 }
 
 impl<T: Scalar> Flights<'_, T> {
-    /// Flies a case, and lets `judge` make something of its history; `None` where `go_on` said no.
-    pub fn fly<R>(
+    /// Flies what the desk has until there is no more; `cancelled` says when to give up, `judge` makes something of each history.
+    pub fn work<R>(
         &self,
-        case: &Case<T>,
-        history: &mut Trajectory,
+        desk: &dyn Desk<Case<T>, Finished<R, T>>,
         judge: &impl Fn(&Case<T>, &Trajectory) -> R,
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Option<Finished<R, T>> {
-        let clock = Instant::now();
-        history.clear();
-        let mut run = None;
-        let flown = catch_unwind(AssertUnwindSafe(|| {
-            self.run(case, &mut run, history, go_on)?;
-            Ok(judge(case, history))
-        }));
-        let result = match flown {
-            Ok(result) => result,
-            Err(words) => Err(Why::Panic(spoken(&*words))),
+        cancelled: &dyn Fn() -> bool,
+    ) {
+        let mut together = match self.beside {
+            1 => None,
+            width => T::together(&*self.model, width),
         };
-        if let Err(Why::Run(error)) = &result
-            && error.cause == StepError::Cancelled
-        {
-            return None;
+        let beside = if together.is_some() { self.beside } else { 1 };
+        let mut flights: Vec<Option<Flight<T>>> = (0..beside).map(|_| None).collect();
+        // A history is as large as a run: each is used again.
+        let mut histories: Vec<Trajectory> = Vec::with_capacity(beside);
+        let mut go_on = |_| !(desk.stops() || cancelled());
+        loop {
+            for place in 0..beside {
+                let idle = flights.iter().all(Option::is_none);
+                let empty = flights.get_mut(place).filter(|flight| flight.is_none());
+                if let Some(empty) = empty
+                    && let Some((number, case)) = desk.take(idle)
+                {
+                    *empty = Some(self.take_off((self.first + number, case), histories.pop()));
+                }
+            }
+            if flights.iter().all(Option::is_none) {
+                return;
+            }
+            if let Some(together) = &mut together {
+                together.attempt(&mut flights);
+            }
+            for slot in &mut flights {
+                let Some(flight) = slot else { continue };
+                let once = together.is_some();
+                let Turn::Ended(result) = self.turn(flight, once, &mut go_on) else {
+                    continue;
+                };
+                if let Some(flight) = slot.take() {
+                    let number = flight.case.number - self.first;
+                    let (finished, history) = flight.land(result, judge);
+                    histories.push(history);
+                    desk.give(number, finished);
+                }
+            }
         }
-        let statistics = run
-            .as_ref()
-            .map_or(Statistics::default(), |run| run.statistics());
-        let result = result.map_err(|why| Failed {
-            why,
-            time: run.as_ref().map_or(f64::NAN, Simulation::time),
-            state: run.map_or(Vec::new(), |run| run.state().to_vec()),
-        });
-        Some(Finished {
-            case: case.number,
-            result,
-            statistics,
-            seconds: clock.elapsed().as_secs_f64(),
-        })
     }
 
-    /// Begins and runs a case; `run` keeps it, also where it stops.
-    fn run(
+    fn take_off(
+        &self,
+        (number, mut case): (usize, Case<T>),
+        history: Option<Trajectory>,
+    ) -> Flight<T> {
+        case.number = number;
+        let (sampling, content) = &self.record;
+        let fresh = || Trajectory::new(&*self.model, sampling.clone(), *content);
+        let mut history = history.unwrap_or_else(fresh);
+        history.clear();
+        Flight {
+            case,
+            run: None,
+            history,
+            began: Instant::now(),
+            beside: 0,
+        }
+    }
+
+    /// Begins a flight, or tries its next step; all of them where it is alone.
+    fn turn(&self, flight: &mut Flight<T>, once: bool, go_on: &mut dyn FnMut(f64) -> bool) -> Turn {
+        let turned = catch_unwind(AssertUnwindSafe(|| -> Result<bool, Why> {
+            let (run, course) = match &mut flight.run {
+                Some(run) => run,
+                None => {
+                    if !go_on(0.0) {
+                        return Err(Why::Run(cancelled()));
+                    }
+                    self.begin(&flight.case, &mut flight.run)?
+                }
+            };
+            loop {
+                let history = &mut Some(&mut flight.history);
+                let stop = T::follow(run, course, history, go_on).map_err(Why::Run)?;
+                if once || stop.is_some() {
+                    return Ok(stop.is_some());
+                }
+            }
+        }));
+        match turned {
+            Ok(Ok(false)) => Turn::GoesOn,
+            Ok(Ok(true)) => Turn::Ended(Ok(())),
+            Ok(Err(why)) => Turn::Ended(Err(why)),
+            Err(words) => Turn::Ended(Err(Why::Panic(spoken(&*words)))),
+        }
+    }
+
+    /// Begins a case; `run` keeps it, also where it stops.
+    fn begin<'r>(
         &self,
         case: &Case<T>,
-        run: &mut Option<Simulation<T>>,
-        history: &mut Trajectory,
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<(), Why> {
+        run: &'r mut Option<(Simulation<T>, Course)>,
+    ) -> Result<&'r mut (Simulation<T>, Course), Why> {
         let own = match &case.params {
             Some(params) => self.model.with_params(params).map_err(Why::Params)?,
             None => self.model.clone(),
         };
         let fresh = Simulation::new(&*own, self.options).map_err(Why::Run)?;
-        let run = run.insert(fresh);
-        self.begin(case, run).map_err(Why::Run)?;
-        let flown = run.run_while(self.until, Some(history), go_on);
-        flown.map(|_| ()).map_err(Why::Run)
+        let begun = run.insert((fresh, Course::default()));
+        let (run, course) = begun;
+        self.prepare(case, run).map_err(Why::Run)?;
+        *course = T::set_course(run, self.until).map_err(Why::Run)?;
+        Ok(begun)
     }
 
-    fn begin(&self, case: &Case<T>, run: &mut Simulation<T>) -> Result<(), RunError> {
+    fn prepare(&self, case: &Case<T>, run: &mut Simulation<T>) -> Result<(), RunError> {
         if let Some((time, state)) = &case.state {
             run.set_state(*time, state)?;
         }
@@ -105,6 +186,61 @@ impl<T: Scalar> Flights<'_, T> {
             Some(prepare) => prepare(case, run),
             None => Ok(()),
         }
+    }
+}
+
+impl<T: Scalar> Runs<T> for Vec<Option<Flight<T>>> {
+    fn lane(&mut self, lane: usize) -> Option<Lane<'_, T>> {
+        let flight = self.get_mut(lane)?.as_mut()?;
+        let (run, course) = flight.run.as_mut()?;
+        Some((run, course, &mut flight.beside))
+    }
+}
+
+impl<T: Scalar> Flight<T> {
+    /// The result of a flight that ended, `None` where it was given up, and its history.
+    fn land<R>(
+        self,
+        ended: Result<(), Why>,
+        judge: &impl Fn(&Case<T>, &Trajectory) -> R,
+    ) -> (Option<Finished<R, T>>, Trajectory) {
+        let Flight {
+            case,
+            run,
+            history,
+            began,
+            beside,
+        } = self;
+        let result = ended.and_then(|()| {
+            let judged = catch_unwind(AssertUnwindSafe(|| judge(&case, &history)));
+            judged.map_err(|words| Why::Panic(spoken(&*words)))
+        });
+        if let Err(Why::Run(error)) = &result
+            && error.cause == StepError::Cancelled
+        {
+            return (None, history);
+        }
+        let run = run.as_ref().map(|(run, _)| run);
+        let finished = Finished {
+            case: case.number,
+            statistics: run.map_or(Statistics::default(), Simulation::statistics),
+            result: result.map_err(|why| Failed {
+                why,
+                time: run.map_or(f64::NAN, Simulation::time),
+                state: run.map_or(Vec::new(), |run| run.state().to_vec()),
+            }),
+            beside,
+            seconds: began.elapsed().as_secs_f64(),
+        };
+        (Some(finished), history)
+    }
+}
+
+/// A run that is given up before it begins.
+fn cancelled() -> RunError {
+    RunError {
+        cause: StepError::Cancelled,
+        progress: Box::default(),
     }
 }
 

@@ -5,8 +5,6 @@
 //! the cases.
 
 use std::ops::ControlFlow;
-use std::sync::Mutex;
-use std::sync::PoisonError;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::available_parallelism;
 
@@ -61,13 +59,19 @@ use flight::Flights;
 pub struct Batch<'b, T: Scalar = f64, I = std::iter::Empty<Case<T>>> {
     cases: I,
     flights: Flights<'b, T>,
-    first: usize,
     threads: usize,
-    sampling: Sampling,
-    content: Content,
     progress: Option<Watcher<'b>>,
     cancel: Option<&'b AtomicBool>,
 }
+
+/// How many numbers of `f64` a register has that the program is compiled for; 1 where lanes gain next to nothing.
+const WIDTH: usize = if cfg!(target_feature = "avx512f") {
+    8
+} else if cfg!(target_feature = "avx") {
+    4
+} else {
+    1
+};
 
 /// What is told of every case that is done.
 type Watcher<'b> = Box<dyn FnMut(Tally) + 'b>;
@@ -95,11 +99,11 @@ impl<'b, T: Scalar> Batch<'b, T> {
                 options,
                 until,
                 prepare: None,
+                record: (Sampling::Steps, Content::RESULTS),
+                first: 0,
+                beside: WIDTH,
             },
-            first: 0,
             threads: available_parallelism().map_or(1, usize::from),
-            sampling: Sampling::Steps,
-            content: Content::RESULTS,
             progress: None,
             cancel: None,
         }
@@ -113,10 +117,7 @@ impl<'b, T: Scalar, I> Batch<'b, T, I> {
         Batch {
             cases: cases.into_iter(),
             flights: self.flights,
-            first: self.first,
             threads: self.threads,
-            sampling: self.sampling,
-            content: self.content,
             progress: self.progress,
             cancel: self.cancel,
         }
@@ -125,7 +126,7 @@ impl<'b, T: Scalar, I> Batch<'b, T, I> {
     /// The number of the first case; 0 by itself.
     #[must_use]
     pub fn numbered_from(mut self, first: usize) -> Self {
-        self.first = first;
+        self.flights.first = first;
         self
     }
 
@@ -136,10 +137,27 @@ impl<'b, T: Scalar, I> Batch<'b, T, I> {
         self
     }
 
+    /// So many cases beside each other on each thread, in the lanes of one register: 8, 4 or 1, other numbers count as the next smaller one. By itself as many as
+    /// the instructions that the program is compiled for have room for: 8 with AVX-512, 4 with AVX, else 1. Results do not depend on it.
+    ///
+    /// In lanes are the steps of explicit methods in which nothing happens, of models that have their equations over lanes at hand
+    /// ([`InLanes`](crate::InLanes)), without rows of joints and without inputs that are functions of time and state, whose equilibrium points, if
+    /// there are any, are `rate` nodes on lines that span space. Every other step is made by its case alone:
+    /// [`Finished::beside`] tells how many were not.
+    #[must_use]
+    pub fn lanes(mut self, lanes: usize) -> Self {
+        self.flights.beside = match lanes {
+            8.. => 8,
+            4.. => 4,
+            _ => 1,
+        };
+        self
+    }
+
     /// When a row of each history is written, and what it holds.
     #[must_use]
     pub fn record(mut self, sampling: Sampling, content: Content) -> Self {
-        (self.sampling, self.content) = (sampling, content);
+        self.flights.record = (sampling, content);
         self
     }
 
@@ -197,10 +215,7 @@ where
         let Batch {
             cases,
             flights,
-            first,
             threads,
-            sampling,
-            content,
             mut progress,
             cancel,
         } = self;
@@ -209,25 +224,10 @@ where
             ..Tally::default()
         };
         let cancelled = || cancel.is_some_and(|switch| switch.load(Ordering::Relaxed));
-        // A history is as large as a run: each is used again.
-        let histories: Mutex<Vec<Trajectory>> = Mutex::default();
-        let idle = || histories.lock().unwrap_or_else(PoisonError::into_inner);
         queue::share_out(
             cases.fuse(),
-            threads,
-            |number, mut case, stop| {
-                case.number = first + number;
-                let history = idle().pop();
-                let mut history = history
-                    .unwrap_or_else(|| Trajectory::new(&*flights.model, sampling.clone(), content));
-                let mut go_on = |_| !(stop.load(Ordering::Relaxed) || cancelled());
-                if !go_on(0.0) {
-                    return None;
-                }
-                let finished = flights.fly(&case, &mut history, &judge, &mut go_on);
-                idle().push(history);
-                finished
-            },
+            (threads, flights.beside),
+            |desk| flights.work(desk, &judge, &cancelled),
             |finished| {
                 tally.done += 1;
                 tally.failed += usize::from(finished.result.is_err());

@@ -2,13 +2,14 @@
 //!
 //! A worker that is far ahead of the oldest piece of work under way waits: what is done and not yet given back never grows with the number of cases.
 
+use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-/// How many cases a thread may be ahead of the oldest one under way.
+/// How many cases a thread may be ahead of the oldest one under way, for each that it has under way at once.
 const AHEAD: usize = 16;
 
 /// Work for several threads.
@@ -33,6 +34,16 @@ struct Inner<I, D> {
     workers: usize,
 }
 
+/// Where a worker takes its work from and gives its results to.
+pub(super) trait Desk<C, D> {
+    /// The next piece of work with its number; where others are far behind and the caller has nothing else to do (`idle`), once there is room for it.
+    fn take(&self, idle: bool) -> Option<(usize, C)>;
+    /// Gives a result back; `None`: the work was given up.
+    fn give(&self, number: usize, result: Option<D>);
+    /// Whether to give up.
+    fn stops(&self) -> bool;
+}
+
 /// A worker that is at work; at its end, also at a panic, the others hear of it.
 struct Worker<'q, I, D>(&'q Queue<I, D>);
 
@@ -49,15 +60,17 @@ impl<I, D> Drop for Worker<'_, I, D> {
     }
 }
 
-impl<I: Iterator, D> Queue<I, D> {
-    /// The next piece of work with its number, once there is room for it.
-    fn take(&self) -> Option<(usize, I::Item)> {
+impl<I: Iterator, D> Desk<I::Item, D> for Queue<I, D> {
+    fn take(&self, idle: bool) -> Option<(usize, I::Item)> {
         let mut inner = self.lock();
-        while inner.taken - inner.given >= self.window && !self.stop.load(Ordering::Relaxed) {
+        while inner.taken - inner.given >= self.window && !self.stops() {
+            if !idle {
+                return None;
+            }
             let waited = self.room.wait(inner);
             inner = waited.unwrap_or_else(PoisonError::into_inner);
         }
-        if self.stop.load(Ordering::Relaxed) {
+        if self.stops() {
             return None;
         }
         let next = inner.source.next()?;
@@ -65,12 +78,6 @@ impl<I: Iterator, D> Queue<I, D> {
         inner.taken += 1;
         inner.results.push_back(None);
         Some((number, next))
-    }
-}
-
-impl<I, D> Queue<I, D> {
-    fn lock(&self) -> MutexGuard<'_, Inner<I, D>> {
-        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn give(&self, number: usize, result: Option<D>) {
@@ -83,7 +90,17 @@ impl<I, D> Queue<I, D> {
         self.done.notify_one();
     }
 
-    /// The next result in order; `None` when there is none to come, or when it was given up.
+    fn stops(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+impl<I, D> Queue<I, D> {
+    fn lock(&self) -> MutexGuard<'_, Inner<I, D>> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next result in order, once it is there; `None` when there is none to come, or when it was given up.
     fn collect(&self) -> Option<D> {
         let mut inner = self.lock();
         loop {
@@ -112,12 +129,12 @@ impl<I, D> Queue<I, D> {
     }
 }
 
-/// Does the work of a source on so many threads, and hands the results to `deliver` in the order of the source, on the calling thread, until one
-/// is given up (`None`) or `deliver` breaks off. `work` is told whether to give up.
+/// Does the work of a source on so many threads, each with at most `beside` pieces under way at once, and hands the results to `deliver` in the order of the
+/// source, on the calling thread, until one is given up (`None`) or `deliver` breaks off. `work` takes what there is from its desk.
 pub(super) fn share_out<C: Send, D: Send>(
     source: impl Iterator<Item = C> + Send,
-    threads: usize,
-    work: impl Fn(usize, C, &AtomicBool) -> Option<D> + Sync,
+    (threads, beside): (usize, usize),
+    work: impl Fn(&dyn Desk<C, D>) + Sync,
     mut deliver: impl FnMut(D) -> ControlFlow<()>,
 ) {
     let queue = Queue {
@@ -131,13 +148,11 @@ pub(super) fn share_out<C: Send, D: Send>(
         room: Condvar::new(),
         done: Condvar::new(),
         stop: AtomicBool::new(false),
-        window: AHEAD * threads,
+        window: AHEAD * threads * beside,
     };
     let labour = || {
         let _worker = Worker(&queue);
-        while let Some((number, case)) = queue.take() {
-            queue.give(number, work(number, case, &queue.stop));
-        }
+        work(&queue);
     };
     let spawned = thread::scope(|scope| {
         let mut spawned = 0;
@@ -159,16 +174,42 @@ pub(super) fn share_out<C: Send, D: Send>(
         }
         spawned
     });
-    // Where the system gives no thread, the calling one does the work.
-    while spawned == 0
-        && let Some((number, case)) = queue.take()
-    {
-        queue.give(number, work(number, case, &queue.stop));
-        let Some(result) = queue.collect() else {
-            return;
+    if spawned == 0 {
+        // Where the system gives no thread, the calling one does the work.
+        work(&Alone {
+            queue: &queue,
+            deliver: RefCell::new(&mut deliver),
+        });
+    }
+}
+
+/// The desk of the calling thread: what is done is delivered at once.
+struct Alone<'q, I, D> {
+    queue: &'q Queue<I, D>,
+    deliver: RefCell<&'q mut dyn FnMut(D) -> ControlFlow<()>>,
+}
+
+impl<I: Iterator, D> Desk<I::Item, D> for Alone<'_, I, D> {
+    fn take(&self, idle: bool) -> Option<(usize, I::Item)> {
+        self.queue.take(idle)
+    }
+
+    fn give(&self, number: usize, result: Option<D>) {
+        self.queue.give(number, result);
+        let is_done = || {
+            let inner = self.queue.lock();
+            inner.results.front().is_some_and(Option::is_some)
         };
-        if deliver(result).is_break() {
-            return;
+        while !self.stops() && is_done() {
+            let result = self.queue.collect();
+            let delivered = result.map(|result| (self.deliver.borrow_mut())(result));
+            if delivered.is_none_or(|flow| flow.is_break()) {
+                self.queue.stop();
+            }
         }
+    }
+
+    fn stops(&self) -> bool {
+        self.queue.stops()
     }
 }

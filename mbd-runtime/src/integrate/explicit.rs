@@ -1,6 +1,6 @@
 //! One step of an explicit Runge–Kutta method.
 
-use mbd_scene::Float;
+use mbd_scene::{Float, Real};
 
 use super::Rates;
 use super::tableau::Tableau;
@@ -38,7 +38,7 @@ pub(crate) struct Explicit<T> {
     nothing: Vec<T>,
 }
 
-impl<T: Float> Explicit<T> {
+impl<T: Real> Explicit<T> {
     /// Storage for states of a given length.
     pub(crate) fn new<const S: usize, const N: usize, const D: usize>(
         tableau: &Tableau<S, N, D>,
@@ -75,6 +75,98 @@ impl<T: Float> Explicit<T> {
         }
     }
 
+    /// The stages of a step of size `h` from `state` after the first one: `rates` is told whether a stage is the last, when it is and how long after the start
+    /// of the step (the time `from` and the step `over`, in a scalar of their own), and writes the rates at its state, which it may change at the last.
+    ///
+    /// # Errors
+    /// The first of `rates`.
+    pub(crate) fn stages<C: Real, E>(
+        &mut self,
+        [from, over]: [C; 2],
+        h: T,
+        state: &[T],
+        mut rates: impl FnMut(bool, [C; 2], &mut [T], &mut [T]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let last = self.steps - 1;
+        self.complete = false;
+        for (i, (c, row)) in self.rows.iter().enumerate().take(self.steps).skip(1) {
+            let (done, rest) = self.stages.split_at_mut(i * self.length);
+            let span = C::from_f64(*c) * over;
+            let trial = if i == last {
+                &mut self.next
+            } else {
+                &mut self.trial
+            };
+            combine(state, h, row, done, trial);
+            let (stage, _) = rest.split_at_mut(self.length);
+            rates(i == last, [from + span, span], trial, stage)?;
+        }
+        Ok(())
+    }
+
+    /// The state at the end of the last attempt.
+    pub(crate) fn next(&self) -> &[T] {
+        &self.next
+    }
+
+    /// The rates at the start of the step, to be changed.
+    pub(crate) fn first_mut(&mut self) -> &mut [T] {
+        self.stages.get_mut(..self.length).unwrap_or_default()
+    }
+
+    /// The rates at the start of the step.
+    pub(crate) fn first(&self) -> &[T] {
+        self.stages.get(..self.length).unwrap_or(&[])
+    }
+
+    /// The rates of all stages, one after the other, and the state at the end of the last attempt.
+    pub(crate) fn attempted(&self) -> [&[T]; 2] {
+        [&self.stages, &self.next]
+    }
+
+    /// The same to be written: an attempt that was made elsewhere.
+    pub(crate) fn attempted_mut(&mut self) -> [&mut [T]; 2] {
+        self.complete = false;
+        [&mut self.stages, &mut self.next]
+    }
+
+    /// How many stages a step has.
+    pub(crate) fn count(&self) -> usize {
+        self.steps
+    }
+
+    /// Takes the last attempt: its last stage becomes the first of the next step.
+    pub(crate) fn accept(&mut self, state: &mut [T]) {
+        state.copy_from_slice(&self.next);
+        let last = (self.steps - 1) * self.length;
+        self.stages.copy_within(last..last + self.length, 0);
+    }
+}
+
+impl<T: Float> Explicit<T> {
+    /// The same method over another scalar, with room of its own.
+    pub(crate) fn over<S: Real>(&self) -> Explicit<S> {
+        let number = |x: &T| S::from_f64(x.to_f64());
+        let list = |list: &Vec<T>| list.iter().map(number).collect();
+        let room = |list: &Vec<T>| vec![S::zero(); list.len()];
+        let rows = self.rows.iter();
+        Explicit {
+            length: self.length,
+            rows: rows.map(|(c, row)| (*c, list(row))).collect(),
+            steps: self.steps,
+            error: list(&self.error),
+            dense: self.dense.iter().map(list).collect(),
+            exponent: self.exponent,
+            stable: self.stable,
+            alike: self.alike,
+            stages: room(&self.stages),
+            complete: false,
+            trial: room(&self.trial),
+            next: room(&self.next),
+            nothing: room(&self.nothing),
+        }
+    }
+
     /// The first stage: the rates at the start of a step, `span` after the last accepted one. Needed once, and again after anything jumped.
     pub(crate) fn begin(
         &mut self,
@@ -97,38 +189,19 @@ impl<T: Float> Explicit<T> {
         step: f64,
         state: &[T],
     ) -> Result<(), StepError> {
-        let h = T::from_f64(step);
-        let last = self.steps - 1;
-        self.complete = false;
         system.enter();
-        for (i, (c, row)) in self.rows.iter().enumerate().take(self.steps).skip(1) {
-            let (done, rest) = self.stages.split_at_mut(i * self.length);
-            let span = c * step;
-            let trial = if i == last {
-                &mut self.next
-            } else {
-                &mut self.trial
-            };
-            combine(state, h, row, done, trial);
-            if i == last {
-                system.project_end(time + span, trial)?;
-            }
-            let (stage, _) = rest.split_at_mut(self.length);
-            system.rates(time + span, span, trial, stage)?;
-        }
-        Ok(())
-    }
-
-    /// The state at the end of the last attempt.
-    pub(crate) fn next(&self) -> &[T] {
-        &self.next
-    }
-
-    /// Takes the last attempt: its last stage becomes the first of the next step.
-    pub(crate) fn accept(&mut self, state: &mut [T]) {
-        state.copy_from_slice(&self.next);
-        let last = (self.steps - 1) * self.length;
-        self.stages.copy_within(last..last + self.length, 0);
+        let h = T::from_f64(step);
+        self.stages(
+            [time, step],
+            h,
+            state,
+            |last, [time, span], trial, stage| {
+                if last {
+                    system.project_end(time, trial)?;
+                }
+                system.rates(time, span, trial, stage)
+            },
+        )
     }
 
     /// The estimate h Σ (b_i − b̂_i) k_i of the error of the last attempt, and the state at its end.
@@ -230,16 +303,6 @@ impl<T: Float> Explicit<T> {
     /// What [`Explicit::rate`] left.
     pub(crate) fn differences(&self) -> &[T] {
         &self.trial
-    }
-
-    /// The rates at the start of the step, to be changed.
-    pub(crate) fn first_mut(&mut self) -> &mut [T] {
-        self.stages.get_mut(..self.length).unwrap_or_default()
-    }
-
-    /// The rates at the start of the step.
-    pub(crate) fn first(&self) -> &[T] {
-        self.stages.get(..self.length).unwrap_or(&[])
     }
 }
 

@@ -93,6 +93,22 @@ impl<T: Float> Stepper<T> {
         current!(&mut self.method, method => method.attempt(system, time, step, state))
     }
 
+    /// The explicit method, where that makes the steps.
+    pub(crate) fn explicit(&self) -> Option<&Explicit<T>> {
+        match &self.method {
+            Family::Explicit(method) => Some(method),
+            _ => None,
+        }
+    }
+
+    /// The same to be changed.
+    pub(crate) fn explicit_mut(&mut self) -> Option<&mut Explicit<T>> {
+        match &mut self.method {
+            Family::Explicit(method) => Some(method),
+            _ => None,
+        }
+    }
+
     /// The state at the end of the last attempt.
     pub(crate) fn next(&self) -> &[T] {
         current!(&self.method, method => method.next())

@@ -1,15 +1,13 @@
 //! RK4 for several cases in lock-step: one step of all of them is one step of lanes.
 
+use std::convert::Infallible;
+
 use mbd_scene::{Layout, Quantity};
 
 use super::Lanes;
 use crate::error::StepError;
-use crate::integrate::RK4;
-use crate::list::combine;
+use crate::integrate::{Explicit, RK4};
 use crate::trajectory::resolution;
-
-/// Stages of a step; the rates at its end are the first of the next.
-const STAGES: usize = 5;
 
 /// Several cases of one model, a case a lane, with the same fixed step of RK4: each lane is what a run with
 /// [`Options::rk4`](crate::Options::rk4) gives, to the bit.
@@ -56,9 +54,7 @@ pub struct LockStep<L, F> {
     origin: f64,
     count: u64,
     state: Vec<L>,
-    stages: Vec<L>,
-    trial: Vec<L>,
-    weights: Vec<(f64, Vec<L>)>,
+    method: Explicit<L>,
 }
 
 impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
@@ -89,11 +85,6 @@ impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
                 });
             }
         }
-        let rows = RK4.a.iter().zip(&RK4.c).enumerate();
-        let rows = rows.map(|(at, (row, c))| {
-            let weights = row.iter().take(at).map(|weight| L::from_f64(*weight));
-            (*c, weights.collect())
-        });
         let mut this = LockStep {
             rates,
             quaternions: layout.quaternions().collect(),
@@ -101,13 +92,10 @@ impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
             time: 0.0,
             origin: 0.0,
             count: 0,
-            stages: vec![L::zero(); STAGES * length],
-            trial: start.clone(),
+            method: Explicit::new(&RK4, length),
             state: start,
-            weights: rows.collect(),
         };
-        let (first, _) = this.stages.split_at_mut(length);
-        (this.rates)(0.0, &this.state, first);
+        (this.rates)(0.0, &this.state, this.method.first_mut());
         Ok(this)
     }
 
@@ -151,33 +139,34 @@ impl<L: Lanes, F: FnMut(f64, &[L], &mut [L])> LockStep<L, F> {
     }
 
     fn advance(&mut self, step: f64) {
-        let (length, h) = (self.state.len(), L::from_f64(step));
-        for (at, (c, weights)) in self.weights.iter().enumerate().skip(1) {
-            let (done, rest) = self.stages.split_at_mut(at * length);
-            combine(&self.state, h, weights, done, &mut self.trial);
-            if at + 1 == STAGES {
-                normalise(&self.quaternions, &mut self.trial);
+        let (rates, quaternions) = (&mut self.rates, &self.quaternions);
+        let each = |last, [time, _]: [f64; 2], trial: &mut [L], stage: &mut [L]| {
+            if last {
+                normalise(quaternions, trial);
             }
-            let (stage, _) = rest.split_at_mut(length);
-            (self.rates)(self.time + c * step, &self.trial, stage);
-        }
-        self.state.copy_from_slice(&self.trial);
-        let last = (STAGES - 1) * length;
-        self.stages.copy_within(last..last + length, 0);
+            rates(time, trial, stage);
+            Ok::<(), Infallible>(())
+        };
+        let (method, h) = (&mut self.method, L::from_f64(step));
+        let Ok(()) = method.stages([self.time, step], h, &self.state, each);
+        method.accept(&mut self.state);
     }
 }
 
-/// Makes every quaternion a unit quaternion; one that is zero or not finite stays.
-fn normalise<L: Lanes>(quaternions: &[usize], state: &mut [L]) {
+/// Makes every quaternion a unit quaternion, and tells the largest | |q| − 1 | there was; one that is zero or not finite stays.
+pub(super) fn normalise<L: Lanes>(quaternions: &[usize], state: &mut [L]) -> L {
+    let mut drift = L::zero();
     for &at in quaternions {
         let Some(quaternion) = state.get_mut(at..at + 4) else {
             continue;
         };
         let square = quaternion.iter().fold(L::zero(), |sum, x| sum + *x * *x);
         let norm = square.sqrt();
+        drift = drift.max((norm - L::one()).abs());
         let usable = L::both(L::zero().lt(norm), norm.le(L::from_f64(f64::MAX)));
         for x in quaternion {
             *x = L::select(usable, *x / norm, *x);
         }
     }
+    drift
 }

@@ -11,8 +11,13 @@ use mbd_scene::Real;
 use num_traits::{One, Zero};
 use wide::{f64x4, f64x8};
 
+mod form;
+mod group;
 mod lockstep;
+mod networks;
 
+pub use form::{Beside, Equations, Form, Forms, InLanes};
+pub(crate) use group::{Lane, Runs, Together, together};
 pub use lockstep::LockStep;
 
 /// A scalar that holds the numbers of several cases.
@@ -27,6 +32,14 @@ pub trait Lanes: Real + Send + Sync {
     /// The number of a lane; NaN of a lane that there is not.
     #[must_use]
     fn lane(self, index: usize) -> f64;
+
+    /// The numbers of all lanes.
+    #[must_use]
+    fn numbers(&self) -> &[f64];
+
+    /// The same to be changed.
+    #[must_use]
+    fn numbers_mut(&mut self) -> &mut [f64];
 }
 
 /// Implements a scalar of several lanes on a register.
@@ -54,7 +67,17 @@ macro_rules! lanes {
 
             #[inline]
             fn lane(self, index: usize) -> f64 {
-                self.0.to_array().get(index).copied().unwrap_or(f64::NAN)
+                self.0.as_array().get(index).copied().unwrap_or(f64::NAN)
+            }
+
+            #[inline]
+            fn numbers(&self) -> &[f64] {
+                self.0.as_array()
+            }
+
+            #[inline]
+            fn numbers_mut(&mut self) -> &mut [f64] {
+                self.0.as_mut_array()
             }
         }
 

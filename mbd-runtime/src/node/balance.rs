@@ -1,11 +1,12 @@
 //! What the solver needs to know of an equilibrium problem: the gradient and the stiffness of a convex line energy.
 
-use mbd_scene::Float;
 use mbd_scene::laws::{self, line};
+use mbd_scene::{Float, Real};
 use nalgebra::Vector3;
 
 use super::factor::Block;
 use super::scene::ENDLESS;
+use super::warm::is_safe;
 
 /// Forces on m coupled nodes held by tension-only lines.
 ///
@@ -93,7 +94,7 @@ impl<T: Float> Balance<T> for Tied<'_, T> {
 }
 
 /// Three numbers of a list as a vector; zero beyond its end.
-pub(crate) fn triple<T: Float>(list: &[T], at: usize) -> Vector3<T> {
+pub(crate) fn triple<T: Real>(list: &[T], at: usize) -> Vector3<T> {
     match list.get(at..).and_then(<[T]>::first_chunk) {
         Some(&[x, y, z]) => Vector3::new(x, y, z),
         None => Vector3::zeros(),
@@ -107,7 +108,7 @@ pub struct Evaluation<T> {
     values: Vec<T>,
 }
 
-impl<T: Float> Evaluation<T> {
+impl<T: Real> Evaluation<T> {
     /// Room for `nodes` nodes and `blocks` blocks of H.
     #[must_use]
     pub fn new(nodes: usize, blocks: usize) -> Self {
@@ -177,19 +178,17 @@ impl<T: Float> Evaluation<T> {
             .checked_sub(from_end)
             .and_then(|at| self.values.get(at))
             .copied()
-            .unwrap_or_default()
+            .unwrap_or_else(T::zero)
     }
 }
 
 /// The Euclidean length of a list, safe against overflow and underflow of the squares.
 pub(crate) fn norm<T: Float>(list: &[T]) -> T {
     let square = inner(list, list);
-    // Squares in this range lose nothing but what is rounding of the others.
-    let [low, high] = [T::EPSILON * T::EPSILON, T::one() / T::EPSILON];
-    if low < square && square < high * high {
-        return square.sqrt();
+    match is_safe(square, T::EPSILON) {
+        true => square.sqrt(),
+        false => scaled_norm(list),
     }
-    scaled_norm(list)
 }
 
 /// The same by the largest of its numbers.
@@ -213,7 +212,7 @@ fn scaled_norm<T: Float>(list: &[T]) -> T {
 }
 
 /// The inner product of two lists.
-pub(crate) fn inner<T: Float>(a: &[T], b: &[T]) -> T {
+pub(crate) fn inner<T: Real>(a: &[T], b: &[T]) -> T {
     let products = a.iter().zip(b);
     products.fold(T::zero(), |sum, (&x, &y)| sum + x * y)
 }

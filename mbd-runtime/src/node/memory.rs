@@ -40,6 +40,22 @@ fn start_modes(layout: &Layout) -> Vec<Mode> {
     layout.start_detached().map(of).collect()
 }
 
+/// Nodes, anchors and stretches at the last accepted step, stretches at the one before it.
+pub(crate) struct LastStep<'a, T> {
+    /// Positions of the nodes, 3 each [m].
+    pub nodes: &'a [T],
+    /// Positions of their anchors, 3 each [m].
+    pub anchors: &'a [T],
+    /// Stretch of every line [m].
+    pub stretch: &'a [T],
+    /// The same a step before [m].
+    pub previous: &'a [T],
+    /// Per network whether no line changed between slack and taut in the last step.
+    pub smooth: &'a [bool],
+    /// Size of the last step [s].
+    pub step: T,
+}
+
 impl<T: Float> NodeMemory<T> {
     /// An empty memory; [`Nodes::start`](super::Nodes::start) fills it.
     #[must_use]
@@ -55,6 +71,18 @@ impl<T: Float> NodeMemory<T> {
             smooth: vec![false; layout.networks.len()],
             ranks: vec![3; layout.networks.len()],
             modes: start_modes(layout),
+        }
+    }
+
+    /// What the next solves of networks start from.
+    pub(crate) fn last_step(&self) -> LastStep<'_, T> {
+        LastStep {
+            nodes: &self.nodes,
+            anchors: &self.anchors,
+            stretch: &self.stretch,
+            previous: &self.previous,
+            smooth: &self.smooth,
+            step: self.step,
         }
     }
 

@@ -21,6 +21,7 @@ mod solver;
 mod stage;
 mod start;
 mod stepwise;
+pub(crate) mod warm;
 
 pub(crate) use balance::triple;
 pub use balance::{Balance, Evaluation, Tie, Tied};
@@ -29,7 +30,9 @@ pub use factor::{Block, BlockCholesky};
 pub use memory::NodeMemory;
 pub use rate::{Leg, RateNode, Spread};
 pub(crate) use rate::{inverse, projection, spanned};
-pub(crate) use scene::own_anchors;
+pub(crate) use scene::{Plan, own_anchors};
+pub(crate) use solver::WARM_STEPS;
 pub use solver::{Outcome, Solver, Strategy, Tolerance};
 pub use stage::{Nodes, Stage, Statistics};
+pub(crate) use stepwise::law;
 pub use stepwise::{History, effective};

@@ -3,11 +3,12 @@
 
 use std::ops::Range;
 
-use mbd_scene::{Float, Quantity, Work};
+use mbd_scene::{Float, Quantity, Real, Work};
 
 use super::error::NodeError;
 use super::memory::NodeMemory;
 use super::rate::ROUNDING;
+use super::scene::Plan;
 use super::stage::{Nodes, Stage};
 use crate::unilateral::Mode;
 
@@ -36,17 +37,10 @@ impl<T: Float> Nodes<T> {
         Ok(())
     }
 
-    /// Finds nodes and derivative at once; `false`: nothing is found, the rules of [`RateNode`](super::RateNode) decide.
-    fn find_rates(
-        &mut self,
-        stage: Stage<'_, T>,
-        span: T,
-        memory: &NodeMemory<T>,
-        work: &mut Work<T>,
-        out: &mut [T],
-    ) -> bool {
-        let nx = self.layout.nx();
-        if self.rates.is_empty() || !self.may_span(memory) || out.len() != nx {
+    /// Whether nodes and derivative may be found at once at a stage: lines that may span space carry at every node. Elements are then held in the modes
+    /// of the memory.
+    pub(crate) fn hold_for_rates(&mut self, stage: Stage<'_, T>, memory: &NodeMemory<T>) -> bool {
+        if self.rates.is_empty() || !self.may_span(memory) {
             return false;
         }
         if self.check_shape(stage).is_err() || memory.check(&self.layout).is_err() {
@@ -57,6 +51,41 @@ impl<T: Float> Nodes<T> {
             for (_, line) in &plan.legs {
                 self.hold[line.line] = memory.modes[line.line].hold();
             }
+        }
+        true
+    }
+
+    /// Takes over what [`Quantity::Rates`] was elsewhere at a stage, as if it had been evaluated here, for elements held by [`Nodes::hold_for_rates`];
+    /// `false` where the rules of [`RateNode`](super::RateNode) decide.
+    pub(crate) fn receive_rates(
+        &mut self,
+        stage: Stage<'_, T>,
+        span: T,
+        memory: &NodeMemory<T>,
+        fill: impl FnOnce(&mut [T]),
+    ) -> bool {
+        let mut rates = std::mem::take(&mut self.rates);
+        fill(&mut rates);
+        let found = self.take_rates(stage, &rates, memory);
+        if found {
+            self.span = span;
+        }
+        self.rates = rates;
+        found
+    }
+
+    /// Finds nodes and derivative at once; `false`: nothing is found, the rules of [`RateNode`](super::RateNode) decide.
+    fn find_rates(
+        &mut self,
+        stage: Stage<'_, T>,
+        span: T,
+        memory: &NodeMemory<T>,
+        work: &mut Work<T>,
+        out: &mut [T],
+    ) -> bool {
+        let nx = self.layout.nx();
+        if out.len() != nx || !self.hold_for_rates(stage, memory) {
+            return false;
         }
         let mut rates = std::mem::take(&mut self.rates);
         // A model that does not find them leaves this as it is.
@@ -94,41 +123,18 @@ impl<T: Float> Nodes<T> {
 
     /// Takes over nodes, anchors and lines out of [`Quantity::Rates`], if the lines that were held are those which carry.
     fn take_rates(&mut self, stage: Stage<'_, T>, rates: &[T], memory: &NodeMemory<T>) -> bool {
-        let zero = T::zero();
-        let (_, rest) = rates.split_at(self.layout.nx());
-        let (_, rest) = rest.split_at(self.ends.len());
-        let (of_nodes, of_lines) = rest.split_at(2 * self.layout.nodes.len());
-        let mut lines = of_lines.chunks_exact(2);
-        for plan in &self.plans {
-            let (Some(&node), true) = (plan.nodes.first(), plan.is_rate()) else {
-                return false;
-            };
-            let [margin, size] = [0, 1].map(|k| of_nodes[2 * node + k]);
-            let rounding = size * T::EPSILON * T::from_f64(ROUNDING);
-            let mut pulls = false;
-            for (_, leg) in &plan.legs {
-                let Some(&[stretch, pull]) = lines.next().and_then(<[T]>::first_chunk) else {
-                    return false;
-                };
-                let carries = memory.modes[leg.line] == Mode::Active;
-                let consistent = match carries {
-                    true => stretch > zero && pull >= zero,
-                    false => stretch <= zero || pull <= zero,
-                };
-                if !self.frozen && !consistent {
-                    return false;
-                }
-                pulls |= carries && pull > rounding;
-                if !self.frozen {
-                    self.modes[leg.line] = Mode::of(stretch > zero, carries);
-                }
-                self.stretch[leg.line] = stretch;
+        let carries = |line: usize| memory.modes[line] == Mode::Active;
+        let holds = self.layout_of_rates().holds(rates, T::EPSILON, carries);
+        if !holds {
+            return false;
+        }
+        let (_, of_lines) = rates.split_at(self.margins_of_rates().end);
+        let legs = self.plans.iter().flat_map(|plan| &plan.legs);
+        for ((_, leg), own) in legs.zip(of_lines.chunks_exact(2)) {
+            if !self.frozen {
+                self.modes[leg.line] = Mode::of(own[0] > T::zero(), carries(leg.line));
             }
-            // Where nothing pulls, or D may have lost a direction, the node follows other rules.
-            let spans = margin > zero;
-            if !(pulls && spans) {
-                return false;
-            }
+            self.stretch[leg.line] = own[0];
         }
         for plan in &mut self.plans {
             if let (Some(&node), Some(z)) = (plan.nodes.first(), plan.z) {
@@ -136,8 +142,84 @@ impl<T: Float> Nodes<T> {
                 plan.p.copy_from_slice(&stage.state[z..z + 3]);
             }
         }
-        self.statistics.solves += self.plans.len() as u64;
+        self.count_solves(1);
         self.spanned = true;
         true
+    }
+
+    /// Counts every network as solved so often.
+    pub(crate) fn count_solves(&mut self, times: usize) {
+        self.statistics.solves += (times * self.plans.len()) as u64;
+    }
+
+    /// Where nodes and lines are in [`Quantity::Rates`].
+    pub(crate) fn layout_of_rates(&self) -> RatesLayout<'_, T> {
+        RatesLayout {
+            plans: &self.plans,
+            margins: self.margins_of_rates(),
+            frozen: self.frozen,
+        }
+    }
+}
+
+/// Where nodes and lines are in [`Quantity::Rates`].
+#[derive(Clone, Debug)]
+pub(crate) struct RatesLayout<'a, T: Float> {
+    plans: &'a [Plan<T>],
+    /// The margin of every node, each with the largest term of a pull behind it; stretch and pull of their lines follow.
+    margins: Range<usize>,
+    /// Whether the modes of lines are kept, whatever stretch and pull say.
+    frozen: bool,
+}
+
+impl<T: Float> RatesLayout<'_, T> {
+    /// Where the velocity of every node is in the rates, and in the node unknowns.
+    pub(crate) fn velocities(&self) -> impl Iterator<Item = [usize; 2]> {
+        let places = self.plans.iter();
+        places.filter_map(|plan| Some([plan.z?, 3 * plan.nodes.first()?]))
+    }
+
+    /// Whether the lines that were held are those which carry: at every node they pull beyond rounding and span space, and where modes are not
+    /// frozen every line does what was held of it.
+    pub(crate) fn holds<S: Real>(
+        &self,
+        rates: &[S],
+        epsilon: S,
+        carries: impl Fn(usize) -> S::Mask,
+    ) -> S::Mask {
+        let (zero, one) = (S::zero(), S::one());
+        let flag = |mask: S::Mask| S::select(mask, one, zero);
+        let no = zero.lt(zero);
+        let mut lines = rates
+            .get(self.margins.end..)
+            .unwrap_or_default()
+            .chunks_exact(2);
+        let mut all = one;
+        for plan in self.plans {
+            let own = plan.nodes.first().and_then(|node| {
+                let at = self.margins.start + 2 * node;
+                rates.get(at..)?.first_chunk().filter(|_| plan.is_rate())
+            });
+            let Some(&[margin, size]) = own else {
+                return no;
+            };
+            let rounding = size * epsilon * S::from_f64(ROUNDING);
+            // Where nothing pulls, or D may have lost a direction, the node follows other rules.
+            let (mut pulls, spans) = (zero, flag(zero.lt(margin)));
+            for (_, leg) in &plan.legs {
+                let Some(&[stretch, pull]) = lines.next().and_then(<[S]>::first_chunk) else {
+                    return no;
+                };
+                let carries = carries(leg.line);
+                if !self.frozen {
+                    let carried = flag(S::both(zero.lt(stretch), zero.le(pull)));
+                    let let_go = S::select(stretch.le(zero), one, flag(pull.le(zero)));
+                    all *= S::select(carries, carried, let_go);
+                }
+                pulls = S::select(S::both(carries, rounding.lt(pull)), one, pulls);
+            }
+            all *= pulls * spans;
+        }
+        zero.lt(all)
     }
 }

@@ -13,14 +13,14 @@
 //! Strategy 3 descends a convex function with Lipschitz gradient and compact level sets, so it converges from everywhere; the slope and not
 //! the energy decides the step, because the energy cannot resolve the last digits. Plain Newton alone cycles (`tests/node_counterexamples.rs`).
 
+use mbd_scene::Float;
 use mbd_scene::laws::line;
-use mbd_scene::{Float, solve_regular};
-use nalgebra::Vector3;
 
 use super::balance::{Balance, Evaluation, inner, norm};
 use super::error::{NodeError, UNEVEN, Uneven};
 use super::factor::BlockCholesky;
 use super::scene::ENDLESS;
+use super::warm::{Standing, Targets, direction_of_one, shift};
 
 /// When a balance counts as solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +42,11 @@ impl<T: Float> Tolerance<T> {
     #[must_use]
     pub fn inside_step() -> Self {
         Tolerance::floored(1e-12, 1e-15)
+    }
+
+    /// What warm Newton is judged by with it.
+    pub(crate) fn warm(self) -> Targets<T> {
+        Limits::warm(self).targets()
     }
 
     fn floored(relative: f64, absolute: f64) -> Self {
@@ -167,7 +172,7 @@ struct Limits<T> {
     cap: usize,
 }
 
-const WARM_STEPS: usize = 12;
+pub(crate) const WARM_STEPS: usize = 12;
 const HOMOTOPY_STAGES: usize = 8;
 const HOMOTOPY_PLAIN: usize = 15;
 const HOMOTOPY_CAP: usize = 40;
@@ -268,8 +273,7 @@ impl<T: Float> Solver<T> {
         l: &[T],
         tolerance: Tolerance<T>,
     ) -> (Strategy, Verdict<T>) {
-        let limits = Limits::steps(tolerance, WARM_STEPS, WARM_STEPS);
-        let warm = self.descent.newton(balance, k, l, limits);
+        let warm = self.descent.newton(balance, k, l, Limits::warm(tolerance));
         if !matches!(warm, Verdict::Stopped) {
             return (Strategy::Warm, warm);
         }
@@ -323,6 +327,20 @@ impl<T: Float> Limits<T> {
             plain,
             cap,
         }
+    }
+
+    /// What a descent is judged by.
+    fn targets(&self) -> Targets<T> {
+        Targets {
+            relative: self.balanced.relative,
+            absolute: self.balanced.absolute,
+            slack: self.slack,
+        }
+    }
+
+    /// Newton from the given start, without a search.
+    fn warm(balanced: Tolerance<T>) -> Self {
+        Limits::steps(balanced, WARM_STEPS, WARM_STEPS)
     }
 
     fn search(balanced: Tolerance<T>, nodes: usize) -> Self {
@@ -452,33 +470,22 @@ impl<T: Float> Descent<T> {
 
     /// The residual |g|, or the end of the descent.
     fn judge(&self, load: T, limits: Limits<T>) -> Result<T, Verdict<T>> {
-        let (tension, floor) = (self.here.tension(), self.here.floor());
-        let unloaded = load == T::zero();
-        if unloaded && (self.here.stretched() == T::zero() || tension <= limits.slack * floor) {
-            return Err(Verdict::Slack);
-        }
         let residual = norm(self.here.gradient());
-        let target = limits.balanced.relative * (tension + load) + limits.balanced.absolute * floor;
-        if residual <= target {
-            return Err(Verdict::Balanced(residual));
+        let standing = limits.targets().judge(&self.here, residual, load);
+        match standing {
+            Standing { slack: true, .. } => Err(Verdict::Slack),
+            Standing { balanced: true, .. } => Err(Verdict::Balanced(residual)),
+            _ => Ok(residual),
         }
-        Ok(residual)
     }
 
     /// The Newton direction δ of one node where H is certainly regular, as it is at almost every step.
     fn direction_of_one(&mut self) -> bool {
-        let (Some(elements), [gx, gy, gz]) = (self.here.only_block(), self.here.gradient()) else {
+        let Some((delta, true)) = direction_of_one(&self.here, T::EPSILON) else {
             return false;
         };
-        let [xx, xy, xz, yy, yz, zz] = elements;
-        let shift = shift(xx + yy + zz);
-        let shifted = [xx + shift, xy, xz, yy + shift, yz, zz + shift];
-        let (delta, margin) = solve_regular(shifted, &-Vector3::new(*gx, *gy, *gz));
-        let found = margin > T::zero() && delta.iter().all(|x| x.is_finite());
-        if found {
-            self.delta.copy_from_slice(delta.as_slice());
-        }
-        found
+        self.delta.copy_from_slice(delta.as_slice());
+        true
     }
 
     /// The Newton direction δ. `Some(true)`: a loaded node without a taut line moves along its load, and the step must be searched.
@@ -502,7 +509,7 @@ impl<T: Float> Descent<T> {
             return None;
         }
         if trace > T::zero() {
-            let mut shift = shift(trace);
+            let mut shift = shift(trace, T::EPSILON);
             while !self.factor.factor(shift, |k| here.block(k)) {
                 shift *= T::from_f64(100.0);
                 if shift > trace * T::from_f64(1e3) {
@@ -574,11 +581,6 @@ impl<T: Float> Descent<T> {
         }
         sum
     }
-}
-
-/// The smallest r of a Newton step: it keeps a line taut whose kink the step would land on.
-fn shift<T: Float>(trace: T) -> T {
-    T::from_f64(4.5) * T::EPSILON * trace
 }
 
 /// How far a node without a taut line is sent along its load [m].

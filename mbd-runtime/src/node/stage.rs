@@ -6,9 +6,10 @@ use mbd_scene::{At, Float, Layout, LineEnd, Model, Quantity, Work};
 use super::balance::triple;
 use super::error::NodeError;
 use super::memory::NodeMemory;
-use super::scene::{Plan, PlanLine, SceneBalance, of_scene};
+use super::scene::{Plan, PlanLine, SceneBalance, is_detached, of_scene};
 use super::solver::{Outcome, Strategy, Tolerance};
-use super::stepwise::{History, effective};
+use super::stepwise::law;
+use super::warm::carried;
 use crate::unilateral::Mode;
 
 /// The node unknowns, effective line numbers and line modes of one stage, with all the room their solve needs.
@@ -217,6 +218,49 @@ impl<T: Float> Nodes<T> {
         result
     }
 
+    /// The networks of equilibrium points.
+    pub(crate) fn plans(&self) -> &[Plan<T>] {
+        &self.plans
+    }
+
+    /// Whether there are equilibrium points.
+    pub(crate) fn has_networks(&self) -> bool {
+        !self.plans.is_empty()
+    }
+
+    /// Whether every network is one node whose position is solved for, so that warm Newton needs no factor.
+    pub(crate) fn are_single(&self) -> bool {
+        let single = |plan: &Plan<T>| !plan.is_rate() && plan.nodes.len() == 1;
+        self.has_networks() && self.plans.iter().all(single)
+    }
+
+    /// Holds elements in the modes of the memory, where every network is a single node with all its lines; `false` where that is not so.
+    pub(crate) fn hold_for_warm(&mut self, memory: &NodeMemory<T>) -> bool {
+        let attached = |plan: &Plan<T>| {
+            let mut lines = plan.lines.iter();
+            lines.all(|line| !is_detached(&memory.modes, line))
+        };
+        let solves = self.are_single() && self.plans.iter().all(attached);
+        if !solves || memory.check(&self.layout).is_err() {
+            return false;
+        }
+        self.hold_modes(memory);
+        true
+    }
+
+    /// Takes over nodes that were solved elsewhere at a stage, as if it had been done here: `fill` writes anchors and loads, nodes, and effective line
+    /// numbers.
+    pub(crate) fn receive_warm(
+        &mut self,
+        model: &dyn Model<T>,
+        span: T,
+        fill: impl FnOnce([&mut [T]; 3]),
+    ) {
+        (self.span, self.spanned) = (span, false);
+        fill([&mut self.ends, &mut self.nodes, &mut self.effective]);
+        self.find_stretches(model);
+    }
+
     /// Whether there is no line, no stop and no equilibrium point.
     fn is_idle(&self) -> bool {
         self.plans.is_empty() && self.stretch.is_empty() && self.hold.is_empty()
@@ -320,12 +364,10 @@ impl<T: Float> Nodes<T> {
             .zip(&plan.own_anchors)
             .zip(plan.p.chunks_exact_mut(3))
         {
-            let mut moved = triple(&memory.nodes, 3 * node);
-            let share = T::one() / T::from_f64(own_anchors.len().max(1) as f64);
-            for &anchor in own_anchors {
-                let step = triple(&self.ends, 6 * anchor) - triple(&memory.anchors, 3 * anchor);
-                moved += step.map(|x| share * x);
-            }
+            let steps = own_anchors
+                .iter()
+                .map(|anchor| triple(&self.ends, 6 * anchor) - triple(&memory.anchors, 3 * anchor));
+            let moved = carried(triple(&memory.nodes, 3 * node), steps);
             p.copy_from_slice(moved.as_slice());
         }
     }
@@ -389,11 +431,11 @@ impl<T: Float> Nodes<T> {
         plan.set_law(model, &self.modes, |line, numbers| match stepwise {
             Some((formula, clamp)) => {
                 let of = |list: &[T]| list.get(line.line).copied().unwrap_or_default();
-                let history = History {
-                    last: of(&memory.stretch),
-                    before: smooth.then(|| (of(&memory.previous), memory.step)),
-                };
-                effective(numbers, formula, clamp, span, history)
+                let before = (
+                    of(&memory.previous),
+                    if smooth { memory.step } else { T::zero() },
+                );
+                law(numbers, formula, clamp, span, (of(&memory.stretch), before))
             }
             None => [numbers.stiffness, numbers.free_length],
         });
@@ -424,6 +466,13 @@ impl<T: Float> Nodes<T> {
 }
 
 impl Statistics {
+    /// Counts what solves cost that were made elsewhere.
+    pub(crate) fn add(&mut self, iterations: u64, most: usize, slack: u64) {
+        self.iterations += iterations;
+        self.most = self.most.max(most);
+        self.slack += slack;
+    }
+
     /// Counts one solve.
     pub(crate) fn count<T: Float>(&mut self, outcome: &Outcome<T>) {
         self.solves += 1;

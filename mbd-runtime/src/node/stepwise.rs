@@ -10,7 +10,7 @@
 //! line can pull; it is there for comparison only.
 
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{Clamp, Difference, Float};
+use mbd_scene::{Clamp, Difference, Float, Real};
 
 /// The stretches of one line at the last two accepted steps.
 #[derive(Clone, Copy, Debug)]
@@ -30,20 +30,37 @@ pub fn effective<T: Float>(
     tau: T,
     history: History<T>,
 ) -> [T; 2] {
+    let before = history.before.unwrap_or((T::zero(), T::zero()));
+    law(numbers, formula, clamp, tau, (history.last, before))
+}
+
+/// The same over any scalar: s_n, s_{n−1}, and h_prev [s], which is zero after a start or a change between slack and taut.
+pub(crate) fn law<T: Real>(
+    numbers: &LineNumbers<T>,
+    formula: Difference,
+    clamp: Clamp,
+    tau: T,
+    (last, (before, step)): (T, (T, T)),
+) -> [T; 2] {
     let (zero, one) = (T::zero(), T::one());
     let stretch = |s: T| match clamp {
         Clamp::Positive => s.max(zero),
         Clamp::Literal => s,
     };
     let rate = numbers.damping / tau;
-    let (weight, memory) = match (formula, history.before) {
-        (Difference::Bdf2, Some((before, step))) if step > zero => {
-            let theta = tau / step;
+    let (weight, memory) = match formula {
+        Difference::Bdf2 => {
+            let known = zero.lt(step);
+            let theta = tau / T::select(known, step, one);
             let sum = one + theta;
-            let memory = sum * stretch(history.last) - theta * theta / sum * stretch(before);
-            ((one + theta + theta) / sum, memory)
+            let memory = sum * stretch(last) - theta * theta / sum * stretch(before);
+            let weight = (one + theta + theta) / sum;
+            (
+                T::select(known, weight, one),
+                T::select(known, memory, stretch(last)),
+            )
         }
-        _ => (one, stretch(history.last)),
+        Difference::Euler => (one, stretch(last)),
     };
     let stiffness = numbers.stiffness + weight * rate;
     let shift = rate * memory / stiffness;

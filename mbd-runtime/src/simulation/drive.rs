@@ -24,6 +24,17 @@ struct Judgement {
     angle_jumps: u64,
 }
 
+/// A run on its way to a time.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Course {
+    /// Where it ends [s].
+    pub until: f64,
+    /// Whether what is due at its start is done.
+    pub opened: bool,
+    /// Steps that were tried.
+    trials: u64,
+}
+
 impl<T: Float> Simulation<T> {
     /// What [`Simulation::step`] does.
     pub(crate) fn take_step(&mut self) -> Result<(), RunError> {
@@ -57,6 +68,16 @@ impl<T: Float> Simulation<T> {
         mut trajectory: Option<&mut Trajectory>,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Stop, RunError> {
+        let mut course = self.set_course(until)?;
+        loop {
+            if let Some(stop) = self.follow(&mut course, &mut trajectory, go_on)? {
+                return Ok(stop);
+            }
+        }
+    }
+
+    /// Begins to run until a time.
+    pub(crate) fn set_course(&mut self, until: f64) -> Result<Course, RunError> {
         if !until.is_finite() {
             return Err(self.failed(StepError::InvalidInput {
                 slot: "end time".into(),
@@ -72,27 +93,47 @@ impl<T: Float> Simulation<T> {
         self.changes.stop = None;
         self.enter()?;
         self.chatter.window = 1e-3 * (until - self.time);
-        let outcome = self.drive_steps(until, &mut trajectory, go_on);
+        Ok(Course {
+            until,
+            opened: false,
+            trials: 0,
+        })
+    }
+
+    /// Tries the next step on a course, at first what is due at its start; `None` where there is more to come.
+    pub(crate) fn follow(
+        &mut self,
+        course: &mut Course,
+        trajectory: &mut Option<&mut Trajectory>,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Option<Stop>, RunError> {
+        let outcome = match course.opened {
+            true => self.try_next(course, trajectory, go_on),
+            false => self.open(course, trajectory),
+        };
         if let Err(cause) = &outcome {
-            self.go_back(cause, &mut trajectory)?;
+            self.go_back(cause, trajectory)?;
         }
-        if let Some(trajectory) = trajectory {
+        if let Some(trajectory) = trajectory
+            && !matches!(outcome, Ok(None))
+        {
             trajectory.statistics = self.system.statistics();
         }
         outcome.map_err(|cause| self.failed(cause))
     }
 
-    fn drive_steps(
+    /// What is due at the start of a course: samples, a row.
+    fn open(
         &mut self,
-        until: f64,
+        course: &mut Course,
         trajectory: &mut Option<&mut Trajectory>,
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Stop, StepError> {
-        if until - self.time > resolution(self.time) {
+    ) -> Result<Option<Stop>, StepError> {
+        course.opened = true;
+        if course.until - self.time > resolution(self.time) {
             self.sample()?;
         }
         if let Some(event) = self.changes.stop.take() {
-            return Ok(Stop::Event(event));
+            return Ok(Some(Stop::Event(event)));
         }
         if let Some(trajectory) = trajectory
             && trajectory.open(self.time)?
@@ -105,36 +146,45 @@ impl<T: Float> Simulation<T> {
                 &mut self.scratch,
             )?;
         }
-        let mut trials: u64 = 0;
-        while until - self.time > resolution(self.time) {
-            if trials >= self.options.max_steps {
-                let stiff = self.stiff();
-                return Err(StepError::TooManySteps {
-                    steps: trials,
-                    stiff,
-                });
-            }
-            trials += 1;
-            let seen = self.events.len();
-            self.advance(until, trajectory, go_on)?;
-            if let Some(trajectory) = trajectory {
-                let new = self.events.get(seen..).unwrap_or(&[]).iter();
-                let named = new.map(|it| (it.time, self.name_event(it.what)));
-                trajectory.events.extend(named);
-            }
-            if let Some(event) = self.changes.stop.take() {
-                return Ok(Stop::Event(event));
-            }
-            if self.options.stop_at_events
-                && let Some(event) = self.declared_since(seen)
-            {
-                return Ok(Stop::Event(event));
-            }
-            if !go_on(self.time) {
-                return Err(StepError::Cancelled);
-            }
+        Ok(None)
+    }
+
+    fn try_next(
+        &mut self,
+        course: &mut Course,
+        trajectory: &mut Option<&mut Trajectory>,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Option<Stop>, StepError> {
+        if course.until - self.time <= resolution(self.time) {
+            return Ok(Some(Stop::Reached));
         }
-        Ok(Stop::Reached)
+        if course.trials >= self.options.max_steps {
+            let stiff = self.stiff();
+            return Err(StepError::TooManySteps {
+                steps: course.trials,
+                stiff,
+            });
+        }
+        course.trials += 1;
+        let seen = self.events.len();
+        self.advance(course.until, trajectory, go_on)?;
+        if let Some(trajectory) = trajectory {
+            let new = self.events.get(seen..).unwrap_or(&[]).iter();
+            let named = new.map(|it| (it.time, self.name_event(it.what)));
+            trajectory.events.extend(named);
+        }
+        if let Some(event) = self.changes.stop.take() {
+            return Ok(Some(Stop::Event(event)));
+        }
+        if self.options.stop_at_events
+            && let Some(event) = self.declared_since(seen)
+        {
+            return Ok(Some(Stop::Event(event)));
+        }
+        match go_on(self.time) {
+            true => Ok(None),
+            false => Err(StepError::Cancelled),
+        }
     }
 
     /// Tries one step, and takes it if it passes.
@@ -197,7 +247,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// The size of the next step, and whether it ends at `until`.
-    fn propose(&self, until: f64) -> (f64, bool) {
+    pub(super) fn propose(&self, until: f64) -> (f64, bool) {
         let left = until - self.time;
         let step = match &self.pace {
             Pace::Fixed(step) => *step,
@@ -251,6 +301,9 @@ impl<T: Float> Simulation<T> {
 
     /// Makes a trial step, of any size, from the last accepted one.
     pub(crate) fn make_step(&mut self, step: f64) -> Result<(), StepError> {
+        if self.take_received(step) {
+            return Ok(());
+        }
         let (time, state) = (self.time, &self.state);
         self.attempted = f64::NAN;
         let tried = self.method.attempt(&mut self.system, time, step, state);
@@ -283,6 +336,7 @@ impl<T: Float> Simulation<T> {
     fn take(&mut self, step: f64, end: f64) -> Result<(), StepError> {
         self.system
             .follow_commands(end, Some(step), self.method.next())?;
+        self.system.known.forget();
         self.method.accept(&mut self.state);
         self.time = end;
         let counters = &mut self.system.counters;

@@ -147,6 +147,7 @@ impl<T: Float> Simulation<T> {
             margins,
             noisy,
             attempted: f64::NAN,
+            received: None,
             stalled: f64::NAN,
             pace,
             stiffness: StiffnessTest::default(),

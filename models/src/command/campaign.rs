@@ -46,6 +46,6 @@ pub fn gather(args: &GatherArgs) -> Result<String, Failure> {
 pub fn nominal(file: &SceneFile) -> Result<Arc<dyn Model<f64>>, Failure> {
     let declared = file.scene.params.iter().map(|param| param.default);
     let declared: Vec<f64> = declared.collect();
-    let made = file.model(&declared);
+    let made = file.model_of_many(&declared);
     made.map_err(|error| Failure::Invalid(format!("{}: {error}", file.name)))
 }

@@ -9,6 +9,7 @@ use mbd_compiler::{
 };
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Model, ParamError};
+use models::in_lanes::in_lanes;
 use models::run::{Settings, split};
 use models::scenes::{self, Make};
 
@@ -92,6 +93,17 @@ impl SceneFile {
         match self.compiled {
             Some(make) => make(params),
             None => Ok(Interpreted::<f64>::new(self.scene.clone(), params)?.share()),
+        }
+    }
+
+    /// The same for many runs: what is interpreted has its equations over lanes at hand.
+    ///
+    /// # Errors
+    /// Params that it cannot be run with.
+    pub fn model_of_many(&self, params: &[f64]) -> Result<Arc<dyn Model<f64>>, ParamError> {
+        match self.compiled {
+            Some(make) => make(params),
+            None => Ok(in_lanes(&Interpreted::new(self.scene.clone(), params)?).share()),
         }
     }
 

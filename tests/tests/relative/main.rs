@@ -2,6 +2,7 @@
 
 mod agreement;
 mod counts;
+mod dependent;
 mod digits;
 mod functions;
 mod generated;

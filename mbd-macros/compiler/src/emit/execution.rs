@@ -102,7 +102,34 @@ pub fn implementation(context: &Context) -> TokenStream {
     } else {
         quote!(f64::NAN)
     };
+    let evaluation = quote! {
+        match what {
+            #(#arms)*
+            #on_numbers
+            #zeros
+            // Not emitted: loud, not silently zero.
+            _ => out.fill(#nan),
+        }
+    };
+    let own = quote! {
+        let work = work.numbers.as_mut_slice();
+        #evaluation
+    };
+    let (evaluate, over) = match context.settings.generic {
+        true => (
+            quote!(::mbd_runtime::Equations::evaluate(
+                self,
+                what,
+                at,
+                &mut work.numbers,
+                out
+            )),
+            Some(over_any_scalar(context, &evaluation)),
+        ),
+        false => (own, None),
+    };
     quote! {
+        #over
         impl #float ::mbd_runtime::Model<#t> for #name #used {
             fn share(&self) -> ::std::sync::Arc<dyn ::mbd_runtime::Model<#t>> {
                 ::std::sync::Arc::new(self.clone())
@@ -136,15 +163,37 @@ pub fn implementation(context: &Context) -> TokenStream {
                 work: &mut ::mbd_runtime::Work<#t>,
                 out: &mut [#t],
             ) {
-                let work = work.numbers.as_mut_slice();
-                match what {
-                    #(#arms)*
-                    #on_numbers
-                    #zeros
-                    // Not emitted: loud, not silently zero.
-                    _ => out.fill(#nan),
-                }
+                #evaluate
             }
+        }
+    }
+}
+
+/// `impl Equations` and `impl InLanes` of a model over any scalar.
+fn over_any_scalar(context: &Context, evaluation: &TokenStream) -> TokenStream {
+    let (name, params) = (context.named(""), context.named("Params"));
+    let work = whole(context.kernels.work());
+    quote! {
+        impl<T: ::mbd_runtime::Real> ::mbd_runtime::Equations<T> for #name<T> {
+            fn with(params: &[T]) -> ::core::option::Option<Self> {
+                let params = ::mbd_runtime::__private::fixed(params)?;
+                ::core::option::Option::Some(Self::unchecked(#params::from_array(*params)))
+            }
+            fn room(&self) -> usize {
+                #work
+            }
+            fn evaluate(
+                &self,
+                what: ::mbd_runtime::Quantity,
+                at: &::mbd_runtime::At<'_, T>,
+                work: &mut [T],
+                out: &mut [T],
+            ) {
+                #evaluation
+            }
+        }
+        impl ::mbd_runtime::InLanes for #name {
+            type Over<T: ::mbd_runtime::Real> = #name<T>;
         }
     }
 }

@@ -465,45 +465,23 @@ const _: () = {
             ],
         );
     }
-    impl<T: ::mbd_runtime::Scalar> ::mbd_runtime::Model<T> for Knot<T> {
-        fn share(&self) -> ::std::sync::Arc<dyn ::mbd_runtime::Model<T>> {
-            ::std::sync::Arc::new(self.clone())
+    impl<T: ::mbd_runtime::Real> ::mbd_runtime::Equations<T> for Knot<T> {
+        fn with(params: &[T]) -> ::core::option::Option<Self> {
+            let params = ::mbd_runtime::__private::fixed(params)?;
+            ::core::option::Option::Some(
+                Self::unchecked(KnotParams::from_array(*params)),
+            )
         }
-        fn with_params(
-            &self,
-            params: &[T],
-        ) -> ::core::result::Result<
-            ::std::sync::Arc<dyn ::mbd_runtime::Model<T>>,
-            ::mbd_runtime::ParamError,
-        > {
-            let params = KnotParams::from_array(
-                ::mbd_runtime::__private::counted(params)?,
-            );
-            ::core::result::Result::Ok(::std::sync::Arc::new(Self::new(params)?))
-        }
-        fn work(&self) -> ::mbd_runtime::Work<T> {
-            ::mbd_runtime::Work::list(0)
-        }
-        fn scene(&self) -> &::mbd_runtime::scene::Scene {
-            &declared().scene
-        }
-        fn layout(&self) -> &::mbd_runtime::Layout {
-            &declared().layout
-        }
-        fn params(&self) -> &[T] {
-            &self.values
-        }
-        fn lines(&self) -> &[::mbd_runtime::scene::laws::LineNumbers<T>] {
-            &self.lines
+        fn room(&self) -> usize {
+            0
         }
         fn evaluate(
             &self,
             what: ::mbd_runtime::Quantity,
             at: &::mbd_runtime::At<'_, T>,
-            work: &mut ::mbd_runtime::Work<T>,
+            work: &mut [T],
             out: &mut [T],
         ) {
-            let work = work.numbers.as_mut_slice();
             match what {
                 ::mbd_runtime::Quantity::AnchorStates => {
                     if let (
@@ -615,6 +593,50 @@ const _: () = {
                 }
                 _ => out.fill(T::from_f64(f64::NAN)),
             }
+        }
+    }
+    impl ::mbd_runtime::InLanes for Knot {
+        type Over<T: ::mbd_runtime::Real> = Knot<T>;
+    }
+    impl<T: ::mbd_runtime::Scalar> ::mbd_runtime::Model<T> for Knot<T> {
+        fn share(&self) -> ::std::sync::Arc<dyn ::mbd_runtime::Model<T>> {
+            ::std::sync::Arc::new(self.clone())
+        }
+        fn with_params(
+            &self,
+            params: &[T],
+        ) -> ::core::result::Result<
+            ::std::sync::Arc<dyn ::mbd_runtime::Model<T>>,
+            ::mbd_runtime::ParamError,
+        > {
+            let params = KnotParams::from_array(
+                ::mbd_runtime::__private::counted(params)?,
+            );
+            ::core::result::Result::Ok(::std::sync::Arc::new(Self::new(params)?))
+        }
+        fn work(&self) -> ::mbd_runtime::Work<T> {
+            ::mbd_runtime::Work::list(0)
+        }
+        fn scene(&self) -> &::mbd_runtime::scene::Scene {
+            &declared().scene
+        }
+        fn layout(&self) -> &::mbd_runtime::Layout {
+            &declared().layout
+        }
+        fn params(&self) -> &[T] {
+            &self.values
+        }
+        fn lines(&self) -> &[::mbd_runtime::scene::laws::LineNumbers<T>] {
+            &self.lines
+        }
+        fn evaluate(
+            &self,
+            what: ::mbd_runtime::Quantity,
+            at: &::mbd_runtime::At<'_, T>,
+            work: &mut ::mbd_runtime::Work<T>,
+            out: &mut [T],
+        ) {
+            ::mbd_runtime::Equations::evaluate(self, what, at, &mut work.numbers, out)
         }
     }
     /// Anchors of the node lines and loads of the nodes: `p`, `v` of each anchor, then `W` of each node.

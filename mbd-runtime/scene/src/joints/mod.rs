@@ -58,7 +58,7 @@ pub trait Joint: Sized {
         &[]
     }
 
-    /// The relation of these coordinates, from its numbers.
+    /// The relation of these coordinates, from its numbers; no factor is zero.
     fn relation<S: Real>(&self, _numbers: &[S]) -> Option<Relation<S>> {
         None
     }

@@ -51,12 +51,23 @@ impl<S: Real> Coupling<S> {
             .zip(factors)
             .map(|(row, &factor)| row.scaled(factor));
         let row = rows.reduce(|sum, row| sum.beside(&row))?;
-        let off = row.value - self.relation.constant;
-        let value = self.measure.map_or(off, |measure| {
+        let value = self.value(row.value);
+        Some(Row { value, ..row })
+    }
+
+    /// f of a coordinate.
+    pub fn factor(&self, number: usize) -> S {
+        let factors = self.relation.factors.iter();
+        factors.copied().nth(number).unwrap_or_else(S::zero)
+    }
+
+    /// Φ for Σ f x, by (1) and (2).
+    pub fn value(&self, sum: S) -> S {
+        let off = sum - self.relation.constant;
+        self.measure.map_or(off, |measure| {
             let (sin, cos) = (off / measure).sin_cos();
             measure * sin.atan2(cos)
-        });
-        Some(Row { value, ..row })
+        })
     }
 }
 

@@ -13,6 +13,8 @@ pub struct Step {
     pub first: usize,
     /// Number of unknowns.
     pub size: usize,
+    /// In relative coordinates the places in v of its unknowns; empty for rows.
+    pub speeds: Vec<usize>,
     /// Where its diagonal block starts in the store (size × size, row by row, lower triangle used).
     pub diagonal: usize,
     /// Later nodes it is coupled to, in order.
@@ -32,6 +34,21 @@ pub struct Below {
     pub at: usize,
     /// Where the products with the couplings up to and including this one go, one a coupling.
     pub targets: Vec<usize>,
+}
+
+/// A speed of the tree that a motor or a coupling of joints of the tree gives, from time and other speeds: it leaves the system with that row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Dependent {
+    /// Its place in v.
+    pub speed: usize,
+    /// The joint that drives it, or the coupling.
+    pub joint: usize,
+    /// The row that gives it.
+    pub row: usize,
+    /// Which coordinate of the coupling it is; 0 of a motor.
+    pub number: usize,
+    /// The other speeds of the coupling, each with the number of its coordinate.
+    pub sources: Vec<(usize, usize)>,
 }
 
 /// The order in which the nodes of a system leave it: found once, by counting, when a scene is compiled.
@@ -66,6 +83,8 @@ pub struct Elimination {
     pub parent_joints: Vec<Option<usize>>,
     /// The order it was laid out in.
     pub order: Order,
+    /// In relative coordinates the speeds that are no unknowns; each is none that one before it names.
+    pub dependents: Vec<Dependent>,
 }
 
 /// How a joint carries its child.
@@ -129,6 +148,14 @@ impl Elimination {
             Part::Joint(joint) => self.joints.get(joint).copied().flatten(),
             Part::Coordinates(joint) => self.coordinates.get(joint).copied().flatten(),
         }
+    }
+
+    /// The dependent speed that a joint couples to others; `None` of a joint that couples nothing, or whose row stays in the system.
+    #[must_use]
+    pub fn coupled_by(&self, joint: usize) -> Option<&Dependent> {
+        let own = |dependent: &&Dependent| dependent.joint == joint;
+        let found = self.dependents.iter().find(own)?;
+        (!found.sources.is_empty()).then_some(found)
     }
 
     /// Where the block of two nodes starts, rows of the later one.

@@ -8,7 +8,7 @@ mod sizes;
 mod slots;
 mod tree;
 
-pub use elimination::{Below, Carrying, Elimination, Order, Step};
+pub use elimination::{Below, Carrying, Dependent, Elimination, Order, Step};
 pub use repeats::{HeldMotor, Redundancy, Repeat};
 pub use slots::{
     Anchor, Asked, DetachableJoint, InputSlots, InputSource, JointSlots, LineEnd, LineSlots,

@@ -49,7 +49,7 @@ impl Layout {
             }
         }
         if self.tree.is_some() {
-            self.elimination = relative(&self);
+            self.elimination = relative(scene, &self);
             self.redundancy = redundancy;
             return self;
         }

@@ -241,6 +241,7 @@ impl Elimination {
                 part,
                 first: self.unknowns,
                 size,
+                speeds: Vec::new(),
                 diagonal,
                 below,
                 carrying: own,

@@ -1,10 +1,11 @@
 //! The system of relative coordinates: the speeds of the tree, leaves first, then the rows that close loops.
 //!
 //! M couples the speeds of a link with those of the links that carry it, so that taking speeds out from the leaves to the root fills nothing
-//! (Featherstone, Rigid Body Dynamics Algorithms, branch-induced sparsity). M is positive definite, so that all rows may wait to the end.
+//! (Featherstone, Rigid Body Dynamics Algorithms, branch-induced sparsity). M is positive definite, so that all rows may wait to the end. What motors
+//! and couplings of the tree give is no unknown: see `tree/dependent.rs`.
 
 use super::graph::EliminationGraph;
-use crate::{Elimination, Layout, Link, Order, Part, PointSlots};
+use crate::{Dependent, Elimination, Layout, Link, Order, Part, PointSlots, Scene};
 
 impl Link {
     /// Its speeds as a node of the system.
@@ -30,12 +31,84 @@ fn depth(layout: &Layout) -> f64 {
     depths.sum::<usize>() as f64 / tree.links.len().max(1) as f64
 }
 
+/// The speeds that the row of a coupling is over; `None` where it stays in the system: not all are speeds of the tree, or it may be detached.
+fn coupled(scene: &Scene, layout: &Layout, joint: usize) -> Option<Vec<usize>> {
+    let slots = layout.joints.get(joint)?;
+    let couples = scene.joints.get(joint)?.law.couples().iter();
+    let speeds = couples.map(|&(of, index)| {
+        let link = layout.carried(of)?;
+        let attitude = scene.joints[of].law.attitude().unwrap_or_default();
+        (!attitude.contains(&index)).then_some(link.slots.v + index)
+    });
+    let speeds: Vec<usize> = speeds.collect::<Option<_>>()?;
+    let repeats = (1..speeds.len()).any(|k| speeds[..k].contains(&speeds[k]));
+    let one = slots.len == 1 && slots.kept.len() == 1;
+    (one && slots.switch.is_none() && !repeats).then_some(speeds)
+}
+
+/// The speeds that motors and couplings of joints of the tree give. Couplings follow what is driven, and each other: one that names a speed that
+/// is given, or followed, comes first, so that trains of them leave altogether, in whatever order they are declared.
+fn dependents(scene: &Scene, layout: &Layout) -> Vec<Dependent> {
+    let mut named = vec![false; layout.nv];
+    let mut found = Vec::new();
+    for (joint, (declared, slots)) in scene.joints.iter().zip(&layout.joints).enumerate() {
+        let Some(link) = layout.carried(joint) else {
+            continue;
+        };
+        for (row, (index, _)) in (slots.row..).zip(declared.motors()) {
+            let speed = link.slots.v + index;
+            named[speed] = true;
+            found.push(Dependent {
+                speed,
+                joint,
+                row,
+                number: 0,
+                sources: Vec::new(),
+            });
+        }
+    }
+    let couplings = (0..layout.joints.len()).filter_map(|joint| {
+        let speeds = coupled(scene, layout, joint)?;
+        (!speeds.is_empty()).then_some((joint, speeds))
+    });
+    let mut couplings: Vec<(usize, Vec<usize>)> = couplings.collect();
+    while !couplings.is_empty() {
+        let follows = |(_, speeds): &(usize, Vec<usize>)| speeds.iter().any(|&own| named[own]);
+        let next = couplings.iter().position(follows).unwrap_or_default();
+        let (joint, speeds) = couplings.remove(next);
+        let Some(number) = speeds.iter().position(|&speed| !named[speed]) else {
+            continue;
+        };
+        speeds.iter().for_each(|&speed| named[speed] = true);
+        let sources = speeds.iter().enumerate();
+        let sources = sources.filter(|(other, _)| *other != number);
+        found.push(Dependent {
+            speed: speeds[number],
+            joint,
+            row: layout.joints[joint].row,
+            number,
+            sources: sources.map(|(other, &speed)| (speed, other)).collect(),
+        });
+    }
+    found
+}
+
 /// The order of elimination of a layout with a tree, and where its blocks live.
-pub(super) fn relative(layout: &Layout) -> Elimination {
+pub(super) fn relative(scene: &Scene, layout: &Layout) -> Elimination {
+    let dependents = dependents(scene, layout);
+    let leaves = |joint: usize| dependents.iter().any(|own| own.joint == joint);
+    let independent = |first: usize, count: usize| {
+        let speeds = first..first + count;
+        let free = |speed: &usize| !dependents.iter().any(|own| own.speed == *speed);
+        speeds.filter(free).collect::<Vec<_>>()
+    };
     let mut graph = EliminationGraph::empty();
+    let mut speeds = Vec::new();
     let links = layout.tree.as_ref().map_or(&[][..], |tree| &tree.links);
     for link in links.iter().rev().filter(|link| link.speeds > 0) {
-        graph.push(link.part(), link.speeds);
+        let own = independent(link.slots.v, link.speeds);
+        graph.push(link.part(), own.len());
+        speeds.push(own);
     }
     let held = |part: Part| {
         layout
@@ -45,8 +118,10 @@ pub(super) fn relative(layout: &Layout) -> Elimination {
     };
     for (point, slots) in layout.points.iter().enumerate() {
         let part = Part::Point(point);
-        if matches!(slots, PointSlots::Mass(_)) && held(part) {
-            graph.push(part, layout.directions.translations().len());
+        if let (PointSlots::Mass(slots), true) = (slots, held(part)) {
+            let own = independent(slots.v, layout.directions.translations().len());
+            graph.push(part, own.len());
+            speeds.push(own);
         }
     }
     if let Some(tree) = &layout.tree {
@@ -60,17 +135,45 @@ pub(super) fn relative(layout: &Layout) -> Elimination {
         }
     }
     for (joint, slots) in layout.joints.iter().enumerate() {
-        if slots.kept.is_empty() {
+        if slots.kept.is_empty() || leaves(joint) {
             continue;
         }
         let row = graph.push(Part::Joint(joint), slots.kept.len());
+        speeds.push(Vec::new());
         for part in layout.moved_by(joint) {
             if let Some(other) = graph.node(part) {
                 graph.join(row, other);
             }
         }
     }
-    let nodes: Vec<usize> = (0..graph.parts.len()).collect();
+    // What moves with a dependent speed moves with what that follows.
+    let node_of = |graph: &EliminationGraph, speed: usize| {
+        let own = |link: &&Link| (link.slots.v..link.slots.v + link.speeds).contains(&speed);
+        links
+            .iter()
+            .find(own)
+            .and_then(|link| graph.node(link.part()))
+    };
+    for dependent in dependents.iter().rev() {
+        let Some(own) = node_of(&graph, dependent.speed) else {
+            continue;
+        };
+        let sources = dependent.sources.iter();
+        let sources: Vec<usize> = sources
+            .filter_map(|&(speed, _)| node_of(&graph, speed))
+            .collect();
+        let mut moved = graph.neighbours[own].clone();
+        moved.extend_from_slice(&sources);
+        moved.push(own);
+        for &source in &sources {
+            moved.iter().for_each(|&other| graph.join(source, other));
+        }
+    }
+    let nodes = (0..graph.parts.len()).filter(|&node| graph.sizes[node] > 0);
+    let nodes: Vec<usize> = nodes.collect();
+    for neighbours in &mut graph.neighbours {
+        neighbours.retain(|&other| graph.sizes[other] > 0);
+    }
     let mut elimination = Elimination {
         bodies: vec![None; layout.bodies.len()],
         points: vec![None; layout.points.len()],
@@ -78,13 +181,17 @@ pub(super) fn relative(layout: &Layout) -> Elimination {
         coordinates: vec![None; layout.joints.len()],
         parent_joints: vec![None; layout.bodies.len()],
         order: Order {
-            parts: graph.parts.clone(),
+            parts: nodes.iter().map(|&node| graph.parts[node]).collect(),
             articulated: layout.nc == 0 && depth(layout) > LONG,
             ..Order::default()
         },
         ..Elimination::default()
     };
     elimination.lay_out(graph, &nodes, &vec![None; layout.joints.len()]);
+    for (step, &node) in elimination.steps.iter_mut().zip(&nodes) {
+        step.speeds = std::mem::take(&mut speeds[node]);
+    }
+    elimination.dependents = dependents;
     elimination
 }
 

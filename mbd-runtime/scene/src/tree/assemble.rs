@@ -2,13 +2,14 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::rows::Level;
 use super::system::{TreeSystem, links};
 use crate::elimination::{common_fall, enter};
 use crate::laws::GravityNumbers;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::forces::AppliedForces;
 use crate::laws::gravity::body_gravity;
-use crate::{Layout, Part, Place, PointSlots, Real, Twist};
+use crate::{Part, Place, PointSlots, Real, Twist};
 
 impl<S: Real> TreeSystem<S> {
     /// Accelerations of the links, less the common fall, for those of their coordinates, in the components of the links.
@@ -45,6 +46,7 @@ impl<S: Real> TreeSystem<S> {
 
     /// The rows of the joints: all of them, or of each joint those that are in the system, first.
     pub(super) fn run_rows(&mut self, evaluation: &Evaluation<'_, S>, in_system: bool) {
+        self.rows.run_tree(evaluation);
         self.move_links(evaluation, &[]);
         self.rows.run(evaluation, &self.accelerations, in_system);
     }
@@ -150,41 +152,56 @@ impl<S: Real> TreeSystem<S> {
         }
     }
 
-    /// Assembles and factorises (1); the rows need the accelerations of the links without u̇.
-    pub(super) fn prepare(&mut self, evaluation: &Evaluation<'_, S>) {
+    /// Assembles and factorises (1) for the independent speeds; what is `prescribed` of each row of the tree is in the accelerations of the links.
+    pub(super) fn prepare(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        prescribed: impl Fn(&Level<S>, usize) -> S,
+    ) {
         let layout = evaluation.layout;
         let (plan, n) = (&layout.elimination, layout.nv);
         self.group_inertias(evaluation);
-        self.run_rows(evaluation, true);
+        self.rows.run_tree(evaluation);
+        self.dependent.read(evaluation);
+        let levels = &self.rows.levels;
+        self.dependent
+            .prescribe(plan, |row| prescribed(&levels[row], row));
+        let rates = std::mem::take(&mut self.dependent.rates);
+        let given = match plan.dependents.is_empty() {
+            true => &[][..],
+            false => &rates,
+        };
+        self.move_links(evaluation, given);
+        self.dependent.rates = rates;
+        self.rows.run(evaluation, &self.accelerations, true);
         self.compose(evaluation);
+        self.dependent
+            .substitute(plan, &mut self.mass, &mut self.rows.lines);
         self.system.clear();
         for (index, step) in plan.steps.iter().enumerate() {
             enter::<S>(evaluation.scene, step.part);
-            let Some((first, _)) = speeds_of(layout, step.part) else {
-                self.leave_out_detached(evaluation, index, step.part);
-                continue;
-            };
-            for i in 0..step.size {
+            self.leave_out_detached(evaluation, index, step.part);
+            let own = &step.speeds;
+            for i in 0..own.len() {
                 for j in 0..=i {
-                    let value = self.mass[(first + i) * n + first + j];
+                    let value = self.mass[own[i] * n + own[j]];
                     self.system.set_diagonal(plan, index, (i, j), value);
                 }
             }
             for below in &step.below {
                 let other = &plan.steps[below.step];
-                if let Some((to, _)) = speeds_of(layout, other.part) {
-                    for i in 0..step.size {
-                        for j in 0..other.size {
-                            let value = self.mass[(first + i) * n + to + j];
-                            self.system
-                                .set_coupling(plan, (below.step, j), (index, i), value);
-                        }
+                for (i, from) in own.iter().enumerate() {
+                    for (j, to) in other.speeds.iter().enumerate() {
+                        let value = self.mass[from * n + to];
+                        self.system
+                            .set_coupling(plan, (below.step, j), (index, i), value);
                     }
-                } else if let Part::Joint(joint) = other.part {
+                }
+                if let Part::Joint(joint) = other.part {
                     let row = layout.joints[joint].row;
                     for j in 0..other.size {
-                        for i in 0..step.size {
-                            let value = self.rows.lines[(row + j) * n + first + i];
+                        for (i, speed) in own.iter().enumerate() {
+                            let value = self.rows.lines[(row + j) * n + speed];
                             self.system
                                 .set_coupling(plan, (below.step, j), (index, i), value);
                         }
@@ -200,24 +217,6 @@ impl<S: Real> TreeSystem<S> {
 /// The acceleration of a link that floats, less the common fall, without those of its speeds.
 pub(super) fn falling<S: Real>(evaluation: &Evaluation<'_, S>, index: usize) -> Twist<S> {
     Twist::slide(evaluation.links[index].axes.transpose() * -common_fall(evaluation))
-}
-
-/// First speed and number of speeds of a node of the system; `None` for rows.
-pub(super) fn speeds_of(layout: &Layout, part: Part) -> Option<(usize, usize)> {
-    match part {
-        Part::Body(body) => Some((
-            layout.bodies.get(body).copied().flatten()?.v,
-            layout.directions.speeds(),
-        )),
-        Part::Point(point) => match *layout.points.get(point)? {
-            PointSlots::Mass(slots) => Some((slots.v, layout.directions.translations().len())),
-            PointSlots::Node(_) => None,
-        },
-        Part::Coordinates(joint) => layout
-            .carried(joint)
-            .map(|link| (link.slots.v, link.speeds)),
-        Part::Joint(_) => None,
-    }
 }
 
 /// Where the joint of a link sits on what carries it.

@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use super::assemble::speeds_of;
+use super::dependent::DependentSpeeds;
 use super::system::{
     TreeSystem, each_floating, into_link, into_state, links, rotate, write_coordinate_rates,
 };
@@ -76,7 +76,7 @@ impl<S: Real> TreeSystem<S> {
 
     /// Eliminates and writes what solutions need: the factor, T of the bodies that float, the margin.
     pub fn write_factor(&mut self, evaluation: &Evaluation<'_, S>, out: &mut [S]) {
-        self.prepare(evaluation);
+        self.prepare(evaluation, |_, _| S::zero());
         let plan = &evaluation.layout.elimination;
         let mut place = 0;
         let mut next = |value: S| {
@@ -86,6 +86,7 @@ impl<S: Real> TreeSystem<S> {
         factored(plan, |bank, at| next(self.system.factored(bank, at)));
         each_floating(evaluation, |_, axes| axes.iter().for_each(|x| next(*x)));
         next(self.system.margin(plan));
+        self.dependent.each_factored(|number| next(*number));
     }
 
     /// Solves by that list, and writes x and y.
@@ -114,13 +115,25 @@ impl<S: Real> TreeSystem<S> {
         };
         self.along.copy_from_slice(&asked[..layout.nv]);
         turn(place, true, &mut self.along);
+        let mut behind = list[count - DependentSpeeds::<S>::factored_len(layout)..].iter();
+        self.dependent.each_factored(|number| {
+            if let Some(listed) = behind.next() {
+                *number = *listed;
+            }
+        });
+        self.dependent.prescribe(plan, |row| asked[layout.nv + row]);
+        self.dependent.take_inertia_off(plan, &mut self.along);
+        self.dependent.substitute_forces(plan, &mut self.along);
         for (index, step) in plan.steps.iter().enumerate() {
             let right = self.system.unknowns_mut(plan, index);
-            if let Some((first, count)) = speeds_of(layout, step.part) {
-                right.copy_from_slice(&self.along[first..first + count]);
-            } else if let Part::Joint(joint) = step.part {
-                let from = layout.nv + layout.joints[joint].row;
-                right.copy_from_slice(&asked[from..from + right.len()]);
+            for (slot, &speed) in right.iter_mut().zip(&step.speeds) {
+                *slot = self.along[speed];
+            }
+            if let Part::Joint(joint) = step.part {
+                let first = layout.joints[joint].row;
+                for (row, slot) in (first..).zip(right) {
+                    *slot = asked[layout.nv + row] - self.dependent.along(plan, row);
+                }
             }
         }
         self.system
@@ -128,15 +141,19 @@ impl<S: Real> TreeSystem<S> {
         out.fill(S::zero());
         for (index, step) in plan.steps.iter().enumerate() {
             let unknowns = self.system.unknowns(plan, index);
-            if let Some((first, count)) = speeds_of(layout, step.part) {
-                out[first..first + count].copy_from_slice(unknowns);
-            } else if let Part::Joint(joint) = step.part {
-                let own = layout.nv + layout.joints[joint].row;
-                for (slot, x) in out[own..].iter_mut().zip(unknowns) {
-                    *slot = -*x;
+            for (&speed, rate) in step.speeds.iter().zip(unknowns) {
+                out[speed] = *rate;
+            }
+            if let Part::Joint(joint) = step.part {
+                for (row, x) in (layout.joints[joint].row..).zip(unknowns) {
+                    out[layout.nv + row] = -*x;
+                    self.dependent.note(row, -*x);
                 }
             }
         }
+        let (rates, multipliers) = out.split_at_mut(layout.nv);
+        self.dependent
+            .follow(plan, rates, |row, own| multipliers[row] = own);
         for (point, slots) in layout.points.iter().enumerate() {
             if let (PointSlots::Mass(slots), None) = (slots, plan.step_of(Part::Point(point))) {
                 let inverse = evaluation.numbers.points[point].1;
@@ -155,6 +172,7 @@ pub(crate) fn factored_len(layout: &Layout) -> usize {
     let mut count = 1;
     factored(&layout.elimination, |_, _| count += 1);
     count
+        + DependentSpeeds::<f64>::factored_len(layout)
         + 9 * links(layout)
             .iter()
             .filter(|link| link.joint.is_none())

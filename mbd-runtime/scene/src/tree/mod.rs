@@ -5,6 +5,7 @@
 
 mod articulated;
 mod assemble;
+mod dependent;
 mod factored;
 mod grouped;
 mod inertia;

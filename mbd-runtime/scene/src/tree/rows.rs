@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Φ_u = Φ_v B,   γ_u = γ − Φ_v B̂            v = B u, v̇ = B u̇ + B̂                                     (1)
-//! Φ = q_k − f(t)                              a motor of a joint of the tree                              (2)
+//! Φ = q_k − f(t),   Φ = Σ f q − c             a motor of a joint of the tree, a coupling of such joints         (2)
 //! ```
 //!
 //! A row pushes its two ends, and the tree hands that on to the world: (1) by (2) of [`super::inertia`]. Above the link that carries both ends
@@ -55,24 +55,14 @@ impl<S: Real> TreeRows<S> {
         }
     }
 
-    /// Runs the rows: all of them, or of each joint those that are in the system, first. `accelerations`: those of the links without u̇, gravity taken off.
-    pub fn run(
-        &mut self,
-        evaluation: &Evaluation<'_, S>,
-        accelerations: &[Twist<S>],
-        in_system: bool,
-    ) {
+    /// Begins with the rows of the tree itself, by (2).
+    pub fn run_tree(&mut self, evaluation: &Evaluation<'_, S>) {
         let layout = evaluation.layout;
         self.lines.fill(S::zero());
-        for (joint, slots) in layout
-            .joints
-            .iter()
-            .enumerate()
-            .filter(|(_, slots)| slots.len > 0)
-        {
+        for (joint, slots) in layout.joints.iter().enumerate() {
             let declared = &evaluation.scene.joints[joint];
-            S::section(&declared.name);
             if let Some(link) = layout.carried(joint) {
+                S::section(&declared.name);
                 for (row, (index, course)) in (slots.row..).zip(declared.motors()) {
                     let course = evaluation.course(course);
                     self.lines[row * layout.nv + link.slots.v + index] = S::one();
@@ -82,8 +72,44 @@ impl<S: Real> TreeRows<S> {
                         bias: course.curve,
                     };
                 }
+            } else if let Some(dependent) = layout.elimination.coupled_by(joint)
+                && let Some(coupling) = &evaluation.numbers.couplings[joint]
+            {
+                S::section(&declared.name);
+                let mut sum = S::zero();
+                for (number, &(of, index)) in declared.law.couples().iter().enumerate() {
+                    let Some(link) = layout.carried(of) else {
+                        continue;
+                    };
+                    let factor = coupling.factor(number);
+                    sum += factor * evaluation.at.state[link.slots.q + index];
+                    self.lines[dependent.row * layout.nv + link.slots.v + index] = factor;
+                }
+                self.levels[dependent.row] = Level {
+                    value: coupling.value(sum),
+                    time: S::zero(),
+                    bias: S::zero(),
+                };
+            }
+        }
+    }
+
+    /// Runs the other rows: all of them, or of each joint those that are in the system, first. `accelerations`: those of the links for the u̇ that
+    /// the rows of the tree prescribe, or without any, gravity taken off.
+    pub fn run(
+        &mut self,
+        evaluation: &Evaluation<'_, S>,
+        accelerations: &[Twist<S>],
+        in_system: bool,
+    ) {
+        let layout = evaluation.layout;
+        for (joint, slots) in layout.joints.iter().enumerate() {
+            let of_tree =
+                layout.carried(joint).is_some() || layout.elimination.coupled_by(joint).is_some();
+            if slots.len == 0 || of_tree {
                 continue;
             }
+            S::section(&evaluation.scene.joints[joint].name);
             self.between(evaluation, joint);
             let rows = match in_system && !slots.all_kept() {
                 true => self.kept[joint].rows().len(),

@@ -11,7 +11,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::articulated::Articulated;
-use super::assemble::{applied, falling, speeds_of};
+use super::assemble::{applied, falling};
+use super::dependent::DependentSpeeds;
 use super::inertia::Inertia;
 use super::rows::TreeRows;
 use crate::elimination::{System, common_fall, enter};
@@ -25,6 +26,7 @@ use crate::{AngularVelocity, Layout, Link, Part, PointSlots, Quantity, Real, Rel
 pub(crate) struct TreeSystem<S: Real> {
     pub(super) system: System<S>,
     pub(super) rows: TreeRows<S>,
+    pub(super) dependent: DependentSpeeds<S>,
     /// Accelerations of the links, less the common fall.
     pub(super) accelerations: Vec<Twist<S>>,
     /// What the joints must push the links with.
@@ -95,6 +97,7 @@ impl<S: Real> TreeSystem<S> {
         TreeSystem {
             system: System::new(&layout.elimination),
             rows: TreeRows::new(layout),
+            dependent: DependentSpeeds::new(layout),
             accelerations: vec![Twist::zero(); count],
             pushes: vec![Twist::zero(); count],
             inertias: vec![Inertia::none(); count],
@@ -115,9 +118,13 @@ impl<S: Real> TreeSystem<S> {
             self.articulate(evaluation, assembly);
             return self.move_points(evaluation, assembly);
         }
-        self.prepare(evaluation);
+        self.prepare(evaluation, |level, _| level.bias);
         self.balance(evaluation, Some(assembly));
         self.hand_on(evaluation);
+        for (slot, acting) in self.along.iter_mut().zip(&assembly.along) {
+            *slot = *acting - *slot;
+        }
+        self.dependent.substitute_forces(plan, &mut self.along);
         for (index, step) in plan.steps.iter().enumerate() {
             enter::<S>(evaluation.scene, step.part);
             let right = self.system.unknowns_mut(plan, index);
@@ -136,11 +143,9 @@ impl<S: Real> TreeSystem<S> {
                         layout.directions.write_linear(right, 0, &force);
                     }
                 }
-                part => {
-                    if let Some((first, _)) = speeds_of(layout, part) {
-                        for (i, slot) in right.iter_mut().enumerate() {
-                            *slot = assembly.along[first + i] - self.along[first + i];
-                        }
+                _ => {
+                    for (slot, &speed) in right.iter_mut().zip(&step.speeds) {
+                        *slot = self.along[speed];
                     }
                 }
             }
@@ -215,16 +220,23 @@ impl<S: Real> TreeSystem<S> {
         for (index, step) in plan.steps.iter().enumerate() {
             enter::<S>(evaluation.scene, step.part);
             let unknowns = self.system.unknowns(plan, index);
-            if let Some((first, count)) = speeds_of(layout, step.part) {
-                self.rates[first..first + count].copy_from_slice(unknowns);
-            } else if let Part::Joint(joint) = step.part {
+            for (&speed, rate) in step.speeds.iter().zip(unknowns) {
+                self.rates[speed] = *rate;
+            }
+            if let Part::Joint(joint) = step.part {
                 let own = layout.joints[joint].row;
                 let multipliers = &mut self.multipliers;
                 self.rows.each_kept(evaluation, joint, |number, row, part| {
                     multipliers[own + row] -= unknowns[number] * part;
                 });
+                for (number, unknown) in unknowns.iter().enumerate() {
+                    self.dependent.note(own + number, -*unknown);
+                }
             }
         }
+        let multipliers = &mut self.multipliers;
+        self.dependent
+            .follow(plan, &mut self.rates, |row, own| multipliers[row] = own);
     }
 
     /// Writes ẋ, after [`TreeSystem::accelerate`].
@@ -371,15 +383,25 @@ impl<S: Real> TreeSystem<S> {
         if evaluation.at.rows.len() != layout.nc {
             return out.fill(S::from_f64(f64::NAN));
         }
-        self.prepare(evaluation);
-        for (joint, slots) in layout.joints.iter().enumerate() {
-            if let Some(step) = plan.step_of(Part::Joint(joint)) {
-                enter::<S>(evaluation.scene, Part::Joint(joint));
+        self.prepare(evaluation, |_, row| -evaluation.at.rows[row]);
+        self.along.fill(S::zero());
+        self.dependent.take_inertia_off(plan, &mut self.along);
+        self.dependent.substitute_forces(plan, &mut self.along);
+        for (index, step) in plan.steps.iter().enumerate() {
+            enter::<S>(evaluation.scene, step.part);
+            let own = self.system.unknowns_mut(plan, index);
+            for (slot, &speed) in own.iter_mut().zip(&step.speeds) {
+                *slot = self.along[speed];
+            }
+            if let Part::Joint(joint) = step.part {
+                let slots = &layout.joints[joint];
                 let asked = &evaluation.at.rows[slots.row..slots.row + slots.len];
-                let own = self.system.unknowns_mut(plan, step);
                 self.rows.each_kept(evaluation, joint, |number, row, part| {
                     own[number] -= asked[row] * part;
                 });
+                for (number, slot) in own.iter_mut().enumerate() {
+                    *slot -= self.dependent.along(plan, slots.row + number);
+                }
             }
         }
         self.system

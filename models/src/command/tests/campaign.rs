@@ -161,3 +161,38 @@ fn the_campaign_file_of_the_page_about_campaigns_runs() {
     let error = run(&["run", "swing", "--campaign", &file, "--dt", "1 ms"]).unwrap_err();
     assert_eq!(error.code(), 1, "{error}");
 }
+
+#[test]
+fn a_scene_file_is_run_in_lanes_with_the_same_bytes() {
+    let folder = Folder::new("in_lanes");
+    let scene = folder.file(
+        "pendulum.mbd",
+        "pub model Pendulum {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            coordinates: relative;
+            param m_bob = 1.0 kg in 0.5 kg ..= 2.0 kg;
+            param k = 5 N*m/rad in 1 N*m/rad ..= 500 kN*m/rad;
+            body bob { mass: m_bob, inertia: diag(0.1, 0.1, 0.02) kg*m^2, frame top at [0.0, 0.0, 1.0] m }
+            joint pin: hinge from world to bob.top { axis: y, damping: 0.1 N*m*s/rad, stiffness: k, start: 0.4 rad }
+            output swing = pin.angle;
+        }",
+    );
+    let file = folder.file(
+        "dispersed.toml",
+        "seed = 3\ncases = 30\nblock = 8\n[params]\nm_bob = { dist = \"normal\", sigma = \"5 %\" }\n[metrics]\nlargest = { max = \"swing\" }\n[run]\nuntil = \"0.5 s\"\nstep = \"1 ms\"\n",
+    );
+    let cases = |lanes: &str| {
+        let out = folder.0.join(lanes).display().to_string();
+        run(&["campaign", &scene, &file, "--out", &out, "--lanes", lanes]).unwrap();
+        std::fs::read(Path::new(&out).join("cases.csv")).unwrap()
+    };
+    let alone = cases("1");
+    assert!(String::from_utf8_lossy(&alone).contains(",ok,"));
+    assert_eq!(alone, cases("4"));
+    assert_eq!(alone, cases("8"));
+    let error = run(&["campaign", &scene, &file, "--lanes", "5"]).unwrap_err();
+    assert!(
+        error.to_string().contains("[possible values: 1, 4, 8]"),
+        "{error}"
+    );
+}

@@ -1,0 +1,410 @@
+//! The steps of several runs tried beside each other, a run a lane, each with a clock and a step of its own.
+
+use std::any::Any;
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use mbd_scene::{At, Float, Layout, Model, Quantity};
+
+use super::form::{Beside, Form};
+use super::lockstep::normalise;
+use super::networks::Networks;
+use super::{Lanes, Lanes4, Lanes8};
+use crate::integrate::Explicit;
+use crate::node::Nodes;
+use crate::simulation::beside::{Attempt, Spent};
+use crate::simulation::{Course, Simulation};
+
+/// With fewer runs than this nothing is gained.
+const FEWEST: usize = 2;
+/// The most lanes there are.
+const MOST: usize = 8;
+
+/// A run in a lane, where it goes, and how many of its steps were tried beside those of others.
+pub type Lane<'r, T> = (&'r mut Simulation<T>, &'r Course, &'r mut u64);
+
+/// Tries the steps of several runs of one model at once.
+pub trait Together<T: Float> {
+    /// Tries the next step of every run that has one of this kind, and leaves it where the run takes it from.
+    fn attempt(&mut self, runs: &mut dyn Runs<T>);
+}
+
+/// The runs that are tried beside each other.
+pub trait Runs<T: Float> {
+    /// That of a lane, if there is one.
+    fn lane(&mut self, lane: usize) -> Option<Lane<'_, T>>;
+}
+
+/// What tries the steps of so many runs of a model at once; `None` where there is no such thing: another width than 4 and 8, a model that does not have its
+/// equations over lanes [at hand](crate::InLanes), another scalar than `f64`.
+pub(crate) fn together<T: Float>(
+    model: &dyn Model<T>,
+    width: usize,
+) -> Option<Box<dyn Together<T>>> {
+    let forms = Beside::of(model.beside()?)?;
+    let layout = model.layout();
+    let group: Box<dyn Together<f64>> = match width {
+        4 => Box::new(Group::<Lanes4>::new(layout, forms.four())),
+        8 => Box::new(Group::<Lanes8>::new(layout, forms.eight())),
+        _ => return None,
+    };
+    let group: Box<dyn Any> = Box::new(group);
+    group.downcast().ok().map(|group| *group)
+}
+
+/// The numbers of several runs beside each other.
+struct Group<L> {
+    form: Box<dyn Form<L>>,
+    /// The method, once a run has shown it.
+    method: Option<Explicit<L>>,
+    /// The model of each lane, whose parameters the equations have.
+    models: Vec<Option<Arc<dyn Model<f64>>>>,
+    params: Vec<L>,
+    state: Vec<L>,
+    stages: Stages<L>,
+    networks: Networks<L>,
+    guards: Vec<L>,
+    quaternions: Vec<usize>,
+}
+
+/// What the stages read and write beside their states.
+pub(super) struct Stages<L> {
+    pub nodes: Vec<L>,
+    pub effective: Vec<L>,
+    hold: Vec<L>,
+    pub ends: Vec<L>,
+    inputs: Vec<L>,
+    rates: Vec<L>,
+}
+
+impl<L: Lanes> Stages<L> {
+    pub fn at<'a>(&'a self, time: L, state: &'a [L]) -> At<'a, L> {
+        At {
+            time,
+            state,
+            nodes: &self.nodes,
+            effective: &self.effective,
+            hold: &self.hold,
+            ends: &self.ends,
+            inputs: &self.inputs,
+            rows: &[],
+        }
+    }
+
+    /// Nodes and rates at a stage, both at once; one in every lane where they hold, zero where nodes follow other rules.
+    fn find_rates(
+        &mut self,
+        form: &mut dyn Form<L>,
+        nodes: &Nodes<f64>,
+        (time, state): (L, &[L]),
+        out: &mut [L],
+    ) -> L {
+        let mut rates = std::mem::take(&mut self.rates);
+        form.evaluate(Quantity::Rates, &self.at(time, state), &mut rates);
+        let layout = nodes.layout_of_rates();
+        for [z, node] in layout.velocities() {
+            if let (Some(to), Some(from)) =
+                (self.nodes.get_mut(node..node + 3), rates.get(z..z + 3))
+            {
+                to.copy_from_slice(from);
+            }
+        }
+        let (own, rest) = rates.split_at(out.len());
+        out.copy_from_slice(own);
+        let (ends, _) = rest.split_at(self.ends.len());
+        self.ends.copy_from_slice(ends);
+        let carries = |line: usize| {
+            let hold = self.hold.get(line).copied();
+            L::zero().lt(hold.unwrap_or_else(L::zero))
+        };
+        let holds = layout.holds(&rates, L::from_f64(f64::EPSILON), carries);
+        self.rates = rates;
+        L::select(holds, L::one(), L::zero())
+    }
+}
+
+impl<L: Lanes> Group<L> {
+    fn new(layout: &Layout, form: Box<dyn Form<L>>) -> Self {
+        let list = |length: usize| vec![L::zero(); length];
+        Group {
+            form,
+            method: None,
+            models: vec![None; L::WIDTH],
+            params: list(layout.np),
+            state: list(layout.nx()),
+            stages: Stages {
+                nodes: list(3 * layout.nodes.len()),
+                effective: list(2 * layout.effective_lines),
+                hold: list(layout.holds()),
+                ends: list(layout.len(Quantity::AnchorStates)),
+                inputs: list(layout.ni),
+                rates: list(layout.len(Quantity::Rates)),
+            },
+            networks: Networks::new(layout),
+            guards: list(layout.len(Quantity::Guards)),
+            quaternions: layout.quaternions().collect(),
+        }
+    }
+
+    /// Takes the start of a step into a lane; whether its parameters are others than those that the equations have.
+    fn load(&mut self, lane: usize, run: &Simulation<f64>) -> bool {
+        let Some(own) = run.method.explicit() else {
+            return false;
+        };
+        let method = self.method.get_or_insert_with(|| own.over());
+        set(lane, &mut self.state, &run.state);
+        set(lane, method.first_mut(), own.first());
+        set(lane, &mut self.stages.inputs, &run.system.inputs);
+        set(lane, &mut self.stages.hold, run.system.nodes.hold());
+        self.networks.load(lane, run);
+        let Some(model) = self.models.get_mut(lane) else {
+            return false;
+        };
+        let same = |model: &Arc<dyn Model<f64>>| Arc::ptr_eq(model, &run.system.model);
+        if model.as_ref().is_some_and(same) {
+            return false;
+        }
+        set(lane, &mut self.params, run.system.model.params());
+        self.networks.load_lines(lane, run.system.model.lines());
+        *model = Some(run.system.model.clone());
+        true
+    }
+
+    /// Fills lanes that have no parameters yet with those of one that has.
+    fn spread(&mut self, from: usize) {
+        for lane in (0..L::WIDTH).filter(|lane| self.models.get(*lane).is_some_and(Option::is_none))
+        {
+            for list in [&mut self.params, &mut self.state, &mut self.stages.inputs] {
+                for numbers in list {
+                    let numbers = numbers.numbers_mut();
+                    numbers[lane] = numbers[from];
+                }
+            }
+        }
+    }
+}
+
+/// Writes a list into a lane.
+pub(super) fn set<L: Lanes>(lane: usize, lanes: &mut [L], list: &[f64]) {
+    for (numbers, x) in lanes.iter_mut().zip(list) {
+        if let Some(number) = numbers.numbers_mut().get_mut(lane) {
+            *number = *x;
+        }
+    }
+}
+
+/// Reads a list out of a lane.
+fn get<L: Lanes>(lane: usize, lanes: &[L], list: &mut [f64]) {
+    for (x, numbers) in list.iter_mut().zip(lanes) {
+        *x = numbers.lane(lane);
+    }
+}
+
+impl<L: Lanes> Together<f64> for Group<L> {
+    fn attempt(&mut self, runs: &mut dyn Runs<f64>) {
+        let Some(tried) = self.gather(runs) else {
+            return;
+        };
+        let Some((run, ..)) = runs.lane(tried.first) else {
+            return;
+        };
+        let Some(end) = self.make_step(&tried, &run.system.nodes) else {
+            return;
+        };
+        for lane in (0..L::WIDTH).filter(|lane| tried.has(*lane) && end.is_usable(*lane)) {
+            if let Some((run, _, count)) = runs.lane(lane) {
+                run.receive(&Tries {
+                    lane,
+                    group: self,
+                    tried: &tried,
+                    end: &end,
+                });
+                *count += 1;
+            }
+        }
+    }
+}
+
+/// The steps that are tried.
+struct Tried {
+    /// Start and size of each lane's [s]; not a number where none is tried.
+    steps: [[f64; 2]; MOST],
+    /// The first lane with one.
+    first: usize,
+    /// Whether a run looks at guards, and at energy, at the end.
+    looks: [bool; 2],
+}
+
+impl Tried {
+    fn has(&self, lane: usize) -> bool {
+        self.steps
+            .get(lane)
+            .is_some_and(|[time, _]| time.is_finite())
+    }
+
+    /// Times at the start, or sizes; idle lanes have those of the first that is not.
+    fn lanes<L: Lanes>(&self, which: usize) -> L {
+        L::each(|lane| match self.has(lane) {
+            true => self.steps[lane][which],
+            false => self.steps[self.first][which],
+        })
+    }
+}
+
+/// What is known at the end of steps that were tried.
+struct End<L> {
+    energy: [L; 6],
+    drift: L,
+    /// One in a lane whose nodes were found along with the rates.
+    holds: L,
+    /// Zero in a lane in which every rate is finite.
+    faults: L,
+}
+
+impl<L: Lanes> End<L> {
+    fn is_usable(&self, lane: usize) -> bool {
+        self.holds.lane(lane) == 1.0 && self.faults.lane(lane) == 0.0
+    }
+}
+
+impl<L: Lanes> Group<L> {
+    /// Takes the starts of the next steps into the lanes; `None` where there are too few.
+    fn gather(&mut self, runs: &mut dyn Runs<f64>) -> Option<Tried> {
+        let mut tried = Tried {
+            steps: [[f64::NAN; 2]; MOST],
+            first: 0,
+            looks: [false; 2],
+        };
+        let (mut count, mut changed) = (0, false);
+        for lane in 0..L::WIDTH {
+            let Some((run, course, _)) = runs.lane(lane) else {
+                continue;
+            };
+            let Some(step) = run.upcoming(course) else {
+                continue;
+            };
+            if count == 0 {
+                tried.first = lane;
+            }
+            tried.steps[lane] = step;
+            count += 1;
+            changed |= self.load(lane, run);
+            let [guards, energy] = run.looks_at();
+            tried.looks = [tried.looks[0] || guards, tried.looks[1] || energy];
+        }
+        if changed {
+            self.spread(tried.first);
+            self.form.take(&self.params);
+        }
+        (count >= FEWEST).then_some(tried)
+    }
+
+    /// Makes the steps; guards, where they are looked at, are in `guards`.
+    fn make_step(&mut self, tried: &Tried, nodes: &Nodes<f64>) -> Option<End<L>> {
+        let (time, step): (L, L) = (tried.lanes(0), tried.lanes(1));
+        let Group {
+            form,
+            method,
+            state,
+            stages,
+            networks,
+            guards,
+            quaternions,
+            ..
+        } = self;
+        let method = method.as_mut()?;
+        let mut end = End {
+            energy: [L::zero(); 6],
+            drift: L::zero(),
+            holds: L::one(),
+            faults: L::zero(),
+        };
+        networks.begin();
+        let Ok(()) = method.stages(
+            [time, step],
+            step,
+            state,
+            |last, [time, span], trial, rates| {
+                if last {
+                    end.drift = normalise(quaternions, trial);
+                }
+                if nodes.has_networks() && !nodes.are_single() {
+                    end.holds *= stages.find_rates(&mut **form, nodes, (time, trial), rates);
+                } else {
+                    end.holds *= networks.solve(&mut **form, nodes, stages, (time, span, trial));
+                    form.evaluate(Quantity::Derivative, &stages.at(time, trial), rates);
+                }
+                // 0 x is zero for a finite number and NaN for others.
+                let faults = rates.iter().map(|x| L::zero() * *x);
+                end.faults = faults.fold(end.faults, |sum, fault| sum + fault);
+                Ok::<(), Infallible>(())
+            },
+        );
+        let [_, next] = method.attempted();
+        let at = stages.at(time + step, next);
+        let [looks_at_guards, looks_at_energy] = tried.looks;
+        if looks_at_guards {
+            form.evaluate(Quantity::Guards, &at, guards);
+        }
+        if looks_at_energy {
+            form.evaluate(Quantity::Energy, &at, &mut end.energy);
+        }
+        Some(end)
+    }
+}
+
+/// The attempt of a lane.
+struct Tries<'a, L> {
+    lane: usize,
+    group: &'a Group<L>,
+    tried: &'a Tried,
+    end: &'a End<L>,
+}
+
+impl<L: Lanes> Attempt<f64> for Tries<'_, L> {
+    fn step(&self) -> [f64; 2] {
+        let step = self.tried.steps.get(self.lane).copied();
+        step.unwrap_or([f64::NAN; 2])
+    }
+
+    fn stages(&self, [stages, end]: [&mut [f64]; 2]) {
+        let Some(method) = &self.group.method else {
+            return;
+        };
+        let [all, next] = method.attempted();
+        let first = next.len();
+        if let (Some(from), Some(to)) = (all.get(first..), stages.get_mut(first..)) {
+            get(self.lane, from, to);
+        }
+        get(self.lane, next, end);
+    }
+
+    fn rates(&self, into: &mut [f64]) {
+        get(self.lane, &self.group.stages.rates, into);
+    }
+
+    fn nodes(&self, [ends, nodes, effective]: [&mut [f64]; 3]) -> Spent {
+        let stages = &self.group.stages;
+        get(self.lane, &stages.ends, ends);
+        get(self.lane, &stages.nodes, nodes);
+        get(self.lane, &stages.effective, effective);
+        self.group.networks.spent(self.lane)
+    }
+
+    fn guards(&self, into: &mut [f64]) -> bool {
+        let [known, _] = self.tried.looks;
+        if known {
+            get(self.lane, &self.group.guards, into);
+        }
+        known
+    }
+
+    fn energy(&self) -> Option<[f64; 6]> {
+        let [_, known] = self.tried.looks;
+        known.then(|| self.end.energy.map(|x| x.lane(self.lane)))
+    }
+
+    fn drift(&self) -> f64 {
+        self.end.drift.lane(self.lane)
+    }
+}

@@ -1,0 +1,222 @@
+//! Equilibrium points of several runs, solved beside each other: warm Newton until every lane has converged, each frozen when it is done.
+
+use mbd_scene::laws::LineNumbers;
+use mbd_scene::{Layout, Quantity};
+use nalgebra::Vector3;
+
+use super::Lanes;
+use super::form::Form;
+use super::group::{Stages, set};
+use crate::node::{Evaluation, Nodes, Plan, Tolerance, WARM_STEPS, warm};
+use crate::simulation::Simulation;
+use crate::simulation::beside::Spent;
+
+/// The networks of several runs: what each remembers of its last accepted step, and what their solves cost.
+pub(super) struct Networks<L> {
+    lines: Vec<LineNumbers<L>>,
+    nodes: Vec<L>,
+    anchors: Vec<L>,
+    stretch: Vec<L>,
+    previous: Vec<L>,
+    /// The step before per network [s]; zero where a line changed between slack and taut in it.
+    steps: Vec<L>,
+    /// Room for the balance of each network.
+    balances: Vec<Evaluation<L>>,
+    /// Newton steps so far, the most of one solve, and solves that ended slack.
+    spent: [L; 3],
+}
+
+/// Flags of lanes: one where something holds, else zero.
+fn flag<L: Lanes>(mask: L::Mask) -> L {
+    L::select(mask, L::one(), L::zero())
+}
+
+impl<L: Lanes> Networks<L> {
+    pub(super) fn new(layout: &Layout) -> Self {
+        let list = |length: usize| vec![L::zero(); length];
+        let none = LineNumbers {
+            stiffness: L::one(),
+            damping: L::zero(),
+            free_length: L::zero(),
+        };
+        let networks = layout.networks.iter();
+        Networks {
+            lines: vec![none; layout.lines.len()],
+            nodes: list(3 * layout.nodes.len()),
+            anchors: list(3 * layout.anchors.len()),
+            stretch: list(layout.lines.len()),
+            previous: list(layout.lines.len()),
+            steps: list(layout.networks.len()),
+            balances: networks
+                .map(|network| Evaluation::new(network.nodes.len(), network.blocks.len()))
+                .collect(),
+            spent: [L::zero(); 3],
+        }
+    }
+
+    /// Takes what a run remembers into a lane.
+    pub(super) fn load(&mut self, lane: usize, run: &Simulation<f64>) {
+        let last = run.memory().last_step();
+        set(lane, &mut self.nodes, last.nodes);
+        set(lane, &mut self.anchors, last.anchors);
+        set(lane, &mut self.stretch, last.stretch);
+        set(lane, &mut self.previous, last.previous);
+        for (step, smooth) in self.steps.iter_mut().zip(last.smooth) {
+            put(lane, step, if *smooth { last.step } else { 0.0 });
+        }
+    }
+
+    /// Takes the constants of its lines.
+    pub(super) fn load_lines(&mut self, lane: usize, lines: &[LineNumbers<f64>]) {
+        for (to, from) in self.lines.iter_mut().zip(lines) {
+            put(lane, &mut to.stiffness, from.stiffness);
+            put(lane, &mut to.damping, from.damping);
+            put(lane, &mut to.free_length, from.free_length);
+        }
+    }
+
+    /// Counts from here on.
+    pub(super) fn begin(&mut self) {
+        self.spent = [L::zero(); 3];
+    }
+
+    /// What the solves of a lane cost since [`Networks::begin`].
+    pub(super) fn spent(&self, lane: usize) -> Spent {
+        let [iterations, most, slack] = self.spent.map(|x| x.lane(lane) as u64);
+        Spent {
+            iterations,
+            most: most as usize,
+            slack,
+        }
+    }
+
+    /// Places the nodes of a stage, `span` after the last accepted step; one in every lane where warm Newton found them.
+    pub(super) fn solve(
+        &mut self,
+        form: &mut dyn Form<L>,
+        plans: &Nodes<f64>,
+        stages: &mut Stages<L>,
+        (time, span, state): (L, L, &[L]),
+    ) -> L {
+        let mut ends = std::mem::take(&mut stages.ends);
+        form.evaluate(Quantity::AnchorStates, &stages.at(time, state), &mut ends);
+        let faults = ends.iter().fold(L::zero(), |sum, x| sum + L::zero() * *x);
+        stages.ends = ends;
+        let mut usable = flag::<L>(L::zero().le(faults));
+        for plan in plans.plans() {
+            self.lay_down(plan, stages, span);
+            usable *= self.descend(form, plan, stages, (time, state));
+        }
+        usable
+    }
+
+    /// The law of the lines, and where the search for the node begins.
+    fn lay_down(&self, plan: &Plan<f64>, stages: &mut Stages<L>, span: L) {
+        let step = get(&self.steps, plan.index);
+        for line in &plan.lines {
+            let (Some(numbers), Some(at)) = (self.lines.get(line.line), line.effective) else {
+                continue;
+            };
+            let law = match plan.stepwise() {
+                Some((formula, clamp)) => {
+                    let [last, before] =
+                        [&self.stretch, &self.previous].map(|list| get(list, line.line));
+                    crate::node::law(numbers, formula, clamp, span, (last, (before, step)))
+                }
+                None => [numbers.stiffness, numbers.free_length],
+            };
+            if let Some(slots) = stages.effective.get_mut(2 * at..2 * at + 2) {
+                slots.copy_from_slice(&law);
+            }
+        }
+        for (&node, own_anchors) in plan.nodes.iter().zip(&plan.own_anchors) {
+            let moved = warm::carried(
+                crate::node::triple(&self.nodes, 3 * node),
+                own_anchors.iter().map(|anchor| {
+                    let [now, last] = [(&stages.ends, 6), (&self.anchors, 3)]
+                        .map(|(list, width)| crate::node::triple(list, width * anchor));
+                    now - last
+                }),
+            );
+            place(stages, node, &moved);
+        }
+    }
+
+    /// Newton from there; one in every lane that came to an end.
+    fn descend(
+        &mut self,
+        form: &mut dyn Form<L>,
+        plan: &Plan<f64>,
+        stages: &mut Stages<L>,
+        (time, state): (L, &[L]),
+    ) -> L {
+        let (zero, one) = (L::zero(), L::one());
+        let epsilon = L::from_f64(f64::EPSILON);
+        let (Some(&node), Some(balance)) = (plan.nodes.first(), self.balances.get_mut(plan.index))
+        else {
+            return zero;
+        };
+        let targets = Tolerance::<f64>::inside_step().warm().map(L::from_f64);
+        let load = crate::node::triple(&stages.ends, 6 * (self.anchors.len() / 3) + 3 * node);
+        let (load, certain) = warm::certain_norm(load.as_slice(), epsilon);
+        let mut usable = flag::<L>(certain);
+        let (mut active, mut is_slack, mut iterations) = (usable, zero, zero);
+        let what = Quantity::Equilibrium(plan.index);
+        for step in 0..=WARM_STEPS {
+            form.evaluate(what, &stages.at(time, state), balance.values_mut());
+            let (residual, certain) = warm::certain_norm(balance.gradient(), epsilon);
+            let standing = targets.judge(balance, residual, load);
+            let slack = active * flag::<L>(standing.slack);
+            let done = L::select(standing.slack, one, flag::<L>(standing.balanced));
+            let direction = warm::direction_of_one(balance, epsilon);
+            let (delta, found) = match direction.filter(|_| step < WARM_STEPS) {
+                Some((delta, found)) => (delta, flag::<L>(found)),
+                None => (Vector3::repeat(zero), zero),
+            };
+            is_slack += slack;
+            // A lane whose direction follows other rules, or whose residual has no certain size, is left to its run.
+            let certain = flag::<L>(certain);
+            let goes_on = active * certain * found * (one - done);
+            usable -= active * (one - certain * L::select(zero.lt(done), one, found));
+            active = goes_on;
+            if !is_any(active) {
+                break;
+            }
+            iterations += active;
+            let here = crate::node::triple(&stages.nodes, 3 * node);
+            let next = here.zip_map(&delta, |p, delta| L::select(zero.lt(active), p + delta, p));
+            place(stages, node, &next);
+        }
+        for at in plan.lines.iter().filter_map(|line| line.effective) {
+            let slots = stages.effective.get_mut(2 * at..2 * at + 2);
+            for x in slots.unwrap_or_default() {
+                *x = L::select(zero.lt(is_slack), zero, *x);
+            }
+        }
+        let [all, most, slack] = self.spent;
+        self.spent = [all + iterations, most.max(iterations), slack + is_slack];
+        usable
+    }
+}
+
+/// Whether a flag is set in some lane.
+fn is_any<L: Lanes>(flags: L) -> bool {
+    flags.numbers().iter().any(|flag| *flag > 0.0)
+}
+
+fn place<L: Lanes>(stages: &mut Stages<L>, node: usize, place: &Vector3<L>) {
+    if let Some(slots) = stages.nodes.get_mut(3 * node..3 * node + 3) {
+        slots.copy_from_slice(place.as_slice());
+    }
+}
+
+/// Writes a number into a lane.
+fn put<L: Lanes>(lane: usize, lanes: &mut L, x: f64) {
+    if let Some(number) = lanes.numbers_mut().get_mut(lane) {
+        *number = x;
+    }
+}
+
+fn get<L: Lanes>(list: &[L], at: usize) -> L {
+    list.get(at).copied().unwrap_or_else(L::zero)
+}

@@ -1,0 +1,153 @@
+//! A step that is tried beside those of other runs: which one it is, and what the run takes over of it.
+//!
+//! Only the stages of a step are evaluated elsewhere, with the operations of this run in their order. Everything else is done by the run itself, as of a
+//! step that it tried alone: error, events, watch, rows, memory. Where a stage cannot be had that way nothing is taken over, and the run tries
+//! the step alone.
+
+use mbd_scene::Float;
+
+use super::stability::Meter;
+use super::{Course, Simulation};
+use crate::node::Stage;
+use crate::trajectory::resolution;
+
+/// An attempt at a step that was made elsewhere.
+pub(crate) trait Attempt<T> {
+    /// Start and size of the step [s].
+    fn step(&self) -> [f64; 2];
+    /// Writes the rates of all stages but the first, which the run has, and the state at the end.
+    fn stages(&self, into: [&mut [T]; 2]);
+    /// Writes [`Quantity::Rates`](mbd_scene::Quantity::Rates) at the end.
+    fn rates(&self, into: &mut [T]);
+    /// Writes anchors and loads, nodes, and effective line numbers at the end; what the solves of all stages cost.
+    fn nodes(&self, into: [&mut [T]; 3]) -> Spent;
+    /// Writes the guards at the end; `false` where they are not known.
+    fn guards(&self, into: &mut [T]) -> bool;
+    /// Energy and powers at the end, where they are known.
+    fn energy(&self) -> Option<[T; 6]>;
+    /// The largest | |q| − 1 | of a quaternion at the end, before it was normalised.
+    fn drift(&self) -> f64;
+}
+
+/// What solves of nodes cost.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Spent {
+    /// Newton steps.
+    pub iterations: u64,
+    /// The most of one solve.
+    pub most: usize,
+    /// Solves that ended with every line slack.
+    pub slack: u64,
+}
+
+impl<T: Float> Simulation<T> {
+    /// Start and size of the step that is tried next [s], where its stages may be evaluated elsewhere: an explicit step of a run without rows of joints
+    /// and functions of time and state, whose nodes, if there are any, are found along with the rates or each by a solve of its own.
+    pub(crate) fn upcoming(&mut self, course: &Course) -> Option<[f64; 2]> {
+        let now = resolution(self.time);
+        let begins = course.opened && self.started && !self.stale && self.changes.stop.is_none();
+        let due = self.next_sample() <= self.time + now || course.until - self.time <= now;
+        if !begins || due || self.method.explicit().is_none() || !self.system.is_plain() {
+            return None;
+        }
+        let (step, _) = self.propose(course.until.min(self.next_sample()));
+        let state = self.state.get(..self.system.nx).unwrap_or_default();
+        (step >= now && self.system.hold_plain(self.time, state)).then_some([self.time, step])
+    }
+
+    /// Whether the guards at the end of a step are looked at, and its energy by the model.
+    pub(crate) fn looks_at(&self) -> [bool; 2] {
+        let energy = self.balance.is_some() && matches!(self.meter, Meter::Model { .. });
+        [!self.margins.is_empty(), energy]
+    }
+
+    /// Takes over an attempt at the upcoming step.
+    pub(crate) fn receive(&mut self, attempt: &dyn Attempt<T>) {
+        let Some(method) = self.method.explicit_mut() else {
+            return;
+        };
+        attempt.stages(method.attempted_mut());
+        let (next, stages) = (method.next(), method.count() - 1);
+        if self.system.receive(next, stages, attempt) {
+            self.received = Some(attempt.step());
+        }
+    }
+
+    /// Whether the step from here on of a size was received; it is used once.
+    pub(super) fn take_received(&mut self, step: f64) -> bool {
+        let is_this = self.received.take() == Some([self.time, step]);
+        match is_this {
+            true => self.attempted = step,
+            false => self.system.known.forget(),
+        }
+        is_this
+    }
+}
+
+impl<T: Float> crate::system::System<T> {
+    /// Whether a stage is inputs that are held, a state, and nodes, and nothing else.
+    fn is_plain(&self) -> bool {
+        let supplied = !self.controls.is_empty() && !self.inputs.is_empty();
+        !supplied && !self.projection.any() && self.length() == self.nx
+    }
+
+    /// Holds elements in the modes of the memory; whether nodes, if there are any, may be found elsewhere.
+    fn hold_plain(&mut self, time: f64, state: &[T]) -> bool {
+        let stage = Stage {
+            model: &*self.model,
+            time: T::from_f64(time),
+            state,
+            inputs: &self.inputs,
+        };
+        let (nodes, memory) = (&mut self.nodes, &self.memory);
+        match (nodes.has_networks(), nodes.are_single()) {
+            (false, _) => {
+                nodes.hold_modes(memory);
+                true
+            }
+            (_, true) => nodes.hold_for_warm(memory),
+            _ => nodes.hold_for_rates(stage, memory),
+        }
+    }
+
+    /// Leaves everything as the stages of a step that ends with a state would have left it; `false` where the nodes of that state follow other rules.
+    fn receive(&mut self, state: &[T], stages: usize, attempt: &dyn Attempt<T>) -> bool {
+        let [time, step] = attempt.step();
+        let (end, span) = (time + step, T::from_f64(step));
+        let stage = Stage {
+            model: &*self.model,
+            time: T::from_f64(end),
+            state,
+            inputs: &self.inputs,
+        };
+        let (nodes, memory) = (&mut self.nodes, &self.memory);
+        match (nodes.has_networks(), nodes.are_single()) {
+            (false, _) => {
+                if nodes
+                    .solve_stage(stage, span, memory, &mut self.work)
+                    .is_err()
+                {
+                    return false;
+                }
+            }
+            (_, true) => {
+                let mut spent = Spent::default();
+                nodes.receive_warm(stage.model, span, |into| spent = attempt.nodes(into));
+                nodes.count_solves(stages);
+                let statistics = &mut nodes.statistics;
+                statistics.add(spent.iterations, spent.most, spent.slack);
+            }
+            _ => {
+                if !nodes.receive_rates(stage, span, memory, |into| attempt.rates(into)) {
+                    return false;
+                }
+                nodes.count_solves(stages - 1);
+            }
+        }
+        self.counters.rhs = self.counters.rhs.saturating_add(stages as u64);
+        self.drift = attempt.drift();
+        self.known
+            .learn(end, attempt.energy(), |into| attempt.guards(into));
+        true
+    }
+}

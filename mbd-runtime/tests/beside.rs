@@ -1,0 +1,370 @@
+//! Batches in lanes: a case gives the same bits whatever is beside it, however many lanes and threads there are.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use mbd_runtime::{
+    Batch, Beside, Case, Content, Finished, InLanes, Model, Options, Sampling, Simulation, model,
+};
+
+model! {
+    /// A stone in wind and thin air, drawn to a place; it is noticed where it passes two heights.
+    pub model Stone<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param mass = 1.0 kg in 0.1 kg ..= 10.0 kg;
+        param drag = 0.02 kg/m in 0.0 kg/m ..= 1.0 kg/m;
+        input push: force;
+        point stone { mass: mass, start at [0.3, 0.1, 30.0] m }
+        load air on stone = -drag * norm(stone.velocity) * stone.velocity * exp(-stone.position.z / 8000 m);
+        load pull on stone = -3.0 N * [tanh(stone.position.x / 1 m), sin(stone.position.y / 1 m), 0.0] + [push, 0.0, 0.0];
+        event low = stone.position.z falls 20.0 m;
+        event lower = stone.position.z falls 12.0 m { set: drag = 0.5 kg/m }
+        output height = stone.position.z;
+    }
+}
+
+model! {
+    /// A chain of four links on hinges about crossed axes.
+    pub model Chain<T> {
+        units: si;
+        gravity: [0.0, 0.0, -9.81];
+        coordinates: relative;
+        param length = 1.0 in 0.5 ..= 2.0;
+        body link[i in 0..4] { mass: 1.0, inertia: diag(0.083, 0.083, 0.001), frame top at [0.0, 0.0, 0.5 * length], frame end at [0.0, 0.0, -0.5 * length] }
+        joint first: hinge from world to link[0].top { axis: y, damping: 0.1 }
+        joint bend[i in 0..3]: hinge from link[i].end to link[i + 1].top { axis: x, damping: 0.05 }
+    }
+}
+
+model! {
+    /// A body that tumbles.
+    pub model Tumbler<T> {
+        gravity: none;
+        param mass = 2.0 kg in 1.0 kg ..= 5.0 kg;
+        body top { mass: mass, inertia: diag(0.1, 0.2, 0.25) kg*m^2 }
+        joint afloat: free from world to top.com;
+    }
+}
+
+model! {
+    /// A lamp on a cord from a knot without mass, in air; lines go slack and taut.
+    pub model Lamp<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param mass = 2.0 kg in 0.5 kg ..= 5.0 kg;
+        param stiffness = 5 kN/m in 1 kN/m ..= 20 kN/m;
+        input wind: speed;
+        world { frame left at [-1.0, -0.6, 2.0] m, frame right at [1.1, -0.5, 2.1] m, frame back at [0.1, 1.2, 2.0] m }
+        point lamp { mass: mass, start at [0.1, 0.1, 0.8] m }
+        point knot;
+        line a from world.left to knot { free_length: 1.3 m, stiffness: stiffness, damping: 20 N*s/m }
+        line b from world.right to knot { free_length: 1.35 m, stiffness: stiffness, damping: 20 N*s/m }
+        line c from world.back to knot { free_length: 1.3 m, stiffness: stiffness, damping: 20 N*s/m }
+        line cord from knot to lamp { free_length: 0.5 m, stiffness: stiffness, damping: 20 N*s/m }
+        load air on lamp = 0.05 kg/m * ([wind, 0.0, 0.0] - lamp.velocity) * norm([wind, 0.0, 0.0] - lamp.velocity);
+        output pull = cord.tension;
+    }
+}
+
+model! {
+    /// A mass on a line to the world, without equilibrium points: it bounces up, and the line goes slack.
+    pub model Bob<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param mass = 1.0 kg in 0.1 kg ..= 10.0 kg;
+        world { frame hook at [0.0, 0.0, 1.0] m }
+        point bob { mass: mass, start at [0.3, 0.0, 0.9] m }
+        line cord from world.hook to bob { free_length: 0.5 m, stiffness: 2 kN/m, damping: 3 N*s/m }
+        output pull = cord.tension;
+    }
+}
+
+/// A result but what the clock says and how it was made.
+type Bits = (usize, Result<Vec<u64>, String>, String);
+
+fn bits(finished: &[Finished<Vec<f64>>]) -> Vec<Bits> {
+    let of = |list: &[f64]| list.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+    let one = |it: &Finished<Vec<f64>>| {
+        let result = match &it.result {
+            Ok(columns) => Ok(of(columns)),
+            Err(failed) => Err(format!(
+                "{} {:?} {}",
+                failed.time,
+                of(&failed.state),
+                failed.why
+            )),
+        };
+        (it.case, result, format!("{:?}", it.statistics))
+    };
+    finished.iter().map(one).collect()
+}
+
+/// All columns, one after the other, and the times of the events.
+fn fly(
+    model: &dyn Model<f64>,
+    options: Options,
+    sampling: Sampling,
+    cases: impl Iterator<Item = Case> + Send,
+    (threads, lanes): (usize, usize),
+) -> Vec<Finished<Vec<f64>>> {
+    Batch::new(model, options, 2.0)
+        .cases(cases)
+        .threads(threads)
+        .lanes(lanes)
+        .record(sampling, Content::ALL)
+        .run(|_, history| {
+            let columns = history
+                .names()
+                .iter()
+                .filter_map(|name| history.column(&name.name));
+            let events = history.events.iter().map(|(time, _)| *time);
+            columns.flatten().copied().chain(events).collect()
+        })
+}
+
+/// Whatever the lanes and the threads; at least this part of the steps is made in lanes.
+fn assert_same_bits<C: Iterator<Item = Case> + Send>(
+    model: &Beside,
+    options: &[Options],
+    at_least: f64,
+    cases: impl Fn() -> C,
+) {
+    for options in options {
+        for sampling in [Sampling::Steps, Sampling::Every(0.013)] {
+            let fly = |threads, lanes| {
+                let sampling = sampling.clone();
+                fly(model, *options, sampling, cases(), (threads, lanes))
+            };
+            let alone = fly(1, 1);
+            assert!(alone.iter().all(|it| it.beside == 0));
+            assert!(
+                alone.iter().any(|it| it.result.is_ok()),
+                "{:?}",
+                alone[0].result
+            );
+            for (threads, lanes) in [(1, 4), (1, 8), (2, 4), (5, 8)] {
+                let beside = fly(threads, lanes);
+                assert_eq!(bits(&beside), bits(&alone), "{options:?} {threads} {lanes}");
+            }
+            let of = |of: fn(&Finished<Vec<f64>>) -> u64| fly(1, 8).iter().map(of).sum::<u64>();
+            let (steps, beside) = (of(|it| it.statistics.steps), of(|it| it.beside));
+            println!("{options:?}: {beside} of {steps} steps beside each other");
+            let part = beside as f64 / steps as f64;
+            assert!(part > at_least, "{options:?}: {beside} of {steps}");
+        }
+    }
+}
+
+const METHODS: [fn() -> Options; 3] = [
+    || Options::rk4(0.01),
+    || Options::tsit5(1e-7),
+    || Options::vern7(1e-8),
+];
+
+fn methods() -> Vec<Options> {
+    METHODS.iter().map(|options| options()).collect()
+}
+
+#[test]
+fn stones_that_pass_events_and_end_at_other_times_are_what_they_are_alone() {
+    let stone = Stone::new(StoneParams::default())
+        .expect("params")
+        .in_lanes();
+    let cases = || {
+        (0..21_u32).map(|k| {
+            let k = f64::from(k);
+            let start = vec![0.3, -0.1 * k, 30.0 + k, 4.0, 1.0 + k, 5.0 - k];
+            Case::new()
+                .params([0.4 + 0.3 * k, 0.01 * k])
+                .inputs(&StoneInputs { push: 0.1 * k })
+                // Others begin later, and so have less to fly.
+                .state(0.05 * (k % 7.0), start)
+        })
+    };
+    assert_same_bits(&stone, &methods(), 0.9, cases);
+}
+
+#[test]
+fn chains_in_relative_coordinates_are_what_they_are_alone() {
+    let chain = Chain::new(ChainParams::default())
+        .expect("params")
+        .in_lanes();
+    let cases = || {
+        (0..11_u32).map(|k| {
+            let start: Vec<f64> = (0..8).map(|at| 0.1 * f64::from(k + at) - 0.3).collect();
+            Case::new()
+                .params([0.6 + 0.1 * f64::from(k)])
+                .state(0.0, start)
+        })
+    };
+    assert_same_bits(
+        &chain,
+        &[Options::rk4(5e-3), Options::tsit5(1e-6)],
+        0.9,
+        cases,
+    );
+}
+
+#[test]
+fn attitudes_are_what_they_are_alone() {
+    let tumbler = Tumbler::new(TumblerParams::default())
+        .expect("params")
+        .in_lanes();
+    let cases = || {
+        (0..10_u32).map(|k| {
+            let mut start = vec![0.0; 13];
+            (start[3], start[11], start[12]) = (1.0, 2.0 + f64::from(k), 0.01);
+            Case::new().state(0.0, start)
+        })
+    };
+    assert_same_bits(&tumbler, &methods(), 0.9, cases);
+}
+
+#[test]
+fn lines_at_an_equilibrium_point_that_go_slack_are_what_they_are_alone() {
+    let lamp = Lamp::new(LampParams::default()).expect("params").in_lanes();
+    let cases = || {
+        (0..13_u32).map(|k| {
+            let k = f64::from(k);
+            let mut start = LampState::at_origin();
+            start.set_lamp(mbd_runtime::PointState {
+                position: [0.1 + 0.01 * k, 0.1, 0.85],
+                velocity: [0.0, 0.1 * k, 0.1 * k],
+            });
+            Case::new()
+                .params([0.6 + 0.17 * k, 2000.0 + 300.0 * k])
+                .inputs(&LampInputs { wind: 0.3 * k })
+                .state(0.0, start.to_vec())
+        })
+    };
+    // With two lines that carry the knot follows rules of its own, which are not in lanes.
+    assert_same_bits(
+        &lamp,
+        &[Options::rk4(1e-3), Options::tsit5(1e-6)],
+        0.2,
+        cases,
+    );
+}
+
+#[test]
+fn lines_between_masses_that_go_slack_are_what_they_are_alone() {
+    let bob = Bob::new(BobParams::default()).expect("params").in_lanes();
+    let cases = || (1..12_u32).map(|k| Case::new().params([0.3 * f64::from(k)]));
+    assert_same_bits(
+        &bob,
+        &[Options::rk4(1e-3), Options::tsit5(1e-6)],
+        0.9,
+        cases,
+    );
+}
+
+#[test]
+fn a_case_that_fails_explodes_or_panics_disturbs_none_beside_it() {
+    let stone = Stone::new(StoneParams::default())
+        .expect("params")
+        .in_lanes();
+    let samples = AtomicUsize::new(0);
+    let fly = |lanes: usize| {
+        let cases = (0..12_u32).map(|k| match k {
+            // Out of range; a push that overflows; faster than any step can follow.
+            2 => Case::new().params([20.0, 0.0]),
+            5 => Case::new().inputs(&StoneInputs { push: 1e308 }),
+            7 => Case::new().state(0.0, vec![0.0, 0.0, 30.0, 0.0, 0.0, 1e9]),
+            k => Case::new().params([0.5 + 0.2 * f64::from(k), 0.02]),
+        });
+        let finished = Batch::new(&stone, Options::rk4(0.01), 1.5)
+            .cases(cases)
+            .threads(1)
+            .lanes(lanes)
+            .prepare(|case, run: &mut Simulation<f64>| {
+                if case.number() == 9 {
+                    samples.fetch_add(1, Ordering::Relaxed);
+                    return run.control_every(0.5, |sample, _: &mut StoneInputs| {
+                        assert!(sample.time < 0.9, "the ninth breaks");
+                    });
+                }
+                Ok(())
+            })
+            .run(|_, history| history.column("height").unwrap_or_default().to_vec());
+        finished
+    };
+    let (alone, beside) = (fly(1), fly(8));
+    assert_eq!(bits(&beside), bits(&alone));
+    let failed: Vec<(usize, &str)> = beside
+        .iter()
+        .filter_map(|it| Some((it.case, it.result.as_ref().err()?.why.status())))
+        .collect();
+    println!("{failed:?}");
+    let numbers: Vec<usize> = failed.iter().map(|(case, _)| *case).collect();
+    assert_eq!(numbers, [2, 5, 7, 9]);
+    assert_eq!(failed[0].1, "params");
+    assert_eq!(failed[3].1, "panic");
+}
+
+#[test]
+fn other_scalars_and_models_without_lanes_are_run_one_by_one_with_the_same_numbers() {
+    let stone = Stone::<f64>::new(StoneParams::default()).expect("params");
+    let fly = |model: &dyn Model<f64>| {
+        let masses = [0.5, 1.0, 2.0];
+        Batch::new(model, Options::rk4(0.01), 1.0)
+            .cases(masses.map(|mass| Case::new().params([mass, 0.02])))
+            .lanes(8)
+            .run(|_, history| history.column("height").unwrap_or_default().to_vec())
+    };
+    let alone = fly(&stone);
+    assert!(alone.iter().all(|it| it.beside == 0));
+    assert_eq!(bits(&alone), bits(&fly(&stone.clone().in_lanes())));
+    let single = Stone::<f32>::new(StoneParams::default()).expect("params");
+    let single = Batch::new(&single, Options::rk4(0.01), 1.0)
+        .cases([Case::new(), Case::new()])
+        .lanes(8)
+        .run(|_, history| history.len());
+    assert!(
+        single
+            .iter()
+            .all(|it| it.result == Ok(101) && it.beside == 0)
+    );
+}
+
+model! {
+    /// Four damped lines meet in a point without mass, their damping differenced from step to step; below hangs a mass from another such point.
+    pub model Bundle<T> {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param mass = 20.0 kg in 5.0 kg ..= 50.0 kg;
+        param damping = 100 N*s/m in 0 N*s/m ..= 1000 N*s/m;
+        world { frame hook[i in 0..3] at polar(1.0 m, i * 120 deg, 3.0 m) }
+        point bob { mass: mass, start at [0.0, 0.0, 0.86] m }
+        point knot { equilibrium: stepwise { formula: bdf2, clamp: positive } }
+        point other { mass: 2.0 kg, start at [0.0, 0.0, -0.57] m }
+        point middle { equilibrium: static }
+        line stay[i in 0..3] from world.hook[i] to knot { free_length: 1.5 m, stiffness: 20 kN/m, damping: damping }
+        line cord from knot to bob { free_length: 1.0 m, stiffness: 10 kN/m, damping: damping }
+        line upper from bob to middle { free_length: 0.7 m, stiffness: 3 kN/m }
+        line lower from middle to other { free_length: 0.7 m, stiffness: 4 kN/m }
+        load weight on middle = [0.0, 0.0, -0.5] N;
+        output pull = cord.tension;
+        output below = lower.tension;
+    }
+}
+
+#[test]
+fn points_in_balance_solved_beside_each_other_are_where_they_are_alone() {
+    let bundle = Bundle::new(BundleParams::default())
+        .expect("params")
+        .in_lanes();
+    let cases = || {
+        (0..13_u32).map(|k| {
+            let k = f64::from(k);
+            let start = |place: [f64; 3], up: f64| mbd_runtime::PointState {
+                position: place,
+                velocity: [0.0, 0.05 * k, up],
+            };
+            let mut state = BundleState::at_origin();
+            state.set_bob(start([0.05, 0.0, 0.86], 0.05 * k));
+            state.set_other(start([0.05, 0.0, -0.57], 0.05 * k));
+            Case::new()
+                .params([10.0 + 2.0 * k, 10.0 * k])
+                .state(0.0, state.to_vec())
+                .nodes([0.0, 0.0, 1.87, 0.05, 0.0, 0.15])
+        })
+    };
+    // A point whose lines pull little next to their stiffness is found by a factorisation, which is not in lanes.
+    assert_same_bits(&bundle, &[Options::rk4(2e-3)], 0.4, cases);
+}
