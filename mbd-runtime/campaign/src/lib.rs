@@ -32,7 +32,7 @@ pub use campaign::{Campaign, Resources};
 pub use command::{CampaignArgs, GatherArgs, campaign, gather, main, report, text};
 pub use failure::Failure;
 pub use manifest::{Column, Manifest};
-pub use metric::{Metric, Requirement};
+pub use metric::{Metric, Metrics, Requirement};
 pub use page::page;
 pub use results::{Results, Row};
 pub use summary::{CONFIDENCE, Failures, PARTS, Summary, Told, Verdict};

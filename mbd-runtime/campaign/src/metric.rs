@@ -5,6 +5,7 @@
 
 use mbd_compiler::read_number;
 use mbd_runtime::scene::Scene;
+use mbd_runtime::scene::metrics::{self, Take};
 use mbd_runtime::scene::similar::did_you_mean;
 use mbd_runtime::{Content, Model, Name, Sampling, Trajectory};
 use serde::{Deserialize, Serialize};
@@ -13,21 +14,6 @@ use toml::Value;
 use crate::dispersion::{WrittenMetric, WrittenRequirement};
 use crate::run::names::{PlanError, wrong};
 use crate::run::number::number;
-
-/// How a number is read from a history.
-#[derive(Clone, Debug, PartialEq)]
-enum Take {
-    Max(usize),
-    Min(usize),
-    Final(usize),
-    Mean(usize),
-    Rms(usize),
-    Integral(usize),
-    TimeAbove(usize, f64),
-    FirstAbove(usize, f64),
-    Value(usize, String),
-    TimeOf(String),
-}
 
 /// A number that is read from the history of every case.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +25,11 @@ pub struct Metric {
     /// What it has to be.
     pub require: Option<Requirement>,
     take: Take,
+    /// The column it is made of, and the level in its unit.
+    column: usize,
+    level: f64,
+    /// The event it needs.
+    event: String,
     window: [f64; 2],
 }
 
@@ -120,7 +111,8 @@ fn columns(model: &dyn Model<f64>, content: Content) -> Vec<Name> {
 }
 
 impl Metrics {
-    /// Reads metrics; `every_step` says whether histories have a row at every step, and so at every event.
+    /// The metrics of a declaration, and those of a campaign file; `every_step` says whether histories have a row at every step, and so at every
+    /// event. Of one that is declared, the file may say what it has to be.
     ///
     /// # Errors
     /// The first that cannot be read from a history of this model.
@@ -129,46 +121,76 @@ impl Metrics {
         model: &dyn Model<f64>,
         every_step: bool,
     ) -> Result<Self, PlanError> {
-        let mut content = NOTHING;
-        for (name, metric) in written.clone() {
+        let scene = model.scene();
+        let mut metrics = Metrics {
+            list: Vec::new(),
+            content: NOTHING,
+        };
+        let of_declared = scene
+            .metrics
+            .iter()
+            .filter(|metric| metric.output.is_some());
+        for metric in of_declared {
+            metrics.add_column(&metric.name, &metric.name, model)?;
+        }
+        let is_declared = |name: &str| scene.metrics.iter().any(|metric| metric.name == name);
+        let own = written.clone().filter(|(name, _)| !is_declared(name));
+        for (name, metric) in own.clone() {
             for column in metric.columns() {
-                let group = groups().into_iter().find(|group| {
-                    columns(model, *group)
-                        .iter()
-                        .any(|known| known.name == *column)
-                });
-                let Some(group) = group else {
-                    let all = columns(model, Content::ALL);
-                    let near = did_you_mean(column, all.iter().map(|it| it.name.as_str()));
-                    let text = format!(
-                        "histories have no column `{column}`{near} The header of the history.csv of `mbd run` names them all"
-                    );
-                    return Err(wrong(format!("metrics.{name}"), text));
-                };
-                content = Content {
-                    state: content.state | group.state,
-                    nodes: content.nodes | group.nodes,
-                    lines: content.lines | group.lines,
-                    reactions: content.reactions | group.reactions,
-                    outputs: content.outputs | group.outputs,
-                    energy: content.energy | group.energy,
-                };
+                metrics.add_column(name, column, model)?;
             }
         }
-        let names = columns(model, content);
-        let list = written.map(|(name, written)| {
-            let reader = Reader {
-                setting: format!("metrics.{name}"),
-                name,
-                written,
-                names: &names,
-            };
-            reader.metric(model.scene(), every_step)
-        });
-        Ok(Metrics {
-            list: list.collect::<Result<_, _>>()?,
-            content,
-        })
+        let names = columns(model, metrics.content);
+        for metric in &scene.metrics {
+            let mut declared = declared(metric, scene, &names, every_step)?;
+            if let Some((name, written)) = written.clone().find(|(name, _)| **name == metric.name) {
+                declared.require =
+                    Reader::new(name, written, &names).of_declared(&declared.unit)?;
+            }
+            metrics.list.push(declared);
+        }
+        for (name, written) in own {
+            let reader = Reader::new(name, written, &names);
+            metrics.list.push(reader.metric(scene, every_step)?);
+        }
+        Ok(metrics)
+    }
+
+    /// The metrics that a declaration has, for histories with these columns. Those that such a history cannot tell are left out.
+    #[must_use]
+    pub fn of_history(scene: &Scene, history: &Trajectory, every_step: bool) -> Vec<Metric> {
+        let metrics = scene.metrics.iter();
+        let read = metrics.map(|metric| declared(metric, scene, history.names(), every_step));
+        read.filter_map(Result::ok).collect()
+    }
+
+    /// Has histories hold a column.
+    fn add_column(
+        &mut self,
+        name: &str,
+        column: &str,
+        model: &dyn Model<f64>,
+    ) -> Result<(), PlanError> {
+        let holds = |group: &Content| {
+            let known = columns(model, *group);
+            known.iter().any(|known| known.name == column)
+        };
+        let Some(group) = groups().into_iter().find(holds) else {
+            let all = columns(model, Content::ALL);
+            let near = did_you_mean(column, all.iter().map(|it| it.name.as_str()));
+            let text = format!(
+                "histories have no column `{column}`{near} The header of the history.csv of `mbd run` names them all"
+            );
+            return Err(wrong(format!("metrics.{name}"), text));
+        };
+        let content = &mut self.content;
+        content.state |= group.state;
+        content.nodes |= group.nodes;
+        content.lines |= group.lines;
+        content.reactions |= group.reactions;
+        content.outputs |= group.outputs;
+        content.energy |= group.energy;
+        Ok(())
     }
 
     /// The metrics of a history.
@@ -182,30 +204,68 @@ impl Metrics {
 }
 
 impl WrittenMetric {
-    fn takes(&self) -> [(&'static str, &Option<String>); 10] {
-        [
-            ("max", &self.max),
-            ("min", &self.min),
-            ("final", &self.last),
-            ("mean", &self.mean),
-            ("rms", &self.rms),
-            ("integral", &self.integral),
-            ("time_above", &self.time_above),
-            ("first_above", &self.first_above),
-            ("value", &self.value),
-            ("time_of", &self.time_of),
-        ]
+    fn takes(&self) -> impl Iterator<Item = (Take, &String)> {
+        let of = |take| match take {
+            Take::Max => &self.max,
+            Take::Min => &self.min,
+            Take::Final => &self.last,
+            Take::Mean => &self.mean,
+            Take::Rms => &self.rms,
+            Take::Integral => &self.integral,
+            Take::TimeAbove => &self.time_above,
+            Take::FirstAbove => &self.first_above,
+            Take::Value => &self.value,
+            Take::TimeOf => &self.time_of,
+        };
+        let takes = Take::ALL.into_iter();
+        takes.filter_map(move |take| Some((take, of(take).as_ref()?)))
     }
 
     /// The columns it asks for.
     fn columns(&self) -> impl Iterator<Item = &String> {
-        let takes = self
-            .takes()
-            .into_iter()
-            .filter(|(word, _)| *word != "time_of");
-        takes.filter_map(|(_, column)| column.as_ref())
+        let takes = self.takes().filter(|(take, _)| *take != Take::TimeOf);
+        takes.map(|(_, column)| column)
     }
 }
+
+/// A metric of the declaration, read from histories with these columns.
+fn declared(
+    metric: &metrics::Metric,
+    scene: &Scene,
+    names: &[Name],
+    every_step: bool,
+) -> Result<Metric, PlanError> {
+    let output = metric.output.and_then(|output| scene.outputs.get(output));
+    let event = metric.event.and_then(|event| scene.events.get(event));
+    let column = names.iter().position(|known| known.name == metric.name);
+    let setting = format!("metric {}", metric.name);
+    if output.is_some() && column.is_none() {
+        return Err(wrong(
+            setting,
+            "its quantity is in no history: this model does not emit its outputs",
+        ));
+    }
+    if metric.take == Take::Value && !every_step {
+        return Err(wrong(setting, EVERY_STEP));
+    }
+    let (unit, factor) = output.map_or(("", 1.0), |it| (it.unit.text.as_str(), it.unit.factor));
+    Ok(Metric {
+        name: metric.name.clone(),
+        unit: metric.take.unit(unit),
+        require: None,
+        take: metric.take,
+        column: column.unwrap_or(0),
+        level: metric.level.map_or(f64::NAN, |level| level / factor),
+        event: event.map_or(String::new(), |event| event.name.clone()),
+        window: [
+            metric.from.unwrap_or(f64::NEG_INFINITY),
+            metric.to.unwrap_or(f64::INFINITY),
+        ],
+    })
+}
+
+const EVERY_STEP: &str =
+    "a value at an event needs a row at every step: leave out `every` under [run]";
 
 struct Reader<'r> {
     setting: String,
@@ -214,67 +274,66 @@ struct Reader<'r> {
     names: &'r [Name],
 }
 
-impl Reader<'_> {
+impl<'r> Reader<'r> {
+    fn new(name: &'r str, written: &'r WrittenMetric, names: &'r [Name]) -> Self {
+        Reader {
+            setting: format!("metrics.{name}"),
+            name,
+            written,
+            names,
+        }
+    }
+
     fn wrong(&self, text: impl Into<String>) -> PlanError {
         wrong(&*self.setting, text)
     }
 
+    /// What a declared metric has to be; nothing else can be said of it again.
+    fn of_declared(&self, unit: &str) -> Result<Option<Requirement>, PlanError> {
+        let only = WrittenMetric {
+            require: self.written.require.clone(),
+            ..WrittenMetric::default()
+        };
+        if *self.written != only {
+            return Err(self
+                .wrong("the declaration has this metric: only `require` can be said of it here"));
+        }
+        let require = self.written.require.as_ref();
+        require.map(|it| self.requirement(it, unit)).transpose()
+    }
+
     fn metric(&self, scene: &Scene, every_step: bool) -> Result<Metric, PlanError> {
         let written = self.written;
-        let takes = written.takes();
-        let mut given = takes
-            .iter()
-            .filter_map(|(word, of)| Some((*word, of.as_deref()?)));
-        let (Some((word, of)), None) = (given.next(), given.next()) else {
-            let words: Vec<&str> = takes.iter().map(|(word, _)| *word).collect();
+        let mut given = written.takes();
+        let (Some((take, of)), None) = (given.next(), given.next()) else {
             return Err(self.wrong(format!(
                 "say one thing to read: {} = \"riser.tension\"",
-                words.join(", ")
+                Take::ALL.map(Take::keyword).join(", ")
             )));
         };
-        let levelled = matches!(word, "time_above" | "first_above");
-        if levelled != written.level.is_some() {
+        if take.has_level() != written.level.is_some() {
             return Err(
                 self.wrong("`level` goes with `time_above` and `first_above`, and they need it")
             );
         }
-        if (word == "value") != written.at.is_some() {
+        if (take == Take::Value) != written.at.is_some() {
             return Err(
                 self.wrong("`value` needs the event `at` which it is read, and nothing else does")
             );
         }
-        let at = self.names.iter().position(|known| known.name == of);
-        let own = at
-            .and_then(|at| self.names.get(at))
-            .map_or("", |name| &name.unit);
-        let at = at.unwrap_or(0);
-        let level = || self.in_unit("level", written.level.as_ref(), own);
-        let take = match word {
-            "max" => Take::Max(at),
-            "min" => Take::Min(at),
-            "final" => Take::Final(at),
-            "mean" => Take::Mean(at),
-            "rms" => Take::Rms(at),
-            "integral" => Take::Integral(at),
-            "time_above" => Take::TimeAbove(at, level()?.unwrap_or(f64::NAN)),
-            "first_above" => Take::FirstAbove(at, level()?.unwrap_or(f64::NAN)),
-            "value" => Take::Value(
-                at,
-                self.event(scene, written.at.as_deref().unwrap_or_default())?,
-            ),
-            _ => Take::TimeOf(self.event(scene, of)?),
+        let found = self.names.iter().position(|known| known.name == *of);
+        let own = found.and_then(|at| self.names.get(at));
+        let own = own.map_or("", |name| &name.unit);
+        let level = self.in_unit("level", written.level.as_ref(), own)?;
+        let event = match take {
+            Take::Value => self.event(scene, written.at.as_deref().unwrap_or_default())?,
+            Take::TimeOf => self.event(scene, of)?,
+            _ => String::new(),
         };
-        if matches!(take, Take::Value(..)) && !every_step {
-            return Err(self.wrong(
-                "a value at an event needs a row at every step: leave out `every` under [run]",
-            ));
+        if take == Take::Value && !every_step {
+            return Err(self.wrong(EVERY_STEP));
         }
-        let unit = match &take {
-            Take::TimeAbove(..) | Take::FirstAbove(..) | Take::TimeOf(_) => "s".to_owned(),
-            Take::Integral(_) if own.is_empty() => "s".to_owned(),
-            Take::Integral(_) => format!("{own} s"),
-            _ => own.to_owned(),
-        };
+        let unit = take.unit(own);
         let second = |name: &str, value: &Option<Value>, free: f64| match value {
             Some(value) => number(&format!("{}.{name}", self.setting), value, "s"),
             None => Ok(free),
@@ -296,6 +355,9 @@ impl Reader<'_> {
             unit,
             require,
             take,
+            column: found.unwrap_or(0),
+            level: level.unwrap_or(f64::NAN),
+            event,
             window,
         })
     }
@@ -369,42 +431,32 @@ impl Metric {
     /// Its value in a history; NaN where it has none.
     #[must_use]
     pub fn read(&self, history: &Trajectory) -> f64 {
-        match &self.take {
-            Take::TimeOf(event) => self.first(history, event).unwrap_or(f64::NAN),
-            Take::Value(at, event) => self.value_at(history, *at, event).unwrap_or(f64::NAN),
-            Take::Max(at)
-            | Take::Min(at)
-            | Take::Final(at)
-            | Take::Mean(at)
-            | Take::Rms(at)
-            | Take::Integral(at)
-            | Take::TimeAbove(at, _)
-            | Take::FirstAbove(at, _) => self.over_time(history, *at),
+        match self.take {
+            Take::TimeOf => self.first(history).unwrap_or(f64::NAN),
+            Take::Value => self.value_at(history).unwrap_or(f64::NAN),
+            _ => self.over_time(history),
         }
     }
 
     /// When an event happens for the first time in the window [s].
-    fn first(&self, history: &Trajectory, event: &str) -> Option<f64> {
+    fn first(&self, history: &Trajectory) -> Option<f64> {
         let mut events = history.events.iter();
         let [from, to] = self.window;
         events
-            .find(|(time, name)| name == event && (from..=to).contains(time))
+            .find(|(time, name)| *name == self.event && (from..=to).contains(time))
             .map(|(time, _)| *time)
     }
 
     /// A column at the first row of an event: before anything jumps.
-    fn value_at(&self, history: &Trajectory, at: usize, event: &str) -> Option<f64> {
-        let time = self.first(history, event)?;
+    fn value_at(&self, history: &Trajectory) -> Option<f64> {
+        let time = self.first(history)?;
         let row = history.times().partition_point(|row| *row < time);
-        column(history, at).get(row).copied()
+        column(history, self.column).get(row).copied()
     }
 
-    fn over_time(&self, history: &Trajectory, at: usize) -> f64 {
-        let [from, to] = self.window;
-        let begin = history.times().partition_point(|time| *time < from);
-        let end = history.times().partition_point(|time| *time <= to);
-        let times = history.times().get(begin..end).unwrap_or(&[]);
-        let values = column(history, at).get(begin..end).unwrap_or(&[]);
+    fn over_time(&self, history: &Trajectory) -> f64 {
+        let (times, values) = between(history.times(), column(history, self.column), self.window);
+        let (times, values) = (times.as_slice(), values.as_slice());
         if values.is_empty() || values.iter().any(|value| value.is_nan()) {
             return f64::NAN;
         }
@@ -417,15 +469,15 @@ impl Metric {
         let over_span = |sum: f64, alone: f64| if span > 0.0 { sum / span } else { alone };
         let last = values[values.len() - 1];
         match self.take {
-            Take::Max(_) => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            Take::Min(_) => values.iter().copied().fold(f64::INFINITY, f64::min),
-            Take::Mean(_) => over_span(integral(&|a, b| 0.5 * (a + b)), last),
-            Take::Rms(_) => {
+            Take::Max => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            Take::Min => values.iter().copied().fold(f64::INFINITY, f64::min),
+            Take::Mean => over_span(integral(&|a, b| 0.5 * (a + b)), last),
+            Take::Rms => {
                 over_span(integral(&|a, b| (a * a + a * b + b * b) / 3.0), last * last).sqrt()
             }
-            Take::Integral(_) => integral(&|a, b| 0.5 * (a + b)),
-            Take::TimeAbove(_, level) => integral(&|a, b| part_above(a, b, level)),
-            Take::FirstAbove(_, level) => first_above(times, values, level),
+            Take::Integral => integral(&|a, b| 0.5 * (a + b)),
+            Take::TimeAbove => integral(&|a, b| part_above(a, b, self.level)),
+            Take::FirstAbove => first_above(times, values, self.level),
             _ => last,
         }
     }
@@ -434,6 +486,23 @@ impl Metric {
 fn column(history: &Trajectory, at: usize) -> &[f64] {
     let name = history.names().get(at).map_or("", |name| &name.name);
     history.column(name).unwrap_or(&[])
+}
+
+/// The rows in a window; where it begins and ends between two rows, a column is straight.
+fn between(times: &[f64], values: &[f64], [from, to]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
+    let begin = times.partition_point(|time| *time < from);
+    let end = times.partition_point(|time| *time <= to);
+    // The value between the row before `next` and that row, if both are there.
+    let inside = |time: f64, next: usize| -> Option<(f64, f64)> {
+        let before = next.checked_sub(1)?;
+        let (t, x) = (times.get(before..=next)?, values.get(before..=next)?);
+        let part = (time - t[0]) / (t[1] - t[0]);
+        (t[0] < time && time < t[1]).then(|| (time, x[0] + part * (x[1] - x[0])))
+    };
+    let rows = times.iter().copied().zip(values.iter().copied());
+    let rows = rows.skip(begin).take(end.saturating_sub(begin));
+    let first = inside(from, begin).into_iter();
+    first.chain(rows).chain(inside(to, end)).unzip()
 }
 
 /// The part of a straight line from a to b that is above a level.
@@ -474,6 +543,18 @@ mod tests {
         assert!((first_above(&times, &values, 1.0) - 0.5).abs() < 1e-15);
         assert!(first_above(&times, &values, 3.0).is_nan());
         assert_eq!(first_above(&times, &values, -1.0), 0.0);
+    }
+
+    #[test]
+    fn a_window_ends_between_rows_as_well_as_at_them() {
+        let (times, values) = ([0.0, 1.0, 3.0], [0.0, 2.0, 6.0]);
+        let part = |from, to| between(&times, &values, [from, to]);
+        assert_eq!(part(0.5, 2.0), (vec![0.5, 1.0, 2.0], vec![1.0, 2.0, 4.0]));
+        assert_eq!(part(1.5, 2.5), (vec![1.5, 2.5], vec![3.0, 5.0]));
+        assert_eq!(part(0.0, 1.0), (vec![0.0, 1.0], vec![0.0, 2.0]));
+        assert_eq!(part(4.0, 5.0), (vec![], vec![]));
+        let all = [f64::NEG_INFINITY, f64::INFINITY];
+        assert_eq!(between(&times, &values, all).0, times);
     }
 
     #[test]

@@ -17,6 +17,7 @@ pub mod joints;
 pub mod laws;
 mod layout;
 mod lines;
+pub mod metrics;
 mod model;
 mod packed;
 mod params;

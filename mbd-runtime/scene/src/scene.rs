@@ -1,10 +1,12 @@
 //! What a scene is: everything a declaration says, resolved to indices and SI numbers, nothing derived.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::event::{Detachable, Event, Settable};
 use crate::joints::{JointForces, JointLaw, Side};
 use crate::lines::LineKind;
+use crate::metrics::Metric;
 use crate::solids::Shape;
 use crate::{
     AngularVelocity, Coordinate, Directions, Fixed, Formula, Part, Place, Plane, Table, Unit,
@@ -68,6 +70,22 @@ pub struct Scene {
     /// Shapes of bodies, in their order: what is drawn. Mass and inertia are those of the bodies, whether they follow from shapes or not.
     #[serde(default)]
     pub shapes: Vec<Shape>,
+    /// Numbers that are told of every run. The last of all, so that scenes without any are packed as if there were none.
+    #[serde(
+        default,
+        skip_serializing_if = "Vec::is_empty",
+        deserialize_with = "some"
+    )]
+    pub metrics: Vec<Metric>,
+}
+
+/// A list that is only written where it is not empty.
+fn some<'d, D: Deserializer<'d>>(from: D) -> Result<Vec<Metric>, D::Error> {
+    let list = Vec::deserialize(from)?;
+    match list.is_empty() {
+        false => Ok(list),
+        true => Err(Error::custom("an empty list is left out")),
+    }
 }
 
 /// Where a run starts: formulas of consts and params.

@@ -68,6 +68,9 @@ fn contents(file: &SceneFile) -> Value {
     let outputs = scene.outputs.iter().map(|output| {
         json!({ "name": output.name, "components": output.components, "unit": output.unit.text })
     });
+    let metrics = scene.metrics.iter().map(
+        |metric| json!({ "name": metric.name, "take": metric.take.keyword(), "doc": metric.doc }),
+    );
     let names = |list: &mut dyn Iterator<Item = &String>| list.cloned().collect::<Vec<String>>();
     json!({
         "valid": true,
@@ -81,6 +84,7 @@ fn contents(file: &SceneFile) -> Value {
         "params": params.collect::<Vec<_>>(),
         "inputs": inputs.collect::<Vec<_>>(),
         "outputs": outputs.collect::<Vec<_>>(),
+        "metrics": metrics.collect::<Vec<_>>(),
         "coordinates": layout.nq,
         "speeds": layout.nv,
         "rows": layout.nc,

@@ -5,6 +5,7 @@ use super::*;
 
 mod campaign;
 mod fmt;
+mod metrics;
 
 fn run(arguments: &[&str]) -> Result<String, Failure> {
     answer(["mbd"].iter().chain(arguments).map(OsString::from))

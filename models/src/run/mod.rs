@@ -1,6 +1,7 @@
 //! Running a scene: what is asked ([`Plan`]), the run itself ([`Outcome`]), how well it kept its laws ([`Quality`]), and what it leaves behind.
 
 mod estimate;
+mod metrics;
 mod outcome;
 mod publish;
 mod quality;
@@ -9,6 +10,7 @@ mod summary;
 
 pub use estimate::{Estimate, doubt};
 pub use mbd_campaign::run::{Plan, PlanError, Settings, split};
+pub use metrics::{Told, metrics};
 pub use outcome::{Outcome, fly, fly_model};
 pub use publish::{publish, publish_gltf, shown};
 pub use quality::Quality;

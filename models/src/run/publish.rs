@@ -6,6 +6,7 @@ use std::path::Path;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Trajectory};
 
+use super::metrics::metric_table;
 use super::outcome::Outcome;
 use super::summary::{summary_json, table};
 use crate::report::{Report, Run, Table, Views, gltf};
@@ -35,6 +36,9 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
         report = report.paragraph(&format!("The run stopped early: {error}"));
     }
     report = views.with_motion(report).section("The run").table(&table);
+    if let Some(metrics) = metric_table(scene, plan, outcome) {
+        report = report.table(&metrics);
+    }
     if let Some(text) = not_unique(scene) {
         report = report.paragraph(&text);
     }

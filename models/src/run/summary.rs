@@ -7,6 +7,7 @@ use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, MomentumImbalance};
 use serde::Serialize;
 
+use super::metrics::metrics;
 use super::outcome::Outcome;
 use super::quality::Quality;
 use super::start::moved;
@@ -58,6 +59,7 @@ struct Summary<'a> {
     wall_s: f64,
     wall_s_per_s: f64,
     params: BTreeMap<&'a str, f64>,
+    metrics: BTreeMap<&'a str, Option<f64>>,
     last: BTreeMap<String, f64>,
     events: &'a [(f64, String)],
 }
@@ -158,6 +160,10 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
             .iter()
             .map(|param| param.name.as_str())
             .zip(plan.params.iter().copied())
+            .collect(),
+        metrics: metrics(scene, plan, outcome)
+            .into_iter()
+            .map(|told| (told.name, told.value.map(|(value, _)| value)))
             .collect(),
         last: last.collect(),
         events: &trajectory.events,

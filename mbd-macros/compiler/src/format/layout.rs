@@ -309,6 +309,7 @@ impl<'a> Layout<'a> {
                 self.text(open);
                 self.braces((open, close), &item.block, true, indent);
                 if close < end {
+                    self.behind(close + 1, indent);
                     self.on_line(close + 1, end, indent);
                 }
             }

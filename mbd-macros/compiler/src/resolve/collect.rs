@@ -47,7 +47,7 @@ impl<'a> Resolver<'a> {
             model,
             &[
                 "let", "world", "body", "point", "joint", "line", "spring", "load", "output",
-                "event",
+                "event", "metric",
             ],
         );
     }
@@ -241,6 +241,7 @@ impl<'a> Resolver<'a> {
             "line" | "spring" => scene.lines.len(),
             "load" => scene.loads.len(),
             "output" => scene.outputs.len(),
+            "metric" => scene.metrics.len(),
             _ => scene.events.len(),
         }
     }
@@ -314,6 +315,7 @@ fn named(word: &str, slot: usize) -> Named {
         "line" | "spring" => Named::Line(slot),
         "load" => Named::Load(slot),
         "output" => Named::Output(slot),
+        "metric" => Named::Metric(slot),
         _ => Named::Event(slot),
     }
 }

@@ -208,7 +208,7 @@ impl Resolver<'_> {
     }
 
     /// What a name alone stands for, with its index if it is repeated; `unknown` tells of a name that nothing of a kind has.
-    fn thing(
+    pub(super) fn thing(
         &mut self,
         value: Value<'_>,
         scope: Scope<'_>,

@@ -6,7 +6,7 @@ use super::{Instance, Named, Resolver, Scope, Stage, Typed};
 use crate::lexeme::{Kind, Region};
 use crate::messages::resolve as say;
 use crate::syntax::expression;
-use crate::syntax::{Cursor, Value, unit};
+use crate::syntax::{Cursor, Item, Value, unit};
 use crate::units;
 
 impl Resolver<'_> {
@@ -186,6 +186,20 @@ impl Resolver<'_> {
     fn output(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
         let typed = self.value(item.clause("=")?, instance.scope(Stage::Result))?;
+        let (value, components, unit) = self.column(item, typed)?;
+        let entry = self.scene.outputs.get_mut(instance.slot)?;
+        entry.value = value;
+        entry.components = components;
+        entry.unit = unit;
+        Some(())
+    }
+
+    /// A value in the unit that an item asks for, how many components it has, and that unit.
+    pub(super) fn column(
+        &mut self,
+        item: &Item<'_>,
+        typed: Typed,
+    ) -> Option<(Formula, usize, Unit)> {
         let (mut unit, components) = (typed.unit(), if typed.vector { 3 } else { 1 });
         let mut value = typed.formula;
         if let Some((wanted, at)) = self.in_unit(item.clause("in"))? {
@@ -201,10 +215,6 @@ impl Resolver<'_> {
             let arguments = vec![value, Formula::Number(unit.factor)];
             value = self.apply(Function::Div, arguments, typed.at)?;
         }
-        let entry = self.scene.outputs.get_mut(instance.slot)?;
-        entry.value = value;
-        entry.components = components;
-        entry.unit = unit;
-        Some(())
+        Some((value, components, unit))
     }
 }

@@ -15,6 +15,7 @@ mod joint_forces;
 mod joints;
 mod lets;
 mod lines;
+mod metrics;
 mod names;
 mod numbers;
 mod path;
@@ -174,6 +175,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.loads();
     resolver.outputs();
     resolver.events();
+    resolver.metrics();
     resolver.detached_starts();
     resolver.emitted(model);
     resolver

@@ -37,6 +37,8 @@ pub enum Named {
     Output(usize),
     /// An event.
     Event(usize),
+    /// A metric.
+    Metric(usize),
 }
 
 impl Named {
@@ -65,6 +67,7 @@ impl Named {
             Named::Load(_) => "load",
             Named::Output(_) => "output",
             Named::Event(_) => "event",
+            Named::Metric(_) => "metric",
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use mbd_scene::metrics::{Metric, Take};
 use mbd_scene::{
     Actions, Constant, Dimension, Direction, Event, Fixed, Formula, Input, Let, Output, Parameter,
     State, Table, Unit,
@@ -100,6 +101,16 @@ impl Resolver<'_> {
                     unit,
                 });
             }
+            "metric" => scene.metrics.push(Metric {
+                name,
+                doc,
+                take: Take::Final,
+                output: None,
+                level: None,
+                event: None,
+                from: None,
+                to: None,
+            }),
             _ => scene.events.push(Event {
                 name,
                 doc,

@@ -138,8 +138,12 @@ impl Resolver<'_> {
 
     /// Whether a word names nothing whose quantities could be asked: an output may be called `energy`, too.
     fn is_free_for_energy(&self, word: &str) -> bool {
-        let of_results =
-            |named: &Named| matches!(named, Named::Output(_) | Named::Event(_) | Named::Load(_));
+        let of_results = |named: &Named| {
+            matches!(
+                named,
+                Named::Output(_) | Named::Event(_) | Named::Metric(_) | Named::Load(_)
+            )
+        };
         match self.names.get(word).map(|entry| &entry.members) {
             Some(Members::One(named)) => of_results(named),
             Some(Members::Many(_)) => false,

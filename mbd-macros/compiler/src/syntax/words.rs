@@ -262,6 +262,12 @@ pub const ITEMS: &[ItemWord] = &[
         "output NAME = expression;",
     )),
     repeated(item(
+        "metric",
+        &[needs("=", "value"), may("in", "in")],
+        Some(&["level", "at", "from", "to"]),
+        "metric NAME = max expression;",
+    )),
+    repeated(item(
         "event",
         &[
             needs("=", "value"),

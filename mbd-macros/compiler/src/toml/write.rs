@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use mbd_scene::joints::{FILTER, FORCE, MOTOR, NUMBERS, START, START_RATE, STOPS};
+use mbd_scene::metrics::Take;
 use mbd_scene::solids::Solid;
 use mbd_scene::{
     Actions, AngularVelocity, Axis, Body, Clamp, Detachable, Difference, Dimension, Direction,
@@ -27,6 +28,7 @@ pub fn write_toml(scene: &Scene) -> String {
     lets(&mut out, scene);
     states(&mut out, scene);
     results(&mut out, scene);
+    metrics(&mut out, scene);
     out
 }
 
@@ -549,7 +551,9 @@ fn states(out: &mut String, scene: &Scene) {
 }
 
 fn results(out: &mut String, scene: &Scene) {
-    for output in &scene.outputs {
+    let of_metric = |at: usize| scene.metrics.iter().any(|metric| metric.output == Some(at));
+    let outputs = scene.outputs.iter().enumerate();
+    for (_, output) in outputs.filter(|(at, _)| !of_metric(*at)) {
         table(out, "output", &output.name);
         doc(out, &output.doc);
         entry(out, "value", &output_value(output, scene));
@@ -568,6 +572,32 @@ fn results(out: &mut String, scene: &Scene) {
         };
         entry(out, direction, "0.0");
         actions(out, &event.actions, scene);
+    }
+}
+
+fn metrics(out: &mut String, scene: &Scene) {
+    for metric in &scene.metrics {
+        table(out, "metric", &metric.name);
+        doc(out, &metric.doc);
+        let output = metric.output.and_then(|output| scene.outputs.get(output));
+        let event = metric.event.and_then(|event| scene.events.get(event));
+        let event = event.map_or("", |event| event.name.as_str());
+        let of = output.map_or(event.to_owned(), |output| output_value(output, scene));
+        entry(out, "value", &format!("{} {of}", metric.take.keyword()));
+        if let Some(output) = output.filter(|output| !output.unit.text.is_empty()) {
+            entry(out, "in", &output.unit.text);
+        }
+        if let Some(level) = metric.level {
+            entry(out, "level", &number(level));
+        }
+        if metric.take == Take::Value {
+            entry(out, "at", event);
+        }
+        for (word, time) in [("from", metric.from), ("to", metric.to)] {
+            if let Some(time) = time {
+                entry(out, word, &number(time));
+            }
+        }
     }
 }
 

@@ -361,7 +361,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 0;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 8719609469632145832;
+        pub const DECL_HASH: u64 = 15955703259699206909;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
             ("bob.x", "m"),

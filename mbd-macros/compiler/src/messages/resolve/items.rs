@@ -649,7 +649,7 @@ pub fn nothing_to_set(at: Region, word: &str, known: &[&str]) -> Report {
 }
 
 /// What is near a name, or all there is.
-fn known_or_near(word: &str, known: &[&str]) -> String {
+pub(super) fn known_or_near(word: &str, known: &[&str]) -> String {
     let near = did_you_mean(word, known.iter().copied());
     match (near.is_empty(), known.is_empty()) {
         (false, _) => near,
@@ -675,7 +675,7 @@ pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> Report {
     )
 }
 
-fn article(word: &str) -> &'static str {
+pub(super) fn article(word: &str) -> &'static str {
     match word.starts_with(['a', 'e', 'i', 'o', 'u']) {
         true => "an",
         false => "a",

@@ -2,12 +2,14 @@
 
 mod items;
 mod joints;
+mod metrics;
 mod names;
 mod tables;
 mod values;
 
 pub use items::*;
 pub use joints::*;
+pub use metrics::*;
 pub use names::*;
 pub use tables::*;
 pub use values::*;

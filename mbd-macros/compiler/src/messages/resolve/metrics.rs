@@ -1,0 +1,92 @@
+//! Messages about metrics.
+
+use mbd_scene::metrics::Take;
+
+use super::items::{article, known_or_near};
+use crate::lexeme::Region;
+use crate::messages::Report;
+use crate::messages::similar::did_you_mean;
+
+pub fn metric_take(at: Region, word: &str) -> Report {
+    let words = Take::ALL.map(Take::keyword);
+    let near = did_you_mean(word, words);
+    Report::new(
+        at,
+        format!(
+            "a metric begins with what is taken of its quantity, such as `max rope.tension`; `{word}` is none of {}{near}",
+            words.join(", ")
+        ),
+    )
+}
+
+pub fn metric_of_nothing(at: Region, take: Take) -> Report {
+    let (word, what) = (take.keyword(), of(take));
+    Report::new(
+        at,
+        format!("`{word}` is of {what}: write `{word} {}`", example(take)),
+    )
+}
+
+fn of(take: Take) -> &'static str {
+    match take {
+        Take::TimeOf => "an event",
+        _ => "a quantity",
+    }
+}
+
+fn example(take: Take) -> &'static str {
+    match take {
+        Take::TimeOf => "landed",
+        _ => "rope.tension",
+    }
+}
+
+pub fn metric_needs(at: Region, take: Take, field: &str) -> Report {
+    let (word, example) = match field {
+        "level" => ("level", "5 kN"),
+        _ => ("event", "opened"),
+    };
+    let take = take.keyword();
+    Report::new(
+        at,
+        format!(
+            "`{take}` needs the {word} in braces: `{take} rope.tension {{ {field}: {example} }}`"
+        ),
+    )
+}
+
+pub fn metric_needs_no(at: Region, take: Take, field: &str) -> Report {
+    let take = take.keyword();
+    Report::new(
+        at,
+        format!("`{take}` has no use for `{field}`: leave it out"),
+    )
+}
+
+pub fn metric_window(at: Region) -> Report {
+    Report::new(at, "`from` must be before `to`")
+}
+
+pub fn metric_number(at: Region, field: &str) -> Report {
+    Report::new(
+        at,
+        format!("`{field}` of a metric must be a finite number, made of numbers and consts"),
+    )
+}
+
+pub fn no_event(at: Region, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!("no event named `{word}`{}", known_or_near(word, known)),
+    )
+}
+
+pub fn not_an_event(at: Region, word: &str, kind: &str) -> Report {
+    let article = article(kind);
+    Report::new(
+        at,
+        format!(
+            "`{word}` is {article} {kind}, and no event: declare `event {word}_happens = … rises …;`"
+        ),
+    )
+}

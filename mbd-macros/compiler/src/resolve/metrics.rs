@@ -1,0 +1,138 @@
+//! Metrics: numbers of a run. The quantity of one is an output with its name, behind those that are declared.
+
+use mbd_scene::metrics::Take;
+use mbd_scene::{Formula, Output};
+
+use super::{Instance, Named, Resolver, Stage, fold};
+use crate::lexeme::{Kind, Region};
+use crate::messages::resolve as say;
+use crate::syntax::{Value, words};
+use crate::units;
+
+impl Resolver<'_> {
+    /// Fills the metrics.
+    pub fn metrics(&mut self) {
+        for instance in self.of("metric") {
+            self.poison(Named::Metric(instance.slot), |this| this.metric(&instance));
+        }
+    }
+
+    fn metric(&mut self, instance: &Instance<'_>) -> Option<()> {
+        let item = instance.item;
+        let known = words::find("metric", false)?.fields?;
+        let fields = self.fields(&item.block, known);
+        let (take, of) = self.take(item.clause("=")?)?;
+        for (word, wanted) in [("level", take.has_level()), ("at", take == Take::Value)] {
+            if let (Some(field), false) = (fields.get(word), wanted) {
+                return self.fail(say::metric_needs_no(field.at, take, word));
+            }
+            if wanted && fields.get(word).is_none() && !fields.doubtful {
+                return self.fail(say::metric_needs(item.name_at(), take, word));
+            }
+        }
+        let second = |this: &mut Self, word: &str| match fields.value(word) {
+            Some(value) => this
+                .fixed_number(word, value, units::TIME, instance)
+                .map(Some),
+            None => Some(None),
+        };
+        let (from, to) = (second(self, "from")?, second(self, "to")?);
+        if let (Some(from), Some(to), Some(field)) = (from, to, fields.get("to"))
+            && from >= to
+        {
+            return self.fail(say::metric_window(field.at));
+        }
+        let event = match (take, fields.value("at")) {
+            (Take::TimeOf, _) => Some(self.event_of(of, instance)?),
+            (Take::Value, Some(at)) => Some(self.event_of(at, instance)?),
+            _ => None,
+        };
+        let (mut output, mut level) = (None, None);
+        if take == Take::TimeOf {
+            if let Some(unit) = item.given("in") {
+                return self.fail(say::metric_needs_no(unit.at, take, "in"));
+            }
+        } else {
+            let typed = self.value(of, instance.scope(Stage::Result))?;
+            if typed.vector {
+                return self.fail(say::scalar_wanted(typed.at, "a metric"));
+            }
+            let dimension = typed.dimension.unwrap_or(units::NONE);
+            let (value, components, unit) = self.column(item, typed)?;
+            if let Some(value) = fields.value("level") {
+                level = Some(self.fixed_number("level", value, dimension, instance)?);
+            }
+            let metric = self.scene.metrics.get(instance.slot)?;
+            output = Some(self.scene.outputs.len());
+            self.scene.outputs.push(Output {
+                name: metric.name.clone(),
+                doc: metric.doc.clone(),
+                value,
+                components,
+                unit,
+            });
+            let slot = Named::Output(self.scene.outputs.len() - 1);
+            self.declared.insert(slot, item.name_at());
+        }
+        let entry = self.scene.metrics.get_mut(instance.slot)?;
+        (entry.take, entry.output, entry.level) = (take, output, level);
+        (entry.event, entry.from, entry.to) = (event, from, to);
+        (!fields.doubtful).then_some(())
+    }
+
+    /// The word in front, and what it is about.
+    fn take<'v>(&mut self, value: Value<'v>) -> Option<(Take, Value<'v>)> {
+        let (first, rest) = value.lexemes.split_first()?;
+        let word = match &first.kind {
+            Kind::Word(word) => word.as_str(),
+            _ => "",
+        };
+        let Some(take) = Take::of(word) else {
+            return self.fail(say::metric_take(first.at.into(), &first.shown()));
+        };
+        let (Some(begin), Some(end)) = (rest.first(), rest.last()) else {
+            return self.fail(say::metric_of_nothing(first.at.into(), take));
+        };
+        let at = Region {
+            first: begin.at,
+            last: end.at,
+        };
+        Some((take, Value { lexemes: rest, at }))
+    }
+
+    /// A number of numbers and consts.
+    fn fixed_number(
+        &mut self,
+        word: &str,
+        value: Value<'_>,
+        wanted: mbd_scene::Dimension,
+        instance: &Instance<'_>,
+    ) -> Option<f64> {
+        let typed = self.value(value, instance.scope(Stage::Constant))?;
+        let at = typed.at;
+        let formula: Formula = self.fits(typed, word, false, wanted)?;
+        match fold::at_defaults(&formula, &self.scene).filter(|number| number.is_finite()) {
+            Some(number) => Some(number),
+            None => self.fail(say::metric_number(at, word)),
+        }
+    }
+
+    /// The event of a name.
+    fn event_of(&mut self, value: Value<'_>, instance: &Instance<'_>) -> Option<usize> {
+        let is_event = |named| matches!(named, Named::Event(_));
+        let scope = instance.scope(Stage::Live);
+        let (named, step) = self.thing(value, scope, &is_event, |at, name, known| {
+            say::no_event(at, name, known)
+        })?;
+        match named {
+            Named::Event(event) => {
+                self.mention(named, step.word.at);
+                Some(event)
+            }
+            other => {
+                let at = step.word.at.into();
+                self.fail(say::not_an_event(at, &step.word.text, other.kind()))
+            }
+        }
+    }
+}

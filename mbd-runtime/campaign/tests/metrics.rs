@@ -1,0 +1,166 @@
+//! Metrics that a model declares: of a fall without air they have closed forms, whoever runs the model.
+
+use std::fs;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use mbd_campaign::run::Settings;
+use mbd_campaign::{Campaign, Failure};
+use mbd_compiler::{Interpreted, read_text, read_toml, write_toml};
+use mbd_runtime::{Generic, Model, model};
+
+macro_rules! stone {
+    ($($items:tt)*) => {
+        model! { $($items)* }
+        const TEXT: &str = stringify!($($items)*);
+    };
+}
+
+stone! {
+    pub model Stone {
+        gravity: [0.0, 0.0, -10.0] m/s^2;
+        param height = 20 m in 1 m ..= 100 m;
+        point stone { mass: 1 kg, start at [0.0, 0.0, height] }
+        event half = stone.position.z falls 15 m;
+        event landed = stone.position.z falls 0 m { then: stop }
+        metric fastest = max norm(stone.velocity) in kph;
+        metric lowest = min stone.velocity.z;
+        metric sideways = final stone.position.x;
+        metric mean_speed = mean norm(stone.velocity);
+        metric rms_speed = rms norm(stone.velocity);
+        metric path = integral norm(stone.velocity);
+        metric part = integral norm(stone.velocity) { from: 0.5 s, to: 1 s }
+        metric fast = time_above norm(stone.velocity) in kph { level: 10 m/s }
+        metric since = first_above norm(stone.velocity) { level: 36 kph }
+        metric passing = value norm(stone.velocity) { at: half };
+        metric fall = time_of landed;
+        metric never = first_above norm(stone.velocity) { level: 1 km/s };
+    }
+}
+
+/// For a fall of 20 m under 10 m/s²: 2 s, 20 m/s. [unit of the metric]
+const FALL: [(&str, &str, f64); 11] = [
+    ("fastest", "kph", 72.0),
+    ("lowest", "m/s", -20.0),
+    ("sideways", "m", 0.0),
+    ("mean_speed", "m/s", 10.0),
+    ("rms_speed", "m/s", 11.547_005_383_792_515),
+    ("path", "m/s s", 20.0),
+    ("part", "m/s s", 3.75),
+    ("fast", "s", 1.0),
+    ("since", "s", 1.0),
+    ("passing", "m/s", 10.0),
+    ("fall", "s", 2.0),
+];
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("mbd_metrics_{name}_{}", std::process::id()));
+        fs::create_dir_all(&path).expect("a folder");
+        Folder(path)
+    }
+
+    fn campaign(&self, model: Arc<dyn Model<f64>>, text: &str) -> Result<Campaign, Failure> {
+        let path = self.0.join("dispersions.toml");
+        fs::write(&path, text).expect("room");
+        Campaign::read(&path, model, Settings::default())
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+const RUN: &str = "cases = 3\n[run]\nuntil = \"3 s\"\ntolerance = 1e-10\n";
+
+#[test]
+fn a_fall_has_its_closed_form_in_generated_interpreted_and_generic_models_from_text_and_toml() {
+    let stone = Stone::new(StoneParams::default()).expect("defaults");
+    let scene = stone.scene().clone();
+    let read = read_text(TEXT);
+    assert_eq!(read.scene.as_ref(), Some(&scene), "{:?}", read.errors);
+    let document = write_toml(&scene);
+    assert_eq!(
+        read_toml(&document).scene.as_ref(),
+        Some(&scene),
+        "{document}"
+    );
+    let defaults: Vec<f64> = stone.params().to_vec();
+    let models: [Arc<dyn Model<f64>>; 3] = [
+        stone.share(),
+        Interpreted::<f64>::new(scene.clone(), &defaults)
+            .expect("defaults")
+            .share(),
+        Generic::<f64>::new(scene, &defaults)
+            .expect("defaults")
+            .share(),
+    ];
+    let folder = Folder::new("forms");
+    for model in models {
+        let campaign = folder.campaign(model, RUN).expect("a campaign");
+        let manifest = campaign.manifest();
+        let (row, _) = campaign.replay(0).expect("the nominal");
+        assert_eq!(row.status, "ok", "{}", row.why);
+        for (name, unit, expected) in FALL {
+            let at = manifest
+                .metrics
+                .iter()
+                .position(|metric| metric.name == name);
+            let at = at.expect(name);
+            assert_eq!(manifest.metrics[at].unit, unit, "{name}");
+            let found = row.metrics[at];
+            // Speeds are straight over time; rows stand at every step.
+            let close = (found - expected).abs() <= 1e-8 * expected.abs().max(1.0);
+            assert!(close, "{name}: {found} instead of {expected}");
+        }
+        let never = manifest.metrics.len() - 1;
+        assert!(
+            row.metrics[never].is_nan(),
+            "what did not happen is no number"
+        );
+    }
+}
+
+#[test]
+fn a_campaign_file_adds_metrics_and_says_what_declared_ones_have_to_be() {
+    let stone = || {
+        Stone::new(StoneParams::default())
+            .expect("defaults")
+            .share()
+    };
+    let folder = Folder::new("require");
+    let text = format!(
+        "{RUN}[metrics]\nhigh = {{ max = \"stone.z\" }}\nfastest = {{ require = {{ below = \"90 kph\", share = 0.5, confidence = 0.5 }} }}\n"
+    );
+    let campaign = folder.campaign(stone(), &text).expect("a campaign");
+    let metrics = campaign.manifest().metrics;
+    assert_eq!(metrics[0].name, "fastest");
+    assert_eq!(metrics[0].require.and_then(|it| it.below), Some(90.0));
+    assert_eq!(metrics.last().map(|it| it.name.as_str()), Some("high"));
+    let told = |metric: &str| {
+        let text = format!("{RUN}[metrics]\n{metric}\n");
+        folder
+            .campaign(stone(), &text)
+            .err()
+            .expect("wrong")
+            .to_string()
+    };
+    let twice = told("fastest = { max = \"stone.z\" }");
+    assert!(
+        twice.contains("metrics.fastest") && twice.contains("only `require`"),
+        "{twice}"
+    );
+    let nothing =
+        told("fastst = { require = { below = \"90 kph\", share = 0.5, confidence = 0.5 } }");
+    assert!(nothing.contains("metrics.fastst"), "{nothing}");
+    let every = folder.campaign(stone(), &RUN.replace("until", "every = \"1 ms\"\nuntil"));
+    let every = every.err().expect("no row at the event").to_string();
+    assert!(
+        every.contains("metric passing") && every.contains("every step"),
+        "{every}"
+    );
+}

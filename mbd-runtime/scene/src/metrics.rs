@@ -1,0 +1,105 @@
+//! Metrics: one number a run, made of a quantity over time.
+
+use serde::{Deserialize, Serialize};
+
+/// How a number is made of a quantity over a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Take {
+    /// The largest value.
+    Max,
+    /// The smallest value.
+    Min,
+    /// The value at the end.
+    Final,
+    /// The mean over time.
+    Mean,
+    /// The root of the mean square over time.
+    Rms,
+    /// The integral over time.
+    Integral,
+    /// How long the quantity is above a level.
+    TimeAbove,
+    /// When the quantity is above a level for the first time.
+    FirstAbove,
+    /// The value when an event happens for the first time.
+    Value,
+    /// When an event happens for the first time.
+    TimeOf,
+}
+
+impl Take {
+    /// All of them.
+    pub const ALL: [Take; 10] = [
+        Take::Max,
+        Take::Min,
+        Take::Final,
+        Take::Mean,
+        Take::Rms,
+        Take::Integral,
+        Take::TimeAbove,
+        Take::FirstAbove,
+        Take::Value,
+        Take::TimeOf,
+    ];
+
+    /// Its word in declarations and in campaign files.
+    #[must_use]
+    pub const fn keyword(self) -> &'static str {
+        match self {
+            Take::Max => "max",
+            Take::Min => "min",
+            Take::Final => "final",
+            Take::Mean => "mean",
+            Take::Rms => "rms",
+            Take::Integral => "integral",
+            Take::TimeAbove => "time_above",
+            Take::FirstAbove => "first_above",
+            Take::Value => "value",
+            Take::TimeOf => "time_of",
+        }
+    }
+
+    /// The one of a word.
+    #[must_use]
+    pub fn of(word: &str) -> Option<Take> {
+        Take::ALL.into_iter().find(|take| take.keyword() == word)
+    }
+
+    /// Whether it compares with a level.
+    #[must_use]
+    pub const fn has_level(self) -> bool {
+        matches!(self, Take::TimeAbove | Take::FirstAbove)
+    }
+
+    /// Its unit, made of that of the quantity: s for times, `N s` for the integral of a force.
+    #[must_use]
+    pub fn unit(self, of: &str) -> String {
+        match self {
+            Take::TimeAbove | Take::FirstAbove | Take::TimeOf => "s".to_owned(),
+            Take::Integral if of.is_empty() => "s".to_owned(),
+            Take::Integral => format!("{of} s"),
+            _ => of.to_owned(),
+        }
+    }
+}
+
+/// A number that is told of every run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Metric {
+    /// Its name, and that of the output that holds its quantity.
+    pub name: String,
+    /// Documentation.
+    pub doc: String,
+    /// How it is made.
+    pub take: Take,
+    /// The output that holds its quantity; none of [`Take::TimeOf`].
+    pub output: Option<usize>,
+    /// The level of [`Take::has_level`], in SI.
+    pub level: Option<f64>,
+    /// The event of [`Take::Value`] and [`Take::TimeOf`].
+    pub event: Option<usize>,
+    /// From when on a run counts [s].
+    pub from: Option<f64>,
+    /// Up to when a run counts [s].
+    pub to: Option<f64>,
+}
