@@ -269,7 +269,7 @@ fn a_case_that_fails_explodes_or_panics_disturbs_none_beside_it() {
             7 => Case::new().state(0.0, vec![0.0, 0.0, 30.0, 0.0, 0.0, 1e9]),
             k => Case::new().params([0.5 + 0.2 * f64::from(k), 0.02]),
         });
-        let finished = Batch::new(&stone, Options::rk4(0.01), 1.5)
+        Batch::new(&stone, Options::rk4(0.01), 1.5)
             .cases(cases)
             .threads(1)
             .lanes(lanes)
@@ -282,8 +282,7 @@ fn a_case_that_fails_explodes_or_panics_disturbs_none_beside_it() {
                 }
                 Ok(())
             })
-            .run(|_, history| history.column("height").unwrap_or_default().to_vec());
-        finished
+            .run(|_, history| history.column("height").unwrap_or_default().to_vec())
     };
     let (alone, beside) = (fly(1), fly(8));
     assert_eq!(bits(&beside), bits(&alone));

@@ -1,4 +1,5 @@
-//! Cases beside each other in lanes against cases one after the other, on one thread: derivatives, and trajectories of RK4.
+//! Cases beside each other in lanes against cases one after the other, on one thread: derivatives, trajectories of RK4, and whole flights of the
+//! parachute as a batch flies them: watched, located, recorded every half second.
 //!
 //!     cargo bench -p benches --bench lanes
 //!     RUSTFLAGS="-C target-cpu=native" cargo bench -p benches --bench lanes
@@ -7,8 +8,14 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use mbd_runtime::{
-    Batch, Case, Content, Lanes, Lanes4, Lanes8, LockStep, Model, Options, Real, Sampling, model,
+    Batch, Beside, Case, Content, InLanes, Lanes, Lanes4, Lanes8, LockStep, Model, Options, Real,
+    Sampling, model,
 };
+use models::parachute::scene::{
+    Instant, ParachuteRate, ParachuteRateParams, ParachuteStepwise, ParachuteStepwiseParams,
+    TestCase,
+};
+use models::parachute::variant::state;
 
 model! {
     /// Eight slender rods on hinges, axes y and x in turn.
@@ -76,13 +83,15 @@ fn trajectories<L: Lanes>(criterion: &mut Criterion, name: &str) {
     });
 }
 
-/// The same by a batch of whole runs: watched, projected where there is something, recorded at the end.
-fn batch(criterion: &mut Criterion) {
-    let chain = Chain::<f64>::new(ChainParams::default()).expect("params");
+/// The same by a batch of whole runs: watched, recorded at the end.
+fn batch(criterion: &mut Criterion, lanes: usize) {
+    let chain = Chain::new(ChainParams::default())
+        .expect("params")
+        .in_lanes();
     let until = STEP * STEPS as f64;
     let mut group = criterion.benchmark_group("100 steps of RK4 of a chain of eight");
     group.throughput(Throughput::Elements(8));
-    group.bench_function("batch, one thread", |b| {
+    group.bench_function(format!("batch, {lanes} lanes"), |b| {
         b.iter(|| {
             let cases = (0..8).map(|k| {
                 let length = 1.0 + 0.01 * f64::from(k);
@@ -91,19 +100,69 @@ fn batch(criterion: &mut Criterion) {
             Batch::new(&chain, Options::rk4(STEP), until)
                 .cases(cases)
                 .threads(1)
+                .lanes(lanes)
                 .record(Sampling::At(vec![until]), Content::RESULTS)
                 .run(|_, history| history.len())
         });
     });
 }
 
+/// Flights of 70 s with other masses, stiffnesses and starts, on one thread.
+fn flights(criterion: &mut Criterion, name: &str, model: &Beside, options: Options) {
+    const COUNT: u32 = 16;
+    let at = Instant::start(TestCase::Three);
+    let start = state(model, &at);
+    let cases = |k: u32| {
+        let part = 1.0 + 0.02 * (f64::from(k) / f64::from(COUNT) - 0.5);
+        let mut params = model.params().to_vec();
+        for param in params.iter_mut().take(5) {
+            *param *= part;
+        }
+        let case = Case::new().params(params).state(0.0, start.clone());
+        match model.layout().nz {
+            0 => case.nodes(at.point),
+            _ => case,
+        }
+    };
+    let mut group = criterion.benchmark_group(format!("70 s of the parachute, {name}"));
+    group.throughput(Throughput::Elements(u64::from(COUNT)));
+    group.sample_size(10);
+    for lanes in [1, 4, 8] {
+        group.bench_function(format!("{lanes} lanes"), |b| {
+            b.iter(|| {
+                let finished = Batch::new(model, options, 70.0)
+                    .cases((0..COUNT).map(cases))
+                    .threads(1)
+                    .lanes(lanes)
+                    .record(Sampling::Every(0.5), Content::RESULTS)
+                    .run(|_, history| history.len());
+                assert!(finished.iter().all(|it| it.result.is_ok()));
+            });
+        });
+    }
+}
+
+fn parachutes(criterion: &mut Criterion) {
+    let stepwise = ParachuteStepwise::new(ParachuteStepwiseParams::default());
+    let stepwise = stepwise.expect("params").in_lanes();
+    let options = Options::rk4(0.02);
+    flights(criterion, "stepwise node, RK4 0.02 s", &stepwise, options);
+    let rate = ParachuteRate::new(ParachuteRateParams::default());
+    let rate = rate.expect("params").in_lanes();
+    let options = Options::tsit5(1e-6);
+    flights(criterion, "rate node, Tsit5 1e-6", &rate, options);
+}
+
 fn all(criterion: &mut Criterion) {
     derivative::<f64>(criterion, "f64", 1);
     derivative::<Lanes4>(criterion, "4 lanes", 4);
     derivative::<Lanes8>(criterion, "8 lanes", 8);
-    batch(criterion);
+    for lanes in [1, 4, 8] {
+        batch(criterion, lanes);
+    }
     trajectories::<Lanes4>(criterion, "4 lanes");
     trajectories::<Lanes8>(criterion, "8 lanes");
+    parachutes(criterion);
 }
 
 criterion_group!(benches, all);

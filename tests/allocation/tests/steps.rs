@@ -3,7 +3,9 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use mbd_runtime::{Batch, Case, Generic, Model, Options, Simulation, model};
+use mbd_runtime::{
+    Batch, Case, Content, Generic, InLanes, Model, Options, Sampling, Simulation, model,
+};
 use models::parachute::scene::{
     Instant, ParachuteMass, ParachuteRate, ParachuteStatic, ParachuteStepwise, TestCase,
 };
@@ -263,4 +265,26 @@ fn a_case_of_a_batch_asks_for_memory_as_often_however_long_it_is() {
         counts[3].0 - counts[2].0
     };
     assert_eq!(per_case(0.1), per_case(0.3));
+}
+
+/// The same of cases in lanes: what is asked for from the first that ends to the last does not depend on how long they are.
+#[test]
+fn cases_beside_each_other_ask_for_memory_as_often_however_long_they_are() {
+    let from = Instant::start(TestCase::Three);
+    let parachute = ParachuteStepwise::new(Default::default()).expect("defaults");
+    let start = state(&parachute, &from);
+    let parachute = parachute.in_lanes();
+    let between = |until: f64| {
+        let case = |_| Case::new().state(0.0, start.clone()).nodes(from.point);
+        let counts = Batch::new(&parachute, Options::rk4(0.02), until)
+            .cases((0..24).map(case))
+            .threads(1)
+            .lanes(8)
+            .record(Sampling::At(vec![until]), Content::RESULTS)
+            .run(|_, _| COUNT.with(Cell::get));
+        assert!(counts.iter().all(|it| 2 * it.beside > it.statistics.steps));
+        let counts: Vec<u64> = counts.into_iter().filter_map(|it| it.result.ok()).collect();
+        counts[23] - counts[0]
+    };
+    assert_eq!(between(10.0), between(20.0));
 }

@@ -207,6 +207,29 @@ fn a_driven_pendulum_asks_its_motor_for_what_gravity_and_inertia_take() {
     assert_close(&torque, &[want], 1e-14, 0.0, "the motor's torque");
 }
 
+#[test]
+fn a_long_chain_with_driven_hinges_moves_and_pushes_as_by_its_mass_matrix() {
+    for driven in [0, 1, 5, 15] {
+        let chain = chain(16, driven, 0);
+        let layout = layout(&chain);
+        assert!(layout.elimination.order.articulated, "{driven}");
+        let mut random = Random::new(driven as u64);
+        let x: Vec<f64> = (0..32).map(|_| random.uniform(-1.0, 1.0)).collect();
+        let ask = |what| DVector::from_vec(evaluate(&chain, what, &x, &[], &[]));
+        let mass = DMatrix::from_vec(16, 16, ask(Quantity::MassMatrix).as_slice().to_vec());
+        let v = DVector::from_column_slice(&ask(Quantity::Derivative).as_slice()[16..]);
+        let mut pushes = &mass * &v + ask(Quantity::BiasForce);
+        let scale = ask(Quantity::BiasForce).amax();
+        let multipliers = ask(Quantity::Multipliers);
+        for (joint, own) in multipliers.iter().enumerate() {
+            pushes[joint] -= own;
+            // cos t at its beginning.
+            assert_close(&[v[joint]], &[-1.0], 1e-15, 0.0, "a motor's own");
+        }
+        assert!(pushes.amax() < 1e-11 * scale, "{driven}: {pushes}");
+    }
+}
+
 /// Bodies hinged on one another anywhere; `driven` of the hinges turn as motors say, the next `geared` by the one before them.
 fn chain(n: usize, driven: usize, geared: usize) -> Scene {
     let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
@@ -219,7 +242,7 @@ fn chain(n: usize, driven: usize, geared: usize) -> Scene {
         add_joint(&mut scene, JointLaw::Hinge(Hinge { axis }), near, far);
         if index < driven {
             scene.joints[index].forces.push(JointForces {
-                motor: Some(Formula::Apply(Function::Sin, vec![Formula::Time])),
+                motor: Some(Formula::Apply(Function::Cos, vec![Formula::Time])),
                 ..JointForces::default()
             });
         }

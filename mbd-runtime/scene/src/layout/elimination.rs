@@ -150,6 +150,13 @@ impl Elimination {
         }
     }
 
+    /// The row that gives a speed; `None` of an independent one.
+    #[must_use]
+    pub fn gives(&self, speed: usize) -> Option<usize> {
+        let own = |dependent: &&Dependent| dependent.speed == speed;
+        self.dependents.iter().find(own).map(|own| own.row)
+    }
+
     /// The dependent speed that a joint couples to others; `None` of a joint that couples nothing, or whose row stays in the system.
     #[must_use]
     pub fn coupled_by(&self, joint: usize) -> Option<&Dependent> {

@@ -169,6 +169,11 @@ pub(super) fn relative(scene: &Scene, layout: &Layout) -> Elimination {
             moved.iter().for_each(|&other| graph.join(source, other));
         }
     }
+    // Articulated bodies know no rows but those of motors.
+    let driven = dependents
+        .iter()
+        .filter(|own| own.sources.is_empty())
+        .count();
     let nodes = (0..graph.parts.len()).filter(|&node| graph.sizes[node] > 0);
     let nodes: Vec<usize> = nodes.collect();
     for neighbours in &mut graph.neighbours {
@@ -182,7 +187,7 @@ pub(super) fn relative(scene: &Scene, layout: &Layout) -> Elimination {
         parent_joints: vec![None; layout.bodies.len()],
         order: Order {
             parts: nodes.iter().map(|&node| graph.parts[node]).collect(),
-            articulated: layout.nc == 0 && depth(layout) > LONG,
+            articulated: driven == layout.nc && driven < layout.nv && depth(layout) > LONG,
             ..Order::default()
         },
         ..Elimination::default()

@@ -7,6 +7,8 @@
 //! I_p += Xᵀ I X,   p_p += Xᵀ (p + I ζ)                                                                                         (4)
 //! ```
 //!
+//! A column that a motor drives is no free one: its h u̇ belongs to ζ, and the motor pushes with h·f − τ (Featherstone, §9.2: hybrid dynamics).
+//!
 //! I = (M, K, J) of (1) at the origin of the link; of M all but the mass m on its diagonal is kept, which moves to other axes unchanged. Where a
 //! column is one of the six axes, its row and column vanish by (3) and are left out. Source: Featherstone, Rigid Body Dynamics Algorithms, ch. 7.
 
@@ -69,9 +71,15 @@ impl<S: Real> Articulated<S> {
         }
     }
 
-    /// Takes the free columns of its joint out, by (3); `forces` act along them.
-    pub fn release(&mut self, motion: &LinkMotion<S>, forces: &[S]) {
-        for (k, (column, &force)) in motion.columns.iter().zip(forces).enumerate().rev() {
+    /// Takes the free columns of its joint out, by (3); `forces` act along all of them.
+    pub fn release(
+        &mut self,
+        motion: &LinkMotion<S>,
+        forces: &[S],
+        is_free: impl Fn(usize) -> bool,
+    ) {
+        let columns = motion.columns.iter().zip(forces).enumerate().rev();
+        for (k, (column, &force)) in columns.filter(|(k, _)| is_free(*k)) {
             let push = labelled(self.times(column), ["U1", "U2", "U3", "U4", "U5", "U6"]);
             let pivot = column.dot(&push).label("D");
             let inverse = S::one() / pivot;
@@ -136,14 +144,30 @@ impl<S: Real> Articulated<S> {
         self.linear += linear;
         self.mixed += moved;
         self.angular += symmetric(&(angular - mixed.transpose() * r + r * moved));
-        let mut push = other.times(brought);
-        push.add(&other.push);
-        self.push.add(&motion.hand_on(&push));
+        self.push.add(&motion.hand_on(&other.force(brought)));
     }
 
-    /// The accelerations of its coordinates and of itself, by (2) and (3), from its acceleration without them.
-    pub fn find(&self, motion: &LinkMotion<S>, mut own: Twist<S>, rates: &mut [S]) -> Twist<S> {
-        for (k, column) in motion.columns.iter().enumerate() {
+    /// What its joint pushes with, by (1), at its acceleration without the free columns.
+    pub fn force(&self, own: &Twist<S>) -> Twist<S> {
+        let mut push = self.times(own);
+        push.add(&self.push);
+        push
+    }
+
+    /// The accelerations of its free coordinates and of itself, by (2) and (3), from its acceleration without them.
+    pub fn find(
+        &self,
+        motion: &LinkMotion<S>,
+        mut own: Twist<S>,
+        rates: &mut [S],
+        is_free: impl Fn(usize) -> bool,
+    ) -> Twist<S> {
+        for (k, column) in motion
+            .columns
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| is_free(*k))
+        {
             let free = &self.columns[k];
             let rate = (free.work - free.push.dot(&own)) * free.inverse;
             rates[k] = rate;

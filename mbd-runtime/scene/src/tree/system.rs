@@ -173,10 +173,26 @@ impl<S: Real> TreeSystem<S> {
         }
     }
 
+    /// ζ of a link: what velocities and motors bring.
+    fn brought(&self, evaluation: &Evaluation<'_, S>, index: usize) -> Twist<S> {
+        let (motion, link) = (&evaluation.links[index], &links(evaluation.layout)[index]);
+        let given = motion.columns.iter().zip(link.slots.v..);
+        given
+            .filter(|(_, speed)| evaluation.layout.elimination.gives(*speed).is_some())
+            .fold(motion.brought(), |sum, (column, speed)| {
+                sum.plus(column, self.dependent.rates[speed])
+            })
+    }
+
     /// u̇ by articulated bodies, where no rows close loops.
     fn articulate(&mut self, evaluation: &Evaluation<'_, S>, assembly: &AppliedForces<S>) {
         let all = links(evaluation.layout);
+        let plan = &evaluation.layout.elimination;
         self.group_inertias(evaluation);
+        self.rows.run_tree(evaluation);
+        self.dependent.read(evaluation);
+        let levels = &self.rows.levels;
+        self.dependent.prescribe(plan, |row| levels[row].bias);
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let (motion, inertia) = (&evaluation.links[index], self.inertias[index]);
@@ -189,26 +205,35 @@ impl<S: Real> TreeSystem<S> {
             S::section(&evaluation.scene.bodies[link.body].name);
             let motion = &evaluation.links[index];
             let forces = &assembly.along[link.slots.v..link.slots.v + link.speeds];
-            self.articulated[index].release(motion, forces);
+            let is_free = |k| plan.gives(link.slots.v + k).is_none();
+            self.articulated[index].release(motion, forces, is_free);
             if let Some(inboard) = link.inboard {
+                let brought = self.brought(evaluation, index);
                 let (before, own) = self.articulated.split_at_mut(index);
-                before[inboard].take(&own[0], motion, &motion.brought());
+                before[inboard].take(&own[0], motion, &brought);
             }
         }
         for (index, link) in all.iter().enumerate() {
             S::section(&evaluation.scene.bodies[link.body].name);
             let own = match self.inboard(evaluation, index) {
                 Some(inboard) => {
-                    let motion = &evaluation.links[index];
-                    let mut own = motion.followed(&inboard);
-                    own.add(&motion.brought());
+                    let mut own = evaluation.links[index].followed(&inboard);
+                    own.add(&self.brought(evaluation, index));
                     own
                 }
                 None => falling(evaluation, index),
             };
+            let motion = &evaluation.links[index];
+            for (k, speed) in (link.slots.v..link.slots.v + link.speeds).enumerate() {
+                if let Some(row) = plan.gives(speed) {
+                    self.rates[speed] = self.dependent.rates[speed];
+                    let push = self.articulated[index].force(&own);
+                    self.multipliers[row] = motion.along(k, &push) - assembly.along[speed];
+                }
+            }
             let rates = &mut self.rates[link.slots.v..link.slots.v + link.speeds];
-            self.accelerations[index] =
-                self.articulated[index].find(&evaluation.links[index], own, rates);
+            let is_free = |k| plan.gives(link.slots.v + k).is_none();
+            self.accelerations[index] = self.articulated[index].find(motion, own, rates, is_free);
         }
     }
 
