@@ -223,18 +223,25 @@ fn metric(results: &Results, told: &Told) -> String {
     if let Some(verdict) = &told.verdict {
         text += &format!("  {}\n", verdict.sentence(&told.name, &told.unit));
     }
-    let drivers = told.drivers.iter().take(5).map(|(at, r)| {
+    let drivers = told.drivers.iter().take(5).map(|driver| {
         let name = results
             .manifest
             .dispersed
-            .get(*at)
+            .get(driver.number)
             .map_or("", |column| &column.name);
-        format!("{name} {r:+.2}")
+        let share = driver.index.map(|index| format!(" {:.0} %", 100.0 * index));
+        let share = share.unwrap_or_default();
+        format!("{name} {:+.2}{share}", driver.correlation)
     });
     let drivers: Vec<String> = drivers.collect();
     match drivers.is_empty() {
         true => text,
-        false => text + &format!("  driven by (rank correlation): {}\n", drivers.join(", ")),
+        false => {
+            text + &format!(
+                "  driven by (rank correlation, share of the variance): {}\n",
+                drivers.join(", ")
+            )
+        }
     }
 }
 

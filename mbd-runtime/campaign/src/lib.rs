@@ -35,4 +35,4 @@ pub use manifest::{Column, Manifest};
 pub use metric::{Metric, Metrics, Requirement};
 pub use page::page;
 pub use results::{Results, Row};
-pub use summary::{CONFIDENCE, Failures, PARTS, Summary, Told, Verdict};
+pub use summary::{CONFIDENCE, Driver, Failures, PARTS, Summary, Told, Verdict};

@@ -197,18 +197,20 @@ fn percentiles(told: &Told) -> Table {
 fn drivers(results: &Results, told: &Told) -> Table {
     let mut table = Table::new(format!("What drives {}", told.name))
         .column("dispersed number", "")
-        .number("rank correlation", "", 3);
-    for (at, correlation) in told.drivers.iter().take(DRIVERS) {
+        .number("rank correlation", "", 3)
+        .number("share of the variance", "", 3);
+    for driver in told.drivers.iter().take(DRIVERS) {
         let name = results
             .manifest
             .dispersed
-            .get(*at)
+            .get(driver.number)
             .map_or("", |column| &column.name);
-        table.push([name.into(), (*correlation).into()]);
+        let share = driver.index.map_or(Cell::Missing, Cell::Number);
+        table.push([name.into(), driver.correlation.into(), share]);
     }
     let doubt = 2.0 / (told.sorted.len().max(2) as f64 - 1.0).sqrt();
     table.note(format!(
-        "Spearman; of numbers that drive nothing 95 % lie within ±{doubt:.2}."
+        "Spearman; of numbers that drive nothing 95 % lie within ±{doubt:.2}. The share is the first-order Sobol index, from 100 cases on: what the number explains alone."
     ))
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::metric::Requirement;
 use crate::results::Results;
-use crate::statistics::{Percentile, cases_needed, percentile, shows, spearman};
+use crate::statistics::{Percentile, cases_needed, first_order, percentile, shows, spearman};
 
 /// The percentiles that are told.
 pub const PARTS: [f64; 7] = [0.00135, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99865];
@@ -32,8 +32,27 @@ pub struct Told {
     pub percentiles: Vec<Percentile>,
     /// What is required, and what became of it.
     pub verdict: Option<Verdict>,
-    /// What drives it: dispersed numbers by index with their rank correlation, the strongest first.
-    pub drivers: Vec<(usize, f64)>,
+    /// What drives it, the strongest first.
+    pub drivers: Vec<Driver>,
+}
+
+/// A dispersed number and what a metric has of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Driver {
+    /// The dispersed number, by its place.
+    pub number: usize,
+    /// Spearman's rank correlation, −1 … 1.
+    pub correlation: f64,
+    /// The part of the variance that it explains alone, its first-order Sobol index; `None` where there are not enough cases.
+    pub index: Option<f64>,
+}
+
+impl Driver {
+    /// How much it explains: a rank correlation misses what rises and falls again.
+    fn strength(&self) -> f64 {
+        let square = self.correlation.powi(2);
+        self.index.map_or(square, |index| index.max(square))
+    }
 }
 
 /// What became of a requirement.
@@ -130,10 +149,19 @@ fn told(results: &Results, at: usize) -> Told {
         }
     });
     let dispersed = 0..results.manifest.dispersed.len();
-    let drivers = dispersed
-        .filter_map(|number| Some((number, spearman(&results.dispersed(number), &values)?)));
-    let mut drivers: Vec<(usize, f64)> = drivers.collect();
-    drivers.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()).then(a.0.cmp(&b.0)));
+    let drivers = dispersed.filter_map(|number| {
+        let drawn = results.dispersed(number);
+        Some(Driver {
+            number,
+            correlation: spearman(&drawn, &values)?,
+            index: first_order(&drawn, &values),
+        })
+    });
+    let mut drivers: Vec<Driver> = drivers.collect();
+    drivers.sort_by(|a, b| {
+        let stronger = b.strength().total_cmp(&a.strength());
+        stronger.then(a.number.cmp(&b.number))
+    });
     Told {
         name: column.name.clone(),
         unit: column.unit.clone(),
