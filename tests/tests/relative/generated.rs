@@ -102,11 +102,38 @@ model! {
     }
 }
 
-fn defaults() -> [Box<dyn Model<f64>>; 4] {
+model! {
+    /// A gripper on an arm that is driven by its shoulder: fingers that mimic each other, a rack that follows one by a radius that stays a parameter.
+    pub model Gripper<T> {
+        coordinates: relative;
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        param radius = 0.1 m in 0.05 m ..= 0.2 m;
+        body arm {
+            mass: 2 kg, inertia: full { xx: 0.17, yy: 0.16, zz: 0.02, xz: 0.01 } kg*m^2 (matrix elements),
+            frame root at [0.0, 0.0, 0.5] m, frame left at [0.1, 0.0, -0.5] m, frame right at [-0.1, 0.0, -0.5] m, frame axle at [0.0, 0.1, 0.0] m,
+        }
+        body finger[i in 0..2] { mass: 0.3 kg, inertia: diag(0.002, 0.003, 0.001) kg*m^2, frame root at [0.0, 0.0, 0.1] m, frame tip at [0.01, 0.0, -0.1] m }
+        body rack { mass: 0.5 kg, inertia: diag(0.01, 0.02, 0.01) kg*m^2, frame end at [0.1, 0.0, 0.0] m }
+        body weight { mass: 0.2 kg, inertia: diag(0.001, 0.001, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.2] m }
+        joint mimic: gear from open.angle to close.angle { ratio: -6 / 5, offset: 5 deg }
+        joint pinion: gear from close.angle to rail.slide { ratio: radius }
+        joint shoulder: universal from world to arm.root { axes: [x, y], angle1: { motor: (0.3 rad) * sin((2 rad/s) * time) } }
+        joint open: hinge from arm.left to finger[0].root { axis: y, stiffness: 3 N*m, start: 10 deg }
+        joint close: hinge from arm.right to finger[1].root { axis: y, damping: 0.05 N*m*s }
+        joint rail: prismatic from arm.axle to rack.com { axis: [0.6, 0.0, 0.8] }
+        joint hang: spherical from rack.end to weight.top;
+        spring band from finger[0].tip to finger[1].tip { free_length: 0.1 m, stiffness: 30 N/m }
+        output effort = shoulder.angle1_motor_torque;
+        output pushed = rail.slide;
+    }
+}
+
+fn defaults() -> [Box<dyn Model<f64>>; 5] {
     [
         Box::new(Arm::<f64>::new(Default::default()).expect("defaults")),
         Box::new(Walker::<f64>::new(Default::default()).expect("defaults")),
         Box::new(Bar::<f64>::new(Default::default()).expect("defaults")),
+        Box::new(Gripper::<f64>::new(Default::default()).expect("defaults")),
         Box::new(Flat::<f64>::new(Default::default()).expect("defaults")),
     ]
 }
