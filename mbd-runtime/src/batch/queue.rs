@@ -137,18 +137,19 @@ pub(super) fn share_out<C: Send, D: Send>(
     work: impl Fn(&dyn Desk<C, D>) + Sync,
     mut deliver: impl FnMut(D) -> ControlFlow<()>,
 ) {
+    let window = AHEAD * threads * beside;
     let queue = Queue {
         inner: Mutex::new(Inner {
             source,
             taken: 0,
             given: 0,
-            results: VecDeque::new(),
+            results: VecDeque::with_capacity(window),
             workers: 0,
         }),
         room: Condvar::new(),
         done: Condvar::new(),
         stop: AtomicBool::new(false),
-        window: AHEAD * threads * beside,
+        window,
     };
     let labour = || {
         let _worker = Worker(&queue);
