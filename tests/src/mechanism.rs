@@ -344,6 +344,22 @@ pub fn hang(scene: &mut Scene, laws: &[JointLaw], random: &mut Random) -> (Joint
     (laws[random.below(laws.len())].clone(), places)
 }
 
+/// Bodies of any inertia hinged on one another anywhere, about any axis.
+#[must_use]
+pub fn hinged_anyhow(n: usize) -> Scene {
+    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
+    let mut random = Random::new(3);
+    for index in 0..n {
+        let body = add_body(&mut scene, random.uniform(0.5, 2.0), &inertia(&mut random));
+        let [near, far] = [index.checked_sub(1), Some(body)]
+            .map(|owner| random_seat(&mut scene, owner, &mut random));
+        let axis = Axis::new(random.vector(1.0)).expect("a direction");
+        let law = JointLaw::Hinge(mbd_scene::joints::Hinge { axis });
+        add_joint(&mut scene, law, near, far);
+    }
+    scene
+}
+
 /// A quantity by the laws, at a state; inputs zero if none are given.
 #[must_use]
 pub fn evaluate<S: Real>(

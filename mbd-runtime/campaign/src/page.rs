@@ -137,7 +137,7 @@ fn figures(report: Report, told: &Told) -> Report {
     report.figure(&histogram).figure(&cumulated)
 }
 
-/// The outline of a histogram: as many bins as the Freedman–Diaconis rule gives, 5 … 60.
+/// The polygon of a histogram: as many bins as the Freedman–Diaconis rule gives, 5 … 60.
 fn histogram(sorted: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (Some(low), Some(high)) = (sorted.first(), sorted.last()) else {
         return (Vec::new(), Vec::new());

@@ -363,7 +363,7 @@ impl<'a> Figure<'a> {
     }
 }
 
-/// The outline of the mark of a series: square, triangle, diamond, triangle on its point.
+/// The polygon of the mark of a series: square, triangle, diamond, triangle on its point.
 fn mark(index: usize) -> &'static str {
     match index % 4 {
         0 => "M-3.2 -3.2 3.2 -3.2 3.2 3.2 -3.2 3.2Z",

@@ -47,7 +47,7 @@ struct Flight<T: Scalar> {
 }
 
 /// How a turn of a flight ended.
-enum Turn {
+enum Advance {
     /// There is more to come.
     GoesOn,
     Ended(Result<(), Why>),
@@ -89,7 +89,7 @@ impl<T: Scalar> Flights<'_, T> {
             for slot in &mut flights {
                 let Some(flight) = slot else { continue };
                 let once = together.is_some();
-                let Turn::Ended(result) = self.turn(flight, once, &mut go_on) else {
+                let Advance::Ended(result) = self.advance(flight, once, &mut go_on) else {
                     continue;
                 };
                 if let Some(flight) = slot.take() {
@@ -122,8 +122,13 @@ impl<T: Scalar> Flights<'_, T> {
     }
 
     /// Begins a flight, or tries its next step; all of them where it is alone.
-    fn turn(&self, flight: &mut Flight<T>, once: bool, go_on: &mut dyn FnMut(f64) -> bool) -> Turn {
-        let turned = catch_unwind(AssertUnwindSafe(|| -> Result<bool, Why> {
+    fn advance(
+        &self,
+        flight: &mut Flight<T>,
+        once: bool,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Advance {
+        let advanced = catch_unwind(AssertUnwindSafe(|| -> Result<bool, Why> {
             let (run, course) = match &mut flight.run {
                 Some(run) => run,
                 None => {
@@ -141,11 +146,11 @@ impl<T: Scalar> Flights<'_, T> {
                 }
             }
         }));
-        match turned {
-            Ok(Ok(false)) => Turn::GoesOn,
-            Ok(Ok(true)) => Turn::Ended(Ok(())),
-            Ok(Err(why)) => Turn::Ended(Err(why)),
-            Err(words) => Turn::Ended(Err(Why::Panic(spoken(&*words)))),
+        match advanced {
+            Ok(Ok(false)) => Advance::GoesOn,
+            Ok(Ok(true)) => Advance::Ended(Ok(())),
+            Ok(Err(why)) => Advance::Ended(Err(why)),
+            Err(words) => Advance::Ended(Err(Why::Panic(spoken(&*words)))),
         }
     }
 

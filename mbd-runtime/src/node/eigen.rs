@@ -41,7 +41,7 @@ fn rotate<T: Float>(a: &mut Matrix3<T>, v: &mut Matrix3<T>, p: usize, q: usize) 
     let t = if theta < T::zero() { -size } else { size };
     let c = one / (t * t + one).sqrt();
     let s = t * c;
-    // What vanishes is set to zero: rounding that is left there would be turned again and again where two eigenvalues are alike.
+    // What vanishes is set to zero: rounding that is left there would be rotated again and again where two eigenvalues are alike.
     a[(p, p)] -= t * off;
     a[(q, q)] += t * off;
     (a[(p, q)], a[(q, p)]) = (T::zero(), T::zero());
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn the_direction_of_one_line_is_found_whatever_its_direction() {
-        // One line has two directions of no damping; the vectors are those of a turned axis, whatever its direction.
+        // One line has two directions of no damping; the vectors are those of a rotated axis, whatever its direction.
         for k in 1..200 {
             let u = Vector3::new(0.01 * f64::from(k), 0.3, (0.1 * f64::from(k)).sin()).normalize();
             let [(value, along), (zero, _), (nothing, _)] = eigen(&(u * u.transpose() * 600.0));

@@ -16,7 +16,7 @@
 //! 6. No active set is consistent because lines are as good as in one line or plane but not there yet: the balance of the limit
 //!    (`RateNode::limit`).
 //!
-//! Rule 6. A time ε later the node has moved by ε w and its anchors by ε v, and every line has turned: Σ T (u + ε u̇) + W = 0 with
+//! Rule 6. A time ε later the node has moved by ε w and its anchors by ε v, and every line has rotated: Σ T (u + ε u̇) + W = 0 with
 //! u̇ = (1 − u uᵀ)(v − w)/d. With the elastic tensions K s in the small term,
 //!
 //! ```text

@@ -10,7 +10,7 @@ use mbd_campaign::run::Plan;
 /// A start that is moved by more than this part of the size of the scene is not the one that was asked for.
 const FAR: f64 = 1e-3;
 /// Nor is one that is rotated by more [rad].
-const TURNED: f64 = 1e-3;
+const ROTATED: f64 = 1e-3;
 
 /// What the start moved most of what was placed by the settings, if that is more than rounding.
 #[must_use]
@@ -24,7 +24,7 @@ pub fn moved<'a>(plan: &Plan, outcome: &'a Outcome) -> Option<&'a Moved> {
 pub fn warning(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> {
     let far = |moved: &&Moved| {
         let distance = moved.distance > FAR * size(scene, plan);
-        plan.placed.contains(&moved.name) && (distance || moved.angle > TURNED)
+        plan.placed.contains(&moved.name) && (distance || moved.angle > ROTATED)
     };
     let all: Vec<&Moved> = outcome.moved.iter().filter(far).collect();
     let worst = all.first()?;

@@ -4,8 +4,7 @@ use mbd_compiler::Equations;
 use mbd_scene::joints::{Axis, Hinge, JointLaw, Rigid};
 use mbd_scene::{AngularVelocity, Coordinates, Place, Quantity, Scene};
 use nalgebra::{Matrix3, Vector3};
-use tests::mechanism::{add_body, add_frame, add_joint, empty, frame, inertia, random_seat};
-use tests::random::Random;
+use tests::mechanism::{add_body, add_frame, add_joint, empty, frame, hinged_anyhow};
 use tests::reference::load;
 use tests::system::scene;
 
@@ -27,19 +26,11 @@ fn chain(n: usize) -> Scene {
 
 /// Bodies of any inertia hinged on one another anywhere, about any axis.
 fn general(n: usize) -> Scene {
-    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
-    let mut random = Random::new(3);
-    for index in 0..n {
-        let body = add_body(&mut scene, random.uniform(0.5, 2.0), &inertia(&mut random));
-        let [near, far] = [index.checked_sub(1), Some(body)]
-            .map(|owner| random_seat(&mut scene, owner, &mut random));
-        let axis = Axis::new(random.vector(1.0)).expect("a direction");
-        add_joint(&mut scene, JointLaw::Hinge(Hinge { axis }), near, far);
-    }
-    scene.in_coordinates(Coordinates::Relative)
+    hinged_anyhow(n).in_coordinates(Coordinates::Relative)
 }
 
-fn operations(scene: &Scene, what: Quantity) -> usize {
+/// Operations of a quantity.
+pub fn operations(scene: &Scene, what: Quantity) -> usize {
     let equations = Equations::trace_only(scene, &[what]);
     equations.program(what).expect("a program").cost().total()
 }

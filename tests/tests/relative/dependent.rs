@@ -1,16 +1,17 @@
 //! Speeds that motors and couplings of the tree fix: they leave the system, and nothing else is different.
 
-use mbd_compiler::Equations;
 use mbd_scene::joints::{Axis, Distance, Hinge, JointForces, JointLaw};
 use mbd_scene::{AngularVelocity, Coordinates, Formula, Function, Quantity, Scene};
 use nalgebra::{DMatrix, DVector};
 use tests::assert_close;
 use tests::declared::read;
 use tests::mechanism::{
-    add_body, add_external_loads, add_gear, add_joint, all_joints, empty, evaluate, hang, inertia,
+    add_external_loads, add_gear, add_joint, all_joints, empty, evaluate, hang, hinged_anyhow,
     layout, random_seat,
 };
 use tests::random::Random;
+
+use crate::counts::operations;
 
 /// A tree of random joints, some of their coordinates driven, others coupled by trains of gears, and sometimes a rod across it.
 fn net(seed: u64) -> Scene {
@@ -232,20 +233,12 @@ fn a_long_chain_with_driven_hinges_moves_and_pushes_as_by_its_mass_matrix() {
 
 /// Bodies hinged on one another anywhere; `driven` of the hinges turn as motors say, the next `geared` by the one before them.
 fn chain(n: usize, driven: usize, geared: usize) -> Scene {
-    let mut scene = empty([0.0, 0.0, -9.81], AngularVelocity::Body);
-    let mut random = Random::new(3);
-    for index in 0..n {
-        let body = add_body(&mut scene, random.uniform(0.5, 2.0), &inertia(&mut random));
-        let [near, far] = [index.checked_sub(1), Some(body)]
-            .map(|owner| random_seat(&mut scene, owner, &mut random));
-        let axis = Axis::new(random.vector(1.0)).expect("a direction");
-        add_joint(&mut scene, JointLaw::Hinge(Hinge { axis }), near, far);
-        if index < driven {
-            scene.joints[index].forces.push(JointForces {
-                motor: Some(Formula::Apply(Function::Cos, vec![Formula::Time])),
-                ..JointForces::default()
-            });
-        }
+    let mut scene = hinged_anyhow(n);
+    for joint in scene.joints.iter_mut().take(driven) {
+        joint.forces.push(JointForces {
+            motor: Some(Formula::Apply(Function::Cos, vec![Formula::Time])),
+            ..JointForces::default()
+        });
     }
     for joint in driven.max(1)..driven.max(1) + geared {
         let couples = [(joint, 0), (joint - 1, 0)];
@@ -256,16 +249,12 @@ fn chain(n: usize, driven: usize, geared: usize) -> Scene {
 
 #[test]
 fn what_is_driven_or_coupled_makes_the_system_smaller() {
-    let count = |scene: &Scene, what| {
-        let equations = Equations::trace_only(scene, &[what]);
-        equations.program(what).expect("a program").cost().total()
-    };
-    let derivative = |driven, geared| count(&chain(8, driven, geared), Quantity::Derivative);
+    let derivative = |driven, geared| operations(&chain(8, driven, geared), Quantity::Derivative);
     let free = derivative(0, 0);
     let [half, all] = [4, 8].map(|driven| derivative(driven, 0));
     let [one, train] = [1, 7].map(|geared| derivative(0, geared));
-    let torques = count(&chain(8, 8, 0), Quantity::Multipliers);
-    let inverse = count(&chain(8, 0, 0), Quantity::BiasForce);
+    let torques = operations(&chain(8, 8, 0), Quantity::Multipliers);
+    let inverse = operations(&chain(8, 0, 0), Quantity::BiasForce);
     println!(
         "free {free}, driven {half} {all}, geared {one} {train}; torques {torques}, bias {inverse}"
     );

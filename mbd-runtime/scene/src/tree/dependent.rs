@@ -11,6 +11,7 @@
 //! is found by (4) where it is asked for. The dependent speed of a row is none that an earlier row names, so that substitution from the last row to
 //! the first is G. Source: Featherstone, Rigid Body Dynamics Algorithms, §3.2 (implicit and explicit constraints), §9.2 (hybrid dynamics).
 
+use crate::elimination::sparse_dot;
 use crate::laws::evaluation::Evaluation;
 use crate::vocabulary::MOST_COUPLED;
 use crate::{Dependent, Elimination, Layout, Real};
@@ -26,6 +27,8 @@ pub(super) struct DependentSpeeds<S> {
     mass: Vec<S>,
     /// Their columns of all rows likewise, n_c numbers each.
     columns: Vec<S>,
+    /// n_c.
+    rows: usize,
 }
 
 /// What is known of one dependent speed.
@@ -61,6 +64,7 @@ impl<S: Real> DependentSpeeds<S> {
             known: vec![nothing; count],
             mass: vec![S::zero(); count * layout.nv],
             columns: vec![S::zero(); count * layout.nc],
+            rows: layout.nc,
         }
     }
 
@@ -98,10 +102,7 @@ impl<S: Real> DependentSpeeds<S> {
 
     /// Makes M and the rows those of the independent speeds, by (3).
     pub fn substitute(&mut self, plan: &Elimination, mass: &mut [S], lines: &mut [S]) {
-        let (n, rows) = (
-            self.rates.len(),
-            self.columns.len() / self.known.len().max(1),
-        );
+        let (n, rows) = (self.rates.len(), self.rows);
         for (index, dependent) in plan.dependents.iter().enumerate() {
             let d = dependent.speed;
             self.mass[index * n..(index + 1) * n].copy_from_slice(&mass[d * n..(d + 1) * n]);
@@ -149,8 +150,7 @@ impl<S: Real> DependentSpeeds<S> {
 
     /// Φ û of a row that is left.
     pub fn along(&self, plan: &Elimination, row: usize) -> S {
-        let rows = self.columns.len() / self.known.len().max(1);
-        let columns = self.columns.chunks(rows.max(1));
+        let columns = self.columns.chunks(self.rows.max(1));
         let terms = plan.dependents.iter().zip(columns);
         terms.fold(S::zero(), |sum, (dependent, column)| {
             sum + column[row] * self.rates[dependent.speed]
@@ -159,8 +159,8 @@ impl<S: Real> DependentSpeeds<S> {
 
     /// Takes note of λ of a row that is left, for (4).
     pub fn note(&mut self, row: usize, multiplier: S) {
-        let rows = self.columns.len() / self.known.len().max(1);
-        for (known, column) in self.known.iter_mut().zip(self.columns.chunks(rows.max(1))) {
+        let columns = self.columns.chunks(self.rows.max(1));
+        for (known, column) in self.known.iter_mut().zip(columns) {
             known.left += column[row] * multiplier;
         }
     }
@@ -174,8 +174,7 @@ impl<S: Real> DependentSpeeds<S> {
         }
         let n = self.rates.len();
         for (known, mass) in self.known.iter_mut().zip(self.mass.chunks(n.max(1))) {
-            let moved =
-                crate::elimination::sparse_dot(mass.iter().copied().zip(rates.iter().copied()));
+            let moved = sparse_dot(mass.iter().copied().zip(rates.iter().copied()));
             known.left = moved - known.left;
         }
         for index in (0..self.known.len()).rev() {
