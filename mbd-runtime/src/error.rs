@@ -336,7 +336,7 @@ step_errors! {
     }
     "lost_digits",
     format!("`{part}` is {distance:.1e} m from the world origin, where rounding of positions alone makes {:.0} % of its forces", 100.0 * share.min(1.0)),
-    "put the world origin near what moves (`gravity: point_mass` takes the place of its planet as `center`), or run in double precision";
+    "let the origin go along with what moves (`origin: follows NAME;`), put the world origin near it (`gravity: point_mass` takes the place of its planet as `center`), or run in double precision";
 
     /// The step budget of one call is used up.
     TooManySteps {

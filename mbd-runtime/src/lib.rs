@@ -62,6 +62,7 @@ mod moving;
 #[doc(hidden)]
 pub mod node;
 mod options;
+mod origin;
 mod parts;
 mod projection;
 mod rounding;

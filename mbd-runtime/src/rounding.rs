@@ -6,6 +6,7 @@
 //! ε |p|         against   the longest arm of the joints                                                          (2)
 //! ```
 //!
+//! p is measured from where the state is measured from: where the origin follows something only what ends in the world has the distance to it.
 //! ε of the scalar, |p| the largest coordinate of a body, one that a joint of the tree carries included, ΣK of what holds it, m the largest mass that it is tied to, V and L the scales of the run: a
 //! light point passes on the forces between heavy bodies, and it is these that must have digits. So a light body that hangs on a heavy one is
 //! measured against the heavy one, too. Source: derived, from a stretch d − L0 whose d comes from positions rounded to ε |p|.
@@ -22,8 +23,8 @@ pub(crate) const REFUSED: f64 = 0.1;
 /// What is known of (1) and (2) before a run.
 #[derive(Debug)]
 pub(crate) struct Rounding {
-    /// Bodies and points with what holds them over the largest mass that they are tied to [1/s²].
-    parts: Vec<(Moving, f64)>,
+    /// Bodies and points with what holds them over the largest mass that they are tied to, and the part of it that ends in the world [1/s²].
+    parts: Vec<(Moving, [f64; 2])>,
     /// The least that an acceleration is measured against [m/s²].
     acceleration: f64,
     /// The longest arm of the joints [m]; `None` without rows.
@@ -52,10 +53,13 @@ impl Rounding {
         let parts: Vec<Moving> = moving(layout).collect();
         let tied = stiffness.heaviest_tied(joints, &parts);
         let rates = parts.iter().zip(tied).map(|(part, mass)| {
-            let rate = stiffness.moving(part, false) / mass;
-            if rate.is_finite() { rate } else { 0.0 }
+            let stiffness = [stiffness.moving(part, false), stiffness.to_world(part)];
+            stiffness.map(|stiffness| match stiffness / mass {
+                rate if rate.is_finite() => rate,
+                _ => 0.0,
+            })
         });
-        let rates: Vec<f64> = rates.collect();
+        let rates: Vec<[f64; 2]> = rates.collect();
         let own = scales.speed * scales.speed / scales.length;
         Rounding {
             parts: parts.into_iter().zip(rates).collect(),
@@ -65,12 +69,14 @@ impl Rounding {
         }
     }
 
-    /// The worst of (1) and (2) at a state with its rates. `bodies`: [`Quantity::Bodies`](mbd_scene::Quantity::Bodies), empty in absolute coordinates.
+    /// The worst of (1) and (2) at a state with its rates, whose origin is that far from that of the world [m]. `bodies`:
+    /// [`Quantity::Bodies`](mbd_scene::Quantity::Bodies), empty in absolute coordinates.
     pub(crate) fn worst<T: Float>(
         &self,
         state: &[T],
         rates: &[T],
         bodies: &[T],
+        origin: f64,
     ) -> Option<Affected> {
         let precision = T::EPSILON.to_f64();
         let largest = |list: &[T], range: std::ops::Range<usize>| {
@@ -78,18 +84,22 @@ impl Rounding {
             own.iter()
                 .fold(0.0, |most: f64, x| most.max(x.to_f64().abs()))
         };
-        let affected = self.parts.iter().map(|(part, rate)| {
+        let affected = self.parts.iter().map(|(part, [rate, to_world])| {
             let carried = part.carried.map_or(0..0, |body| {
                 let first = self.directions.motion() * body;
                 first..first + self.directions.translations().len()
             });
-            let distance = largest(state, part.position.clone()).max(largest(bodies, carried));
+            let carried = (largest(bodies, carried) - origin).max(0.0);
+            let distance = largest(state, part.position.clone()).max(carried);
             let acceleration = self.acceleration.max(largest(rates, part.velocity.clone()));
-            let force = precision * distance * rate / acceleration;
+            let far = distance + origin;
+            let held = distance * rate;
+            let tied = if origin > 0.0 { far * to_world } else { 0.0 };
+            let force = precision * held.max(tied) / acceleration;
             let gap = self.arm.map_or(0.0, |arm| precision * distance / arm);
             Affected {
                 part: part.part,
-                distance,
+                distance: if tied > held { far } else { distance },
                 share: force.max(gap),
             }
         });

@@ -50,6 +50,31 @@ pub enum Stop {
     Event(usize),
 }
 
+/// The last accepted step in the world, once somebody has asked for it.
+#[derive(Debug)]
+struct Shown<T> {
+    state: OnceCell<Vec<T>>,
+    nodes: OnceCell<Vec<T>>,
+}
+
+impl<T> Shown<T> {
+    fn new() -> Self {
+        Shown {
+            state: OnceCell::new(),
+            nodes: OnceCell::new(),
+        }
+    }
+
+    /// The run goes on.
+    fn forget(&mut self) {
+        (self.state, self.nodes) = (OnceCell::new(), OnceCell::new());
+    }
+}
+
+fn narrow<T: Float>(numbers: impl Iterator<Item = f64>) -> Vec<T> {
+    numbers.map(T::from_f64).collect()
+}
+
 /// How the size of the next step is found.
 #[derive(Clone, Debug)]
 enum Pace {
@@ -99,6 +124,8 @@ pub struct Simulation<T: Float> {
     pub(crate) system: System<T>,
     pub(crate) method: Stepper<T>,
     pub(crate) state: Vec<T>,
+    /// What the outside has been shown of them, where that is something else.
+    shown: Shown<T>,
     pub(crate) time: f64,
     pub(crate) margins: Margins,
     pub(crate) chatter: Chatter,
@@ -138,6 +165,8 @@ pub struct Simulation<T: Float> {
     meter: Meter,
     /// What rounding of positions makes of forces.
     rounding: Rounding,
+    /// How far what the origin follows may get from it [m].
+    length: f64,
     /// The most that it made so far, as a part of what matters.
     rounded: f64,
     /// Where the bodies are, of relative coordinates, for it.
@@ -185,10 +214,27 @@ impl<T: Float> Simulation<T> {
         self.time
     }
 
-    /// State x = [q | v | z | s] of the last accepted step.
+    /// State x = [q | v | z | s] of the last accepted step, in the world: of a scene whose origin follows something with as many digits as numbers have
+    /// there. [`Simulation::from_origin`] has the rest.
     #[must_use]
     pub fn state(&self) -> &[T] {
-        self.state.get(..self.system.nx).unwrap_or(&[])
+        let own = self.state.get(..self.system.nx).unwrap_or(&[]);
+        match self.system.following {
+            None => own,
+            Some(_) => self
+                .shown
+                .state
+                .get_or_init(|| narrow(self.system.in_world(self.time, own))),
+        }
+    }
+
+    /// Of a scene whose origin follows something: where the origin is [m] and how fast it moves [m/s], world axes, and the state with positions
+    /// and velocities measured from it.
+    #[must_use]
+    pub fn from_origin(&self) -> Option<([[f64; 3]; 2], &[T])> {
+        let origin = self.system.origin()?;
+        let own = self.state.get(..self.system.nx).unwrap_or(&[]);
+        Some((origin.at(self.time), own))
     }
 
     /// Work of the loads, of the dampers and of prescribed motions on bodies and points since the start [J], when [`Options::work`] asks for it.
@@ -200,19 +246,26 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// What the nodes and lines remember of the last accepted step.
+    /// What the nodes and lines remember of the last accepted step; places from the origin, where that follows something.
     #[must_use]
     pub fn memory(&self) -> &NodeMemory<T> {
         &self.system.memory
     }
 
-    /// Node unknowns of the last stage evaluated, as in `At::nodes`.
+    /// Node unknowns of the last stage evaluated, as in `At::nodes`, in the world.
     #[must_use]
     pub fn nodes(&self) -> &[T] {
-        self.system.nodes.nodes()
+        let own = self.system.nodes.nodes();
+        match self.system.following {
+            None => own,
+            Some(_) => self
+                .shown
+                .nodes
+                .get_or_init(|| narrow(self.system.nodes_in_world(self.time, own))),
+        }
     }
 
-    /// Rates ẋ at the last accepted step, once started.
+    /// Rates ẋ at the last accepted step, once started; of positions against the origin, where that follows something.
     #[must_use]
     pub fn rates(&self) -> &[T] {
         self.method.first().get(..self.system.nx).unwrap_or(&[])

@@ -60,6 +60,15 @@ impl Stiffness {
         lines.map(|line| line.stiffness).sum::<f64>() + self.along(owner, false, unilateral)
     }
 
+    /// The same of lines and springs whose other end is in the world.
+    pub(crate) fn to_world(&self, owner: &Moving) -> f64 {
+        let world = |end: &Place| matches!(end, Place::World(_));
+        let lines = self.lines.iter().filter(|line| {
+            line.ends.iter().any(world) && line.ends.iter().any(|end| owner.holds(*end))
+        });
+        lines.map(|line| line.stiffness).sum()
+    }
+
     /// The stiffness against a rotation, of joint coordinates [N m].
     pub(crate) fn turning(&self, owner: &Moving, unilateral: bool) -> f64 {
         self.along(owner, true, unilateral)

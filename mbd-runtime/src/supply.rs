@@ -110,6 +110,8 @@ pub struct Moment<'a, T: Float> {
 pub(crate) struct Gauge<'a, T: Float> {
     pub model: &'a dyn Model<T>,
     pub at: At<'a, T>,
+    /// The state in the world.
+    pub state: &'a [T],
     pub work: &'a mut Work<T>,
     /// Room for the numbers of either.
     pub room: &'a mut [T],
@@ -135,6 +137,7 @@ impl<T: Float> Measure<T> for RefCell<Gauge<'_, T>> {
                 work,
                 room,
                 settled,
+                ..
             } = &mut *gauge;
             let Some(room) = room.get_mut(..model.layout().len(what)) else {
                 return;
@@ -151,6 +154,7 @@ impl<T: Float> Measure<T> for RefCell<Gauge<'_, T>> {
         let Gauge {
             model,
             at,
+            state,
             work,
             room,
             ..
@@ -159,7 +163,7 @@ impl<T: Float> Measure<T> for RefCell<Gauge<'_, T>> {
         let mut bodies = model.scene().bodies.iter();
         let index = bodies.position(|known| known.name == body)?;
         let position = match layout.bodies.get(index)? {
-            Some(slots) => directions.linear(at.state, slots.q),
+            Some(slots) => directions.linear(state, slots.q),
             None => {
                 let room = room.get_mut(..layout.len(Quantity::Bodies))?;
                 model.evaluate(Quantity::Bodies, at, work, room);

@@ -13,6 +13,7 @@ use crate::integrate::FreeMotion;
 use crate::laws::Laws;
 use crate::linearise::Jacobian;
 use crate::node::{NodeError, NodeMemory, Nodes, Stage};
+use crate::origin::Following;
 use crate::projection::Projection;
 use crate::supply::{Gauge, Law, Moment, check_supplied};
 use crate::unilateral::Mode;
@@ -114,6 +115,10 @@ pub(crate) struct System<T: Float> {
     pub action_work: f64,
     /// What is known of the end of a step that was tried beside those of other runs.
     pub known: Known<T>,
+    /// The origin, where it follows something.
+    pub following: Option<Following>,
+    /// Room for a state in the world.
+    world: Vec<T>,
 }
 
 /// Whether a spring or a stop acts along an angle that jumps at half a turn.
@@ -180,6 +185,8 @@ impl<T: Float> System<T> {
             ],
             action_work: 0.0,
             known: Known::new(layout),
+            following: Following::new(model.scene(), layout),
+            world: Vec::new(),
             model,
         }
     }
@@ -479,15 +486,28 @@ impl<T: Float> System<T> {
         self.unsupplied = false;
     }
 
+    /// Writes a state as it is in the world, where that is something else.
+    fn show(&mut self, time: f64, state: &[T]) {
+        if self.following.is_some() {
+            let mut world = std::mem::take(&mut self.world);
+            world.clear();
+            world.extend(self.in_world(time, state).map(T::from_f64));
+            self.world = world;
+        }
+    }
+
     /// What functions and controllers are shown at a time and a state.
     pub(crate) fn moment<'a>(&'a mut self, time: f64, state: &'a [T]) -> Moment<'a, T> {
+        self.show(time, state);
         let at = self.nodes.at(T::from_f64(time), state, &self.held);
+        let state = self.following.as_ref().map_or(state, |_| &self.world);
         Moment {
             time,
             state,
             gauge: RefCell::new(Gauge {
                 model: &*self.model,
                 at,
+                state,
                 work: &mut self.work,
                 room: &mut self.measured,
                 settled: false,
@@ -505,13 +525,16 @@ impl<T: Float> System<T> {
             return Ok(self.moment(time, state));
         }
         self.look(time, 0.0, state)?;
+        self.show(time, state);
         let at = self.probe.at(T::from_f64(time), state, &self.inputs);
+        let state = self.following.as_ref().map_or(state, |_| &self.world);
         Ok(Moment {
             time,
             state,
             gauge: RefCell::new(Gauge {
                 model: &*self.model,
                 at,
+                state,
                 work: &mut self.work,
                 room: &mut self.measured,
                 settled: true,

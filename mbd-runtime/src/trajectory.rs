@@ -292,8 +292,7 @@ impl Trajectory {
         self.row.clear();
         self.row.push(time);
         if self.content.state {
-            self.row
-                .extend(state.iter().take(layout.nx()).map(|x| x.to_f64()));
+            self.row.extend(system.in_world(time, state));
             let bodies = read(system, (Quantity::Bodies, None), time, state, scratch);
             for (own, numbers) in layout
                 .bodies
@@ -313,7 +312,7 @@ impl Trajectory {
         }
         if self.content.nodes {
             self.row
-                .extend(system.probe.nodes().iter().map(|x| x.to_f64()));
+                .extend(system.nodes_in_world(time, system.probe.nodes()));
         }
         if self.content.lines {
             let lines = read(system, (Quantity::Lines, None), time, state, scratch);

@@ -1,5 +1,6 @@
 //! What `verify;` in a declaration tests: generated code against the laws, and the laws against physics.
 
+use mbd_scene::laws::origin::NUMBERS;
 use mbd_scene::{Arguments, Gravity, Model, PointSlots, Quantity};
 
 use crate::Generic;
@@ -153,6 +154,7 @@ fn random_place(model: &dyn Model<f64>, seed: &mut u64) -> Arguments<f64> {
             .map(|x| 3.0 * x)
             .collect(),
         inputs: list(layout.ni),
+        origin: list(model.scene().runs.origin.map_or(0, |_| NUMBERS)),
         rows: list(layout.nc),
         time: 0.3,
         state,

@@ -2,6 +2,7 @@
 
 use mbd_scene::Scratch;
 use mbd_scene::laws::Numbers;
+use mbd_scene::laws::origin::NUMBERS;
 use mbd_scene::{Differentiated, Layout, Model, PointSlots, Quantity, Scene, Variable};
 
 use crate::oracle::Oracle;
@@ -40,6 +41,7 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
         list(layout.ni, 5.0),
         list(layout.nc, 1.0),
     );
+    let origin = list(scene.runs.origin.map_or(0, |_| NUMBERS), 4.0);
     let effective = (0..layout.effective_lines)
         .flat_map(|_| [random.decades(2.0, 4.0), random.uniform(0.2, 3.0)])
         .collect();
@@ -62,6 +64,7 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
         ends,
         inputs,
         rows,
+        origin,
     }
 }
 

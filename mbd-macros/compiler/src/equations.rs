@@ -1,7 +1,7 @@
 //! The equations of a scene: its laws run on symbols, quantity by quantity, and put in order as programs.
 
 use mbd_scene::Scratch;
-use mbd_scene::laws::Numbers;
+use mbd_scene::laws::{Numbers, origin};
 use mbd_scene::{At, Cost, Layout, Quantity, Redundancy, Scene, Variable};
 use num_traits::Zero;
 
@@ -189,6 +189,15 @@ fn slots(count: usize, slot: impl Fn(usize) -> Slot) -> Vec<Expr> {
     (0..count).map(|index| Expr::slot(slot(index))).collect()
 }
 
+/// How many numbers say how the origin of a scene moves: none where it stays in the world.
+#[must_use]
+pub fn of_origin(scene: &Scene) -> usize {
+    match scene.runs.origin {
+        Some(_) => origin::NUMBERS,
+        None => 0,
+    }
+}
+
 /// Runs the laws on symbols. The first list holds the terms of the constants.
 fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec<Traced>) {
     let params = slots(layout.np, Slot::Param);
@@ -200,6 +209,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
     let ends = slots(layout.len(Quantity::AnchorStates), Slot::Ends);
     let inputs = slots(layout.ni, Slot::Input);
     let rows = slots(layout.nc, Slot::Row);
+    let origin = slots(of_origin(scene), Slot::Origin);
     let motion = slots(layout.nv + layout.nc, Slot::Motion);
     let at = At {
         time: Expr::slot(Slot::Time),
@@ -210,6 +220,7 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
         ends: &ends,
         inputs: &inputs,
         rows: &rows,
+        origin: &origin,
     };
     let mut scratch = Scratch::new(layout);
     let mut factored: Vec<Expr> = Vec::new();

@@ -29,6 +29,8 @@ pub enum Slot {
     Ends(usize),
     /// An input.
     Input(usize),
+    /// A number of how the origin moves.
+    Origin(usize),
     /// A right-hand side of a row.
     Row(usize),
     /// An acceleration or a multiplier at which a residual is asked for.
@@ -284,6 +286,7 @@ fn code(node: Node) -> [u64; 2] {
                 Slot::Derived(index) => (9, index),
                 Slot::Motion(index) => (10, index),
                 Slot::Factored(index) => (11, index),
+                Slot::Origin(index) => (12, index),
             };
             [kinds(2, kind), index as u64]
         }

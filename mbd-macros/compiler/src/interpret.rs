@@ -47,7 +47,7 @@ impl Program {
         for (register, &value) in numbers.iter_mut().zip(&self.constants) {
             *register = T::from_f64(value);
         }
-        let first = self.constants.len();
+        let (first, zero) = (self.constants.len(), T::zero());
         for (register, &slot) in numbers.iter_mut().skip(first).zip(&self.slots) {
             let value = match slot {
                 Slot::Time => Some(&at.time),
@@ -58,6 +58,7 @@ impl Program {
                 Slot::Ends(i) => at.ends.get(i),
                 Slot::Input(i) => at.inputs.get(i),
                 Slot::Row(i) | Slot::Motion(i) | Slot::Factored(i) => at.rows.get(i),
+                Slot::Origin(i) => Some(at.origin.get(i).unwrap_or(&zero)),
                 Slot::Param(i) => params.get(i),
                 Slot::Derived(i) => derived.get(i),
             };
@@ -129,6 +130,7 @@ impl<T: Real> Interpreted<T> {
             ends: &[],
             inputs: &[],
             rows: &[],
+            origin: &[],
         };
         equations
             .derived

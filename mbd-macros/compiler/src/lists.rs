@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use mbd_scene::Layout;
 
-use crate::equations::Equations;
+use crate::equations::{Equations, of_origin};
 use crate::expression::Slot;
 use crate::program::Program;
 
@@ -31,6 +31,8 @@ pub enum Group {
     Ends,
     /// Inputs.
     Inputs,
+    /// How the origin moves.
+    Origin,
     /// Right-hand sides of rows.
     Rows,
     /// Accelerations and multipliers.
@@ -45,7 +47,7 @@ pub enum Group {
 
 impl Group {
     /// Every list, in the order of arguments.
-    pub const ALL: [Group; 15] = [
+    pub const ALL: [Group; 16] = [
         Group::Time,
         Group::Q,
         Group::V,
@@ -56,6 +58,7 @@ impl Group {
         Group::Hold,
         Group::Ends,
         Group::Inputs,
+        Group::Origin,
         Group::Rows,
         Group::Motion,
         Group::Factored,
@@ -77,6 +80,7 @@ impl Group {
             Group::Hold => "hold",
             Group::Ends => "ends",
             Group::Inputs => "inputs",
+            Group::Origin => "origin",
             Group::Rows => "rows",
             Group::Motion => "motion",
             Group::Factored => "factored",
@@ -108,6 +112,7 @@ impl Group {
             Slot::Hold(i) => (Group::Hold, i),
             Slot::Ends(i) => (Group::Ends, i),
             Slot::Input(i) => (Group::Inputs, i),
+            Slot::Origin(i) => (Group::Origin, i),
             Slot::Row(i) => (Group::Rows, i),
             Slot::Motion(i) => (Group::Motion, i),
             Slot::Factored(i) => (Group::Factored, i),
@@ -131,6 +136,7 @@ impl Group {
             Group::Hold => layout.holds(),
             Group::Ends => layout.len(mbd_scene::Quantity::AnchorStates),
             Group::Inputs => layout.ni,
+            Group::Origin => of_origin(&equations.scene),
             Group::Rows => layout.nc,
             Group::Motion => layout.nv + layout.nc,
             Group::Factored => {

@@ -280,7 +280,7 @@ fn mistakes_in_toml_are_told_with_line_and_column() {
             "[body.link]",
             "[bdy.link]",
             &[
-                "scene.toml:21:2: unknown item `bdy`; did you mean `body`? items here: coordinates, angular_velocity, planar, units, gravity, emit, urdf, extend, verify, const, param, input, state, table, let, world, body, point, joint, line, spring, load, output, metric, event",
+                "scene.toml:21:2: unknown item `bdy`; did you mean `body`? items here: coordinates, angular_velocity, planar, origin, units, gravity, emit, urdf, extend, verify, const, param, input, state, table, let, world, body, point, joint, line, spring, load, output, metric, event",
             ],
         ),
         (

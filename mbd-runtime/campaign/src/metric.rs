@@ -127,13 +127,14 @@ impl Metrics {
             content: NOTHING,
         };
         let of_declared = scene
+            .runs
             .metrics
             .iter()
             .filter(|metric| metric.output.is_some());
         for metric in of_declared {
             metrics.add_column(&metric.name, &metric.name, model)?;
         }
-        let is_declared = |name: &str| scene.metrics.iter().any(|metric| metric.name == name);
+        let is_declared = |name: &str| scene.runs.metrics.iter().any(|metric| metric.name == name);
         let own = written.clone().filter(|(name, _)| !is_declared(name));
         for (name, metric) in own.clone() {
             for column in metric.columns() {
@@ -141,7 +142,7 @@ impl Metrics {
             }
         }
         let names = columns(model, metrics.content);
-        for metric in &scene.metrics {
+        for metric in &scene.runs.metrics {
             let mut declared = declared(metric, scene, &names, every_step)?;
             if let Some((name, written)) = written.clone().find(|(name, _)| **name == metric.name) {
                 declared.require =
@@ -159,7 +160,7 @@ impl Metrics {
     /// The metrics that a declaration has, for histories with these columns. Those that such a history cannot tell are left out.
     #[must_use]
     pub fn of_history(scene: &Scene, history: &Trajectory, every_step: bool) -> Vec<Metric> {
-        let metrics = scene.metrics.iter();
+        let metrics = scene.runs.metrics.iter();
         let read = metrics.map(|metric| declared(metric, scene, history.names(), every_step));
         read.filter_map(Result::ok).collect()
     }

@@ -353,7 +353,7 @@ impl<'de> de::SeqAccess<'de> for Items<'_, 'de> {
         &mut self,
         seed: T,
     ) -> Result<Option<T::Value>, Unfit> {
-        // The metrics of a scene without any are not written: they are the last of all.
+        // What says nothing at the end of all is not written.
         if self.left == 0 || (self.left == 1 && self.from.0.is_empty()) {
             return Ok(None);
         }

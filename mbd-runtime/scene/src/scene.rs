@@ -70,21 +70,51 @@ pub struct Scene {
     /// Shapes of bodies, in their order: what is drawn. Mass and inertia are those of the bodies, whether they follow from shapes or not.
     #[serde(default)]
     pub shapes: Vec<Shape>,
-    /// Numbers that are told of every run. The last of all, so that scenes without any are packed as if there were none.
+    /// What is said of its runs. The last of all, so that scenes that say nothing are packed as if it were not there.
     #[serde(
         default,
-        skip_serializing_if = "Vec::is_empty",
-        deserialize_with = "some"
+        skip_serializing_if = "OfRuns::is_empty",
+        deserialize_with = "something"
     )]
-    pub metrics: Vec<Metric>,
+    pub runs: OfRuns,
 }
 
-/// A list that is only written where it is not empty.
-fn some<'d, D: Deserializer<'d>>(from: D) -> Result<Vec<Metric>, D::Error> {
-    let list = Vec::deserialize(from)?;
-    match list.is_empty() {
-        false => Ok(list),
-        true => Err(Error::custom("an empty list is left out")),
+/// What a scene says of its runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OfRuns {
+    /// Numbers that are told of every run.
+    pub metrics: Vec<Metric>,
+    /// The body or the point with mass that the origin of positions follows: [`laws::origin`](crate::laws::origin); `None`: it stays in the world.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "some"
+    )]
+    pub origin: Option<Part>,
+}
+
+impl OfRuns {
+    /// Whether it says nothing.
+    fn is_empty(&self) -> bool {
+        self.metrics.is_empty() && self.origin.is_none()
+    }
+}
+
+/// What is only written where there is one.
+fn some<'d, D: Deserializer<'d>>(from: D) -> Result<Option<Part>, D::Error> {
+    let part = Option::deserialize(from)?;
+    part.map_or_else(
+        || Err(Error::custom("none is left out")),
+        |part| Ok(Some(part)),
+    )
+}
+
+/// What is only written where it says something.
+fn something<'d, D: Deserializer<'d>>(from: D) -> Result<OfRuns, D::Error> {
+    let runs = OfRuns::deserialize(from)?;
+    match runs.is_empty() {
+        false => Ok(runs),
+        true => Err(Error::custom("what says nothing is left out")),
     }
 }
 
@@ -347,6 +377,20 @@ impl Scene {
                 });
             }
         }
+    }
+
+    /// What a formula that names a `let` stands for.
+    #[must_use]
+    pub fn said<'f>(&'f self, formula: &'f Formula) -> &'f Formula {
+        let mut said = formula;
+        // A `let` that names itself through others is refused where it is read.
+        for _ in 0..self.lets.len() {
+            match let_of(said).and_then(|index| self.lets.get(index)) {
+                Some(declared) => said = &declared.value,
+                None => break,
+            }
+        }
+        said
     }
 
     /// Whether anything in a formula or in a `let` it names satisfies `test`.

@@ -88,6 +88,7 @@ impl<L: Lanes> Stages<L> {
             ends: &self.ends,
             inputs: &self.inputs,
             rows: &[],
+            origin: &[],
         }
     }
 

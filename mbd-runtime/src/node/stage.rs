@@ -36,6 +36,8 @@ pub struct Nodes<T: Float> {
     pub(crate) spanned: bool,
     /// Time since the last accepted step, of the last solve.
     pub(crate) span: T,
+    /// How the origin moves, of a scene where it follows something; empty elsewhere.
+    origin: Vec<T>,
     pub(crate) statistics: Statistics,
 }
 
@@ -85,6 +87,7 @@ impl<T: Float> Nodes<T> {
             rates: list(layout.len(Quantity::Rates)),
             spanned: false,
             span: T::zero(),
+            origin: Vec::new(),
             statistics: Statistics::default(),
             layout: layout.clone(),
         }
@@ -116,6 +119,12 @@ impl<T: Float> Nodes<T> {
         along.filter(|_| self.spanned).unwrap_or(&self.ends)
     }
 
+    /// Measures places from an origin that moves so: the numbers of [`At::origin`].
+    pub(crate) fn measure_from(&mut self, origin: &[T]) {
+        self.origin.clear();
+        self.origin.extend_from_slice(origin);
+    }
+
     /// Everything a model may read, with the unknowns of the last solve.
     #[must_use]
     pub fn at<'a>(&'a self, time: T, state: &'a [T], inputs: &'a [T]) -> At<'a, T> {
@@ -128,6 +137,7 @@ impl<T: Float> Nodes<T> {
             ends: self.ends(),
             inputs,
             rows: &[],
+            origin: &self.origin,
         }
     }
 

@@ -39,6 +39,7 @@ impl<T: Float> Simulation<T> {
     /// What [`Simulation::step`] does.
     pub(crate) fn take_step(&mut self) -> Result<(), RunError> {
         self.enter()?;
+        self.shown.forget();
         let steps = self.system.counters.steps;
         while self.system.counters.steps == steps {
             self.changes.stop = None;
@@ -107,6 +108,7 @@ impl<T: Float> Simulation<T> {
         trajectory: &mut Option<&mut Trajectory>,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<Stop>, RunError> {
+        self.shown.forget();
         let outcome = match course.opened {
             true => self.try_next(course, trajectory, go_on),
             false => self.open(course, trajectory),
@@ -354,7 +356,11 @@ impl<T: Float> Simulation<T> {
         if projected {
             self.begin_noting()?;
         }
-        Ok(())
+        let length = self.length;
+        match self.system.keep_up(end, length, &mut self.state) {
+            true => self.method.begin(&mut self.system, end, 0.0, &self.state),
+            false => Ok(()),
+        }
     }
 
     /// Rows due strictly inside the attempted step, or at its end. Between two of them the run may be cancelled: the step then is not taken, and

@@ -12,6 +12,7 @@ use super::Simulation;
 use crate::columns::{node_name, part_name};
 use crate::error::{RunError, StepError};
 use crate::moving::moving;
+use crate::origin::Measured;
 use crate::unilateral::Mode;
 
 /// What became of a run that another model took over: see [`Simulation::take_over`].
@@ -114,15 +115,25 @@ impl<T: Float> Simulation<T> {
             let name = (*name).to_owned();
             return Err(self.failed(StepError::Unplaced { name, why }));
         }
-        let mut state = self.state().to_vec();
+        // In the numbers of the run that ends, which are measured from where its origin is.
+        let origin = last.system.origin();
+        let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
+        let place = origin.unwrap_or_default().at(last.time);
+        let measured = Measured::new(to.layout());
+        measured.from_place(&mut state, &place);
         let (mut carried, mut started) = (Vec::new(), Vec::new());
         for new in &news {
             let own = given.iter().find(|(name, _)| new.name == *name);
             let old = olds
                 .iter()
                 .find(|old| old.name == new.name && old.kind == new.kind);
-            let numbers: Vec<T> = match (own, old) {
-                (Some((_, numbers)), _) if numbers.len() == new.count() => numbers.to_vec(),
+            let numbers: Vec<f64> = match (own, old) {
+                (Some((_, numbers)), _) if numbers.len() == new.count() => {
+                    let given = numbers.iter().zip(new.places());
+                    given
+                        .map(|(x, at)| x.to_f64() - measured.of(at, &place))
+                        .collect()
+                }
                 (Some((_, numbers)), _) => {
                     let slot = format!("length of `{}` ({} numbers)", new.name, new.count());
                     let value = numbers.len() as f64;
@@ -130,7 +141,8 @@ impl<T: Float> Simulation<T> {
                 }
                 (None, Some(old)) => {
                     let all = old.places();
-                    all.filter_map(|at| last.state.get(at).copied()).collect()
+                    let numbers = all.filter_map(|at| last.state.get(at));
+                    numbers.map(|x| x.to_f64()).collect()
                 }
                 (None, None) if new.placed => {
                     started.push(new.name.clone());
@@ -162,7 +174,10 @@ impl<T: Float> Simulation<T> {
         let dropped = olds.iter().filter(|old| !goes_on(old));
         let dropped = dropped.map(|old| old.name.clone()).collect();
         let before = (last.momentum(), last.energies());
-        self.give_state(last.time, &state)?;
+        let checked: Vec<T> = state.iter().map(|&x| T::from_f64(x)).collect();
+        self.check_state(last.time, &checked)
+            .map_err(|cause| self.failed(cause))?;
+        self.put(last.time, origin, &state)?;
         self.hold_the_same(last);
         self.detach_the_same(last);
         self.begin()?;

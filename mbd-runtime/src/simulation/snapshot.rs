@@ -11,6 +11,7 @@ use crate::fallback::SavedStrategy;
 use crate::integrate::{Control, StiffnessTest};
 use crate::momentum::MomentumBalance;
 use crate::node::NodeMemory;
+use crate::origin::Origin;
 use crate::watch::Watch;
 
 /// Everything a run needs to go on exactly as it would have: same model, same options, same bits.
@@ -46,6 +47,9 @@ pub struct Snapshot<T> {
     done: Vec<bool>,
     /// Work of the actions so far [J].
     action_work: f64,
+    /// What the state is measured from, where the origin follows something.
+    #[serde(default)]
+    from: Option<Origin>,
 }
 
 impl<T> Snapshot<T> {
@@ -73,6 +77,7 @@ impl<T: Float> Simulation<T> {
         to.origin = self.origin;
         to.count = self.count;
         to.state.clone_from(&self.state);
+        to.from = self.system.origin();
         to.memory.copy_from(&self.system.memory);
         to.control = match &self.pace {
             Pace::Fixed(_) => None,
@@ -145,6 +150,7 @@ impl<T: Float> Simulation<T> {
             && snapshot.params.len() == self.changes.settable.len()
             && snapshot.done.len() == self.changes.done.len()
             && snapshot.samples.len() == self.samplers.len()
+            && snapshot.from.is_some() == self.system.following.is_some()
             && snapshot.control.is_some() == matches!(self.pace, Pace::Adaptive(..))
             && (self.method.has_both() || snapshot.stiff == self.method.is_stiff());
         if !fits {
@@ -157,6 +163,8 @@ impl<T: Float> Simulation<T> {
         }
         self.take_up_params(&snapshot.params)
             .map_err(|cause| self.failed(cause))?;
+        self.shown.forget();
+        self.system.take_up_origin(snapshot.from);
         self.changes.done.clone_from(&snapshot.done);
         self.changes.stop = None;
         self.system.action_work = snapshot.action_work;

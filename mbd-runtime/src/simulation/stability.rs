@@ -230,7 +230,14 @@ impl<T: Float> Simulation<T> {
                 .at_end(Quantity::Bodies, time, state, &mut self.bodies)?;
         }
         let rates = self.method.first();
-        let Some(affected) = self.rounding.worst(&self.state, rates, &self.bodies) else {
+        let origin = self.system.origin().map_or(0.0, |origin| {
+            let [position, _] = origin.at(self.time);
+            position.iter().fold(0.0, |most, x| x.abs().max(most))
+        });
+        let worst = self
+            .rounding
+            .worst(&self.state, rates, &self.bodies, origin);
+        let Some(affected) = worst else {
             return Ok(());
         };
         self.rounded = self.rounded.max(affected.share);

@@ -13,7 +13,7 @@ use mbd_scene::{
 use super::act::Changes;
 use super::moved::moved;
 use super::stability::Meter;
-use super::{Pace, Simulation, Snapshot};
+use super::{Pace, Shown, Simulation, Snapshot};
 use crate::chatter::Chatter;
 use crate::columns::{input_name, node_name, state_names};
 use crate::error::{RunError, StepError};
@@ -24,6 +24,7 @@ use crate::integrate::{
 };
 use crate::moving::moving;
 use crate::options::{Method, Options, Stabilise};
+use crate::origin::Origin;
 use crate::rounding::Rounding;
 use crate::stiffness::Stiffness;
 use crate::supply::Law;
@@ -122,7 +123,7 @@ impl<T: Float> Simulation<T> {
         let bodies = layout.len(Quantity::Bodies);
         let mut state = vec![T::zero(); length];
         let start = declared_start(&*model, 0.0).map_err(refuse)?;
-        for (slot, value) in state.iter_mut().zip(start) {
+        for (slot, value) in state.iter_mut().zip(system.set_down(0.0, None, &start)) {
             *slot = value;
         }
         let changes = Changes {
@@ -136,6 +137,7 @@ impl<T: Float> Simulation<T> {
             system,
             method,
             state,
+            shown: Shown::new(),
             time: 0.0,
             chatter: Chatter::new(),
             scratch: vec![T::zero(); room.into_iter().max().unwrap_or(0)],
@@ -161,6 +163,7 @@ impl<T: Float> Simulation<T> {
             fingerprint: OnceCell::new(),
             good: Snapshot::default(),
             rounding,
+            length: scales.length,
             rounded: 0.0,
             bodies: vec![T::zero(); bodies],
             origin: 0.0,
@@ -180,17 +183,29 @@ impl<T: Float> Simulation<T> {
 
     /// What [`Simulation::set_state`] does.
     pub(crate) fn give_state(&mut self, time: f64, state: &[T]) -> Result<(), RunError> {
-        let mut fresh = state.to_vec();
-        let drift =
-            self.check_state(time, state)
-                .and_then(|()| match self.system.normalise(&mut fresh) {
-                    drift if drift > 1e-3 => Err(StepError::InvalidInput {
-                        slot: "deviation of a quaternion from unit length".into(),
-                        value: drift,
-                    }),
-                    drift => Ok(drift),
-                });
-        self.system.drift = drift.map_err(|cause| self.failed(cause))?;
+        let checked = self.check_state(time, state);
+        checked.map_err(|cause| self.failed(cause))?;
+        let numbers: Vec<f64> = state.iter().map(|x| x.to_f64()).collect();
+        self.put(time, None, &numbers)
+    }
+
+    /// Goes on from a state that is measured from an origin; `None`: that of the world.
+    pub(super) fn put(
+        &mut self,
+        time: f64,
+        origin: Option<Origin>,
+        state: &[f64],
+    ) -> Result<(), RunError> {
+        let mut fresh = self.system.set_down(time, origin, state);
+        let drift = self.system.normalise(&mut fresh);
+        if drift > 1e-3 {
+            return Err(self.failed(StepError::InvalidInput {
+                slot: "deviation of a quaternion from unit length".into(),
+                value: drift,
+            }));
+        }
+        self.shown.forget();
+        self.system.drift = drift;
         for (to, from) in self
             .state
             .iter_mut()
@@ -215,6 +230,8 @@ impl<T: Float> Simulation<T> {
             return;
         }
         if let Ok(start) = declared_start(&*self.system.model, self.time) {
+            self.shown.forget();
+            let start = self.system.set_down(self.time, None, &start);
             for (slot, value) in self.state.iter_mut().zip(start) {
                 *slot = value;
             }
@@ -222,7 +239,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Refuses a time or a state that cannot be run.
-    fn check_state(&self, time: f64, state: &[T]) -> Result<(), StepError> {
+    pub(super) fn check_state(&self, time: f64, state: &[T]) -> Result<(), StepError> {
         let (model, nx) = (&self.system.model, self.system.nx);
         let bad = |x: &T| !x.is_finite() || x.to_f64().abs() > 1e150;
         let (slot, value) = if state.len() != nx {
@@ -264,14 +281,16 @@ impl<T: Float> Simulation<T> {
                 value: *value,
             }));
         }
-        let of = |state: &[T]| -> Vec<f64> { state.iter().map(|x| x.to_f64()).collect() };
-        let (params, mut state) = (of(model.params()), of(&self.state[..self.system.nx]));
+        let params: Vec<f64> = model.params().iter().map(|x| x.to_f64()).collect();
+        let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let from = (&params[..], self.time);
         if let Err(error) = place_declared(scene, layout, from, &starts, &[], &mut state) {
             return Err(self.failed(misplaced(scene, error)));
         }
-        let state: Vec<T> = state.into_iter().map(T::from_f64).collect();
-        self.give_state(self.time, &state)
+        let numbers: Vec<T> = state.iter().map(|&x| T::from_f64(x)).collect();
+        let checked = self.check_state(self.time, &numbers);
+        checked.map_err(|cause| self.failed(cause))?;
+        self.put(self.time, None, &state)
     }
 
     /// What [`Simulation::set_nodes`] does.
@@ -283,7 +302,7 @@ impl<T: Float> Simulation<T> {
             let slot = format!("positions of the nodes ({expected} numbers)");
             return Err(self.failed(StepError::InvalidInput { slot, value }));
         }
-        self.guess = Some(guess.to_vec());
+        self.guess = Some(self.system.from_origin(self.time, guess));
         self.started = false;
         Ok(())
     }
@@ -292,6 +311,7 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn begin(&mut self) -> Result<(), RunError> {
         self.started = true;
         self.as_declared = false;
+        self.shown.forget();
         self.origin = self.time;
         self.count = 0;
         self.chatter = Chatter::new();
@@ -356,11 +376,11 @@ impl<T: Float> Simulation<T> {
     }
 }
 
-/// The state at the declared start: what no start is declared of is at the world origin, at rest, unturned; declared states where they begin.
+/// The state in the world at the declared start: what no start is declared of is at the world origin, at rest, unturned; declared states where they begin.
 pub(crate) fn declared_start<T: Float>(
     model: &dyn Model<T>,
     time: f64,
-) -> Result<Vec<T>, StepError> {
+) -> Result<Vec<f64>, StepError> {
     let (scene, layout) = (model.scene(), model.layout());
     let mut state = vec![0.0; layout.nx()];
     for qw in layout.quaternions() {
@@ -377,10 +397,9 @@ pub(crate) fn declared_start<T: Float>(
         place_declared(scene, layout, (&params, time), &[], &[], &mut state)
             .map_err(|error| misplaced(scene, error))?;
     }
-    let mut state: Vec<T> = state.into_iter().map(T::from_f64).collect();
     let own = state.iter_mut().skip(layout.states());
     own.zip(starts(scene, model.params()))
-        .for_each(|(state, start)| *state = start);
+        .for_each(|(state, start)| *state = start.to_f64());
     Ok(state)
 }
 

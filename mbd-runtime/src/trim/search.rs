@@ -1,6 +1,6 @@
 //! The search of a trim: (2) of [`crate::trim`](super), and Newton steps that close the joints.
 
-use mbd_scene::{Float, Model, Quantity};
+use mbd_scene::{Model, Quantity};
 use nalgebra::{DMatrix, DVector};
 
 use super::{Asked, TrimError, Trimmed};
@@ -63,7 +63,7 @@ pub(crate) fn find<T: Scalar>(model: &dyn Model<T>, asked: &Asked) -> Result<Tri
     let state = asked.state.clone().unwrap_or_else(|| {
         // Where the declared start cannot be taken, what is asked for may place the bodies.
         if let Ok(start) = declared_start(model, asked.time) {
-            return start.into_iter().map(Float::to_f64).collect();
+            return start;
         }
         let mut state = vec![0.0; layout.nx()];
         layout.quaternions().for_each(|at| state[at] = 1.0);

@@ -68,7 +68,7 @@ fn contents(file: &SceneFile) -> Value {
     let outputs = scene.outputs.iter().map(|output| {
         json!({ "name": output.name, "components": output.components, "unit": output.unit.text })
     });
-    let metrics = scene.metrics.iter().map(
+    let metrics = scene.runs.metrics.iter().map(
         |metric| json!({ "name": metric.name, "take": metric.take.keyword(), "doc": metric.doc }),
     );
     let names = |list: &mut dyn Iterator<Item = &String>| list.cloned().collect::<Vec<String>>();

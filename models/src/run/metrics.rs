@@ -31,7 +31,7 @@ pub fn metrics<'a>(scene: &'a Scene, plan: &Plan, outcome: &Outcome) -> Vec<Told
         let value = metric.read(history);
         value.is_finite().then(|| (value, metric.unit.clone()))
     };
-    let told = scene.metrics.iter().map(|metric| Told {
+    let told = scene.runs.metrics.iter().map(|metric| Told {
         name: &metric.name,
         take: metric.take.keyword(),
         value: value(&metric.name),

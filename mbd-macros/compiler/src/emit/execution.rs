@@ -54,6 +54,12 @@ pub fn implementation(context: &Context) -> TokenStream {
                 values.push(quote!(::mbd_runtime::__private::fixed(at.#given)));
             }
         }
+        if reads.reads(Group::Origin) {
+            names.push(quote!(origin));
+            values.push(quote! {
+                ::core::option::Option::Some(&::mbd_runtime::__private::leading(at.origin))
+            });
+        }
         // The lengths of lists that are not read follow from the sizes of this model.
         let sizes = state.then(|| {
             let layout = &equations.layout;

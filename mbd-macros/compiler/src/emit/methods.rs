@@ -133,6 +133,11 @@ fn signature(context: &Context, what: Quantity, program: Option<&Program>) -> Si
         taken.push(quote!(inputs: &#inputs #used));
         prepared.extend(quote!(let inputs = &inputs.to_array();));
     }
+    if reads.reads(Group::Origin) {
+        // A state that is typed is one in the world.
+        let (zero, len) = (context.zero(), whole(Group::Origin.len(equations)));
+        prepared.extend(quote!(let origin = &[#zero; #len];));
+    }
     let passed = reads
         .0
         .iter()
@@ -192,6 +197,7 @@ fn method(
                     ends,
                     inputs: &[],
                     rows: &[],
+                    origin: &[],
                 };
                 ::mbd_runtime::scene::sensitivity(#path, &declared().layout, &at, out);
             }

@@ -129,7 +129,7 @@ fn constants(context: &Context) -> TokenStream {
             pub const STATES: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([#(#states),*]);
         }
     });
-    let hash = Literal::u64_unsuffixed(fingerprint(format!("{scene:?}").into_bytes()));
+    let hash = Literal::u64_unsuffixed(fingerprint(scene.packed().into_bytes()));
     let coords = (0..layout.nq).map(coordinate);
     let speeds = (layout.nq..layout.nq + layout.nv).map(coordinate);
     let params = scene.params.iter().map(|param| {

@@ -241,7 +241,7 @@ impl<'a> Resolver<'a> {
             "line" | "spring" => scene.lines.len(),
             "load" => scene.loads.len(),
             "output" => scene.outputs.len(),
-            "metric" => scene.metrics.len(),
+            "metric" => scene.runs.metrics.len(),
             _ => scene.events.len(),
         }
     }

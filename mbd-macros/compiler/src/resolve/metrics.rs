@@ -62,7 +62,7 @@ impl Resolver<'_> {
             if let Some(value) = fields.value("level") {
                 level = Some(self.fixed_number("level", value, dimension, instance)?);
             }
-            let metric = self.scene.metrics.get(instance.slot)?;
+            let metric = self.scene.runs.metrics.get(instance.slot)?;
             output = Some(self.scene.outputs.len());
             self.scene.outputs.push(Output {
                 name: metric.name.clone(),
@@ -74,7 +74,7 @@ impl Resolver<'_> {
             let slot = Named::Output(self.scene.outputs.len() - 1);
             self.declared.insert(slot, item.name_at());
         }
-        let entry = self.scene.metrics.get_mut(instance.slot)?;
+        let entry = self.scene.runs.metrics.get_mut(instance.slot)?;
         (entry.take, entry.output, entry.level) = (take, output, level);
         (entry.event, entry.from, entry.to) = (event, from, to);
         (!fields.doubtful).then_some(())

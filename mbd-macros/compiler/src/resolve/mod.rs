@@ -18,6 +18,7 @@ mod lines;
 mod metrics;
 mod names;
 mod numbers;
+mod origin;
 mod path;
 mod repeat;
 mod settings;
@@ -170,6 +171,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.lets();
     resolver.part_starts();
     resolver.gravity(model);
+    resolver.origin(model);
     resolver.states();
     resolver.windings();
     resolver.loads();

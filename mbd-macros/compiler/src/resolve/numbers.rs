@@ -101,7 +101,7 @@ impl Resolver<'_> {
                     unit,
                 });
             }
-            "metric" => scene.metrics.push(Metric {
+            "metric" => scene.runs.metrics.push(Metric {
                 name,
                 doc,
                 take: Take::Final,

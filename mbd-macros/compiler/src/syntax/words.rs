@@ -131,6 +131,7 @@ pub const ITEMS: &[ItemWord] = &[
     setting("coordinates", "coordinates: absolute;"),
     setting("angular_velocity", "angular_velocity: body;"),
     setting("planar", "planar: xz;"),
+    setting("origin", "origin: follows NAME;"),
     setting("units", "units: si;"),
     setting("gravity", "gravity: [0.0, 0.0, -9.81] m/s^2;"),
     setting("emit", "emit: [derivative, outputs];"),

@@ -89,6 +89,14 @@ fn head(out: &mut String, scene: &Scene) {
     if let Some(plane) = scene.planar {
         entry(out, "planar", plane.word());
     }
+    let followed = match scene.runs.origin {
+        Some(Part::Body(body)) => scene.bodies.get(body).map(|body| &body.name),
+        Some(Part::Point(point)) => scene.points.get(point).map(|point| &point.name),
+        _ => None,
+    };
+    if let Some(name) = followed {
+        entry(out, "origin", &format!("follows {name}"));
+    }
     let gravity = match &scene.gravity {
         Gravity::None => "none".to_string(),
         Gravity::Field => "field".to_string(),
@@ -551,7 +559,13 @@ fn states(out: &mut String, scene: &Scene) {
 }
 
 fn results(out: &mut String, scene: &Scene) {
-    let of_metric = |at: usize| scene.metrics.iter().any(|metric| metric.output == Some(at));
+    let of_metric = |at: usize| {
+        scene
+            .runs
+            .metrics
+            .iter()
+            .any(|metric| metric.output == Some(at))
+    };
     let outputs = scene.outputs.iter().enumerate();
     for (_, output) in outputs.filter(|(at, _)| !of_metric(*at)) {
         table(out, "output", &output.name);
@@ -576,7 +590,7 @@ fn results(out: &mut String, scene: &Scene) {
 }
 
 fn metrics(out: &mut String, scene: &Scene) {
-    for metric in &scene.metrics {
+    for metric in &scene.runs.metrics {
         table(out, "metric", &metric.name);
         doc(out, &metric.doc);
         let output = metric.output.and_then(|output| scene.outputs.get(output));

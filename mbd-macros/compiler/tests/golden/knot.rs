@@ -361,7 +361,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 0;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 15955703259699206909;
+        pub const DECL_HASH: u64 = 9907999525727944762;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
             ("bob.x", "m"),

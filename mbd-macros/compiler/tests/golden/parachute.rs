@@ -570,7 +570,7 @@ const _: () = {
         /// Number of live parameters.
         pub const NP: usize = 3;
         /// Changes when the declaration changes.
-        pub const DECL_HASH: u64 = 3711623107897296040;
+        pub const DECL_HASH: u64 = 17233995816969545383;
         /// Name and unit of every coordinate.
         pub const COORDS: &'static [::mbd_runtime::CoordInfo] = &::mbd_runtime::__private::named([
             ("canopy.x", "m"),

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::laws::body::BodyMotion;
 use crate::laws::formula::norm;
 use crate::laws::{evaluation::Evaluation, forces, formula, gravity, joint_forces};
 use crate::scalar::algebra::write;
@@ -16,21 +17,25 @@ pub fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S])
     let bodies = evaluation.scene.bodies.iter();
     for (declared, (motion, body)) in bodies.zip(evaluation.motions.iter().zip(&numbers.bodies)) {
         S::section(&declared.name);
-        kinetic += motion.kinetic_energy(body);
-        potential += gravity::energy(&numbers.gravity, body.mass, &motion.position);
+        let in_world = BodyMotion {
+            velocity: evaluation.rate_in_world(motion.velocity),
+            ..*motion
+        };
+        kinetic += in_world.kinetic_energy(body);
+        let position = evaluation.in_world(motion.position);
+        potential += gravity::energy(&numbers.gravity, body.mass, &position);
     }
     let points = evaluation.layout.points.iter().zip(&numbers.points);
     for (declared, (slots, &(mass, _))) in evaluation.scene.points.iter().zip(points) {
         if let PointSlots::Mass(slots) = slots {
             S::section(&declared.name);
             let (directions, nq) = (evaluation.layout.directions, evaluation.layout.nq);
-            let velocity: Vector3<S> = directions.linear(evaluation.at.state, nq + slots.v);
+            let velocity = directions.linear(evaluation.at.state, nq + slots.v);
+            let velocity = evaluation.rate_in_world(velocity);
             kinetic += half * (mass * velocity.dot(&velocity));
-            potential += gravity::energy(
-                &numbers.gravity,
-                mass,
-                &directions.linear(evaluation.at.state, slots.q),
-            );
+            let position = directions.linear(evaluation.at.state, slots.q);
+            let position = evaluation.in_world(position);
+            potential += gravity::energy(&numbers.gravity, mass, &position);
         }
     }
     for index in 0..evaluation.scene.lines.len() {
@@ -60,7 +65,7 @@ pub fn energy<S: Real>(evaluation: &Evaluation<'_, S>, drives: S, out: &mut [S])
     out.copy_from_slice(&[kinetic, potential, elastic, load, damping, drives]);
 }
 
-/// Visits the mass, position, linear momentum and angular momentum about itself of everything that moves, bodies first.
+/// Visits the mass, position in the world, linear momentum there and angular momentum about itself of everything that moves, bodies first.
 fn visit_moving<S: Real>(
     evaluation: &Evaluation<'_, S>,
     mut visit: impl FnMut(Place, S, &Vector3<S>, &Vector3<S>, &Vector3<S>),
@@ -68,19 +73,22 @@ fn visit_moving<S: Real>(
     let bodies = evaluation.motions.iter().zip(&evaluation.numbers.bodies);
     for (index, (motion, body)) in bodies.enumerate() {
         S::section(&evaluation.scene.bodies[index].name);
-        let linear = motion.velocity.map(|v| body.mass * v);
+        let velocity = evaluation.rate_in_world(motion.velocity);
+        let linear = velocity.map(|v| body.mass * v);
         let spin = motion.rotation * (body.inertia * motion.omega_body);
+        let position = evaluation.in_world(motion.position);
         let place = Place::Body(index, 0);
-        visit(place, body.mass, &motion.position, &linear, &spin);
+        visit(place, body.mass, &position, &linear, &spin);
     }
     for (index, slots) in evaluation.layout.points.iter().enumerate() {
         if let PointSlots::Mass(slots) = slots {
             S::section(&evaluation.scene.points[index].name);
             let (mass, _) = evaluation.numbers.points[index];
             let (directions, nq) = (evaluation.layout.directions, evaluation.layout.nq);
-            let velocity: Vector3<S> = directions.linear(evaluation.at.state, nq + slots.v);
-            let linear = velocity.map(|v| mass * v);
-            let position: Vector3<S> = directions.linear(evaluation.at.state, slots.q);
+            let velocity = directions.linear(evaluation.at.state, nq + slots.v);
+            let linear = evaluation.rate_in_world(velocity).map(|v| mass * v);
+            let position = directions.linear(evaluation.at.state, slots.q);
+            let position = evaluation.in_world(position);
             let place = Place::Point(index);
             visit(place, mass, &position, &linear, &Vector3::zeros());
         }

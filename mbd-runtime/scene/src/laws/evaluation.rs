@@ -10,12 +10,13 @@ use crate::laws::formula::{self, Context, Value, of_let};
 use crate::laws::line;
 use crate::laws::node;
 use crate::laws::numbers::{FrameNumbers, Numbers};
+use crate::laws::origin::Origin;
 use crate::layout::Slots;
 use crate::scalar::algebra::{labelled, vector, write};
 use crate::tree::LinkMotion;
 use crate::{
-    AngularVelocity, At, FrameMotion, InputSource, Layout, NodeModel, Part, Place, PointSlots,
-    Real, Scene,
+    AngularVelocity, At, Formula, FrameMotion, InputSource, Layout, NodeModel, Part, Place,
+    PointSlots, Real, Scene,
 };
 
 /// The scene at a state. Bodies are read once; everything else is computed where it is asked for.
@@ -41,6 +42,8 @@ pub struct Evaluation<'a, S: Real> {
     pub accelerations: &'a [S],
     /// In relative coordinates those of every body, linear in world axes and angular in the components of the state; empty elsewhere.
     pub body_accelerations: &'a [[Vector3<S>; 2]],
+    /// The origin that positions and velocities are measured from; `None`: that of the world.
+    pub origin: Option<Origin<S>>,
 }
 
 /// A line in motion.
@@ -58,13 +61,42 @@ pub struct LineMotion<S: Real> {
 }
 
 impl<'a, S: Real> Evaluation<'a, S> {
-    /// Position of a place [m], world axes.
+    /// A position in the world, from one that is measured from the origin [m].
+    pub fn in_world(&self, position: Vector3<S>) -> Vector3<S> {
+        self.origin
+            .map_or(position, |origin| origin.position + position)
+    }
+
+    /// A velocity in the world, from one that is measured from the origin [m/s].
+    pub fn rate_in_world(&self, velocity: Vector3<S>) -> Vector3<S> {
+        self.origin
+            .map_or(velocity, |origin| origin.velocity + velocity)
+    }
+
+    /// Position of a frame of the world in it [m].
+    fn ground_position(&self, frame: usize) -> Option<Vector3<S>> {
+        match self.moving(frame) {
+            Some(motion) => Some(motion.position),
+            None => Some(self.numbers.world_frames.get(frame)?.position),
+        }
+    }
+
+    /// Velocity of a frame of the world in it [m/s].
+    fn ground_velocity(&self, frame: usize) -> Vector3<S> {
+        self.moving(frame)
+            .map_or_else(Vector3::zeros, |motion| motion.velocity)
+    }
+
+    /// Position of a place from the origin [m], world axes.
     pub fn position_of(&self, place: Place) -> Option<Vector3<S>> {
         match place {
-            Place::World(frame) => match self.moving(frame) {
-                Some(motion) => Some(motion.position),
-                None => Some(self.numbers.world_frames.get(frame)?.position),
-            },
+            Place::World(frame) => {
+                let position = self.ground_position(frame)?;
+                Some(match self.origin {
+                    Some(origin) => position - origin.position,
+                    None => position,
+                })
+            }
             Place::Body(body, frame) => {
                 let (motion, frame) = self.frame(body, frame)?;
                 let place = motion.position + motion.arm(&frame.position);
@@ -79,13 +111,16 @@ impl<'a, S: Real> Evaluation<'a, S> {
         }
     }
 
-    /// Velocity of a place [m/s], world axes. The velocity of a `static` or `stepwise` node is Σ H⁻¹ J_i v_i.
+    /// Velocity of a place against the origin [m/s], world axes. The velocity of a `static` or `stepwise` node is Σ H⁻¹ J_i v_i.
     pub fn velocity_of(&self, place: Place) -> Option<Vector3<S>> {
         match place {
-            Place::World(frame) => Some(match self.moving(frame) {
-                Some(motion) => motion.velocity,
-                None => Vector3::zeros(),
-            }),
+            Place::World(frame) => {
+                let velocity = self.ground_velocity(frame);
+                Some(match self.origin {
+                    Some(origin) => velocity - origin.velocity,
+                    None => velocity,
+                })
+            }
             Place::Body(body, frame) => {
                 let (motion, frame) = self.frame(body, frame)?;
                 Some(motion.velocity_of(&frame.position))
@@ -376,11 +411,36 @@ impl<S: Real> Context<S> for Evaluation<'_, S> {
     }
 
     fn position(&self, place: Place) -> Option<Vector3<S>> {
-        self.position_of(place)
+        match place {
+            Place::World(frame) => self.ground_position(frame),
+            _ => Some(self.in_world(self.position_of(place)?)),
+        }
     }
 
     fn velocity(&self, place: Place) -> Option<Vector3<S>> {
-        self.velocity_of(place)
+        match place {
+            Place::World(frame) => Some(self.ground_velocity(frame)),
+            _ => Some(self.rate_in_world(self.velocity_of(place)?)),
+        }
+    }
+
+    fn apart(&self, [a, b]: [&Formula; 2]) -> Option<Value<S>> {
+        self.origin?;
+        match [a, b].map(|formula| self.scene.said(formula)) {
+            [Formula::Position(a), Formula::Position(b)] => {
+                Some(Value::Vector(self.position_of(*a)? - self.position_of(*b)?))
+            }
+            [Formula::Velocity(a), Formula::Velocity(b)] => {
+                Some(Value::Vector(self.velocity_of(*a)? - self.velocity_of(*b)?))
+            }
+            [Formula::Component(a, i), Formula::Component(b, j)] if i == j => {
+                match self.apart([a.first()?, b.first()?])? {
+                    Value::Vector(apart) => Some(Value::Scalar(*apart.get(*i)?)),
+                    Value::Scalar(_) => None,
+                }
+            }
+            _ => None,
+        }
     }
 
     fn axis(&self, place: Place, axis: usize) -> Option<Vector3<S>> {

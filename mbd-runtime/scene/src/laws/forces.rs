@@ -175,7 +175,7 @@ pub fn loads<S: Real>(evaluation: &Evaluation<'_, S>) -> (Vector3<S>, Vector3<S>
         let (force, couple) = wrench(evaluation, index);
         if let (Some(force), Some(position)) = (force, evaluation.position_of(load.at)) {
             total += force;
-            torque += position.cross(&force);
+            torque += evaluation.in_world(position).cross(&force);
         }
         if let Some(couple) = couple {
             torque += couple;
@@ -190,6 +190,7 @@ pub fn load_power<S: Real>(evaluation: &Evaluation<'_, S>) -> S {
     for (index, load) in evaluation.scene.loads.iter().enumerate() {
         let is_node = matches!(load.at, Place::Point(p) if !matches!(evaluation.layout.points.get(p), Some(PointSlots::Mass(_))));
         let velocity = evaluation.velocity_of(load.at).filter(|_| !is_node);
+        let velocity = velocity.map(|velocity| evaluation.rate_in_world(velocity));
         let spin = match load.at {
             Place::Body(body, _) => evaluation
                 .motions

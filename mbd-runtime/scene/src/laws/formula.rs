@@ -24,6 +24,10 @@ pub trait Context<S: Real> {
     fn time(&self) -> Option<S> {
         None
     }
+    /// What the difference of two formulas is where it has more digits than they have.
+    fn apart(&self, _formulas: [&Formula; 2]) -> Option<Value<S>> {
+        None
+    }
     /// Position of a place [m].
     fn position(&self, _place: Place) -> Option<Vector3<S>> {
         None
@@ -203,7 +207,10 @@ pub fn value<S: Real>(formula: &Formula, context: &impl Context<S>) -> Value<S> 
         Formula::Apply(function, arguments) => match arguments.as_slice() {
             [a] => unary(*function, value(a, context)),
             [a, Formula::Number(n)] if *function == Function::Power => power(value(a, context), *n),
-            [a, b] => binary(*function, value(a, context), value(b, context)),
+            [a, b] => match (function, context.apart([a, b])) {
+                (Function::Sub, Some(apart)) => Some(apart),
+                _ => binary(*function, value(a, context), value(b, context)),
+            },
             [a, b, c, d] => {
                 let (a, b) = (scalar(a, context), scalar(b, context));
                 let mask = match function {

@@ -91,11 +91,8 @@ pub fn energy<S: Real>(gravity: &GravityNumbers<S>, mass: S, r: &Vector3<S>) -> 
 /// Gravity at a body [m/s²].
 pub fn body_gravity<S: Real>(evaluation: &Evaluation<'_, S>, body: usize) -> Vector3<S> {
     let given = evaluation.input(InputSource::BodyGravity(body), 0);
-    acceleration(
-        &evaluation.numbers.gravity,
-        &evaluation.motions[body].position,
-        &given,
-    )
+    let position = evaluation.in_world(evaluation.motions[body].position);
+    acceleration(&evaluation.numbers.gravity, &position, &given)
 }
 
 /// Gravity at a body or a point with mass [m/s²]; zero elsewhere.
@@ -117,9 +114,7 @@ pub fn point_gravity<S: Real>(
     q: usize,
 ) -> Vector3<S> {
     let given = evaluation.input(InputSource::PointGravity(point), 0);
-    acceleration(
-        &evaluation.numbers.gravity,
-        &evaluation.layout.directions.linear(evaluation.at.state, q),
-        &given,
-    )
+    let position = evaluation.layout.directions.linear(evaluation.at.state, q);
+    let position = evaluation.in_world(position);
+    acceleration(&evaluation.numbers.gravity, &position, &given)
 }

@@ -111,13 +111,23 @@ impl<S: Real> Evaluation<'_, S> {
     /// The end of a joint at a place; own components as asked.
     pub(crate) fn end(&self, place: Place, components: AngularVelocity) -> Option<End<S>> {
         match place {
-            Place::World(frame) => Some(match self.moving(frame) {
-                Some(motion) => End::moving(motion),
-                None => {
-                    let frame = self.numbers.world_frames.get(frame)?;
-                    End::fixed(frame.position, frame.rotation.into())
-                }
-            }),
+            Place::World(frame) => {
+                let end = match self.moving(frame) {
+                    Some(motion) => End::moving(motion),
+                    None => {
+                        let frame = self.numbers.world_frames.get(frame)?;
+                        End::fixed(frame.position, frame.rotation.into())
+                    }
+                };
+                Some(match self.origin {
+                    Some(origin) => End {
+                        position: end.position - origin.position,
+                        velocity: end.velocity - origin.velocity,
+                        ..end
+                    },
+                    None => end,
+                })
+            }
             Place::Point(point) => match *self.layout.points.get(point)? {
                 PointSlots::Mass(_) => Some(End {
                     position: self.position_of(place)?,

@@ -9,6 +9,7 @@ use crate::laws::evaluation::Evaluation;
 use crate::laws::formula::Value;
 use crate::laws::ground;
 use crate::laws::numbers::Numbers;
+use crate::laws::origin::Origin;
 use crate::tree::{self, LinkMotion};
 use crate::{At, FrameMotion, Layout, Real, Scene};
 
@@ -77,6 +78,7 @@ impl<S: Real> Kinematics<S> {
             reactions: &[],
             accelerations: &[],
             body_accelerations: &[],
+            origin: scene.runs.origin.map(|_| Origin::read(at)),
         }
     }
 }

@@ -131,7 +131,7 @@ pub fn bodies<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
         .zip(out.chunks_exact_mut(directions.motion()))
     {
         S::section(&body.name);
-        directions.write_linear(out, 0, &motion.position);
+        directions.write_linear(out, 0, &evaluation.in_world(motion.position));
         let (attitude, speeds) = out.split_at_mut(directions.coordinates());
         let attitude = &mut attitude[directions.translations().len()..];
         match motion.attitude {
@@ -139,7 +139,7 @@ pub fn bodies<S: Real>(evaluation: &Evaluation<'_, S>, out: &mut [S]) {
             Attitude::Axes => attitude.copy_from_slice(&quaternion_of(&motion.rotation)),
             Attitude::Angle(angle) => attitude.fill(angle),
         }
-        directions.write_linear(speeds, 0, &motion.velocity);
+        directions.write_linear(speeds, 0, &evaluation.rate_in_world(motion.velocity));
         let omega = match evaluation.scene.angular_velocity {
             AngularVelocity::Body => &motion.omega_body,
             AngularVelocity::World => &motion.omega_world,

@@ -17,6 +17,7 @@ pub(crate) mod mass;
 pub(crate) mod measured;
 pub(crate) mod node;
 pub(crate) mod numbers;
+pub mod origin;
 pub mod rate;
 mod table;
 mod winding;

@@ -132,6 +132,7 @@ impl<'a> Configuration<'a> {
             ends: &[],
             inputs: &self.inputs,
             rows: &[],
+            origin: &[],
         };
         look(&Evaluation {
             scene: self.scene,
@@ -147,6 +148,7 @@ impl<'a> Configuration<'a> {
             accelerations: &[],
             body_accelerations: &[],
             links: &[],
+            origin: None,
         })
     }
 

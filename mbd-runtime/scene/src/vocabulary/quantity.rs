@@ -174,6 +174,8 @@ pub struct At<'a, S> {
     /// n_c, of each joint the rows in the system first) for [`Quantity::Residual`] and [`Quantity::InverseDynamics`], v̇ alone for [`Quantity::JointCoordinates`]; the value of [`Quantity::Factor`], then b (n_v) and c (n_c),
     /// for [`Quantity::Solve`].
     pub rows: &'a [S],
+    /// Of a scene whose origin follows something the [seven numbers](crate::laws::origin) of its motion; empty: it is that of the world.
+    pub origin: &'a [S],
 }
 
 /// What an [`At`] borrows, as lists of its own.
@@ -195,6 +197,8 @@ pub struct Arguments<S> {
     pub inputs: Vec<S>,
     /// See [`At::rows`].
     pub rows: Vec<S>,
+    /// See [`At::origin`].
+    pub origin: Vec<S>,
 }
 
 impl<S: Real> Default for Arguments<S> {
@@ -208,6 +212,7 @@ impl<S: Real> Default for Arguments<S> {
             ends: Vec::new(),
             inputs: Vec::new(),
             rows: Vec::new(),
+            origin: Vec::new(),
         }
     }
 }
@@ -227,6 +232,7 @@ impl<S: Real> Arguments<S> {
         copy(at.ends, &mut self.ends);
         copy(at.inputs, &mut self.inputs);
         copy(at.rows, &mut self.rows);
+        copy(at.origin, &mut self.origin);
     }
 
     /// The same on another scalar.
@@ -249,6 +255,7 @@ impl<S: Real> Arguments<S> {
             ends: &self.ends,
             inputs: &self.inputs,
             rows: &self.rows,
+            origin: &self.origin,
         }
     }
 }

@@ -4,6 +4,7 @@ mod items;
 mod joints;
 mod metrics;
 mod names;
+mod origin;
 mod tables;
 mod values;
 
@@ -11,5 +12,6 @@ pub use items::*;
 pub use joints::*;
 pub use metrics::*;
 pub use names::*;
+pub use origin::*;
 pub use tables::*;
 pub use values::*;

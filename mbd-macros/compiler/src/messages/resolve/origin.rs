@@ -1,0 +1,49 @@
+//! Messages about the origin of positions.
+
+use super::items::article;
+use crate::lexeme::Region;
+use crate::messages::Report;
+
+pub fn origin_of_the_world(at: Region) -> Report {
+    Report::new(
+        at,
+        "the world does not move: leave `origin` out, or name a body or a point with mass that goes far",
+    )
+}
+
+pub fn origin_follows_a_whole(at: Region, owner: &str, extra: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the origin follows a body or a point as a whole, not its `{extra}`: write `follows {owner}`"
+        ),
+    )
+}
+
+pub fn origin_without_mass(at: Region, name: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{name}` has no mass and no velocity of its own: let the origin follow a body or a point with mass near it"
+        ),
+    )
+}
+
+pub fn origin_of(at: Region, name: &str, kind: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{name}` is {} {kind}; the origin follows a body or a point with mass",
+            article(kind)
+        ),
+    )
+}
+
+pub fn origin_tied(at: Region, joint: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the origin follows what goes far from the world, and the joint `{joint}` holds this scene to it: leave `origin` out, or tie it by a line"
+        ),
+    )
+}

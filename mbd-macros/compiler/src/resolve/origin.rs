@@ -1,0 +1,76 @@
+//! The origin of positions: that of the world, or one that follows a body or a point with mass.
+
+use mbd_scene::{Part, Place, PointKind};
+
+use super::{Named, Resolver, Scope, Stage};
+use crate::lexeme::Region;
+use crate::messages::resolve as say;
+use crate::syntax::{Cursor, Model, Value, expression};
+
+impl Resolver<'_> {
+    /// What the origin follows, once everything that moves is known, and what holds it.
+    pub fn origin(&mut self, model: &Model<'_>) {
+        let item = model.items.iter().find(|item| item.word.text == "origin");
+        if let Some(value) = item.and_then(|item| item.clause(":"))
+            && let Some(part) = self.followed(value)
+            && self.goes_far(value.at)
+        {
+            self.scene.runs.origin = Some(part);
+        }
+    }
+
+    fn followed(&mut self, value: Value<'_>) -> Option<Part> {
+        const FORM: &str = "`follows` and the name of a body or a point with mass";
+        let mut cursor = Cursor::new(value);
+        if cursor.keyword("follows").is_none() || cursor.at_end() {
+            return self.fail(cursor.expected(FORM));
+        }
+        let start = cursor;
+        while cursor.take().is_some() {}
+        let of = cursor.since(start);
+        let steps = match expression::path(of) {
+            Ok(steps) => steps,
+            Err(report) => return self.fail(report),
+        };
+        let (first, rest) = steps.split_first()?;
+        let word = first.word.text.as_str();
+        if word == "world" {
+            return self.fail(say::origin_of_the_world(of.at));
+        }
+        const FIXED: Scope<'static> = Scope {
+            stage: Stage::Fixed,
+            indices: &[],
+        };
+        let owner = self.place_owner(first, FIXED)?;
+        if let Some(extra) = rest.first() {
+            let (at, extra) = (extra.word.at.into(), &extra.word.text);
+            return self.fail(say::origin_follows_a_whole(at, word, extra));
+        }
+        match owner {
+            Named::Body(body) => Some(Part::Body(body)),
+            Named::Point(point) => {
+                let declared = self.scene.points.get(point);
+                match declared.map(|point| &point.kind) {
+                    Some(PointKind::Node(_)) => self.fail(say::origin_without_mass(of.at, word)),
+                    _ => Some(Part::Point(point)),
+                }
+            }
+            other => self.fail(say::origin_of(of.at, word, other.kind())),
+        }
+    }
+
+    /// Whether no joint holds anything to the world; `free` ones hold nothing.
+    fn goes_far(&mut self, at: Region) -> bool {
+        let in_world = |place: Place| matches!(place, Place::World(_));
+        let mut joints = self.scene.joints.iter();
+        let tied = joints.find(|joint| {
+            let holds = joint.law.rows() > 0 || !joint.forces.is_empty();
+            holds && (in_world(joint.parent) || in_world(joint.child))
+        });
+        let Some(name) = tied.map(|joint| joint.name.clone()) else {
+            return true;
+        };
+        self.messages.push(say::origin_tied(at, &name));
+        false
+    }
+}
