@@ -141,7 +141,7 @@ impl Measured {
     }
 
     /// The same state measured from a place that moves.
-    pub(crate) fn from_place(&self, state: &mut [f64], place: &[[f64; 3]; 2]) {
+    pub(crate) fn measure_from(&self, state: &mut [f64], place: &[[f64; 3]; 2]) {
         let says: Vec<bool> = (0..state.len())
             .map(|index| !self.says_nothing(index, state))
             .collect();
@@ -249,7 +249,7 @@ impl<T: Float> System<T> {
     }
 
     /// Positions of nodes in the world as they are from the origin.
-    pub(crate) fn from_origin(&self, time: f64, nodes: &[T]) -> Vec<T> {
+    pub(crate) fn near_origin(&self, time: f64, nodes: &[T]) -> Vec<T> {
         let Some(following) = &self.following else {
             return nodes.to_vec();
         };
@@ -267,7 +267,7 @@ impl<T: Float> System<T> {
             let back = [position, velocity].map(|vector| vector.map(|x| -x));
             let mut state = state.to_vec();
             if last != Origin::default() {
-                Measured::new(self.model.layout()).from_place(&mut state, &back);
+                Measured::new(self.model.layout()).measure_from(&mut state, &back);
             }
             return state.into_iter().map(T::from_f64).collect();
         };
@@ -275,7 +275,7 @@ impl<T: Float> System<T> {
         let away = following.away(self.model.layout(), number);
         following.origin = last.moved_on(time, away);
         let mut state = state.to_vec();
-        following.measured.from_place(&mut state, &away);
+        following.measured.measure_from(&mut state, &away);
         self.measure_from_origin();
         state.into_iter().map(T::from_f64).collect()
     }

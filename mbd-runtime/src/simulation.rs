@@ -215,7 +215,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// State x = [q | v | z | s] of the last accepted step, in the world: of a scene whose origin follows something with as many digits as numbers have
-    /// there. [`Simulation::from_origin`] has the rest.
+    /// there. [`Simulation::near_origin`] has the rest.
     #[must_use]
     pub fn state(&self) -> &[T] {
         let own = self.state.get(..self.system.nx).unwrap_or(&[]);
@@ -231,7 +231,7 @@ impl<T: Float> Simulation<T> {
     /// Of a scene whose origin follows something: where the origin is [m] and how fast it moves [m/s], world axes, and the state with positions
     /// and velocities measured from it.
     #[must_use]
-    pub fn from_origin(&self) -> Option<([[f64; 3]; 2], &[T])> {
+    pub fn near_origin(&self) -> Option<([[f64; 3]; 2], &[T])> {
         let origin = self.system.origin()?;
         let own = self.state.get(..self.system.nx).unwrap_or(&[]);
         Some((origin.at(self.time), own))

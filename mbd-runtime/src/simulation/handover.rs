@@ -120,7 +120,7 @@ impl<T: Float> Simulation<T> {
         let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let place = origin.unwrap_or_default().at(last.time);
         let measured = Measured::new(to.layout());
-        measured.from_place(&mut state, &place);
+        measured.measure_from(&mut state, &place);
         let (mut carried, mut started) = (Vec::new(), Vec::new());
         for new in &news {
             let own = given.iter().find(|(name, _)| new.name == *name);

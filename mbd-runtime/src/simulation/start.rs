@@ -302,7 +302,7 @@ impl<T: Float> Simulation<T> {
             let slot = format!("positions of the nodes ({expected} numbers)");
             return Err(self.failed(StepError::InvalidInput { slot, value }));
         }
-        self.guess = Some(self.system.from_origin(self.time, guess));
+        self.guess = Some(self.system.near_origin(self.time, guess));
         self.started = false;
         Ok(())
     }

@@ -95,7 +95,7 @@ fn every_number_that_is_told_is_that_of_a_run_whose_origin_stays() {
             let [a, b] = [&moved, &rested].map(|run| run.imbalance().expect("told").relative());
             assert!(a < 1e-5 && b < 1e-5, "{knot} {family:?}: {a:e} {b:e}");
             // The capsule is never further than the scene is long.
-            let (_, near) = moved.from_origin().expect("it follows");
+            let (_, near) = moved.near_origin().expect("it follows");
             assert!(near[..3].iter().all(|x| x.abs() < 101.0), "{near:?}");
         }
     }
@@ -171,7 +171,7 @@ mod runs {
                 other.restore(&kept).expect("a snapshot of this model");
                 assert_eq!(other.time(), 1.0);
                 other.run(1.5).expect("a flight");
-                assert_eq!(run.from_origin(), other.from_origin(), "{knot}");
+                assert_eq!(run.near_origin(), other.near_origin(), "{knot}");
                 assert_eq!(run.state(), other.state(), "{knot}");
             }
         }
@@ -199,7 +199,7 @@ mod runs {
             .expect("inputs");
         again.set_state(2.0, &end.to_vec()).expect("a state");
         assert_eq!(again.state(), end.to_vec());
-        let (origin, near) = again.from_origin().expect("it follows");
+        let (origin, near) = again.near_origin().expect("it follows");
         assert_eq!(origin, [end.upper().position, end.upper().velocity]);
         assert_eq!(near[3..6], [0.0; 3]);
     }
@@ -214,14 +214,14 @@ mod runs {
             .expect("inputs");
         first.run(5.0).expect("a flight");
         let gap = |state: &[f64], [a, b]: [usize; 2]| state[3 * b] - state[3 * a];
-        let before = gap(first.from_origin().expect("it follows").1, [0, 1]);
+        let before = gap(first.near_origin().expect("it follows").1, [0, 1]);
         // ẍ = −100 (1/3 + 1) x − 8/3 from rest: x = −(8/3)/ω² (1 − cos ω t).
         let omega = (100.0_f64 * (1.0 / 3.0 + 1.0)).sqrt();
         let exact = 1.5 - 8.0 / 3.0 / omega.powi(2) * (1.0 - omega.cos());
         assert!((before - exact).abs() < 1e-10, "{before} {exact}");
         let mut second = Simulation::new(&apart, Options::vern7(1e-12)).expect("options");
         second.take_over(&mut first, &[]).expect("a start");
-        let after = gap(second.from_origin().expect("it follows").1, [1, 0]);
+        let after = gap(second.near_origin().expect("it follows").1, [1, 0]);
         assert!((after - before).abs() < 1e-13, "{after} {before}");
         second.run(2.0).expect("a flight");
         // Where no origin follows, what goes on has the digits of the world.
