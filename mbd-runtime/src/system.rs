@@ -330,6 +330,20 @@ impl<T: Float> System<T> {
         Ok(values)
     }
 
+    /// Where the coordinate of every lock is [m or rad], at the stage that was evaluated last.
+    #[cold]
+    pub(crate) fn locked(&mut self, time: f64, state: &[T]) -> Vec<f64> {
+        let mut values = Vec::new();
+        if self.model.layout().locks > 0 {
+            self.by_laws_at((time, state), false, |laws, model, at| {
+                laws.run(model, at, |scene, layout, numbers, at, scratch| {
+                    mbd_scene::locked(scene, layout, numbers, at, scratch, &mut values);
+                });
+            });
+        }
+        values
+    }
+
     /// Looks at the angles with a spring or a stop at the end of a step that is to be taken, or at a start (`first`); whether one jumped.
     pub(crate) fn follow_angles(&mut self, time: f64, state: &[T], first: bool) -> bool {
         let Some([last, now]) = &mut self.angles else {

@@ -77,9 +77,17 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
         Slot::Hold(index) => match index.checked_sub(layout.lines.len()) {
             Some(stop) => match stop.checked_sub(layout.stops.len()) {
                 Some(joint) => {
-                    let joint = layout.detachable_joints.get(joint);
-                    let joint = joint.and_then(|it| scene.joints.get(it.joint));
-                    format!("{}_hold", joint.map_or("joint", |joint| &joint.name))
+                    let held = layout.joints.iter().position(|it| it.held == Some(index));
+                    let joint = layout.detachable_joints.get(joint).map(|it| it.joint);
+                    let name =
+                        |joint: usize| scene.joints.get(joint).map(|it| identifier(&it.name));
+                    match held.and_then(name) {
+                        Some(lock) => format!("{lock}_at"),
+                        None => format!(
+                            "{}_hold",
+                            joint.and_then(name).as_deref().unwrap_or("joint")
+                        ),
+                    }
                 }
                 None => format!("{}_hold", stop_name(scene, layout, stop)),
             },

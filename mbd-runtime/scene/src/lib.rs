@@ -34,14 +34,14 @@ mod tree;
 mod vocabulary;
 
 pub use evaluate::{
-    Scratch, commands, evaluate, evaluate_with_multipliers, impulses, jumping_angles, masses,
-    sensitivity, settings,
+    Scratch, commands, evaluate, evaluate_with_multipliers, impulses, jumping_angles, locked,
+    masses, sensitivity, settings,
 };
 pub use event::{Actions, Detachable, Direction, Event, Settable, Setting};
 pub use fingerprint::fingerprint;
 pub use joints::{
     ConstantAngle, ConstantVelocity, Cylindrical, Distance, Free, Gear, Hinge, JointForces,
-    JointLaw, Planar, PointOnLine, PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical,
+    JointLaw, Lock, Planar, PointOnLine, PointOnPlane, Prismatic, Rigid, Screw, Side, Spherical,
     Universal,
 };
 pub use layout::{

@@ -323,6 +323,20 @@ impl Scene {
         }
     }
 
+    /// The coordinate that a lock holds, `boom.angle`; `None` of anything else.
+    #[must_use]
+    pub fn locked(&self, what: Detachable) -> Option<String> {
+        let Detachable::Joint(joint) = what else {
+            return None;
+        };
+        let JointLaw::Lock(lock) = &self.joints.get(joint)?.law else {
+            return None;
+        };
+        let [(of, index)] = lock.couples;
+        let (joint, coordinate) = self.coordinate(of, index)?;
+        Some(format!("{}.{}", joint.name, coordinate.name))
+    }
+
     /// The name of what an event sets.
     #[must_use]
     pub fn settable_name(&self, what: Settable) -> &str {

@@ -1,6 +1,6 @@
 //! What the nodes carry from one accepted step to the next: written on accept, untouched by rejected steps and trial stages.
 
-use mbd_scene::{Float, Layout};
+use mbd_scene::{Detachable, Float, Layout};
 use serde::{Deserialize, Serialize};
 
 use super::error::NodeError;
@@ -27,8 +27,11 @@ pub struct NodeMemory<T> {
     pub(crate) smooth: Vec<bool>,
     /// Per network: directions spanned by the lines of a `rate` node that stays on the line or plane of its anchors; 3: none is held.
     pub(crate) ranks: Vec<usize>,
-    /// Mode of each line, of each stop, of each joint that may be detached.
+    /// Mode of each line, of each stop, of each joint that may be detached; nothing of each lock.
     pub(crate) modes: Vec<Mode>,
+    /// What each lock holds its coordinate at [m or rad].
+    #[serde(default = "Vec::new")]
+    pub(crate) held: Vec<T>,
 }
 
 /// The mode of every element before a run decides it: what is detached at the start, nothing of the rest.
@@ -71,6 +74,7 @@ impl<T: Float> NodeMemory<T> {
             smooth: vec![false; layout.networks.len()],
             ranks: vec![3; layout.networks.len()],
             modes: start_modes(layout),
+            held: list(layout.locks),
         }
     }
 
@@ -98,6 +102,7 @@ impl<T: Float> NodeMemory<T> {
             smooth,
             ranks,
             modes,
+            held,
         } = other;
         self.nodes.clone_from(nodes);
         self.anchors.clone_from(anchors);
@@ -108,6 +113,7 @@ impl<T: Float> NodeMemory<T> {
         self.smooth.clone_from(smooth);
         self.ranks.clone_from(ranks);
         self.modes.clone_from(modes);
+        self.held.clone_from(held);
     }
 
     /// The accepted node positions p_n, 3 a node [m].
@@ -132,6 +138,17 @@ impl<T: Float> NodeMemory<T> {
     pub(crate) fn set_mode(&mut self, element: usize, mode: Mode) {
         if let Some(slot) = self.modes.get_mut(element) {
             *slot = mode;
+        }
+    }
+
+    /// Of a lock that holds nothing yet: it holds its coordinate at that one of these numbers.
+    pub(crate) fn lock(&mut self, layout: &Layout, what: Detachable, numbers: &[f64]) {
+        let place = layout.held_of(what);
+        let switch = layout.switch_of(what).and_then(|at| self.modes.get(at));
+        if let (Some(place), Some(Mode::Detached)) = (place, switch)
+            && let (Some(slot), Some(&number)) = (self.held.get_mut(place), numbers.get(place))
+        {
+            *slot = T::from_f64(number);
         }
     }
 
@@ -160,6 +177,7 @@ impl<T: Float> NodeMemory<T> {
         )?;
         same("memory of networks", self.smooth.len(), networks)?;
         same("memory of networks", self.ranks.len(), networks)?;
-        same("memory of modes", self.modes.len(), layout.holds())
+        same("memory of modes", self.modes.len(), layout.holds())?;
+        same("memory of locks", self.held.len(), layout.locks)
     }
 }

@@ -364,6 +364,10 @@ impl<T: Float> Nodes<T> {
                 false => T::zero(),
             };
         }
+        let locks = self.hold.len().saturating_sub(memory.held.len());
+        for (hold, held) in self.hold.iter_mut().skip(locks).zip(&memory.held) {
+            *hold = *held;
+        }
     }
 
     /// The start of a solve: the accepted node, carried with the mean displacement of its anchors.

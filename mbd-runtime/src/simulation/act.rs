@@ -164,6 +164,7 @@ impl<T: Float> Simulation<T> {
         let model = self.system.model.clone();
         let (scene, layout) = (model.scene(), model.layout());
         let values = self.system.settings(self.time, &self.state)?;
+        let places = self.system.locked(self.time, &self.state);
         let mut params = model.params().to_vec();
         let mut values = values.into_iter();
         for (index, event) in scene.events.iter().enumerate() {
@@ -189,11 +190,15 @@ impl<T: Float> Simulation<T> {
                 (&event.actions.attach, Mode::Free),
             ];
             for (list, mode) in lists {
-                let switches = list.iter().filter_map(|&what| layout.switch_of(what));
-                let memory = &mut self.system.memory;
-                switches
-                    .filter(|_| acts)
-                    .for_each(|at| memory.set_mode(at, mode));
+                for &what in list.iter().filter(|_| acts) {
+                    let memory = &mut self.system.memory;
+                    if mode == Mode::Free {
+                        memory.lock(layout, what, &places);
+                    }
+                    if let Some(at) = layout.switch_of(what) {
+                        memory.set_mode(at, mode);
+                    }
+                }
             }
         }
         if params != model.params() {

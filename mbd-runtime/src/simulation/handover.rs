@@ -252,6 +252,13 @@ impl<T: Float> Simulation<T> {
                     _ => Mode::Free,
                 };
                 self.system.memory.set_mode(at, mode);
+                let held = old.and_then(|old| from.layout().held_of(old));
+                let held = held.and_then(|held| last.system.memory.held.get(held).copied());
+                let slot = to.layout().held_of(new);
+                let slot = slot.and_then(|slot| self.system.memory.held.get_mut(slot));
+                if let (Some(slot), Some(held)) = (slot, held) {
+                    *slot = held;
+                }
             }
         }
     }

@@ -3,6 +3,7 @@
 mod handover;
 mod joints;
 mod lines;
+mod locks;
 mod numbers;
 mod refused;
 mod repeated;

@@ -1,6 +1,6 @@
 //! Events: the passage of a value, and what happens then.
 
-use mbd_scene::joints::JointForces;
+use mbd_scene::joints::{JointForces, JointLaw};
 use mbd_scene::{
     Actions, Detachable, Dimension, Direction, Formula, Function, Joint, Settable, Setting,
 };
@@ -27,6 +27,7 @@ impl Resolver<'_> {
         for instance in self.of("event") {
             self.poison(Named::Event(instance.slot), |this| this.event(&instance));
         }
+        self.unlocked();
     }
 
     fn event(&mut self, instance: &Instance<'_>) -> Option<()> {
@@ -104,6 +105,12 @@ impl Resolver<'_> {
                 self.detachables(item, instance, &mut named)
             })
         });
+        let [free, lock] = ["free", "lock"].map(|word| {
+            let item = fields.get(word);
+            item.map_or(Some(Vec::new()), |item| {
+                self.locks(item, instance, &mut named)
+            })
+        });
         let stop = fields.value("then").map_or(Some(false), |value| {
             self.choice(value, "end of an event", &[("stop", true)])
         });
@@ -113,8 +120,8 @@ impl Resolver<'_> {
         });
         let actions = Actions {
             set: set.unwrap_or(Some(Vec::new()))?,
-            detach: detach?,
-            attach: attach?,
+            detach: [detach?, free?].concat(),
+            attach: [attach?, lock?].concat(),
             stop: stop?,
             once: once?,
         };
@@ -148,8 +155,12 @@ impl Resolver<'_> {
         let stopped = declared.forces.iter().any(stops);
         let mut joints = self.scene.joints.iter();
         let couples = |other: &&Joint| other.law.couples().iter().any(|(of, _)| *of == joint);
-        let coupled = joints.find(couples).map(|other| other.name.clone());
+        let coupled = joints.find(couples);
+        let locked = |law: &JointLaw| matches!(law, JointLaw::Lock(_));
+        let is_lock = coupled.is_some_and(|other| locked(&other.law));
+        let coupled = coupled.map(|other| other.name.clone());
         match (holds, stopped, coupled) {
+            (.., Some(_)) if is_lock => self.fail(say::detachable_joint_locked(at, &name)),
             (false, ..) => self.fail(say::holds_nothing(at, &name)),
             (_, true, _) => self.fail(say::stopped_joint_detached(at, &name)),
             (.., Some(other)) => self.fail(say::coupled_joint_detached(at, &name, &other)),
@@ -325,7 +336,7 @@ impl Resolver<'_> {
 }
 
 /// The parts of `[a, b]`, or the one value.
-fn listed(value: Value<'_>) -> Vec<Value<'_>> {
+pub(super) fn listed(value: Value<'_>) -> Vec<Value<'_>> {
     let mut cursor = Cursor::new(value);
     match cursor.group(Bracket::Square) {
         Some(group) if cursor.at_end() => Cursor::new(group).comma_separated(),

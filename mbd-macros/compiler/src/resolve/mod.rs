@@ -15,6 +15,7 @@ mod joint_forces;
 mod joints;
 mod lets;
 mod lines;
+mod locks;
 mod metrics;
 mod names;
 mod numbers;
@@ -127,6 +128,8 @@ pub struct Resolver<'a> {
     known: Known,
     /// Whether reading lost no item.
     pub whole: bool,
+    /// Locks that events free, and where.
+    pub freed: Vec<(usize, Region)>,
     /// Points whose model is declared.
     pub chosen: BTreeSet<usize>,
     /// Whether bare numbers are SI.
@@ -212,6 +215,7 @@ impl<'a> Resolver<'a> {
             too_early: None,
             known: Known::Numbers,
             whole: true,
+            freed: Vec::new(),
             chosen: BTreeSet::new(),
             si: false,
             head: name.map_or(Region::START, |word| word.at.into()),

@@ -276,7 +276,7 @@ pub const ITEMS: &[ItemWord] = &[
             may("rises", "rises"),
             may("falls", "falls"),
         ],
-        Some(&["set", "detach", "attach", "then", "acts"]),
+        Some(&["set", "detach", "attach", "lock", "free", "then", "acts"]),
         "event NAME = expression crosses value;",
     )),
 ];
@@ -442,6 +442,8 @@ pub const FOREIGN_FIELDS: Dictionary = &[
     ("release", "detach"),
     ("jettison", "detach"),
     ("connect", "attach"),
+    ("unlock", "free"),
+    ("freeze", "lock"),
 ];
 
 /// Fields that people expect, and how what they mean is said here.

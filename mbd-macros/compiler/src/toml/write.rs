@@ -385,7 +385,9 @@ fn node_model(model: NodeModel) -> String {
 }
 
 fn connections(out: &mut String, scene: &Scene) {
-    for (index, joint) in scene.joints.iter().enumerate() {
+    // Locks are made by events.
+    let declared = |(_, joint): &(usize, &Joint)| !matches!(joint.law, JointLaw::Lock(_));
+    for (index, joint) in scene.joints.iter().enumerate().filter(declared) {
         table(out, "joint", &joint.name);
         doc(out, &joint.doc);
         entry(out, "kind", joint.law.keyword());
@@ -621,11 +623,19 @@ fn actions(out: &mut String, actions: &Actions, scene: &Scene) {
         let name = scene.settable_name(setting.what);
         format!("{name} = {}", text(&setting.value, scene))
     };
-    let name = |what: &Detachable| scene.detachable_name(*what).to_owned();
-    let lists: [(&str, Vec<String>); 3] = [
+    let names = |list: &[Detachable], locks: bool| -> Vec<String> {
+        let own = list.iter().filter_map(|what| match scene.locked(*what) {
+            Some(coordinate) => locks.then_some(coordinate),
+            None => (!locks).then(|| scene.detachable_name(*what).to_owned()),
+        });
+        own.collect()
+    };
+    let lists: [(&str, Vec<String>); 5] = [
         ("set", actions.set.iter().map(setting).collect()),
-        ("detach", actions.detach.iter().map(name).collect()),
-        ("attach", actions.attach.iter().map(name).collect()),
+        ("detach", names(&actions.detach, false)),
+        ("attach", names(&actions.attach, false)),
+        ("lock", names(&actions.attach, true)),
+        ("free", names(&actions.detach, true)),
     ];
     for (word, list) in lists {
         match list.as_slice() {

@@ -304,6 +304,25 @@ pub fn jumping_angles<S: Real>(
     });
 }
 
+/// Appends the coordinate that every lock holds, or would hold [m or rad], in the order of [`JointSlots::held`](crate::JointSlots::held).
+pub fn locked<S: Real>(
+    scene: &Scene,
+    layout: &Layout,
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut Vec<S>,
+) {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    let joints = scene.joints.iter().zip(&layout.joints);
+    let locks = joints.filter(|(_, slots)| slots.held.is_some());
+    let coordinates = locks.filter_map(|(joint, _)| joint.law.couples().first());
+    out.extend(coordinates.map(|&(joint, index)| {
+        let value = formula::Context::coordinate(&evaluation, joint, index);
+        value.unwrap_or_else(|| S::from_f64(f64::NAN))
+    }));
+}
+
 /// Appends what every event would set, one number a [`Setting`](crate::Setting) [SI], in declaration order.
 pub fn settings<S: Real>(
     scene: &Scene,

@@ -106,7 +106,7 @@ pub trait Joint: Sized {
     }
 }
 
-/// The one list: keyword (and file) and type of every joint.
+/// The one list: keyword (and file) and type of every joint, last that of what events make.
 macro_rules! joints {
     ($($keyword:ident $name:ident),* $(,)?) => {
         $(
@@ -124,17 +124,18 @@ macro_rules! joints {
         }
 
         impl JointLaw {
-            /// The keywords, in the order of the list.
-            pub const KEYWORDS: &'static [&'static str] = &[$(stringify!($keyword)),*];
+            /// The keywords, in the order of the list; that of what events make is none.
+            pub const KEYWORDS: &'static [&'static str] =
+                all_but_last(&[$(stringify!($keyword)),*]);
             /// One line a joint: keyword, freedoms, what it is.
-            pub const CATALOGUE: &'static [(&'static str, usize, &'static str)] = &[
+            pub const CATALOGUE: &'static [(&'static str, usize, &'static str)] = all_but_last(&[
                 $((stringify!($keyword), <$name as Joint>::FREEDOMS, <$name as Joint>::SUMMARY)),*
-            ];
+            ]);
 
             /// Whether the rows of a joint use the axes of its parent end and of its child end: see [`Joint::AXES`].
-            pub const AXES: &'static [(&'static str, [bool; 2])] = &[
+            pub const AXES: &'static [(&'static str, [bool; 2])] = all_but_last(&[
                 $((stringify!($keyword), <$name as Joint>::AXES)),*
-            ];
+            ]);
 
             /// Reads the joint of a keyword; `None` if there is none of that name.
             pub fn read(keyword: &str, fields: &mut dyn Fields) -> Option<Self> {
@@ -285,6 +286,15 @@ joints! {
     constant_angle ConstantAngle,
     constant_velocity ConstantVelocity,
     gear Gear,
+    lock Lock,
+}
+
+/// The joints that a declaration names: the last of the list, a lock, is made by events.
+const fn all_but_last<T>(list: &'static [T]) -> &'static [T] {
+    match list {
+        [declared @ .., _] => declared,
+        [] => list,
+    }
 }
 
 impl JointLaw {

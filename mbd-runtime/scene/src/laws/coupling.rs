@@ -55,6 +55,13 @@ impl<S: Real> Coupling<S> {
         Some(Row { value, ..row })
     }
 
+    /// The row that holds one coordinate at a number, or, without one, where it is.
+    pub fn held(&self, mut of: impl Iterator<Item = Row<S>>, at: Option<S>) -> Option<Row<S>> {
+        let row = of.next()?;
+        let value = at.map_or_else(S::zero, |at| self.value(row.value - at));
+        Some(Row { value, ..row })
+    }
+
     /// f of a coordinate.
     pub fn factor(&self, number: usize) -> S {
         let factors = self.relation.factors.iter();

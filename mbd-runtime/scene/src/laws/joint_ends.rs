@@ -46,7 +46,12 @@ impl<S: Real> Evaluation<'_, S> {
                 row.prescribe(&ends);
                 Some(row)
             });
-            if let Some(row) = coupling.row(coordinates) {
+            let slots = self.layout.joints.get(joint);
+            let row = match slots.and_then(|slots| slots.held) {
+                Some(at) => coupling.held(coordinates, self.at.hold.get(at).copied()),
+                None => coupling.row(coordinates),
+            };
+            if let Some(row) = row {
                 rows.push(|| row);
             }
             return;

@@ -76,6 +76,8 @@ pub struct Layout {
     pub stops: Vec<StopSlots>,
     /// The joints that a run may detach, which follow the stops in [`At::hold`](crate::At::hold).
     pub detachable_joints: Vec<DetachableJoint>,
+    /// Number of locks, whose numbers come last in [`At::hold`](crate::At::hold).
+    pub locks: usize,
     /// Number of rows n_c of all joints.
     pub nc: usize,
     /// Which rows repeat others: those are left out of the system.
@@ -188,10 +190,10 @@ impl Layout {
         self.lines.len() + self.stops.len()
     }
 
-    /// Length of [`At::hold`](crate::At::hold): laws that act one way, then joints that may be detached.
+    /// Length of [`At::hold`](crate::At::hold): laws that act one way, joints that may be detached, what locks hold their coordinates at.
     #[must_use]
     pub fn holds(&self) -> usize {
-        self.one_way() + self.detachable_joints.len()
+        self.one_way() + self.detachable_joints.len() + self.locks
     }
 
     /// Whether what has a place in [`At::hold`](crate::At::hold) is detached at the start, in its order.
@@ -199,7 +201,8 @@ impl Layout {
         let lines = self.lines.iter().map(|slots| slots.detached);
         let stops = self.stops.iter().map(|_| false);
         let joints = self.detachable_joints.iter().map(|it| it.detached);
-        lines.chain(stops).chain(joints)
+        let locks = (0..self.locks).map(|_| false);
+        lines.chain(stops).chain(joints).chain(locks)
     }
 
     /// Whether a joint holds at the start: it has rows and is not detached.
@@ -216,6 +219,18 @@ impl Layout {
         match what {
             Detachable::Line(line) => Some(line),
             Detachable::Joint(joint) => self.joints.get(joint)?.switch,
+        }
+    }
+
+    /// The number of a lock among the locks.
+    #[must_use]
+    pub fn held_of(&self, what: Detachable) -> Option<usize> {
+        match what {
+            Detachable::Line(_) => None,
+            Detachable::Joint(joint) => {
+                let held = self.joints.get(joint)?.held?;
+                held.checked_sub(self.holds() - self.locks)
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! Lays out a scene: one kind of thing after another gets its place.
 
 use crate::event::Detachable;
+use crate::joints::JointLaw;
 use crate::layout::{
     Anchor, Asked, DetachableJoint, InputSlots, InputSource, JointSlots, Layout, LineEnd,
     LineSlots, Network, Node, PointSlots, Slots, StopSlots, Tree,
@@ -49,6 +50,11 @@ impl Layout {
                 detached: scene.starts.detached.contains(&joint),
             });
             layout.joints[index].switch = Some(layout.one_way() + number);
+        }
+        let locks = scene.joints.iter().enumerate();
+        for (joint, _) in locks.filter(|(_, joint)| matches!(joint.law, JointLaw::Lock(_))) {
+            layout.joints[joint].held = Some(layout.holds());
+            layout.locks += 1;
         }
         layout.asked = [
             Asked::by(scene, scene.outputs.iter().map(|output| &output.value)),
@@ -171,6 +177,7 @@ impl Layout {
                 kept: RowSet::all(len),
                 ends,
                 switch: None,
+                held: None,
                 driven: (len > 0 || in_tree) && (motors > 0 || places.clone().any(moving)),
             });
             self.nc += len;

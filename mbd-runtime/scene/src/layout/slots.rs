@@ -24,6 +24,8 @@ pub struct JointSlots {
     pub ends: Few<Option<Part>, MOST_ENDS>,
     /// Its place in [`At::hold`](crate::At::hold), where a run may detach it.
     pub switch: Option<usize>,
+    /// Of a lock the place in [`At::hold`](crate::At::hold) of the number that it holds its coordinate at.
+    pub held: Option<usize>,
     /// Whether its rows depend on time: motors, or an end on a frame of the world that moves.
     pub driven: bool,
 }

@@ -164,7 +164,8 @@ pub struct At<'a, S> {
     pub nodes: &'a [S],
     /// Per line of a static or stepwise node: effective stiffness K_e [N/m] and effective free length L_e [m].
     pub effective: &'a [S],
-    /// Per line, then per stop: 0 it decides by its own stretch and pull, +1 it carries K s + C ṡ whatever the sign, −1 it carries nothing.
+    /// Per line, then per stop: 0 it decides by its own stretch and pull, +1 it carries K s + C ṡ whatever the sign, −1 it carries nothing. Per
+    /// joint that may be detached whether it is; per lock what it holds its coordinate at [m or rad].
     pub hold: &'a [S],
     /// The value of [`Quantity::AnchorStates`], for [`Quantity::Equilibrium`], [`Quantity::NodeByAnchor`], [`Quantity::CondensedStiffness`].
     pub ends: &'a [S],

@@ -2,6 +2,7 @@
 
 mod items;
 mod joints;
+mod locks;
 mod metrics;
 mod names;
 mod origin;
@@ -10,6 +11,7 @@ mod values;
 
 pub use items::*;
 pub use joints::*;
+pub use locks::*;
 pub use metrics::*;
 pub use names::*;
 pub use origin::*;

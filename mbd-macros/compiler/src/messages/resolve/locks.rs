@@ -1,0 +1,72 @@
+//! Messages about coordinates that events lock and free.
+
+use super::items::{article, known_or_near};
+use crate::lexeme::Region;
+use crate::messages::Report;
+
+pub fn no_joint_to(at: Region, action: &str, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "no joint named `{word}` to {action}{}",
+            known_or_near(word, known)
+        ),
+    )
+}
+
+pub fn not_a_joint_to(at: Region, action: &str, word: &str, kind: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{word}` is {} {kind}; joints and their coordinates are what an event can {action}",
+            article(kind)
+        ),
+    )
+}
+
+pub fn nothing_to_lock(at: Region, name: &str, keyword: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the joint `{name}` is {} {keyword} and has no coordinate that could be locked: attach a joint that holds more, such as `rigid` with `at_start: detached`",
+            article(keyword)
+        ),
+    )
+}
+
+pub fn no_coordinate_to(at: Region, joint: &str, word: &str, known: &[&str]) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the joint `{joint}` has no coordinate `{word}`{}",
+            known_or_near(word, known)
+        ),
+    )
+}
+
+pub fn driven_coordinate_locked(at: Region, joint: &str, coordinate: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "a motor drives `{joint}.{coordinate}`, which cannot be locked besides: let the motor follow a `state` or a param that the event sets"
+        ),
+    )
+}
+
+pub fn detachable_joint_locked(at: Region, joint: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the joint `{joint}` may be detached and has no coordinate then: lock coordinates of a joint that stays"
+        ),
+    )
+}
+
+pub fn freed_never_locked(at: Region, coordinate: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "no event locks `{coordinate}`, so that nothing is there to be freed: write `lock: {coordinate}` in an event before, or hold it from the start by a `rigid` joint that is detached"
+        ),
+    )
+}

@@ -1,0 +1,152 @@
+//! Locks: coordinates that events hold where they are, and free again. Each is a joint of its own behind those that are declared.
+
+use mbd_scene::joints::{JointLaw, Lock};
+use mbd_scene::{Detachable, Joint};
+
+use super::events::listed;
+use super::{Instance, Named, Resolver, Stage};
+use crate::lexeme::Region;
+use crate::messages::resolve as say;
+use crate::syntax::{Item, Value, expression};
+
+impl Resolver<'_> {
+    /// `boom`, `boom.angle` or `[boom, arm.slide]`: the locks of these coordinates, each named once in the event.
+    pub(super) fn locks(
+        &mut self,
+        item: &Item<'_>,
+        instance: &Instance<'_>,
+        named: &mut Vec<(Detachable, Region)>,
+    ) -> Option<Vec<Detachable>> {
+        let mut all = Some(Vec::new());
+        for part in listed(item.clause(":")?) {
+            let Some(found) = self.coordinates_to(&item.word.text, part, instance) else {
+                all = None;
+                continue;
+            };
+            for (joint, index) in found {
+                let lock = self.lock_of(joint, index, part.at);
+                let what = Detachable::Joint(lock);
+                if let Some((_, first)) = named.iter().find(|(other, _)| *other == what) {
+                    let name = self.scene.locked(what).unwrap_or_default();
+                    self.messages
+                        .push(say::event_names_twice(part.at, &name, *first));
+                    all = None;
+                    continue;
+                }
+                named.push((what, part.at));
+                if item.word.text == "free" {
+                    self.freed.push((lock, part.at));
+                }
+                if let Some(list) = all.as_mut() {
+                    list.push(what);
+                }
+            }
+        }
+        all
+    }
+
+    /// Tells of coordinates that events free and none locks.
+    pub(super) fn unlocked(&mut self) {
+        for (lock, at) in std::mem::take(&mut self.freed) {
+            let what = Detachable::Joint(lock);
+            let locks = |attach: &Vec<Detachable>| attach.contains(&what);
+            let mut events = self.scene.events.iter();
+            if !events.any(|event| locks(&event.actions.attach)) {
+                let name = self.scene.locked(what).unwrap_or_default();
+                self.messages.push(say::freed_never_locked(at, &name));
+            }
+        }
+    }
+
+    /// The coordinates that a name says, all of a joint or one of them.
+    fn coordinates_to(
+        &mut self,
+        action: &str,
+        value: Value<'_>,
+        instance: &Instance<'_>,
+    ) -> Option<Vec<(usize, usize)>> {
+        let steps = match expression::path(value) {
+            Ok(steps) => steps,
+            Err(report) => return self.fail(report),
+        };
+        let (first, rest) = steps.split_first()?;
+        let (word, at) = (&first.word.text, first.word.at.into());
+        let Some(entry) = self.names.get(word).cloned() else {
+            let known = self
+                .names
+                .words_of(|named| matches!(named, Named::Joint(_)));
+            let report = say::no_joint_to(at, action, word, &known);
+            return self.fail_unless_broken(word, report);
+        };
+        let named = self.member(&entry, first, instance.scope(Stage::Live))?;
+        let Named::Joint(joint) = named else {
+            return self.fail(say::not_a_joint_to(at, action, word, named.kind()));
+        };
+        if self.bad.contains(&named) {
+            return None;
+        }
+        self.mention(named, first.word.at);
+        let declared = self.scene.joints.get(joint)?;
+        let (name, keyword) = (declared.name.clone(), declared.law.keyword());
+        let known: Vec<&str> = declared.law.measured().map(|it| it.name).collect();
+        let driven: Vec<usize> = declared.motors().map(|(index, _)| index).collect();
+        let (at_start, joined) = (&self.scene.starts.detached, Detachable::Joint(joint));
+        if at_start.contains(&joined) || self.scene.is_detachable(joined) {
+            return self.fail(say::detachable_joint_locked(value.at, &name));
+        }
+        let chosen: Vec<usize> = match rest {
+            [] if known.is_empty() => {
+                return self.fail(say::nothing_to_lock(value.at, &name, keyword));
+            }
+            [] => (0..known.len()).collect(),
+            [step] => match known.iter().position(|known| *known == step.word.text) {
+                Some(index) => vec![index],
+                None => {
+                    let at = step.word.at.into();
+                    let report = match known.is_empty() {
+                        true => say::nothing_to_lock(at, &name, keyword),
+                        false => say::no_coordinate_to(at, &name, &step.word.text, &known),
+                    };
+                    return self.fail(report);
+                }
+            },
+            [_, extra, ..] => {
+                let at = extra.word.at.into();
+                return self.fail(say::after_place(at, &extra.word.text));
+            }
+        };
+        if let Some(index) = chosen.iter().find(|index| driven.contains(index)) {
+            let coordinate = known.get(*index).copied().unwrap_or_default();
+            return self.fail(say::driven_coordinate_locked(value.at, &name, coordinate));
+        }
+        Some(chosen.into_iter().map(|index| (joint, index)).collect())
+    }
+
+    /// The lock of a coordinate, by its number among the joints; it is made where it is named first.
+    fn lock_of(&mut self, joint: usize, index: usize, at: Region) -> usize {
+        let law = JointLaw::Lock(Lock {
+            couples: [(joint, index)],
+        });
+        let mut joints = self.scene.joints.iter();
+        if let Some(known) = joints.position(|known| known.law == law) {
+            return known;
+        }
+        let place = self.scene.joints.len();
+        if let Some((owner, coordinate)) = self.scene.coordinate(joint, index) {
+            let lock = Joint {
+                name: format!("{}.{}.lock", owner.name, coordinate.name),
+                doc: String::new(),
+                law,
+                parent: owner.parent,
+                child: owner.child,
+                forces: Vec::new(),
+                cut: false,
+            };
+            self.scene.joints.push(lock);
+            self.declared.insert(Named::Joint(place), at);
+            self.mentioned.insert(Named::Joint(place));
+            self.starts_detached(Detachable::Joint(place));
+        }
+        place
+    }
+}

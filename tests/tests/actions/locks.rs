@@ -1,0 +1,227 @@
+//! Coordinates that events lock where they are, and free again.
+
+use mbd_compiler::Interpreted;
+use mbd_runtime::{Generic, Method, Model, Options, Quantity, Simulation, StepError, model};
+use tests::agreement::agrees;
+use tests::declared::read;
+use tests::largest_difference;
+
+use super::methods;
+
+/// A hub that floats with a panel on a hinge through both centres of mass: it turns against the hub until it meets a latch at 90 deg. A torque on
+/// the panel then turns both, and from 3 s on, when the latch opens, the panel alone.
+macro_rules! latched {
+    ($name:ident $family:ident) => {
+        model! {
+            /// A panel that swings out, is caught by a latch, and let go.
+            pub model $name<T> {
+                coordinates: $family;
+                gravity: none;
+                body hub { mass: 5 kg, inertia: diag(2, 3, 2) kg*m^2, start angular_velocity [0, 0.5, 0] rad/s }
+                body panel { mass: 1 kg, inertia: diag(0.5, 1, 0.5) kg*m^2 }
+                joint afloat: free from world to hub.com;
+                joint pin: hinge from hub.com to panel.com { axis: y, start_rate: 2 rad/s }
+                param moment = 0 N*m;
+                load push on panel = [0 N*m, moment, 0 N*m];
+                event pushed = time rises 2 s { set: moment = 1 N*m }
+                event caught = pin.angle rises 90 deg { lock: pin.angle, acts: once }
+                event opened = time rises 3 s { free: pin }
+                output swung = pin.angle;
+                output spun = hub.omega_world;
+                output swings = pin.angle_rate;
+            }
+        }
+    };
+}
+latched!(Absolute absolute);
+latched!(Relative relative);
+
+/// Angle of the pin [rad] and rates of hub and pin about y [rad/s].
+fn seen(run: &mut Simulation<f64>) -> [f64; 3] {
+    let mut outputs = [0.0; 5];
+    run.evaluate(Quantity::Outputs, &mut outputs)
+        .expect("outputs");
+    [outputs[0], outputs[2], outputs[4]]
+}
+
+#[test]
+fn a_latch_leaves_the_angular_momentum_and_takes_what_a_plastic_impact_does() {
+    let absolute = Absolute::<f64>::new(Default::default()).expect("defaults");
+    let relative = Relative::<f64>::new(Default::default()).expect("defaults");
+    for model in [&absolute as &dyn Model<f64>, &relative] {
+        let generic = Generic::<f64>::with_defaults(model.scene().clone()).expect("defaults");
+        let interpreted = Interpreted::<f64>::new(model.scene().clone(), &[0.0]).expect("defaults");
+        for model in [model, &generic, &interpreted] {
+            for options in methods() {
+                let of_tree = model.layout().tree.is_some();
+                if of_tree && matches!(options.method, Method::Rattle { .. }) {
+                    continue;
+                }
+                let word = format!("{} {}", options.method.name(), model.scene().name);
+                let mut run = Simulation::new(model, options).expect("options that fit");
+                run.run(2.0).expect("caught");
+                // 3 · 0.5 + 1 · 2.5 = 4 ω: both turn with 1 rad/s.
+                let caught = std::f64::consts::FRAC_PI_2 / 2.0;
+                assert!((run.events()[0].time - caught).abs() < 1e-9, "{word}");
+                let lost = 0.5 * (3.0 * 1.0 / 4.0) * 4.0;
+                let work = run.actions()[0].work().expect("an energy");
+                assert!((work + lost).abs() < 1e-8, "{word}: {work} {lost}");
+                let [angle, hub, pin] = seen(&mut run);
+                let held = std::f64::consts::FRAC_PI_2;
+                assert!((angle - held).abs() < 1e-9, "{word}: {angle}");
+                assert!(
+                    (hub - 1.0).abs() < 1e-9 && pin.abs() < 1e-9,
+                    "{word}: {hub} {pin}"
+                );
+                // 1 N m on 4 kg m² for a second, then on the panel of 1 kg m² alone.
+                run.run(3.0).expect("locked");
+                let [angle, hub, pin] = seen(&mut run);
+                assert!((angle - held).abs() < 1e-9, "{word}: {angle}");
+                assert!(
+                    (hub - 1.25).abs() < 1e-8 && pin.abs() < 1e-9,
+                    "{word}: {hub} {pin}"
+                );
+                run.run(3.5).expect("free");
+                let [angle, hub, pin] = seen(&mut run);
+                assert!((angle - held - 0.125).abs() < 1e-8, "{word}: {angle}");
+                assert!(
+                    (hub - 1.25).abs() < 1e-8 && (pin - 0.5).abs() < 1e-8,
+                    "{word}: {hub} {pin}"
+                );
+                assert_eq!(
+                    run.actions()[2].work().map(|work| work.abs() < 1e-12),
+                    Some(true)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn generated_and_interpreted_equations_are_those_of_the_laws_locked_and_free() {
+    agrees(&Absolute::<f64>::new(Default::default()).expect("defaults"));
+    agrees(&Relative::<f64>::new(Default::default()).expect("defaults"));
+}
+
+#[test]
+fn a_lock_in_single_precision_holds_as_finely_as_its_numbers() {
+    let model = Relative::<f32>::new(Default::default()).expect("defaults");
+    let mut run = Simulation::new(&model, Options::rk4(1e-3)).expect("options");
+    run.run(3.0).expect("locked");
+    let mut outputs = [0.0_f32; 5];
+    run.evaluate(Quantity::Outputs, &mut outputs)
+        .expect("outputs");
+    assert!(
+        (outputs[0] - std::f32::consts::FRAC_PI_2).abs() < 1e-4,
+        "{outputs:?}"
+    );
+    // Half a last digit of 1.25 at each of a thousand steps that add to it.
+    assert!((outputs[2] - 1.25).abs() < 3e-4, "{outputs:?}");
+}
+
+/// A bar that turns many times on a driven hub before it is locked, and a rod that slides and turns.
+fn turning(family: &str) -> mbd_scene::Scene {
+    read(&format!(
+        "model Turning {{
+            coordinates: {family};
+            gravity: [0, 0, -9.81] m/s^2;
+            body bar {{ mass: 2 kg, inertia: diag(0.3, 0.2, 0.3) kg*m^2 }}
+            body rod {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame foot at [0, 0, -0.4] m }}
+            joint pin: hinge from world to bar.com {{ axis: y, start_rate: 10 rad/s, damping: 0.01 N*m*s }}
+            joint guide: cylindrical from world to rod.foot {{ axis: z, slide: {{ start: 1 m }}, angle: {{ start_rate: 3 rad/s }} }}
+            event first = time rises 2 s {{ lock: [pin, guide] }}
+            event second = time rises 4 s {{ free: guide.slide }}
+            event third = time rises 5 s {{ free: [pin.angle, guide.angle] }}
+            event fourth = time rises 6 s {{ lock: pin }}
+            output slid = guide.slide;
+            output twisted = guide.angle;
+            output swung = pin.angle;
+        }}"
+    ))
+}
+
+#[test]
+fn what_counts_turns_and_what_slides_stays_where_it_was_locked() {
+    let outputs = |run: &mut Simulation<f64>| {
+        let mut out = [0.0; 3];
+        run.evaluate(Quantity::Outputs, &mut out).expect("outputs");
+        out
+    };
+    for family in ["absolute", "relative"] {
+        let model = Generic::<f64>::with_defaults(turning(family)).expect("defaults");
+        let mut run = Simulation::new(&model, Options::tsit5(1e-9)).expect("options");
+        run.run(2.0).expect("free");
+        let locked = outputs(&mut run);
+        for time in [2.5, 3.9] {
+            run.run(time).expect("locked");
+            let now = outputs(&mut run);
+            assert!(
+                largest_difference(&now, &locked) < 1e-9,
+                "{family} {now:?} {locked:?}"
+            );
+        }
+        run.run(5.0).expect("the rod falls");
+        let now = outputs(&mut run);
+        // From rest, one second.
+        assert!(
+            (now[0] - (locked[0] - 0.5 * 9.81)).abs() < 1e-8,
+            "{family} {now:?}"
+        );
+        assert!(
+            largest_difference(&now[1..], &locked[1..]) < 1e-9,
+            "{family} {now:?}"
+        );
+        run.run(7.0).expect("the bar rests");
+        assert!((outputs(&mut run)[2] - locked[2]).abs() < 1e-9, "{family}");
+
+        // A snapshot in between goes on to the bit; another start takes back what was locked.
+        let mut run = Simulation::new(&model, Options::tsit5(1e-9)).expect("options");
+        let start = run.state().to_vec();
+        run.run(3.0).expect("locked");
+        let kept = run.snapshot();
+        let mut other = Simulation::new(&model, Options::tsit5(1e-9)).expect("options");
+        other.restore(&kept).expect("a snapshot of this model");
+        run.run(5.5).expect("a run");
+        other.run(5.5).expect("a run");
+        assert_eq!(run.state(), other.state(), "{family}");
+        run.set_state(0.0, &start).expect("a state");
+        run.run(1.0).expect("free");
+        assert!(outputs(&mut run)[0] < 0.0, "{family}: it falls again");
+        // Another run of the same scene takes over, locked as it was.
+        let mut first = Simulation::new(&model, Options::tsit5(1e-9)).expect("options");
+        first.run(3.0).expect("locked");
+        let mut next = Simulation::new(&model, Options::tsit5(1e-9)).expect("options");
+        next.take_over(&mut first, &[]).expect("a start");
+        next.run(3.9).expect("locked");
+        assert!(
+            largest_difference(&outputs(&mut next), &locked) < 1e-9,
+            "{family}"
+        );
+    }
+}
+
+#[test]
+fn locks_that_hold_what_others_hold_are_refused_by_name() {
+    // A parallel crank: one freedom, two locks.
+    let scene = read(
+        "model Crank { gravity: none;
+            body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame foot at [0, 0, -0.5] m, frame head at [0, 0, 0.5] m, start at [0, 0, 0.5] m }
+            body b { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame foot at [0, 0, -0.5] m, frame head at [0, 0, 0.5] m, start at [1, 0, 0.5] m }
+            body bar { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame left at [-0.5, 0, 0] m, frame right at [0.5, 0, 0] m, start at [0.5, 0, 1] m }
+            world { frame near at [0, 0, 0] m, frame far at [1, 0, 0] m }
+            joint p: hinge from world.near to a.foot { axis: y }
+            joint q: hinge from world.far to b.foot { axis: y }
+            joint r: hinge from a.head to bar.left { axis: y }
+            joint s: hinge from b.head to bar.right { axis: y }
+            event one = time rises 1 s { lock: p }
+            event two = time rises 2 s { lock: q.angle } }",
+    );
+    let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+    let refused = Simulation::new(&model, Options::rk4(1e-3)).map(|_| ());
+    let error = refused.expect_err("one of them holds nothing");
+    assert!(
+        matches!(error.cause, StepError::Unsupported { .. }),
+        "{error}"
+    );
+    assert!(error.to_string().contains("`q.angle`"), "{error}");
+}
