@@ -1,13 +1,17 @@
 //! Campaigns: the same bytes however they are run, and errors that name what is wrong.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use mbd_campaign::progress::Progress;
 use mbd_campaign::run::Settings;
 use mbd_campaign::{Campaign, Failure, Resources, Results, Shard, Summary, blocks};
 use mbd_runtime::{Generic, InLanes, Model, model};
+
+mod support;
+
+use support::Folder;
 
 model! {
     /// A lamp on a cord from a knot without mass, in wind.
@@ -52,30 +56,6 @@ swung = { value = "lamp.vz", at = "low" }
 until = "0.5 s"
 tolerance = 1e-6
 "#;
-
-/// A folder of one test, taken away at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mbd_campaign_{name}_{}", std::process::id()));
-        let _ = fs::remove_dir_all(&path);
-        fs::create_dir_all(&path).expect("a folder");
-        Folder(path)
-    }
-
-    fn file(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.join(name);
-        fs::write(&path, text).expect("room");
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 fn lamp() -> Arc<dyn Model<f64>> {
     let lamp = Lamp::<f64>::new(LampParams::default()).expect("defaults");
