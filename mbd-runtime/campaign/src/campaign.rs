@@ -98,7 +98,7 @@ impl Campaign {
     ) -> Result<Self, PlanError> {
         let settings = settings_of(written, &*model, settings)?;
         let scene = (model.scene(), model.layout());
-        let nominal = Plan::with_layout(scene, &settings)?;
+        let mut nominal = Plan::with_layout(scene, &settings)?;
         let dispersions = Dispersions::new(written, scene, (&nominal, &settings), folder)?;
         let every_step = nominal.every.is_none();
         let mut content = columns::NOTHING;
@@ -107,6 +107,8 @@ impl Campaign {
             .map(|written| Envelopes::new(written, (&*model, &nominal), &mut content))
             .transpose()?;
         let metrics = Metrics::new(written.metrics.iter(), (&*model, content), every_step)?;
+        // Work is integrated for those who ask for energy: no step with it is made in lanes.
+        nominal.options.work &= metrics.content.energy;
         tell_apart(&metrics, &dispersions)?;
         let asked = asked(written, &metrics, dispersions.cases)?;
         let block = written.block.unwrap_or(BLOCK).clamp(1, 1 << 20);

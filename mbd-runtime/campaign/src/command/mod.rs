@@ -69,6 +69,7 @@ pub fn campaign(
     settings: Settings,
     source: &dyn Fn(&Path) -> Source,
 ) -> Result<String, Failure> {
+    let has_lanes = model.beside().is_some();
     let campaign = Campaign::read(&args.file, model, settings)?;
     let folder = args.out.clone().unwrap_or_else(|| {
         let name = args.file.file_stem().unwrap_or_default();
@@ -96,7 +97,7 @@ pub fn campaign(
         done.failed,
         done.skipped,
         folder.display(),
-        in_lanes(&done, args.lanes)
+        in_lanes(&done, args.lanes, has_lanes)
     );
     match shard {
         Shard::WHOLE => {
@@ -119,13 +120,21 @@ fn all_cores() -> usize {
 }
 
 /// What became of lanes that were asked for.
-fn in_lanes(done: &Done, lanes: Option<usize>) -> String {
+fn in_lanes(done: &Done, lanes: Option<usize>, has_lanes: bool) -> String {
     match lanes {
         None | Some(1) => String::new(),
         Some(_) if done.steps == 0 => String::new(),
-        Some(lanes) if done.beside == 0 => format!(
-            "--lanes {lanes} had no effect: no step of this model is made in lanes (docs/campaigns.md says which are); the numbers are the same\n"
-        ),
+        Some(lanes) if done.beside == 0 => {
+            let why = match has_lanes {
+                true => {
+                    "none of its steps is one that is made in lanes (docs/campaigns.md says which are)"
+                }
+                false => {
+                    "this model does not have its equations over lanes at hand: a scene file has them (`mbd convert` writes one), and a compiled model by `in_lanes`"
+                }
+            };
+            format!("--lanes {lanes} had no effect, the numbers are the same: {why}\n")
+        }
         Some(lanes) => {
             let share = 100.0 * done.beside as f64 / done.steps as f64;
             format!("{share:.0} % of all steps were made in {lanes} lanes\n")

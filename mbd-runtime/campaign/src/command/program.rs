@@ -77,6 +77,22 @@ struct RunArgs {
 /// Of a model over any scalar, `model Stone<T> { … }`, cases are run beside each other in the lanes of one register, compiled for a processor that has them
 /// (`RUSTFLAGS="-C target-cpu=native"`), where its equations are put at hand: `mbd_campaign::main(Stone::new(StoneParams::default()).map(InLanes::in_lanes))`
 /// with [`mbd_runtime::InLanes`].
+///
+/// Campaigns are flown in `f64`. A model over `f32` does not compile here; its numbers have seven digits, which single runs may be content with:
+///
+/// ```compile_fail,E0277
+/// use mbd_runtime::model;
+///
+/// model! {
+///     model Stone<T> {
+///         point stone { mass: 1.0 kg, start at [0.0, 0.0, 100.0] m }
+///     }
+/// }
+///
+/// fn main() -> std::process::ExitCode {
+///     mbd_campaign::main(Stone::<f32>::new(StoneParams::default()))
+/// }
+/// ```
 pub fn main(model: Result<impl Model<f64>, ParamError>) -> ExitCode {
     let told = model
         .map_err(|error| Failure::Invalid(error.to_string()))

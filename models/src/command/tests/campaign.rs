@@ -227,7 +227,9 @@ fn a_scene_file_is_run_in_lanes_with_the_same_bytes() {
     );
     let cases = |lanes: &str| {
         let out = folder.0.join(lanes).display().to_string();
-        run(&["campaign", &scene, &file, "--out", &out, "--lanes", lanes]).unwrap();
+        let told = run(&["campaign", &scene, &file, "--out", &out, "--lanes", lanes]).unwrap();
+        let said = format!("100 % of all steps were made in {lanes} lanes");
+        assert_eq!(told.contains(&said), lanes != "1", "{told}");
         std::fs::read(Path::new(&out).join("cases.csv")).unwrap()
     };
     let alone = cases("1");
@@ -239,4 +241,25 @@ fn a_scene_file_is_run_in_lanes_with_the_same_bytes() {
         error.to_string().contains("[possible values: 1, 4, 8]"),
         "{error}"
     );
+}
+
+/// Ready scenes are compiled for one case at a time, a closed loop has rows: `--lanes` says that it has no effect.
+#[test]
+fn lanes_that_have_no_effect_are_told_with_the_reason() {
+    let folder = Folder::new("no_lanes");
+    let file = folder.file(
+        "few.toml",
+        "cases = 3\n[metrics]\ndrift = { max = \"quaternion_drift\" }\n[run]\nuntil = \"10 ms\"\n",
+    );
+    for (scene, why) in [
+        ("heavy_top", "`mbd convert` writes one"),
+        ("linkage", "none of its steps is one that is made in lanes"),
+    ] {
+        let out = folder.0.join(scene).display().to_string();
+        let told = run(&["campaign", scene, &file, "--out", &out, "--lanes", "4"]).unwrap();
+        assert!(
+            told.contains("--lanes 4 had no effect") && told.contains(why),
+            "{told}"
+        );
+    }
 }
