@@ -87,8 +87,7 @@ impl<T: Float> Simulation<T> {
 impl<T: Float> crate::system::System<T> {
     /// Whether a stage is inputs that are held, a state, and nodes, and nothing else.
     fn is_plain(&self) -> bool {
-        let supplied = !self.controls.is_empty() && !self.inputs.is_empty();
-        !supplied && !self.projection.any() && self.length() == self.nx
+        !self.has_functions() && !self.projection.any() && self.length() == self.nx
     }
 
     /// Holds elements in the modes of the memory; whether nodes, if there are any, may be found elsewhere.
