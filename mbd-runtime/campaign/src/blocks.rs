@@ -4,11 +4,13 @@
 //! that goes on skips it, two processes on one shard write the same bytes, and nothing is locked.
 
 use std::fmt;
+use std::io;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::campaign::{Campaign, Resources};
+use crate::campaign::{Campaign, Flown, Resources};
+use crate::envelopes::{self, Envelope};
 use crate::failure::Failure;
 use crate::manifest::Manifest;
 use crate::progress::Progress;
@@ -99,6 +101,10 @@ pub struct Done {
     pub failed: u64,
     /// Cases that were there already.
     pub skipped: u64,
+    /// Steps that were tried.
+    pub steps: u64,
+    /// Those of them that were tried in lanes, beside those of other cases.
+    pub beside: u64,
 }
 
 /// Runs the blocks of a shard that are not in the folder yet.
@@ -112,11 +118,13 @@ pub fn run(
     resources: Resources,
     progress: &mut Progress,
 ) -> Result<Done, Failure> {
-    for part in [folder, &folder.join("blocks"), &folder.join("seconds")] {
-        files::make_folder(part).map_err(|error| Failure::unwritten(&error))?;
+    let manifest = campaign.manifest();
+    let parts = ["", "blocks", "seconds"].into_iter();
+    for part in parts.chain(manifest.envelopes.iter().map(|_| "envelopes")) {
+        files::make_folder(&folder.join(part)).map_err(|error| Failure::unwritten(&error))?;
     }
-    campaign.manifest().claim(folder)?;
-    let own = (shard.index - 1..campaign.blocks()).step_by(shard.of as usize);
+    manifest.claim(folder)?;
+    let own = (shard.index - 1..manifest.blocks()).step_by(shard.of as usize);
     let (there, missing): (Vec<u64>, Vec<u64>) =
         own.partition(|block| block_file(folder, *block).is_file());
     if !there.is_empty() && !resume {
@@ -129,7 +137,7 @@ pub fn run(
     }
     let skipped = there
         .iter()
-        .map(|block| campaign.block(*block).count() as u64)
+        .map(|block| manifest.cases_of(*block).count() as u64)
         .sum();
     let mut done = Done {
         skipped,
@@ -137,37 +145,31 @@ pub fn run(
     };
     let all: usize = missing
         .iter()
-        .map(|block| campaign.block(*block).count())
+        .map(|block| manifest.cases_of(*block).count())
         .sum();
     // Every block but the last one of all has as many cases as the first.
-    let size = campaign.block(0).count().max(1);
+    let size = manifest.cases_of(0).count().max(1);
     let case_at =
-        |place: usize| campaign.block(missing[place / size]).start + (place % size) as u64;
-    let (mut rows, mut seconds) = (String::new(), String::new());
+        |place: usize| manifest.cases_of(missing[place / size]).start + (place % size) as u64;
+    let mut written = Written::default();
     let mut waiting = missing.iter().copied().peekable();
     let mut unwritten = None;
-    campaign.run(all, &case_at, resources, |row, took| {
-        done.cases += 1;
-        done.failed += u64::from(row.status != "ok");
+    campaign.run(all, &case_at, resources, |flown| {
+        done.add(&flown);
         progress.show(
             done.cases as f64 / all as f64,
             &format!("{} of {all} cases, {} failed", done.cases, done.failed),
         );
-        rows += &(row.line() + "\n");
-        seconds += &format!("{},{}\n", row.case, number(took));
+        let case = flown.row.case;
+        written.add(&manifest, &flown);
         let Some(&block) = waiting.peek() else {
             return ControlFlow::Break(());
         };
-        if row.case + 1 < campaign.block(block).end {
+        if case + 1 < manifest.cases_of(block).end {
             return ControlFlow::Continue(());
         }
         waiting.next();
-        // The rows last: where they are, everything is.
-        let written = files::write_shared(&wall_file(folder, block), &seconds)
-            .and_then(|()| files::write_shared(&block_file(folder, block), &rows));
-        rows.clear();
-        seconds.clear();
-        match written {
+        match written.write_files(&manifest, folder, block) {
             Ok(()) => ControlFlow::Continue(()),
             Err(error) => {
                 unwritten = Some(error);
@@ -179,6 +181,45 @@ pub fn run(
     match unwritten {
         Some(error) => Err(Failure::unwritten(&error)),
         None => Ok(done),
+    }
+}
+
+/// A block that is under way.
+#[derive(Default)]
+struct Written {
+    rows: String,
+    seconds: String,
+    numbers: envelopes::Block,
+}
+
+impl Written {
+    fn add(&mut self, manifest: &Manifest, flown: &Flown) {
+        let row = &flown.row;
+        self.rows += &(row.line() + "\n");
+        self.seconds += &format!("{},{}\n", row.case, number(flown.seconds));
+        if let Some(envelopes) = &manifest.envelopes {
+            self.numbers.push(envelopes, flown.numbers.as_deref());
+        }
+    }
+
+    /// Writes it, and is empty. The rows last: where they are, everything is.
+    fn write_files(&mut self, manifest: &Manifest, folder: &Path, block: u64) -> io::Result<()> {
+        files::write_shared(&wall_file(folder, block), std::mem::take(&mut self.seconds))?;
+        if let Some(envelopes) = &manifest.envelopes {
+            let numbers = self.numbers.take(envelopes);
+            files::write_shared(&envelopes::path(folder, block), numbers)?;
+        }
+        files::write_shared(&block_file(folder, block), std::mem::take(&mut self.rows))
+    }
+}
+
+impl Done {
+    fn add(&mut self, flown: &Flown) {
+        let [steps, beside] = flown.steps;
+        self.cases += 1;
+        self.failed += u64::from(flown.row.status != "ok");
+        self.steps += steps;
+        self.beside += beside;
     }
 }
 
@@ -201,14 +242,14 @@ fn ranges(numbers: &[u64]) -> String {
     told.join(",")
 }
 
-/// Puts all blocks of a folder together: `cases.csv`, and `seconds.csv` with the time each case took on the clock. `shards` is how many the campaign
+/// Puts all blocks of a folder together: `cases.csv`, `seconds.csv` with the time each case took on the clock, and `envelopes.csv`, which are handed back. `shards` is how many the campaign
 /// was begun with, to tell which of them have to run again.
 ///
 /// # Errors
 /// Blocks are missing; a file cannot be written.
-pub fn gather(folder: &Path, shards: Option<u64>) -> Result<Manifest, Failure> {
+pub fn gather(folder: &Path, shards: Option<u64>) -> Result<Vec<Envelope>, Failure> {
     let manifest = Manifest::read(folder)?;
-    let blocks = 0..manifest.cases.div_ceil(manifest.block.max(1));
+    let blocks = 0..manifest.blocks();
     let missing: Vec<u64> = blocks
         .clone()
         .filter(|block| !block_file(folder, *block).is_file())
@@ -239,7 +280,15 @@ pub fn gather(folder: &Path, shards: Option<u64>) -> Result<Manifest, Failure> {
     join_all("seconds.csv", "case,seconds [s]", wall_file)
         .and_then(|()| join_all("cases.csv", &head(&manifest), block_file))
         .map_err(|error| Failure::unwritten(&error))?;
-    Ok(manifest)
+    let told = envelopes::told(folder, &manifest)
+        .map_err(|error| Failure::Usage(format!("cannot read {error}")))?;
+    if !told.is_empty() {
+        files::write_whole(&folder.join("envelopes.csv"), |to| {
+            envelopes::table(&told, to)
+        })
+        .map_err(|error| Failure::unwritten(&error))?;
+    }
+    Ok(told)
 }
 
 #[cfg(test)]

@@ -7,13 +7,18 @@ use std::sync::Arc;
 
 use mbd_runtime::scene::{Packed, fingerprint};
 use mbd_runtime::{
-    Batch, Case, Content, Finished, Model, RunError, Sampling, Simulation, StepError, Trajectory,
+    Batch, Case, Content, FailedCase, Finished, Model, RunError, Sampling, Simulation, StepError,
+    Trajectory,
 };
 use toml::Table;
 
+use crate::columns;
 use crate::dispersion::{Dispersions, Written};
+use crate::envelopes::Envelopes;
 use crate::failure::Failure;
-use crate::manifest::{Column, Manifest};
+use crate::footprint::Footprint;
+use crate::histories::Choice;
+use crate::manifest::{Asked, Column, Manifest};
 use crate::metric::Metrics;
 use crate::results::Row;
 use crate::run::names::wrong;
@@ -29,11 +34,32 @@ pub struct Campaign {
     nominal: Plan,
     dispersions: Dispersions,
     metrics: Metrics,
+    envelopes: Option<Envelopes>,
+    asked: Asked,
     block: u64,
 }
 
-/// What the judge of a case hands back: when the run ended [s], and its metrics.
-type Judged = (f64, Vec<f64>);
+/// What the judge of a case hands back.
+struct Judged {
+    /// When the run ended [s].
+    end: f64,
+    metrics: Vec<f64>,
+    /// Of the envelopes.
+    numbers: Vec<f64>,
+}
+
+/// A case that was flown.
+#[derive(Clone, Debug)]
+pub struct Flown {
+    /// Its row in the results.
+    pub row: Row,
+    /// The columns of the envelopes at their instants, one column after the other; `None` where it did not reach its end.
+    pub numbers: Option<Vec<f64>>,
+    /// The time it took on the clock [s].
+    pub seconds: f64,
+    /// Its steps, and those of them that were tried beside those of other cases.
+    pub steps: [u64; 2],
+}
 
 /// What a campaign may use of a machine; its results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,17 +98,27 @@ impl Campaign {
     ) -> Result<Self, PlanError> {
         let settings = settings_of(written, &*model, settings)?;
         let scene = (model.scene(), model.layout());
-        let nominal = Plan::with_layout(scene, &settings)?;
+        let mut nominal = Plan::with_layout(scene, &settings)?;
         let dispersions = Dispersions::new(written, scene, (&nominal, &settings), folder)?;
         let every_step = nominal.every.is_none();
-        let metrics = Metrics::new(written.metrics.iter(), &*model, every_step)?;
+        let mut content = columns::NOTHING;
+        let envelopes = written.envelopes.as_ref();
+        let envelopes = envelopes
+            .map(|written| Envelopes::new(written, (&*model, &nominal), &mut content))
+            .transpose()?;
+        let metrics = Metrics::new(written.metrics.iter(), (&*model, content), every_step)?;
+        // Work is integrated for those who ask for energy: no step with it is made in lanes.
+        nominal.options.work &= metrics.content.energy;
         tell_apart(&metrics, &dispersions)?;
+        let asked = asked(written, &metrics, dispersions.cases)?;
         let block = written.block.unwrap_or(BLOCK).clamp(1, 1 << 20);
         Ok(Campaign {
             settings,
             nominal,
             dispersions,
             metrics,
+            envelopes,
+            asked,
             block,
             model,
         })
@@ -92,18 +128,6 @@ impl Campaign {
     #[must_use]
     pub fn cases(&self) -> u64 {
         self.dispersions.cases + 1
-    }
-
-    /// How many files of results there are in the end.
-    #[must_use]
-    pub fn blocks(&self) -> u64 {
-        self.cases().div_ceil(self.block)
-    }
-
-    /// The cases of a block.
-    #[must_use]
-    pub fn block(&self, block: u64) -> std::ops::Range<u64> {
-        block * self.block..((block + 1) * self.block).min(self.cases())
     }
 
     /// What is dispersed.
@@ -139,6 +163,8 @@ impl Campaign {
             block: self.block,
             dispersed: dispersed.collect(),
             metrics: metrics.collect(),
+            envelopes: self.envelopes.clone(),
+            told: self.asked.clone(),
         }
     }
 
@@ -164,13 +190,13 @@ impl Campaign {
             .plan((&self.nominal, &self.settings), scene, &values)
     }
 
-    /// Runs so many cases, whose numbers `number` says by their place, and hands their rows with the time each took [s] to `deliver`, in order.
+    /// Runs so many cases, whose numbers `number` says by their place, and hands them to `deliver`, in order.
     pub fn run(
         &self,
         count: usize,
         number: &(dyn Fn(usize) -> u64 + Sync),
         resources: Resources,
-        mut deliver: impl FnMut(Row, f64) -> ControlFlow<()>,
+        mut deliver: impl FnMut(Flown) -> ControlFlow<()>,
     ) {
         let sampling = self.nominal.every.map_or(Sampling::Steps, Sampling::Every);
         let mut batch = Batch::new(&*self.model, self.nominal.options, self.nominal.until);
@@ -184,10 +210,7 @@ impl Campaign {
             .prepare(|case, run| self.begin(number(case.number()), run))
             .each(
                 |_, history| self.judge(history),
-                |finished| {
-                    let seconds = finished.seconds;
-                    deliver(self.row(number(finished.case), finished), seconds)
-                },
+                |finished| deliver(self.flight(number(finished.case), finished)),
             );
     }
 
@@ -217,15 +240,44 @@ impl Campaign {
 
     fn judge(&self, history: &Trajectory) -> Judged {
         let end = history.times().last().copied().unwrap_or(f64::NAN);
-        (end, self.metrics.read(history))
+        let envelopes = self.envelopes.as_ref();
+        Judged {
+            end,
+            metrics: self.metrics.read(history),
+            numbers: envelopes.map_or(Vec::new(), |envelopes| envelopes.read(history)),
+        }
     }
 
-    fn row(&self, case: u64, finished: Finished<Judged>) -> Row {
+    fn flight(&self, case: u64, finished: Finished<Judged>) -> Flown {
+        let Finished {
+            result,
+            seconds,
+            statistics,
+            beside,
+            ..
+        } = finished;
+        let (result, numbers) = match result {
+            Ok(Judged {
+                end,
+                metrics,
+                numbers,
+            }) => (Ok((end, metrics)), Some(numbers)),
+            Err(failed) => (Err(failed), None),
+        };
+        Flown {
+            row: self.row(case, result),
+            numbers,
+            seconds,
+            steps: [statistics.steps + statistics.rejected, beside],
+        }
+    }
+
+    fn row(&self, case: u64, result: Result<(f64, Vec<f64>), FailedCase>) -> Row {
         // Where nothing was drawn there is nothing to tell.
         let nothing = || vec![f64::NAN; self.dispersions.varied.len()];
         let values = self.dispersions.values(case).unwrap_or_else(|_| nothing());
         let values = self.dispersions.in_units(&values);
-        match finished.result {
+        match result {
             Ok((time, metrics)) => Row {
                 case,
                 status: "ok".to_owned(),
@@ -256,8 +308,8 @@ impl Campaign {
             threads: 1,
             lanes: Some(1),
         };
-        self.run(1, &|_| case, resources, |row, _| {
-            found = Some(row);
+        self.run(1, &|_| case, resources, |flown| {
+            found = Some(flown.row);
             ControlFlow::Break(())
         });
         let sampling = self.nominal.every.map_or(Sampling::Steps, Sampling::Every);
@@ -268,14 +320,36 @@ impl Campaign {
         Ok((row, history))
     }
 
+    /// The model of a case, with its params, and its plan.
+    ///
+    /// # Errors
+    /// It cannot be run.
+    pub(crate) fn flown(&self, case: u64) -> Result<(Arc<dyn Model<f64>>, Plan), PlanError> {
+        let plan = self.plan(case)?;
+        let model = self.model.with_params(&plan.params);
+        let model = model.map_err(|error| wrong(format!("case {case}"), error.to_string()))?;
+        Ok((model, plan))
+    }
+
     fn record(&self, case: u64, history: &mut Trajectory) -> Option<()> {
-        let plan = self.plan(case).ok()?;
-        let model = self.model.with_params(&plan.params).ok()?;
+        let (model, plan) = self.flown(case).ok()?;
         let mut run = Simulation::new(&*model, plan.options).ok()?;
         plan.begin(&mut run).ok()?;
         run.record(plan.until, history).ok()?;
         Some(())
     }
+}
+
+/// What the file asks to be told beside the metrics.
+fn asked(written: &Written, metrics: &Metrics, last: u64) -> Result<Asked, PlanError> {
+    let histories = written.histories.clone().unwrap_or_default();
+    let footprints = written.footprint.iter().enumerate().map(|(at, footprint)| {
+        Footprint::new(footprint, &metrics.list, &format!("footprint[{at}]"))
+    });
+    Ok(Asked {
+        histories: Choice::new(&histories, &metrics.list, last)?,
+        footprints: footprints.collect::<Result<_, _>>()?,
+    })
 }
 
 /// Refuses a metric that has the name of another column.

@@ -13,9 +13,13 @@
 
 pub mod blocks;
 mod campaign;
+mod columns;
 mod command;
 pub mod dispersion;
+pub mod envelopes;
 mod failure;
+mod footprint;
+pub mod histories;
 mod manifest;
 mod metric;
 mod page;
@@ -28,11 +32,12 @@ mod summary;
 mod table;
 
 pub use blocks::Shard;
-pub use campaign::{Campaign, Resources};
-pub use command::{CampaignArgs, GatherArgs, campaign, gather, main, report, text};
+pub use campaign::{Campaign, Flown, Resources};
+pub use command::{CampaignArgs, GatherArgs, Source, campaign, gather, main, report, text};
 pub use failure::Failure;
-pub use manifest::{Column, Manifest};
+pub use footprint::{Footprint, Spread};
+pub use manifest::{Asked, Column, Manifest};
 pub use metric::{Metric, Metrics, Requirement};
-pub use page::page;
+pub use page::Page;
 pub use results::{Results, Row};
 pub use summary::{CONFIDENCE, Driver, Failures, PARTS, Summary, Told, Verdict};

@@ -2,12 +2,16 @@
 
 use std::fs;
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::envelopes::Envelopes;
 use crate::failure::Failure;
+use crate::footprint::Footprint;
+use crate::histories::Choice;
 use crate::metric::Requirement;
 use mbd_report::files;
 
@@ -52,6 +56,22 @@ pub struct Manifest {
     pub dispersed: Vec<Column>,
     /// The metrics, in the order of the columns.
     pub metrics: Vec<Column>,
+    /// What is kept of all cases over time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub envelopes: Option<Envelopes>,
+    /// What is told besides.
+    #[serde(default)]
+    pub told: Asked,
+}
+
+/// What is told of results beside the metrics. It changes no number of any case: who goes on with a folder may ask for something else.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Asked {
+    /// Which cases keep their histories.
+    pub histories: Choice,
+    /// Pairs of metrics.
+    pub footprints: Vec<Footprint>,
 }
 
 impl Manifest {
@@ -72,30 +92,57 @@ impl Manifest {
             .map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))
     }
 
-    /// Puts it into a folder, or finds the same there.
+    /// How many files of results there are in the end.
+    #[must_use]
+    pub fn blocks(&self) -> u64 {
+        self.cases.div_ceil(self.block.max(1))
+    }
+
+    /// The cases of a block.
+    #[must_use]
+    pub fn cases_of(&self, block: u64) -> Range<u64> {
+        block * self.block..((block + 1) * self.block).min(self.cases)
+    }
+
+    /// Puts it into a folder, or finds the same there, where what is [`Asked`] takes the place of what was.
     ///
     /// # Errors
     /// Another one is there; it cannot be written.
     pub fn claim(&self, folder: &Path) -> Result<(), Failure> {
-        let path = folder.join(NAME);
-        match fs::read_to_string(&path) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                let text = serde_json::to_string_pretty(self)
-                    .map_err(|error| Failure::Usage(error.to_string()))?;
-                files::write_shared(&path, &(text + "\n"))
-                    .map_err(|error| Failure::unwritten(&error))?;
-                // Whoever was there at the same moment has written the same, or is found here.
-                self.compare(&Manifest::read(folder)?, folder)
-            }
-            _ => self.compare(&Manifest::read(folder)?, folder),
+        let there = folder.join(NAME);
+        let is_new = match fs::metadata(&there) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => true,
+            _ => self.find(folder)?.told != self.told,
+        };
+        if !is_new {
+            return Ok(());
         }
+        let text = serde_json::to_string_pretty(self)
+            .map_err(|error| Failure::Usage(error.to_string()))?;
+        files::write_shared(&there, text + "\n").map_err(|error| Failure::unwritten(&error))?;
+        // Whoever was there at the same moment has written the same, or is found here.
+        self.find(folder).map(drop)
+    }
+
+    /// That of a folder, which belongs to the same campaign.
+    ///
+    /// # Errors
+    /// Another one is there, or none.
+    pub fn find(&self, folder: &Path) -> Result<Manifest, Failure> {
+        let there = Manifest::read(folder)?;
+        self.compare(&there, folder)?;
+        Ok(there)
     }
 
     fn compare(&self, there: &Manifest, folder: &Path) -> Result<(), Failure> {
-        if self == there {
+        let there = Manifest {
+            told: self.told.clone(),
+            ..there.clone()
+        };
+        if *self == there {
             return Ok(());
         }
-        let [own, there] = [self, there].map(|it| serde_json::to_value(it).unwrap_or_default());
+        let [own, there] = [self, &there].map(|it| serde_json::to_value(it).unwrap_or_default());
         let (Value::Object(own), Value::Object(there)) = (own, there) else {
             return Ok(());
         };

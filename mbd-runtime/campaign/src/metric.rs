@@ -7,10 +7,11 @@ use mbd_compiler::read_number;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::metrics::{self, Take};
 use mbd_runtime::scene::similar::did_you_mean;
-use mbd_runtime::{Content, Model, Name, Sampling, Trajectory};
+use mbd_runtime::{Content, Model, Name, Trajectory};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
+use crate::columns;
 use crate::dispersion::{WrittenMetric, WrittenRequirement};
 use crate::run::names::{PlanError, wrong};
 use crate::run::number::number;
@@ -54,6 +55,15 @@ impl Requirement {
         let above = self.above.is_none_or(|bound| value >= bound);
         !value.is_nan() && below && above
     }
+
+    /// How far a value is inside the nearer bound, in the unit of the metric; negative outside, NaN of NaN.
+    #[must_use]
+    pub fn margin(&self, value: f64) -> f64 {
+        let below = self.below.map(|bound| bound - value);
+        let above = self.above.map(|bound| value - bound);
+        let nearest = below.into_iter().chain(above).reduce(f64::min);
+        nearest.unwrap_or(f64::NAN)
+    }
 }
 
 /// The metrics of a campaign with what a history must hold for them.
@@ -65,66 +75,21 @@ pub struct Metrics {
     pub content: Content,
 }
 
-const NOTHING: Content = Content {
-    state: false,
-    nodes: false,
-    lines: false,
-    reactions: false,
-    outputs: false,
-    energy: false,
-};
-
-/// The columns of histories with their contents, widest last.
-fn groups() -> [Content; 6] {
-    [
-        Content {
-            outputs: true,
-            ..NOTHING
-        },
-        Content {
-            lines: true,
-            ..NOTHING
-        },
-        Content {
-            nodes: true,
-            ..NOTHING
-        },
-        Content {
-            state: true,
-            ..NOTHING
-        },
-        Content {
-            reactions: true,
-            ..NOTHING
-        },
-        Content {
-            energy: true,
-            ..NOTHING
-        },
-    ]
-}
-
-fn columns(model: &dyn Model<f64>, content: Content) -> Vec<Name> {
-    Trajectory::new(model, Sampling::Steps, content)
-        .names()
-        .to_vec()
-}
-
 impl Metrics {
     /// The metrics of a declaration, and those of a campaign file; `every_step` says whether histories have a row at every step, and so at every
-    /// event. Of one that is declared, the file may say what it has to be.
+    /// event. Of one that is declared, the file may say what it has to be. Histories hold `content`, and what metrics need besides.
     ///
     /// # Errors
     /// The first that cannot be read from a history of this model.
     pub fn new<'m>(
         written: impl Iterator<Item = (&'m String, &'m WrittenMetric)> + Clone,
-        model: &dyn Model<f64>,
+        (model, content): (&dyn Model<f64>, Content),
         every_step: bool,
     ) -> Result<Self, PlanError> {
         let scene = model.scene();
         let mut metrics = Metrics {
             list: Vec::new(),
-            content: NOTHING,
+            content,
         };
         let of_declared = scene
             .runs
@@ -132,16 +97,18 @@ impl Metrics {
             .iter()
             .filter(|metric| metric.output.is_some());
         for metric in of_declared {
-            metrics.add_column(&metric.name, &metric.name, model)?;
+            let setting = format!("metrics.{}", metric.name);
+            columns::include(&mut metrics.content, &metric.name, (&setting, model))?;
         }
         let is_declared = |name: &str| scene.runs.metrics.iter().any(|metric| metric.name == name);
         let own = written.clone().filter(|(name, _)| !is_declared(name));
         for (name, metric) in own.clone() {
             for column in metric.columns() {
-                metrics.add_column(name, column, model)?;
+                let setting = format!("metrics.{name}");
+                columns::include(&mut metrics.content, column, (&setting, model))?;
             }
         }
-        let names = columns(model, metrics.content);
+        let names = columns::names(model, metrics.content);
         for metric in &scene.runs.metrics {
             let mut declared = declared(metric, scene, &names, every_step)?;
             if let Some((name, written)) = written.clone().find(|(name, _)| **name == metric.name) {
@@ -163,35 +130,6 @@ impl Metrics {
         let metrics = scene.runs.metrics.iter();
         let read = metrics.map(|metric| declared(metric, scene, history.names(), every_step));
         read.filter_map(Result::ok).collect()
-    }
-
-    /// Has histories hold a column.
-    fn add_column(
-        &mut self,
-        name: &str,
-        column: &str,
-        model: &dyn Model<f64>,
-    ) -> Result<(), PlanError> {
-        let holds = |group: &Content| {
-            let known = columns(model, *group);
-            known.iter().any(|known| known.name == column)
-        };
-        let Some(group) = groups().into_iter().find(holds) else {
-            let all = columns(model, Content::ALL);
-            let near = did_you_mean(column, all.iter().map(|it| it.name.as_str()));
-            let text = format!(
-                "histories have no column `{column}`{near} The header of the history.csv of `mbd run` names them all"
-            );
-            return Err(wrong(format!("metrics.{name}"), text));
-        };
-        let content = &mut self.content;
-        content.state |= group.state;
-        content.nodes |= group.nodes;
-        content.lines |= group.lines;
-        content.reactions |= group.reactions;
-        content.outputs |= group.outputs;
-        content.energy |= group.energy;
-        Ok(())
     }
 
     /// The metrics of a history.
@@ -452,11 +390,15 @@ impl Metric {
     fn value_at(&self, history: &Trajectory) -> Option<f64> {
         let time = self.first(history)?;
         let row = history.times().partition_point(|row| *row < time);
-        column(history, self.column).get(row).copied()
+        columns::values(history, self.column).get(row).copied()
     }
 
     fn over_time(&self, history: &Trajectory) -> f64 {
-        let (times, values) = between(history.times(), column(history, self.column), self.window);
+        let (times, values) = between(
+            history.times(),
+            columns::values(history, self.column),
+            self.window,
+        );
         let (times, values) = (times.as_slice(), values.as_slice());
         if values.is_empty() || values.iter().any(|value| value.is_nan()) {
             return f64::NAN;
@@ -482,11 +424,6 @@ impl Metric {
             _ => last,
         }
     }
-}
-
-fn column(history: &Trajectory, at: usize) -> &[f64] {
-    let name = history.names().get(at).map_or("", |name| &name.name);
-    history.column(name).unwrap_or(&[])
 }
 
 /// The rows in a window; where it begins and ends between two rows, a column is straight.
@@ -568,5 +505,10 @@ mod tests {
         };
         assert!(require.meets(1.0) && require.meets(3.0) && !require.meets(3.1));
         assert!(!require.meets(0.9) && !require.meets(f64::NAN));
+        assert_eq!(
+            [1.5, 2.75, 4.0, 0.0].map(|x| require.margin(x)),
+            [0.5, 0.25, -1.0, -1.0]
+        );
+        assert!(require.margin(f64::NAN).is_nan());
     }
 }

@@ -1,13 +1,15 @@
 //! Metrics that a model declares: of a fall without air they have closed forms, whoever runs the model.
 
-use std::fs;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use mbd_campaign::run::Settings;
 use mbd_campaign::{Campaign, Failure};
 use mbd_compiler::{Interpreted, read_text, read_toml, write_toml};
 use mbd_runtime::{Generic, Model, model};
+
+mod support;
+
+use support::Folder;
 
 macro_rules! stone {
     ($($items:tt)*) => {
@@ -53,26 +55,13 @@ const FALL: [(&str, &str, f64); 11] = [
     ("fall", "s", 2.0),
 ];
 
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("mbd_metrics_{name}_{}", std::process::id()));
-        fs::create_dir_all(&path).expect("a folder");
-        Folder(path)
-    }
-
-    fn campaign(&self, model: Arc<dyn Model<f64>>, text: &str) -> Result<Campaign, Failure> {
-        let path = self.0.join("dispersions.toml");
-        fs::write(&path, text).expect("room");
-        Campaign::read(&path, model, Settings::default())
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+fn campaign_of(
+    folder: &Folder,
+    model: Arc<dyn Model<f64>>,
+    text: &str,
+) -> Result<Campaign, Failure> {
+    let path = folder.file("dispersions.toml", text);
+    Campaign::read(&path, model, Settings::default())
 }
 
 const RUN: &str = "cases = 3\n[run]\nuntil = \"3 s\"\ntolerance = 1e-10\n";
@@ -99,9 +88,9 @@ fn a_fall_has_its_closed_form_in_generated_interpreted_and_generic_models_from_t
             .expect("defaults")
             .share(),
     ];
-    let folder = Folder::new("forms");
+    let folder = Folder::new("metrics_forms");
     for model in models {
-        let campaign = folder.campaign(model, RUN).expect("a campaign");
+        let campaign = campaign_of(&folder, model, RUN).expect("a campaign");
         let manifest = campaign.manifest();
         let (row, _) = campaign.replay(0).expect("the nominal");
         assert_eq!(row.status, "ok", "{}", row.why);
@@ -132,19 +121,18 @@ fn a_campaign_file_adds_metrics_and_says_what_declared_ones_have_to_be() {
             .expect("defaults")
             .share()
     };
-    let folder = Folder::new("require");
+    let folder = Folder::new("metrics_require");
     let text = format!(
         "{RUN}[metrics]\nhigh = {{ max = \"stone.z\" }}\nfastest = {{ require = {{ below = \"90 kph\", share = 0.5, confidence = 0.5 }} }}\n"
     );
-    let campaign = folder.campaign(stone(), &text).expect("a campaign");
+    let campaign = campaign_of(&folder, stone(), &text).expect("a campaign");
     let metrics = campaign.manifest().metrics;
     assert_eq!(metrics[0].name, "fastest");
     assert_eq!(metrics[0].require.and_then(|it| it.below), Some(90.0));
     assert_eq!(metrics.last().map(|it| it.name.as_str()), Some("high"));
     let told = |metric: &str| {
         let text = format!("{RUN}[metrics]\n{metric}\n");
-        folder
-            .campaign(stone(), &text)
+        campaign_of(&folder, stone(), &text)
             .err()
             .expect("wrong")
             .to_string()
@@ -157,7 +145,11 @@ fn a_campaign_file_adds_metrics_and_says_what_declared_ones_have_to_be() {
     let nothing =
         told("fastst = { require = { below = \"90 kph\", share = 0.5, confidence = 0.5 } }");
     assert!(nothing.contains("metrics.fastst"), "{nothing}");
-    let every = folder.campaign(stone(), &RUN.replace("until", "every = \"1 ms\"\nuntil"));
+    let every = campaign_of(
+        &folder,
+        stone(),
+        &RUN.replace("until", "every = \"1 ms\"\nuntil"),
+    );
     let every = every.err().expect("no row at the event").to_string();
     assert!(
         every.contains("metric passing") && every.contains("every step"),

@@ -236,13 +236,14 @@ fn path_class(index: usize) -> String {
     format!("mbd-series {}", Look::of(index % 7 + 1).class())
 }
 
-fn axis([low, high]: [f64; 2], length: f64) -> Axis {
+/// An axis that is so long [px].
+pub(super) fn axis([low, high]: [f64; 2], length: f64) -> Axis {
     let count = (length / 52.0).round().clamp(5.0, 9.0) as usize;
     Axis::new(Range::Fixed(low, high), Scale::Linear, count)
 }
 
 /// Ranges with a margin and the size of the panel, one scale for both axes, for a panel at most `widest` wide.
-fn fitted(bounds: [[f64; 2]; 2], widest: f64) -> ([[f64; 2]; 2], [f64; 2]) {
+pub(super) fn fitted(bounds: [[f64; 2]; 2], widest: f64) -> ([[f64; 2]; 2], [f64; 2]) {
     let most = bounds
         .iter()
         .map(|[low, high]| high - low)

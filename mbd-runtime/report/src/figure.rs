@@ -1,6 +1,8 @@
 //! Line plots: what is drawn, and where each part of the drawing goes.
 
 use super::axis::{Axis, HUGE, Range, Scale};
+use super::band::Band;
+use super::drawing::{axis, fitted};
 use super::live::{PlotNumbers, SeriesNumbers};
 use super::look::Look;
 use super::packing::Packed;
@@ -19,6 +21,7 @@ pub struct Series<'a> {
     y: &'a [f64],
     look: Option<Look>,
     period: Option<f64>,
+    dots: bool,
 }
 
 impl<'a> Series<'a> {
@@ -31,6 +34,7 @@ impl<'a> Series<'a> {
             y,
             look: None,
             period: None,
+            dots: false,
         }
     }
 
@@ -41,11 +45,25 @@ impl<'a> Series<'a> {
         self
     }
 
+    /// Draws a dot at each pair, and no line.
+    #[must_use]
+    pub fn dots(mut self) -> Self {
+        self.dots = true;
+        self
+    }
+
     /// Chooses the look; otherwise the figure hands them out in the order of [`Look::ALL`].
     #[must_use]
     pub fn look(mut self, look: Look) -> Self {
         self.look = Some(look);
         self
+    }
+
+    fn trace(&self, panel: &Panel<'_>) -> Trace {
+        match self.dots {
+            true => panel.dots(self.samples()),
+            false => panel.trace(self.samples(), self.period),
+        }
     }
 
     fn samples(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
@@ -71,7 +89,9 @@ pub struct Figure<'a> {
     scales: [Scale; 2],
     windows: [Option<(f64, f64)>; 2],
     series: Vec<Series<'a>>,
+    bands: Vec<Band<'a>>,
     levels: Vec<(String, f64)>,
+    equal: bool,
 }
 
 const HEIGHT: f64 = 320.0;
@@ -138,6 +158,31 @@ impl<'a> Figure<'a> {
         self
     }
 
+    /// Adds the area between two curves over the same x, under all curves; later ones lie on top, `shade` from 0, the lightest, to 2.
+    #[must_use]
+    pub fn band(
+        mut self,
+        name: impl Into<String>,
+        x: &'a [f64],
+        [low, high]: [&'a [f64]; 2],
+        shade: usize,
+    ) -> Self {
+        self.bands.push(Band {
+            name: name.into(),
+            x,
+            ends: [low, high],
+            shade,
+        });
+        self
+    }
+
+    /// Draws both axes to one scale: a metre is as long across as upwards. Windows and logarithmic axes have no say then.
+    #[must_use]
+    pub fn equal(mut self) -> Self {
+        self.equal = true;
+        self
+    }
+
     /// Adds a thin horizontal line with a name, for a weight or a limit.
     #[must_use]
     pub fn level(mut self, name: impl Into<String>, value: f64) -> Self {
@@ -177,7 +222,8 @@ impl<'a> Figure<'a> {
 
     /// Its numbers, thinned, for a page that has a player; `None` of a figure that is not over time.
     pub(super) fn numbers(&self) -> Option<PlotNumbers> {
-        if self.labels[0] != label("time", "s") || self.scales[0] != Scale::Linear {
+        let still = !self.bands.is_empty() || self.series.iter().any(|series| series.dots);
+        if self.labels[0] != label("time", "s") || self.scales[0] != Scale::Linear || still {
             return None;
         }
         let most = (CURVE_BYTES / 8 / self.series.len().max(1)).min(MOST);
@@ -201,19 +247,13 @@ impl<'a> Figure<'a> {
     }
 
     fn drawn(&self, finish: impl FnOnce(&Plot<'_>) -> String) -> String {
-        let x = Axis::new(self.range(0), self.scales[0], 8);
-        let y = Axis::new(self.range(1), self.scales[1], 6);
-        let left = left_margin(&y);
-        let panel = Panel {
-            size: [WIDTH - RIGHT - left, HEIGHT],
-            x: &x,
-            y: &y,
+        let ([x, y], left, size) = match self.equal {
+            true => self.equal_axes(),
+            false => self.own_axes(),
         };
-        let traces: Vec<Trace> = self
-            .series
-            .iter()
-            .map(|series| panel.trace(series.samples(), series.period))
-            .collect();
+        let panel = Panel { size, x: &x, y: &y };
+        let traces = self.series.iter().map(|series| series.trace(&panel));
+        let traces: Vec<Trace> = traces.collect();
         let mut svg = Svg::content();
         draw_grid(&mut svg, &panel);
         self.draw_curves(&mut svg, &panel, &traces);
@@ -228,9 +268,39 @@ impl<'a> Figure<'a> {
             content: svg.markup(),
             left,
             size: panel.size,
-            equal: false,
+            equal: self.equal,
             notes: self.notes(&traces),
         })
+    }
+
+    /// Axes that follow their own numbers, the room left of the panel, and its size [px].
+    fn own_axes(&self) -> ([Axis; 2], f64, [f64; 2]) {
+        let x = Axis::new(self.range(0), self.scales[0], 8);
+        let y = Axis::new(self.range(1), self.scales[1], 6);
+        let left = left_margin(&y);
+        ([x, y], left, [WIDTH - RIGHT - left, HEIGHT])
+    }
+
+    /// The same with one scale on both axes.
+    fn equal_axes(&self) -> ([Axis; 2], f64, [f64; 2]) {
+        let mut bounds: Option<[[f64; 2]; 2]> = None;
+        let drawable = |(x, y): &(f64, f64)| x.abs() <= HUGE && y.abs() <= HUGE;
+        for (x, y) in self.samples().filter(drawable) {
+            let [across, up] = bounds.get_or_insert([[x; 2], [y; 2]]);
+            *across = [across[0].min(x), across[1].max(x)];
+            *up = [up[0].min(y), up[1].max(y)];
+        }
+        let bounds = bounds.unwrap_or([[-0.5, 0.5]; 2]);
+        // The margin depends on the labels, which depend on the range: the first guess of the range is close enough for it.
+        let left = left_margin(&axis(bounds[1], HEIGHT));
+        let ([across, up], size) = fitted(bounds, WIDTH - RIGHT - left);
+        ([axis(across, size[0]), axis(up, size[1])], left, size)
+    }
+
+    /// All places that are drawn.
+    fn samples(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let curves = self.series.iter().flat_map(Series::samples);
+        curves.chain(self.bands.iter().flat_map(Band::samples))
     }
 
     /// The range of one axis: the window, or the data inside the other axis's window.
@@ -252,7 +322,7 @@ impl<'a> Figure<'a> {
             let (low, high) = ends.unwrap_or((value, value));
             ends = Some((low.min(value), high.max(value)));
         };
-        for (x, y) in self.series.iter().flat_map(Series::samples) {
+        for (x, y) in self.samples() {
             let (value, other) = if axis == 0 { (x, y) } else { (y, x) };
             if drawable(value, axis) && drawable(other, 1 - axis) && seen(other) {
                 include(value);
@@ -285,8 +355,11 @@ impl<'a> Figure<'a> {
         let middle = 0.5 * SAMPLE[1];
         let entry = |(index, (series, trace)): (usize, (&Series<'_>, &Trace))| {
             let mut sample = Svg::content();
-            let class = format!("mbd-series {}", self.look(index).class());
-            sample.line(&class, [0.0, middle], [SAMPLE[0], middle]);
+            let class = self.class(index);
+            match series.dots {
+                true => sample.path(&class, &format!("M{} {middle}h0", 0.5 * SAMPLE[0])),
+                false => sample.line(&class, [0.0, middle], [SAMPLE[0], middle]),
+            }
             if !trace.marks.is_empty() {
                 sample.mark([0.5, 0.5], &self.mark_class(index), mark(index));
             }
@@ -295,19 +368,30 @@ impl<'a> Figure<'a> {
                 name: series.name.clone(),
             }
         };
+        let bands = self.bands.iter().map(|band| Entry {
+            sample: band.sample(),
+            name: band.name.clone(),
+        });
         let all = self.series.iter().zip(traces).enumerate();
-        all.map(entry).collect()
+        bands.chain(all.map(entry)).collect()
+    }
+
+    /// The style classes of a series.
+    fn class(&self, index: usize) -> String {
+        let dots = self.series.get(index).is_some_and(|series| series.dots);
+        let dots = if dots { " mbd-dots" } else { "" };
+        format!("mbd-series {}{dots}", self.look(index).class())
     }
 
     fn draw_curves(&self, svg: &mut Svg, panel: &Panel, traces: &[Trace]) {
         // A curve that just touches an edge is not cut in half there.
         let spill = if self.windows[1].is_some() { 0.0 } else { 2.0 };
         svg.stretch(panel.size, spill);
+        for band in &self.bands {
+            svg.path(&band.class(), &band.path(panel));
+        }
         for (index, trace) in traces.iter().enumerate() {
-            svg.path(
-                &format!("mbd-series {}", self.look(index).class()),
-                &trace.path,
-            );
+            svg.path(&self.class(index), &trace.path);
         }
         svg.unstretch();
         for (name, value) in &self.levels {
@@ -321,7 +405,7 @@ impl<'a> Figure<'a> {
                 svg.beside(" mbd-halo", at, SMALL, Anchor::Start, name);
             }
         }
-        if traces.iter().all(|trace| trace.path.is_empty()) {
+        if self.bands.is_empty() && traces.iter().all(|trace| trace.path.is_empty()) {
             let middle = ([0.5, 0.5], [0.0, 0.0]);
             svg.beside("", middle, TEXT, Anchor::Middle, "nothing to draw here");
         }

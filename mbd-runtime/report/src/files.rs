@@ -25,15 +25,15 @@ pub fn write_whole(
     write_beside(path, ".part", write)
 }
 
-/// [`write_whole`] of a text that other processes may be writing to the same place, on this machine or another: each has a part of its own, the last
+/// [`write_whole`] of a text, or of bytes, that other processes may be writing to the same place, on this machine or another: each has a part of its own, the last
 /// to be ready stays.
 ///
 /// # Errors
 /// As there.
-pub fn write_shared(path: &Path, text: &str) -> io::Result<()> {
+pub fn write_shared(path: &Path, content: impl AsRef<[u8]>) -> io::Result<()> {
     let own = RandomState::new().build_hasher().finish();
     let ending = format!(".{own:016x}.part");
-    write_beside(path, &ending, |to| to.write_all(text.as_bytes()))
+    write_beside(path, &ending, |to| to.write_all(content.as_ref()))
 }
 
 fn write_beside(

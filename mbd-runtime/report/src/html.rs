@@ -9,7 +9,7 @@ use super::files;
 use super::live::{PlotNumbers, at_the_end, player};
 use super::look::style_sheet;
 use super::playback::Playback;
-use super::svg::{escape, words};
+use super::svg::{escape, link, words};
 use super::table::Table;
 
 /// A report, written from top to bottom. No dates, no paths, no machine names: the same input gives the same bytes.
@@ -60,6 +60,13 @@ impl Report {
     #[must_use]
     pub fn paragraph(mut self, text: &str) -> Self {
         self.body += &format!("<p>{}</p>\n", words(text));
+        self
+    }
+
+    /// Adds a paragraph that is a link to a file beside the page.
+    #[must_use]
+    pub fn link(mut self, text: &str, to: &str) -> Self {
+        self.body += &format!("<p>{}</p>\n", link(text, to));
         self
     }
 

@@ -11,6 +11,7 @@
 //! Everything here is a pure function of its input: the same data give the same bytes.
 
 mod axis;
+mod band;
 mod compared;
 mod drawing;
 mod drawn;
@@ -45,7 +46,7 @@ pub use html::Report;
 pub use look::Look;
 pub use mechanism::drawings;
 pub use number::significant;
-pub use of_run::report;
+pub use of_run::{report, with_run};
 pub use playback::Playback;
 pub use plots::{Group, groups};
 pub use spectrum::{Peak, Spectrum};

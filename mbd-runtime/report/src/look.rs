@@ -109,5 +109,7 @@ pub(super) fn style_sheet() -> String {
             stroke.dark, stroke.dark
         );
     }
+    light += ".mbd-dots{stroke-linecap:round;stroke-width:3;stroke-dasharray:none;stroke-opacity:.6}.mbd-shade0,.mbd-shade1,.mbd-shade2{fill:#0072b2;fill-opacity:.14}.mbd-shade1{fill-opacity:.24}.mbd-shade2{fill-opacity:.4}";
+    dark += ".mbd-shade0,.mbd-shade1,.mbd-shade2{fill:#6cb8ff}";
     format!("{light}@media screen and (prefers-color-scheme:dark){{{dark}}}")
 }

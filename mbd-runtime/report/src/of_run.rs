@@ -45,13 +45,24 @@ pub fn report<T: Float>(
 ) -> Report {
     let scene = model.scene();
     let params: Vec<f64> = model.params().iter().map(|param| param.to_f64()).collect();
-    let views = Views::new(&Run::new(scene, &params, history));
     let mut page = Report::new(&scene.name);
     if !scene.doc.trim().is_empty() {
         page = page.paragraph(scene.doc.trim());
     }
+    with_run(page, (model, options), &Run::new(scene, &params, history))
+}
+
+/// Adds what [`report`] shows of a run to a page of your own: the run as it moves, its plots, how it was run, its params.
+#[must_use]
+pub fn with_run<T: Float>(
+    page: Report,
+    (model, options): (&(impl Model<T> + ?Sized), &Options),
+    shown: &Run<'_>,
+) -> Report {
+    let views = Views::new(shown);
     let page = views.with_histories(views.with_motion(page));
-    let page = page.section("The run").table(&run(model, options, history));
+    let table = run(model, options, shown.trajectory);
+    let page = page.section("The run").table(&table);
     match params_of(model) {
         table if table.is_empty() => page,
         table => page.table(&table),

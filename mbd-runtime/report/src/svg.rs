@@ -59,6 +59,13 @@ pub(super) fn words(text: &str) -> String {
     html
 }
 
+/// A link to a file beside the page; whatever `to` says, it leads to no other place.
+pub(super) fn link(text: &str, to: &str) -> String {
+    let path: Vec<&str> = to.split('/').filter(|part| !part.is_empty()).collect();
+    let path = escape(&path.join("/"));
+    format!("<a href=\"./{path}\">{}</a>", words(text))
+}
+
 /// Prose without the backticks around names, where there is no type for code.
 pub(super) fn plain(text: &str) -> String {
     text.replace('`', "")

@@ -1,7 +1,7 @@
 //! One table for the terminal, the report and a file.
 
 use super::number::significant;
-use super::svg::{escape, words};
+use super::svg::{escape, link, words};
 
 /// One entry of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,13 @@ pub enum Cell {
     Count(u64),
     /// Not known or not applicable: `–`.
     Missing,
+    /// Words that lead to a file beside the page.
+    Link {
+        /// The words.
+        text: String,
+        /// The file, as it is reached from the folder of the page.
+        to: String,
+    },
 }
 
 impl From<&str> for Cell {
@@ -189,8 +196,12 @@ impl Table {
         html += "</tr></thead>\n<tbody>\n";
         for row in &self.rows {
             html += "<tr>";
-            for (k, shown) in self.shown(row).iter().enumerate() {
-                html += &format!("<td{}>{}</td>", self.class(k), words(shown));
+            for (k, (shown, cell)) in self.shown(row).iter().zip(row).enumerate() {
+                let content = match cell {
+                    Cell::Link { text, to } => link(text, to),
+                    _ => words(shown),
+                };
+                html += &format!("<td{}>{content}</td>", self.class(k));
             }
             html += "</tr>\n";
         }
@@ -214,7 +225,7 @@ impl Table {
         let mut text = heads.collect::<Vec<_>>().join(",") + "\n";
         for row in &self.rows {
             let cells = row.iter().map(|cell| match cell {
-                Cell::Text(words) => quoted(words),
+                Cell::Text(words) | Cell::Link { text: words, .. } => quoted(words),
                 Cell::Number(number) => format!("{number:?}"),
                 Cell::Count(count) => count.to_string(),
                 Cell::Missing => String::new(),
@@ -228,7 +239,7 @@ impl Table {
         let cells = row.iter().zip(&self.columns);
         cells
             .map(|(cell, column)| match cell {
-                Cell::Text(words) => words.clone(),
+                Cell::Text(words) | Cell::Link { text: words, .. } => words.clone(),
                 Cell::Number(number) => significant(*number, column.digits),
                 Cell::Count(count) => count.to_string(),
                 Cell::Missing => "\u{2013}".to_string(),
@@ -241,7 +252,7 @@ impl Table {
         !self
             .rows
             .iter()
-            .any(|row| matches!(row[column], Cell::Text(_)))
+            .any(|row| matches!(row[column], Cell::Text(_) | Cell::Link { .. }))
     }
 
     fn class(&self, column: usize) -> &'static str {

@@ -3,6 +3,8 @@
 //! Of all samples that fall into one pixel column the first, the lowest, the highest and the last are drawn, so a ripple of 212 Hz in a
 //! picture of 70 s stays the band that it is, and the file stays small.
 
+use std::collections::BTreeSet;
+
 use super::axis::Axis;
 use super::number::pixel;
 
@@ -50,6 +52,27 @@ impl Panel<'_> {
     fn side(&self, place: [f64; 2], axis: usize) -> i32 {
         let offset = place[axis];
         i32::from(offset > self.size[axis] + 1e-6) - i32::from(offset < -1e-6)
+    }
+
+    /// Draws a dot at each sample, of those in the same pixel one.
+    pub fn dots(&self, samples: impl Iterator<Item = (f64, f64)>) -> Trace {
+        let mut trace = Trace::default();
+        let mut pixels = BTreeSet::new();
+        for (x, y) in samples {
+            let Some(place) = self.place(x, y) else {
+                trace.missing += 1;
+                continue;
+            };
+            let is_inside = self.side(place, 0) == 0 && self.side(place, 1) == 0;
+            trace.inside += usize::from(is_inside);
+            trace.beyond += usize::from(!is_inside);
+            // Rounded as it is drawn.
+            if is_inside && pixels.insert(place.map(|x| x.round() as i64)) {
+                let [x, y] = place.map(|x| pixel(x.round()));
+                trace.path += &format!("M{x} {y}h0");
+            }
+        }
+        trace
     }
 
     /// Draws samples into a path. Where `period` is given, values that far apart are the same, and the line breaks where they jump by more than
@@ -247,6 +270,27 @@ mod tests {
             .map(|k| (f64::from(k) * 1e-3, f64::from(u8::from(k == 4321))))
             .collect();
         assert!(heights(&draw(&samples)).contains(&0.0));
+    }
+
+    #[test]
+    fn a_dot_is_drawn_once_a_pixel_and_every_sample_is_counted() {
+        let x = Axis::new(Range::Fixed(0.0, 10.0), Scale::Linear, 5);
+        let y = Axis::new(Range::Fixed(0.0, 1.0), Scale::Linear, 5);
+        let panel = Panel {
+            size: [100.0, 100.0],
+            x: &x,
+            y: &y,
+        };
+        let samples = [
+            (1.0, 0.5),
+            (1.01, 0.501),
+            (5.0, 0.2),
+            (20.0, 0.5),
+            (f64::NAN, 0.1),
+        ];
+        let trace = panel.dots(samples.into_iter());
+        assert_eq!(trace.path, "M10 50h0M50 80h0");
+        assert_eq!((trace.inside, trace.beyond, trace.missing), (3, 1, 1));
     }
 
     #[test]

@@ -125,14 +125,19 @@ fn check_numbers<T: Float>(scene: &Scene, numbers: &Numbers<T>) -> Result<(), Pa
         let inertia = numbers.inertia.map(Float::to_f64);
         let moments = inertia.symmetric_eigenvalues();
         let (smallest, largest) = (moments.min(), moments.max());
-        let rule = "positive definite, and its largest principal moment at most the sum of the other two [kg m²]";
-        let of_a_body = || 2.0 * largest <= moments.sum() * (1.0 + 1e-6);
-        let realisable = smallest > 0.0 && (scene.unchecked.contains(&index) || of_a_body());
+        let moment = |which: &str| format!("{}.inertia, {which} principal moment", body.name);
         demand(
-            realisable,
-            format!("{}.inertia", body.name),
+            smallest > 0.0,
+            moment("smallest"),
             T::from_f64(smallest),
-            rule,
+            "positive [kg m²]",
+        )?;
+        let of_a_body = 2.0 * largest <= moments.sum() * (1.0 + 1e-6);
+        demand(
+            of_a_body || scene.unchecked.contains(&index),
+            moment("largest"),
+            T::from_f64(largest),
+            "at most the sum of the other two [kg m²]",
         )?;
     }
     for (point, &(mass, _)) in scene.points.iter().zip(&numbers.points) {

@@ -1,10 +1,10 @@
 //! `mbd campaign`, `mbd gather`, `mbd report`: many cases of a scene, dispersed.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use mbd_campaign::{CampaignArgs, GatherArgs};
+use mbd_campaign::{Campaign, CampaignArgs, GatherArgs, Source};
 use mbd_runtime::Model;
 
 use super::failure::Failure;
@@ -23,18 +23,42 @@ pub struct SceneCampaignArgs {
 pub fn campaign(args: &SceneCampaignArgs) -> Result<String, Failure> {
     let file = SceneFile::find(&args.scene)?;
     let model = nominal(&file)?;
-    let replay = format!("mbd run {}", args.scene.display());
+    let source = |campaign: &Path| Source {
+        command: format!(
+            "mbd run {} --campaign {}",
+            args.scene.display(),
+            campaign.display()
+        ),
+        scene: Some(args.scene.clone()),
+        campaign: campaign.to_owned(),
+    };
+    let settings = file.settings;
     Ok(mbd_campaign::campaign(
         &args.campaign,
         model,
-        file.settings,
-        &|campaign| format!("{replay} --campaign {}", campaign.display()),
+        settings,
+        &source,
     )?)
 }
 
-/// Writes the page of a campaign.
+/// Writes the page of a campaign, with the histories it chooses.
 pub fn report(args: &GatherArgs) -> Result<String, Failure> {
-    Ok(mbd_campaign::report(args)?)
+    Ok(mbd_campaign::report(args, &reopen)?)
+}
+
+/// The campaign of a folder, by the files it is from.
+fn reopen(source: &Source) -> Result<Campaign, mbd_campaign::Failure> {
+    let Some(scene) = &source.scene else {
+        let text = format!(
+            "its model is that of a program of its own: `{}`",
+            source.command
+        );
+        return Err(mbd_campaign::Failure::Usage(text));
+    };
+    let told = |failure: Failure| mbd_campaign::Failure::Invalid(failure.to_string());
+    let file = SceneFile::find(scene).map_err(told)?;
+    let model = nominal(&file).map_err(told)?;
+    Campaign::read(&source.campaign, model, file.settings)
 }
 
 /// Puts the results of all shards together.

@@ -17,7 +17,10 @@ use crate::run::{Plan, Settings};
 use crate::sampling::{Distribution, Sampling, Spread};
 use correlation::Correlation;
 pub use name::{Known, Target};
-pub use written::{Written, WrittenMetric, WrittenRequirement};
+pub use written::{
+    Written, WrittenEnvelopes, WrittenFootprint, WrittenHistories, WrittenMetric,
+    WrittenRequirement,
+};
 
 /// The most cases.
 const MOST_CASES: u64 = 100_000_000;

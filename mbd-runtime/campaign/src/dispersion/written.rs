@@ -26,6 +26,17 @@
 //! [metrics]
 //! peak = { max = "riser.tension", require = { below = "15 kN", share = 0.99865, confidence = 0.9 } }
 //!
+//! [histories]               # of which cases histories and pages are kept
+//! worst = { peak = 5 }
+//! failed = 20
+//!
+//! [envelopes]               # percentiles of columns over time
+//! columns = ["riser.tension"]
+//!
+//! [[footprint]]             # two metrics together
+//! x = "east"
+//! y = "north"
+//!
 //! [run]                     # single settings in place of those of the scene
 //! until = "70 s"
 //! ```
@@ -69,6 +80,13 @@ pub struct Written {
     /// Settings of the runs in place of those of the scene.
     #[serde(default)]
     pub run: Table,
+    /// Which cases keep their histories.
+    pub histories: Option<WrittenHistories>,
+    /// What is told of columns over time.
+    pub envelopes: Option<WrittenEnvelopes>,
+    /// Pairs of metrics that are told together.
+    #[serde(default)]
+    pub footprint: Vec<WrittenFootprint>,
 }
 
 /// A distribution.
@@ -170,4 +188,49 @@ pub struct WrittenRequirement {
     pub share: f64,
     /// The confidence, 0 … 1.
     pub confidence: f64,
+}
+
+/// Which cases keep their histories.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct WrittenHistories {
+    /// So many cases that are nearest to breaking what is required of a metric, or furthest beyond it.
+    #[serde(default)]
+    pub worst: BTreeMap<String, u64>,
+    /// So many cases with the largest values of a metric.
+    #[serde(default)]
+    pub largest: BTreeMap<String, u64>,
+    /// So many cases with the smallest values of a metric.
+    #[serde(default)]
+    pub smallest: BTreeMap<String, u64>,
+    /// So many cases at random.
+    #[serde(default)]
+    pub random: u64,
+    /// So many cases that failed, or `"all"`.
+    pub failed: Option<Value>,
+    /// Cases by their numbers.
+    #[serde(default)]
+    pub cases: Vec<u64>,
+}
+
+/// What is told of columns over time.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct WrittenEnvelopes {
+    /// The columns, as the header of `history.csv` has them.
+    pub columns: Vec<String>,
+    /// The distance of the instants; left out: a hundredth of the run.
+    pub every: Option<Value>,
+}
+
+/// Two metrics that are told together.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct WrittenFootprint {
+    /// The metric across.
+    pub x: String,
+    /// The metric upwards.
+    pub y: String,
+    /// The parts of all cases that the ellipses would hold of normal numbers, 0 … 1; left out: those of one, two and three standard deviations.
+    pub shares: Option<Vec<f64>>,
 }

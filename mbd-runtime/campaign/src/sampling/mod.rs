@@ -7,7 +7,7 @@ mod philox;
 mod sobol;
 
 pub use distribution::Distribution;
-use philox::Draws;
+pub use philox::Draws;
 use sobol::{DIMENSIONS, Sobol};
 
 /// How the cases of a campaign are spread.

@@ -18,16 +18,22 @@ pub struct Percentile {
     pub high: Option<f64>,
 }
 
+/// The smallest of sorted values that at least this part of them does not exceed; `None` without values.
+#[must_use]
+pub fn quantile(sorted: &[f64], part: f64) -> Option<f64> {
+    let rank = (part * sorted.len() as f64).ceil() as usize;
+    sorted.get(rank.clamp(1, sorted.len().max(1)) - 1).copied()
+}
+
 /// The percentile of sorted values with a two-sided confidence; `None` without values.
 #[must_use]
 pub fn percentile(sorted: &[f64], part: f64, confidence: f64) -> Option<Percentile> {
     let n = sorted.len() as u64;
-    let rank = ((part * n as f64).ceil() as usize).clamp(1, sorted.len().max(1));
     let doubt = 0.5 * (1.0 - confidence);
     let at = |rank: Option<u64>| sorted.get(rank?.checked_sub(1)? as usize).copied();
     Some(Percentile {
         part,
-        value: *sorted.get(rank - 1)?,
+        value: quantile(sorted, part)?,
         low: at(rank_below(n, part, 1.0 - doubt)),
         high: at(rank_above(n, part, 1.0 - doubt)),
     })

@@ -139,6 +139,50 @@ fn a_case_that_is_run_alone_is_that_of_the_campaign_to_the_bit() {
     assert!(error.to_string().contains("the last is 30"), "{error}");
 }
 
+/// The columns and the bytes of `mbd run`, compiled and interpreted, whoever flies the case again.
+#[test]
+fn the_history_that_a_campaign_keeps_is_that_of_the_case_run_alone() {
+    let folder = Folder::new("kept");
+    let swing =
+        format!("{DISPERSED}\n[histories]\nlargest = {{ peak = 1 }}\nfailed = 1\ncases = [5]\n");
+    let top = "seed = 3\ncases = 4\n[start]\ntop.omega_body_y = { dist = \"normal\", sigma = \"0.2 rad/s\" }\n[metrics]\nfar = { max = \"quaternion_drift\" }\n\
+               [histories]\ncases = [0, 3]\n[run]\nuntil = \"0.2 s\"\n";
+    for (scene, text, last) in [("swing", swing, 5), ("heavy_top", top.to_owned(), 3)] {
+        let file = folder.file(&format!("{scene}.toml"), &text);
+        let [out, alone] = ["out", "alone"].map(|name| {
+            folder
+                .0
+                .join(format!("{scene}_{name}"))
+                .display()
+                .to_string()
+        });
+        run(&["campaign", scene, &file, "--out", &out]).unwrap();
+        run(&["report", &out]).unwrap();
+        for case in [0, last] {
+            let kept = Path::new(&out).join(format!("histories/case_{case:06}.csv"));
+            if scene == "swing" && case == 0 {
+                assert!(!kept.exists());
+                continue;
+            }
+            let number = case.to_string();
+            run(&[
+                "run",
+                scene,
+                "--campaign",
+                &file,
+                "--case",
+                &number,
+                "--out",
+                &alone,
+                "--no-estimate",
+            ])
+            .unwrap();
+            let history = std::fs::read(Path::new(&alone).join("history.csv")).unwrap();
+            assert!(history == std::fs::read(kept).unwrap(), "{scene} {case}");
+        }
+    }
+}
+
 /// What the page shows is run as it is written, with fewer cases.
 #[test]
 fn the_campaign_file_of_the_page_about_campaigns_runs() {
@@ -183,7 +227,9 @@ fn a_scene_file_is_run_in_lanes_with_the_same_bytes() {
     );
     let cases = |lanes: &str| {
         let out = folder.0.join(lanes).display().to_string();
-        run(&["campaign", &scene, &file, "--out", &out, "--lanes", lanes]).unwrap();
+        let told = run(&["campaign", &scene, &file, "--out", &out, "--lanes", lanes]).unwrap();
+        let said = format!("100 % of all steps were made in {lanes} lanes");
+        assert_eq!(told.contains(&said), lanes != "1", "{told}");
         std::fs::read(Path::new(&out).join("cases.csv")).unwrap()
     };
     let alone = cases("1");
@@ -195,4 +241,25 @@ fn a_scene_file_is_run_in_lanes_with_the_same_bytes() {
         error.to_string().contains("[possible values: 1, 4, 8]"),
         "{error}"
     );
+}
+
+/// Ready scenes are compiled for one case at a time, a closed loop has rows: `--lanes` says that it has no effect.
+#[test]
+fn lanes_that_have_no_effect_are_told_with_the_reason() {
+    let folder = Folder::new("no_lanes");
+    let file = folder.file(
+        "few.toml",
+        "cases = 3\n[metrics]\ndrift = { max = \"quaternion_drift\" }\n[run]\nuntil = \"10 ms\"\n",
+    );
+    for (scene, why) in [
+        ("heavy_top", "`mbd convert` writes one"),
+        ("linkage", "none of its steps is one that is made in lanes"),
+    ] {
+        let out = folder.0.join(scene).display().to_string();
+        let told = run(&["campaign", scene, &file, "--out", &out, "--lanes", "4"]).unwrap();
+        assert!(
+            told.contains("--lanes 4 had no effect") && told.contains(why),
+            "{told}"
+        );
+    }
 }

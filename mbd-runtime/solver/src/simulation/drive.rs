@@ -48,17 +48,16 @@ impl<T: Float> Simulation<T> {
                 return Err(self.failed(cause));
             }
         }
-        Ok(())
+        self.leave().map_err(|cause| self.failed(cause))
     }
 
     /// Starts a run that was not started. In one that was, functions of time and state may give something else than in the last call, and what is
-    /// held may have changed: the first stage is evaluated anew.
+    /// held may have changed: then the first stage is evaluated anew.
     fn enter(&mut self) -> Result<(), RunError> {
         if !self.started {
             return self.begin();
         }
-        self.stale |= !self.system.controls.is_empty() && !self.system.inputs.is_empty();
-        let begun = self.refresh();
+        let begun = self.compare_supplied().and_then(|()| self.refresh());
         begun.map_err(|cause| self.failed(cause))
     }
 
@@ -109,10 +108,15 @@ impl<T: Float> Simulation<T> {
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<Stop>, RunError> {
         self.shown.forget();
-        let outcome = match course.opened {
+        let mut outcome = match course.opened {
             true => self.try_next(course, trajectory, go_on),
             false => self.open(course, trajectory),
         };
+        if let Ok(Some(_)) = outcome
+            && let Err(cause) = self.leave()
+        {
+            outcome = Err(cause);
+        }
         if let Err(cause) = &outcome {
             self.go_back(cause, trajectory)?;
         }

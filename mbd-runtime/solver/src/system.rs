@@ -26,7 +26,7 @@ use known::Known;
 
 /// Inputs, external loads and external gravity of a scene that is not compiled, in the order of `Layout::inputs`, as functions of time and state.
 ///
-/// A pure function: it is called at trial states which may be rejected. For a model of [`model!`](crate::model) use
+/// A pure function: it is called at trial states which may be rejected. For a model of `model!` use
 /// [`Simulation::control`](crate::Simulation::control), whose numbers have names.
 pub trait External<T> {
     /// Writes every number of `out` (SI, world axes).
@@ -556,11 +556,17 @@ impl<T: Float> System<T> {
         })
     }
 
+    /// Whether functions of time and state change what is held.
+    pub(crate) fn has_functions(&self) -> bool {
+        !self.controls.is_empty() && !self.inputs.is_empty()
+    }
+
     /// The inputs of a stage. Without functions of time and state they are those that are held.
     pub(crate) fn supply(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
-        if self.controls.is_empty() || self.inputs.is_empty() {
+        if !self.has_functions() {
             return Ok(());
         }
+        let state = state.get(..self.nx).unwrap_or_default();
         self.inputs.copy_from_slice(&self.held);
         let (mut inputs, mut controls) = (
             std::mem::take(&mut self.inputs),

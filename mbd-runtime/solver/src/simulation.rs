@@ -183,6 +183,8 @@ pub struct Simulation<T: Float> {
     moved: Vec<Moved>,
     /// Whether what is held has changed since the first stage of the next step was evaluated.
     stale: bool,
+    /// What functions of time and state gave at the end of the last call; empty where that is not known.
+    left: Vec<T>,
     samplers: Vec<Sampler<T>>,
     /// Room for what controllers give.
     given: Vec<T>,

@@ -173,6 +173,7 @@ impl<T: Float> Simulation<T> {
             as_declared: true,
             started: false,
             stale: false,
+            left: Vec::with_capacity(layout.ni),
             samplers: Vec::new(),
             given: vec![T::zero(); layout.ni],
             moved: Vec::new(),
@@ -326,6 +327,7 @@ impl<T: Float> Simulation<T> {
 
     fn consistent_start(&mut self) -> Result<(), StepError> {
         self.stale = false;
+        self.left.clear();
         if self.system.unsupplied {
             return Err(unsupplied(&*self.system.model));
         }

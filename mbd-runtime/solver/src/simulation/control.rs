@@ -104,6 +104,26 @@ impl<T: Float> Simulation<T> {
         instants.fold(f64::INFINITY, f64::min)
     }
 
+    /// Keeps what functions of time and state give at the end of a call, which the first stage of the next step was evaluated with.
+    pub(super) fn leave(&mut self) -> Result<(), StepError> {
+        if !self.stale && self.system.has_functions() {
+            self.system.supply(self.time, &self.state)?;
+            self.left.clear();
+            self.left.extend_from_slice(&self.system.inputs);
+        }
+        Ok(())
+    }
+
+    /// Whether functions of time and state give the same at the start of the next call; otherwise the first stage is stale.
+    pub(super) fn compare_supplied(&mut self) -> Result<(), StepError> {
+        if !self.stale && self.system.has_functions() {
+            self.system.supply(self.time, &self.state)?;
+            self.stale = self.left != self.system.inputs;
+            self.left.clear();
+        }
+        Ok(())
+    }
+
     /// The first stage and the margins of the next step, for what is supplied now, where that has changed.
     pub(super) fn refresh(&mut self) -> Result<(), StepError> {
         if !self.stale {

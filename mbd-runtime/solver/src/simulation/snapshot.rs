@@ -178,6 +178,7 @@ impl<T: Float> Simulation<T> {
         self.system.hold(held);
         self.system.unsupplied = *unsupplied;
         self.stale = false;
+        self.left.clear();
         for (sampler, saved) in self.samplers.iter_mut().zip(&snapshot.samples) {
             (sampler.from, sampler.next) = *saved;
         }

@@ -87,9 +87,8 @@ impl<T: Float> Simulation<T> {
 impl<T: Float> crate::system::System<T> {
     /// Whether a stage is inputs that are held, a state in the world, and nodes, and nothing else.
     fn is_plain(&self) -> bool {
-        let supplied = !self.controls.is_empty() && !self.inputs.is_empty();
-        let stays = self.following.is_none();
-        stays && !supplied && !self.projection.any() && self.length() == self.nx
+        let stays = self.following.is_none() && !self.has_functions();
+        stays && !self.projection.any() && self.length() == self.nx
     }
 
     /// Holds elements in the modes of the memory; whether nodes, if there are any, may be found elsewhere.

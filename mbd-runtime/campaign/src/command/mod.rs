@@ -1,0 +1,253 @@
+//! The commands of campaigns: what can be typed, for `mbd` and for a user's own model alike.
+
+mod program;
+mod source;
+mod told;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread::available_parallelism;
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use mbd_runtime::Model;
+
+use crate::blocks::{self, Done, Shard};
+use crate::campaign::{Campaign, Resources};
+use crate::failure::Failure;
+use crate::histories::{self, Chosen};
+use crate::page::Page;
+use crate::progress::Progress;
+use crate::results::Results;
+use crate::run::Settings;
+use crate::summary::Summary;
+
+pub use program::main;
+pub use source::Source;
+pub use told::text;
+
+/// What to disperse, and where the results go.
+#[derive(Args, Clone, Debug)]
+pub struct CampaignArgs {
+    /// The campaign file: what is dispersed, what is read from every run, how it is run.
+    file: PathBuf,
+    /// Folder for the results [default: out/campaign/NAME of the campaign file].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Run a part of it alone, `3/8`; `/8` takes its number from SLURM_ARRAY_TASK_ID, HQ_TASK_ID or JOB_COMPLETION_INDEX.
+    #[arg(long, value_name = "I/N")]
+    shard: Option<String>,
+    /// On so many threads [default: all cores].
+    #[arg(long, value_name = "NUMBER")]
+    threads: Option<usize>,
+    /// So many cases beside each other on each thread, in the lanes of one register, where the model has its equations over lanes at hand; the results
+    /// do not depend on it [default: what the program is compiled for: 8 with AVX-512, 4 with AVX, else 1].
+    #[arg(long, value_parser = PossibleValuesParser::new(["1", "4", "8"]).try_map(|lanes| lanes.parse::<usize>()))]
+    lanes: Option<usize>,
+    /// Go on with what is in the folder already.
+    #[arg(long)]
+    resume: bool,
+}
+
+/// The results of all shards, put together.
+#[derive(Args, Clone, Debug)]
+pub struct GatherArgs {
+    /// Folder with the results.
+    pub folder: PathBuf,
+    /// How many shards there were: those with missing blocks are named.
+    #[arg(long, value_name = "NUMBER")]
+    pub shards: Option<u64>,
+}
+
+/// Runs a campaign, or a shard of it, and tells what came out; `source` says where the campaign of a file is from.
+///
+/// # Errors
+/// What cannot be read, used or written; requirements that are not shown.
+pub fn campaign(
+    args: &CampaignArgs,
+    model: Arc<dyn Model<f64>>,
+    settings: Settings,
+    source: &dyn Fn(&Path) -> Source,
+) -> Result<String, Failure> {
+    let has_lanes = model.beside().is_some();
+    let campaign = Campaign::read(&args.file, model, settings)?;
+    let folder = args.out.clone().unwrap_or_else(|| {
+        let name = args.file.file_stem().unwrap_or_default();
+        Path::new("out").join("campaign").join(name)
+    });
+    let shard = match &args.shard {
+        None => Shard::WHOLE,
+        Some(text) => Shard::find(text, |name| std::env::var(name).ok()).map_err(Failure::Usage)?,
+    };
+    let resources = Resources {
+        threads: args.threads.unwrap_or_else(all_cores),
+        lanes: args.lanes,
+    };
+    let done = blocks::run(
+        &campaign,
+        &folder,
+        (shard, args.resume),
+        resources,
+        &mut Progress::new(),
+    )?;
+    source(&args.file).write(&folder)?;
+    let told = format!(
+        "{} cases run, {} of them did not reach their end, {} were there; written to {}\n{}",
+        done.cases,
+        done.failed,
+        done.skipped,
+        folder.display(),
+        in_lanes(&done, args.lanes, has_lanes)
+    );
+    match shard {
+        Shard::WHOLE => {
+            let gathered = gather(&GatherArgs {
+                folder,
+                shards: None,
+            });
+            match gathered {
+                Ok(text) => Ok(told + &text),
+                Err(Failure::NotMet(text)) => Err(Failure::NotMet(told + &text)),
+                Err(other) => Err(other),
+            }
+        }
+        _ => Ok(told + "`gather` puts all shards together\n"),
+    }
+}
+
+fn all_cores() -> usize {
+    available_parallelism().map_or(1, usize::from)
+}
+
+/// What became of lanes that were asked for.
+fn in_lanes(done: &Done, lanes: Option<usize>, has_lanes: bool) -> String {
+    match lanes {
+        None | Some(1) => String::new(),
+        Some(_) if done.steps == 0 => String::new(),
+        Some(lanes) if done.beside == 0 => {
+            let why = match has_lanes {
+                true => {
+                    "none of its steps is one that is made in lanes (docs/campaigns.md says which are)"
+                }
+                false => {
+                    "this model does not have its equations over lanes at hand: a scene file has them (`mbd convert` writes one), and a compiled model by `in_lanes`"
+                }
+            };
+            format!("--lanes {lanes} had no effect, the numbers are the same: {why}\n")
+        }
+        Some(lanes) => {
+            let share = 100.0 * done.beside as f64 / done.steps as f64;
+            format!("{share:.0} % of all steps were made in {lanes} lanes\n")
+        }
+    }
+}
+
+/// What the results of a folder say.
+struct Gathered {
+    results: Results,
+    summary: Summary,
+    envelopes: Vec<crate::envelopes::Envelope>,
+}
+
+impl Gathered {
+    /// Puts all shards together.
+    fn of(args: &GatherArgs) -> Result<Self, Failure> {
+        let envelopes = blocks::gather(&args.folder, args.shards)?;
+        let results = Results::read(&args.folder)?;
+        Ok(Gathered {
+            summary: Summary::of(&results),
+            results,
+            envelopes,
+        })
+    }
+
+    /// A text, as the requirements have it.
+    fn end(&self, told: String) -> Result<String, Failure> {
+        match self.summary.passes() {
+            true => Ok(told),
+            false => Err(Failure::NotMet(told)),
+        }
+    }
+}
+
+/// Puts the results of a folder together, and tells what they say.
+///
+/// # Errors
+/// Blocks are missing; requirements that are not shown.
+pub fn gather(args: &GatherArgs) -> Result<String, Failure> {
+    let gathered = Gathered::of(args)?;
+    gathered.end(text(&gathered.results, &gathered.summary))
+}
+
+/// Puts the results of a folder together, keeps the histories that the campaign file chooses, and writes the page: `report.html`. `reopen` gives the
+/// campaign of a source; it is asked where histories are missing.
+///
+/// # Errors
+/// Blocks are missing; a file cannot be written; requirements that are not shown. Where histories are missing that cannot be flown again the page is
+/// written without them.
+pub fn report(
+    args: &GatherArgs,
+    reopen: &dyn Fn(&Source) -> Result<Campaign, Failure>,
+) -> Result<String, Failure> {
+    let folder = &args.folder;
+    let gathered = Gathered::of(args)?;
+    let source = Source::read(folder);
+    let results = &gathered.results;
+    let chosen = results.manifest.told.histories.of(results);
+    let kept = keep_histories(folder, results, &chosen, &|| {
+        let source = source.as_ref().map_err(Clone::clone)?;
+        Ok((reopen(source)?, source.command.clone()))
+    });
+    let page = Page {
+        folder,
+        replay: source.as_ref().map_or("run FILE", |source| &source.command),
+        envelopes: &gathered.envelopes,
+        chosen: &chosen,
+    };
+    let written = page.write(results, &gathered.summary);
+    let pictures = written.map_err(|error| Failure::unwritten(&error))?;
+    let told = text(results, &gathered.summary);
+    let told = format!(
+        "{told}\nwritten to {}: report.html{}\n",
+        folder.display(),
+        pictures
+            .iter()
+            .map(|name| format!(", {name}"))
+            .collect::<String>()
+    );
+    match kept {
+        Err(Failure::Aborted(why)) => Err(Failure::Aborted(format!("{told}{why}\n"))),
+        Err(other) => Err(other),
+        Ok(()) => gathered.end(told),
+    }
+}
+
+/// Flies the chosen cases again whose histories are not there.
+fn keep_histories(
+    folder: &Path,
+    results: &Results,
+    chosen: &[Chosen],
+    reopen: &dyn Fn() -> Result<(Campaign, String), Failure>,
+) -> Result<(), Failure> {
+    let missing = histories::missing(folder, results, chosen);
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let opened = reopen().and_then(|(campaign, command)| {
+        campaign.manifest().find(folder)?;
+        Ok((campaign, command))
+    });
+    let (campaign, command) = opened.map_err(|why| {
+        Failure::Aborted(format!(
+            "{} histories are missing, because the campaign cannot be flown again here: {why}",
+            missing.len()
+        ))
+    })?;
+    histories::write(
+        (&campaign, results),
+        &missing,
+        (folder, &command),
+        all_cores(),
+        &mut Progress::new(),
+    )
+}

@@ -1,0 +1,181 @@
+//! The command line of a user's own compiled model.
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use clap::{Args, Parser, Subcommand};
+use mbd_runtime::{Model, ParamError};
+
+use super::{CampaignArgs, GatherArgs, Source, campaign, gather, report};
+use crate::campaign::Campaign;
+use crate::failure::Failure;
+use crate::results::head;
+use crate::run::Settings;
+use mbd_report::files;
+
+#[derive(Debug, Parser)]
+#[command(
+    after_help = "Exit codes: 0 ok, 1 usage, 2 model, params or campaign file invalid, 3 a requirement is not shown, 4 results are missing."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// List the params: name, value, unit, range, what it is.
+    List,
+    /// Run one case of a campaign file again: its row, and its history as a file.
+    Run(RunArgs),
+    /// Run a campaign, or a shard of it.
+    Campaign(CampaignArgs),
+    /// Put the results of all shards together and tell what they say.
+    Gather(GatherArgs),
+    /// Write the page of a campaign, with the histories and pages of the cases that the campaign file chooses.
+    Report(GatherArgs),
+}
+
+#[derive(Args, Debug)]
+struct RunArgs {
+    /// The campaign file.
+    file: PathBuf,
+    /// The case; 0 is the nominal.
+    #[arg(long, default_value_t = 0)]
+    case: u64,
+    /// Folder for history.csv [default: out/case].
+    #[arg(long, value_name = "DIR", default_value = "out/case")]
+    out: PathBuf,
+}
+
+/// The command line of a compiled model: the whole `main` of a program that runs campaigns of it.
+///
+/// ```no_run
+/// use mbd_runtime::model;
+///
+/// model! {
+///     /// A stone that falls.
+///     model Stone {
+///         gravity: [0.0, 0.0, -9.81] m/s^2;
+///         param mass = 1.0 kg in 0.1 kg ..= 10.0 kg;
+///         point stone { mass: mass, start at [0.0, 0.0, 100.0] m }
+///         load air on stone = -0.02 kg/m * norm(stone.velocity) * stone.velocity;
+///         output speed = norm(stone.velocity);
+///     }
+/// }
+///
+/// fn main() -> std::process::ExitCode {
+///     mbd_campaign::main(Stone::new(StoneParams::default()))
+/// }
+/// ```
+///
+/// `program campaign dispersions.toml --out results --threads 8` then runs it, `program run dispersions.toml --case 17` repeats one case of it.
+///
+/// Of a model over any scalar, `model Stone<T> { … }`, cases are run beside each other in the lanes of one register, compiled for a processor that has them
+/// (`RUSTFLAGS="-C target-cpu=native"`), where its equations are put at hand: `mbd_campaign::main(Stone::new(StoneParams::default()).map(InLanes::in_lanes))`
+/// with [`mbd_runtime::InLanes`].
+///
+/// Campaigns are flown in `f64`. A model over `f32` does not compile here; its numbers have seven digits, which single runs may be content with:
+///
+/// ```compile_fail,E0277
+/// use mbd_runtime::model;
+///
+/// model! {
+///     model Stone<T> {
+///         point stone { mass: 1.0 kg, start at [0.0, 0.0, 100.0] m }
+///     }
+/// }
+///
+/// fn main() -> std::process::ExitCode {
+///     mbd_campaign::main(Stone::<f32>::new(StoneParams::default()))
+/// }
+/// ```
+pub fn main(model: Result<impl Model<f64>, ParamError>) -> ExitCode {
+    let told = model
+        .map_err(|error| Failure::Invalid(error.to_string()))
+        .and_then(|model| answer(std::env::args_os(), &model));
+    // The exit code tells of the failure when a stream cannot.
+    let (written, code) = match &told {
+        Ok(text) => (write!(std::io::stdout(), "{text}"), 0),
+        Err(Failure::NotMet(text)) => (write!(std::io::stdout(), "{text}"), 3),
+        Err(failure) => (
+            writeln!(std::io::stderr(), "{}", failure.to_string().trim_end()),
+            failure.code(),
+        ),
+    };
+    match written {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => ExitCode::from(1),
+        _ => ExitCode::from(code),
+    }
+}
+
+fn answer(
+    arguments: impl IntoIterator<Item = OsString>,
+    model: &dyn Model<f64>,
+) -> Result<String, Failure> {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => return Err(Failure::Usage(error.to_string())),
+        Err(help) => return Ok(help.to_string()),
+    };
+    match cli.command {
+        Command::List => Ok(params(model)),
+        Command::Run(args) => run(&args, model.share()),
+        Command::Campaign(args) => {
+            let program = std::env::args().next().unwrap_or_default();
+            let source = |file: &Path| Source {
+                command: format!("{program} run {}", file.display()),
+                scene: None,
+                campaign: file.to_owned(),
+            };
+            campaign(&args, model.share(), Settings::default(), &source)
+        }
+        Command::Gather(args) => gather(&args),
+        Command::Report(args) => report(&args, &|source| {
+            Campaign::read(&source.campaign, model.share(), Settings::default())
+        }),
+    }
+}
+
+fn params(model: &dyn Model<f64>) -> String {
+    let params = model.scene().params.iter().zip(model.params());
+    let lines = params.map(|(param, value)| {
+        let unit = &param.unit;
+        let range = param
+            .range
+            .map_or(String::new(), |range| format!(", {range:?} in SI"));
+        format!(
+            "{} = {} {}{range}  {}\n",
+            param.name,
+            value / unit.factor,
+            unit.text,
+            param.doc.trim()
+        )
+    });
+    lines.collect()
+}
+
+fn run(args: &RunArgs, model: Arc<dyn Model<f64>>) -> Result<String, Failure> {
+    let campaign = Campaign::read(&args.file, model, Settings::default())?;
+    let invalid = |error: crate::run::PlanError| {
+        Failure::Invalid(format!("{}: {error}", args.file.display()))
+    };
+    let (row, history) = campaign.replay(args.case).map_err(invalid)?;
+    let path = args.out.join("history.csv");
+    files::make_folder(&args.out)
+        .and_then(|()| files::write_whole(&path, |to| history.to_csv(to)))
+        .map_err(|error| Failure::unwritten(&error))?;
+    let told = format!(
+        "{}\n{}\nwritten to {}\n",
+        head(&campaign.manifest()),
+        row.line(),
+        path.display()
+    );
+    match row.status.as_str() {
+        "ok" => Ok(told),
+        _ => Err(Failure::Aborted(told)),
+    }
+}

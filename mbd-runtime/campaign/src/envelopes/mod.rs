@@ -1,0 +1,146 @@
+//! Envelopes: columns of all cases at the same instants, and what they say there: smallest, percentiles, largest.
+//!
+//! Between rows of a history columns are straight, as for metrics. A case that failed, or that ended before an instant, has no value there.
+
+mod block;
+mod told;
+
+use mbd_runtime::{Content, Model, Name, Trajectory};
+use serde::{Deserialize, Serialize};
+
+use crate::columns;
+use crate::dispersion::WrittenEnvelopes;
+use crate::run::names::wrong;
+use crate::run::number::positive;
+use crate::run::{Plan, PlanError};
+
+pub use block::{Block, path};
+pub use told::{Envelope, LINES, table, told};
+
+/// The instants of a run where the file says nothing.
+const INSTANTS: f64 = 100.0;
+/// The most numbers that are kept of a case: 800 kB.
+const NUMBERS: usize = 100_000;
+
+/// The columns whose envelopes are told, and the instants k · `every`, k = 0 … `count` − 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Envelopes {
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Their units.
+    pub units: Vec<String>,
+    /// The distance of the instants [s].
+    pub every: f64,
+    /// How many instants there are.
+    pub count: usize,
+}
+
+impl Envelopes {
+    /// As they are written, for a model that is run as planned; `content` comes to hold the columns.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used.
+    pub fn new(
+        written: &WrittenEnvelopes,
+        (model, plan): (&dyn Model<f64>, &Plan),
+        content: &mut Content,
+    ) -> Result<Self, PlanError> {
+        if written.columns.is_empty() {
+            let text = "names no column: columns = [\"riser.tension\"]";
+            return Err(wrong("envelopes.columns", text));
+        }
+        for (at, column) in written.columns.iter().enumerate() {
+            if written.columns[..at].contains(column) {
+                return Err(wrong(
+                    "envelopes.columns",
+                    format!("`{column}` stands here twice"),
+                ));
+            }
+            columns::include(content, column, ("envelopes.columns", model))?;
+        }
+        let every = match &written.every {
+            Some(value) => positive("envelopes.every", value, "s")?,
+            None => plan.until / INSTANTS,
+        };
+        // The end is an instant, whatever rounding makes of the quotient.
+        let last = (plan.until / every * (1.0 + 1e-12)).floor();
+        let numbers = (last + 1.0) * written.columns.len() as f64;
+        if numbers > NUMBERS as f64 {
+            let text = format!(
+                "{} columns every {every} s are {numbers:.0} numbers of each case; at most {NUMBERS} are kept: write a longer distance",
+                written.columns.len()
+            );
+            return Err(wrong("envelopes.every", text));
+        }
+        let known = columns::names(model, *content);
+        let unit = |column: &String| {
+            let found = known.iter().find(|it| it.name == *column);
+            found.map_or(String::new(), |Name { unit, .. }| unit.clone())
+        };
+        Ok(Envelopes {
+            units: written.columns.iter().map(unit).collect(),
+            columns: written.columns.clone(),
+            every,
+            count: last as usize + 1,
+        })
+    }
+
+    /// The instants [s].
+    pub fn instants(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.count).map(|k| k as f64 * self.every)
+    }
+
+    /// How many numbers there are of a case.
+    #[must_use]
+    pub fn numbers(&self) -> usize {
+        self.columns.len() * self.count
+    }
+
+    /// The columns of a history at the instants, one column after the other; NaN beyond its ends.
+    #[must_use]
+    pub fn read(&self, history: &Trajectory) -> Vec<f64> {
+        let mut numbers = Vec::with_capacity(self.numbers());
+        for column in &self.columns {
+            let values = history.column(column).unwrap_or(&[]);
+            numbers.extend(
+                self.instants()
+                    .map(|at| between(history.times(), values, at)),
+            );
+        }
+        numbers
+    }
+}
+
+/// The value at an instant of a column that is straight between its rows; of rows at one time, the last.
+fn between(times: &[f64], values: &[f64], at: f64) -> f64 {
+    // Instants are multiples of a distance, the last row is where the run ended.
+    let near = 1e-12 * at.abs();
+    let next = times.partition_point(|time| *time <= at + near);
+    let row = |k: usize| Some((*times.get(k)?, *values.get(k)?));
+    let Some((t0, x0)) = next.checked_sub(1).and_then(row) else {
+        return f64::NAN;
+    };
+    match row(next) {
+        _ if t0 >= at - near => x0,
+        Some((t1, x1)) => x0 + (x1 - x0) * ((at - t0) / (t1 - t0)),
+        None => f64::NAN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_is_straight_between_its_rows_and_is_nowhere_else() {
+        let (times, values) = ([0.0, 1.0, 1.0, 3.0], [0.0, 2.0, 5.0, 6.0]);
+        let at = |t: f64| between(&times, &values, t);
+        assert_eq!([0.0, 0.5, 2.0, 3.0].map(at), [0.0, 1.0, 5.5, 6.0]);
+        // Where an event acts there is a row before it and one after it.
+        assert_eq!(at(1.0), 5.0);
+        assert!(at(-0.1).is_nan() && at(3.1).is_nan());
+        // 30 · 0.1 is a rounding error beyond 3.
+        assert_eq!(at(30.0 * 0.1), 6.0);
+        assert!(between(&[], &[], 0.0).is_nan());
+    }
+}

@@ -1,0 +1,212 @@
+//! The page of a campaign: what was required and whether it is shown, columns over time, footprints, percentiles, histograms, drivers, chosen cases,
+//! failures with the command that repeats them.
+
+mod chosen;
+mod failures;
+mod metric;
+mod over_time;
+mod spread;
+
+use std::io;
+use std::path::Path;
+
+use mbd_report::{Cell, Figure, Report, Table, files};
+
+use crate::envelopes::Envelope;
+use crate::histories::Chosen;
+use crate::results::Results;
+use crate::summary::{CONFIDENCE, Summary};
+use spread::Curves;
+
+/// The page of a campaign, beside what its results say.
+#[derive(Clone, Copy, Debug)]
+pub struct Page<'p> {
+    /// The folder of results: pages of cases that are there are linked.
+    pub folder: &'p Path,
+    /// The command that repeats a case, without its number.
+    pub replay: &'p str,
+    /// The envelopes.
+    pub envelopes: &'p [Envelope],
+    /// The cases whose histories are kept.
+    pub chosen: &'p [Chosen],
+}
+
+impl Page<'_> {
+    /// Writes `report.html` into the folder, and every picture of columns over time and of footprints as a file of its own; the names of these.
+    ///
+    /// # Errors
+    /// A file cannot be written whole; the error names it.
+    pub fn write(&self, results: &Results, summary: &Summary) -> io::Result<Vec<String>> {
+        let mut names: Vec<String> = Vec::new();
+        let mut picture = |kind: &str, name: &str, figure: &Figure<'_>| {
+            let plain = |sign: char| if sign.is_alphanumeric() { sign } else { '_' };
+            let stem: String = format!("{kind}_{name}").chars().map(plain).collect();
+            let taken = names
+                .iter()
+                .filter(|known| known.starts_with(&stem))
+                .count();
+            let file = match taken {
+                0 => format!("{stem}.svg"),
+                n => format!("{stem}_{n}.svg"),
+            };
+            files::write_text(&self.folder.join(&file), &figure.svg())?;
+            names.push(file);
+            Ok::<(), io::Error>(())
+        };
+        for envelope in self.envelopes {
+            picture("envelope", &envelope.name, &over_time::figure(envelope))?;
+        }
+        for footprint in &results.manifest.told.footprints {
+            if let Some(spread) = footprint.of(results) {
+                let name = format!("{}_{}", footprint.x, footprint.y);
+                picture("footprint", &name, &Curves::of(&spread).figure())?;
+            }
+        }
+        self.html(results, summary)
+            .write(self.folder.join("report.html"))?;
+        Ok(names)
+    }
+
+    /// The page.
+    #[must_use]
+    pub fn html(&self, results: &Results, summary: &Summary) -> Report {
+        let mut report = Report::new(format!("Campaign of {}", results.manifest.model))
+            .section("Result")
+            .paragraph(&opening(summary));
+        for told in &summary.metrics {
+            if let Some(verdict) = &told.verdict {
+                report = report.paragraph(&verdict.sentence(&told.name, &told.unit));
+            }
+        }
+        report = self.over_time(report.table(&overview(summary)));
+        report = footprints(report, results);
+        for told in &summary.metrics {
+            report = metric::metric(report, results, told);
+        }
+        let of = (results, self.folder);
+        report = chosen::chosen(report, of, self.chosen);
+        if !summary.failures.is_empty() {
+            report = report.section("Failures");
+        }
+        for kind in &summary.failures {
+            report = failures::failed(report, of, kind, self.replay);
+        }
+        report
+            .section("What was dispersed")
+            .table(&dispersed(results))
+            .paragraph("Case 0 is the nominal: it counts in no percentile. Any case is repeated, to the bit, by")
+            .command(&format!("{} --case NUMBER", self.replay))
+    }
+
+    fn over_time(&self, report: Report) -> Report {
+        if self.envelopes.is_empty() {
+            return report;
+        }
+        let figures = self.envelopes.iter().map(over_time::figure);
+        figures.fold(report.section("Over time"), |report, figure| {
+            report.figure(&figure)
+        })
+    }
+}
+
+fn footprints(report: Report, results: &Results) -> Report {
+    let footprints = &results.manifest.told.footprints;
+    let all = footprints
+        .iter()
+        .filter_map(|footprint| footprint.of(results));
+    let all: Vec<_> = all.collect();
+    if all.is_empty() {
+        return report;
+    }
+    all.iter().fold(report.section("Footprint"), |report, own| {
+        spread::spread(report.figure(&Curves::of(own).figure()), own)
+    })
+}
+
+fn opening(summary: &Summary) -> String {
+    let failed: usize = summary
+        .failures
+        .iter()
+        .map(|kind| kind.cases.iter().filter(|case| **case > 0).count())
+        .sum();
+    let failures = match failed {
+        0 => "all of them reached their end".to_owned(),
+        1 => "1 of them did not reach its end".to_owned(),
+        n => format!("{n} of them did not reach their end"),
+    };
+    format!(
+        "{} cases beside the nominal; {failures}. Percentiles are order statistics of the cases that have a value, each with an interval that holds \
+         that of the distribution with {:.0} % confidence; where there are not enough cases for an end of it, none is told.",
+        summary.cases,
+        100.0 * CONFIDENCE
+    )
+}
+
+fn overview(summary: &Summary) -> Table {
+    let mut table = Table::new("Metrics")
+        .column("metric", "")
+        .column("unit", "")
+        .number("nominal", "", 5)
+        .number("mean", "", 5)
+        .number("standard deviation", "", 4)
+        .number("smallest", "", 5)
+        .number("largest", "", 5)
+        .column("without a value", "cases");
+    for told in &summary.metrics {
+        let real = |x: f64| {
+            if x.is_nan() {
+                Cell::Missing
+            } else {
+                Cell::Number(x)
+            }
+        };
+        let [mean, deviation] = told.moments;
+        table.push([
+            told.name.as_str().into(),
+            told.unit.as_str().into(),
+            real(told.nominal),
+            real(mean),
+            real(deviation),
+            told.sorted.first().copied().into(),
+            told.sorted.last().copied().into(),
+            Cell::Count(told.without),
+        ]);
+    }
+    table
+}
+
+fn dispersed(results: &Results) -> Table {
+    let mut table = Table::new("Dispersed numbers")
+        .column("name", "")
+        .column("unit", "")
+        .number("nominal", "", 5)
+        .number("smallest", "", 5)
+        .number("mean", "", 5)
+        .number("largest", "", 5);
+    for (at, column) in results.manifest.dispersed.iter().enumerate() {
+        let values: Vec<f64> = results
+            .dispersed(at)
+            .into_iter()
+            .filter(|x| !x.is_nan())
+            .collect();
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        table.push([
+            column.name.as_str().into(),
+            column.unit.as_str().into(),
+            results.rows.first().map(|row| row.values[at]).into(),
+            values.iter().copied().reduce(f64::min).into(),
+            (!values.is_empty()).then_some(mean).into(),
+            values.iter().copied().reduce(f64::max).into(),
+        ]);
+    }
+    let manifest = &results.manifest;
+    table.note(format!(
+        "Seed {}; declaration {}, dispersions {}, settings {}; mbd {} on {}.",
+        manifest.seed,
+        manifest.declaration,
+        manifest.dispersions,
+        manifest.settings,
+        manifest.version,
+        manifest.target
+    ))
+}
