@@ -1,5 +1,6 @@
 //! What a campaign says, as a text.
 
+use crate::footprint::Footprint;
 use crate::results::Results;
 use crate::summary::{CONFIDENCE, Summary, Told, Verdict};
 use crate::table::heading;
@@ -16,6 +17,9 @@ pub fn text(results: &Results, summary: &Summary) -> String {
     for told in &summary.metrics {
         text += &metric(results, told);
     }
+    for footprint in &results.manifest.told.footprints {
+        text += &inside(results, footprint);
+    }
     for failures in &summary.failures {
         let first = failures.cases.first().copied().unwrap_or(0);
         text += &format!(
@@ -26,6 +30,30 @@ pub fn text(results: &Results, summary: &Summary) -> String {
         );
     }
     text
+}
+
+/// How many cases the ellipses of a footprint hold.
+fn inside(results: &Results, footprint: &Footprint) -> String {
+    let Some(spread) = footprint.of(results) else {
+        return String::new();
+    };
+    let of = spread.places.len();
+    let held = spread.ellipses.iter().map(|ellipse| {
+        let inside = ellipse.inside;
+        format!(
+            "\n  {:>8} %  {inside} of {of} cases inside",
+            percent(ellipse.part)
+        )
+    });
+    let held: String = held.collect();
+    let held = match held.is_empty() {
+        true => "\n  no ellipse: fewer than three cases, or all on a line".to_owned(),
+        false => held,
+    };
+    format!(
+        "\n{} over {}, ellipses of normal cases{held}\n",
+        footprint.y, footprint.x
+    )
 }
 
 fn metric(results: &Results, told: &Told) -> String {
