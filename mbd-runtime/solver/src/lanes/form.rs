@@ -9,7 +9,7 @@ use mbd_scene::{At, Layout, Model, ParamError, Quantity, Real, Scene, Work};
 
 use super::{Lanes, Lanes4, Lanes8};
 
-/// The equations of a model over one scalar, without its declaration: what [`model!`](crate::model) makes of one with `<T>`.
+/// The equations of a model over one scalar, without its declaration: what `model!` makes of one with `<T>`.
 pub trait Equations<S: Real>: Sized {
     /// Those for parameters in declaration order [SI] that nobody checks; `None` for another count.
     fn with(params: &[S]) -> Option<Self>;

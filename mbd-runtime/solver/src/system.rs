@@ -25,7 +25,7 @@ use known::Known;
 
 /// Inputs, external loads and external gravity of a scene that is not compiled, in the order of `Layout::inputs`, as functions of time and state.
 ///
-/// A pure function: it is called at trial states which may be rejected. For a model of [`model!`](crate::model) use
+/// A pure function: it is called at trial states which may be rejected. For a model of `model!` use
 /// [`Simulation::control`](crate::Simulation::control), whose numbers have names.
 pub trait External<T> {
     /// Writes every number of `out` (SI, world axes).
