@@ -66,11 +66,11 @@ pub fn race(
     // The numbers of params that f32 cannot hold are refused there; the scene is raced without it then.
     let single = contenders.first().and_then(|first| {
         let params: Vec<f32> = first.plan.params.iter().map(|x| *x as f32).collect();
-        let model = Interpreted::<f32>::new(scene.clone(), &params).ok()?;
+        let model = Interpreted::<f32>::shared(scene.clone(), &params).ok()?;
         Some((model, &first.plan))
     });
     if let Some((model, plan)) = &single {
-        variants.push(Variant::new("single precision", model, |run| {
+        variants.push(Variant::new("single precision", &**model, |run| {
             plan.begin(run)
         }));
     }

@@ -196,6 +196,26 @@ impl<T: Float> Interpreted<T> {
     }
 }
 
+impl Interpreted<f64> {
+    /// A scene as a model of runs in double precision: compiled with this crate, and not again in every crate that runs scenes.
+    ///
+    /// # Errors
+    /// As [`Interpreted::new`].
+    pub fn shared(scene: Scene, params: &[f64]) -> Result<Arc<dyn Model<f64>>, ParamError> {
+        Ok(Arc::new(Self::new(scene, params)?))
+    }
+}
+
+impl Interpreted<f32> {
+    /// The same in single precision.
+    ///
+    /// # Errors
+    /// As [`Interpreted::new`].
+    pub fn shared(scene: Scene, params: &[f32]) -> Result<Arc<dyn Model<f32>>, ParamError> {
+        Ok(Arc::new(Self::new(scene, params)?))
+    }
+}
+
 impl<T: Float> Model<T> for Interpreted<T> {
     fn share(&self) -> Arc<dyn Model<T>> {
         Arc::new(self.clone())

@@ -39,6 +39,15 @@ pub fn number(value: f64) -> String {
     }
 }
 
+/// A part in percent, with at most so many digits behind the point and no zeros at the end.
+pub fn percent(part: f64, places: usize) -> String {
+    let text = format!("{:.places$}", 100.0 * part);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
 /// `name [unit]`, or the name alone.
 pub fn heading(name: &str, unit: &str) -> String {
     match unit {

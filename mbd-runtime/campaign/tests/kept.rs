@@ -424,6 +424,26 @@ fn a_page_is_written_without_histories_that_cannot_be_flown_again_and_that_is_to
     );
 }
 
+/// Percentiles of nothing are nothing, not zero.
+#[test]
+fn the_nominal_alone_has_empty_envelopes_and_no_ellipse() {
+    let folder = Folder::new("alone");
+    let text = FILE
+        .replace("cases = 60", "cases = 0")
+        .replace("[0, 17]", "[0]");
+    let campaign = read(&folder, &text).expect("a campaign");
+    let out = folder.0.join("out");
+    run(&folder, &campaign, &out, 1, ALONE);
+    // Nothing is shown by no cases.
+    let error = reported(&out).expect_err("no cases");
+    assert_eq!(error.code(), 3);
+    assert!(error.to_string().contains("no ellipse"), "{error}");
+    assert!(out.join("report.html").is_file() && out.join("histories/case_000000.html").is_file());
+    let table = fs::read_to_string(out.join("envelopes.csv")).expect("a table");
+    let first = table.lines().nth(1).expect("a row");
+    assert_eq!(first, "0.0,2.0,,,,,,,,0,3.0,,,,,,,,0");
+}
+
 #[test]
 fn mistakes_in_what_is_kept_are_told_by_name() {
     let folder = Folder::new("kept_mistakes");

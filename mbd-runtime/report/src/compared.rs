@@ -2,10 +2,11 @@
 
 use mbd_runtime::{Name, Trajectory};
 
-use super::figure::{Figure, Series};
+use super::figure::Figure;
 use super::html::Report;
 use super::playback::Playback;
 use super::plots::period;
+use super::series::Series;
 use super::views::Run;
 
 /// More columns than this help nobody.

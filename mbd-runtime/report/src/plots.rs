@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use mbd_runtime::scene::{Gravity, Scene};
 use mbd_runtime::{Layout, Name, Trajectory};
 
-use super::figure::{Figure, Series};
+use super::figure::Figure;
 use super::look::Look;
+use super::series::Series;
 
 /// Forces of more joints than this are not told apart: those with the largest forces are drawn.
 const JOINTS: usize = 8;

@@ -229,15 +229,19 @@ mod tests {
     use super::super::axis::{Range, Scale};
     use super::*;
 
-    fn draw(samples: &[(f64, f64)]) -> Trace {
+    /// On a panel of 100 × 100 pixels, x from 0 to 10, y from 0 to 1.
+    fn on_panel(draw: impl FnOnce(&Panel<'_>) -> Trace) -> Trace {
         let x = Axis::new(Range::Fixed(0.0, 10.0), Scale::Linear, 5);
         let y = Axis::new(Range::Fixed(0.0, 1.0), Scale::Linear, 5);
-        let panel = Panel {
+        draw(&Panel {
             size: [100.0, 100.0],
             x: &x,
             y: &y,
-        };
-        panel.trace(samples.iter().copied(), None)
+        })
+    }
+
+    fn draw(samples: &[(f64, f64)]) -> Trace {
+        on_panel(|panel| panel.trace(samples.iter().copied(), None))
     }
 
     fn heights(trace: &Trace) -> Vec<f64> {
@@ -274,13 +278,6 @@ mod tests {
 
     #[test]
     fn a_dot_is_drawn_once_a_pixel_and_every_sample_is_counted() {
-        let x = Axis::new(Range::Fixed(0.0, 10.0), Scale::Linear, 5);
-        let y = Axis::new(Range::Fixed(0.0, 1.0), Scale::Linear, 5);
-        let panel = Panel {
-            size: [100.0, 100.0],
-            x: &x,
-            y: &y,
-        };
         let samples = [
             (1.0, 0.5),
             (1.01, 0.501),
@@ -288,7 +285,7 @@ mod tests {
             (20.0, 0.5),
             (f64::NAN, 0.1),
         ];
-        let trace = panel.dots(samples.into_iter());
+        let trace = on_panel(|panel| panel.dots(samples.into_iter()));
         assert_eq!(trace.path, "M10 50h0M50 80h0");
         assert_eq!((trace.inside, trace.beyond, trace.missing), (3, 1, 1));
     }
@@ -309,14 +306,7 @@ mod tests {
     #[test]
     fn an_angle_that_wraps_has_no_line_across_the_plot() {
         let samples = [(1.0, 0.7), (2.0, 0.95), (3.0, 0.05), (4.0, 0.3)];
-        let x = Axis::new(Range::Fixed(0.0, 10.0), Scale::Linear, 5);
-        let y = Axis::new(Range::Fixed(0.0, 1.0), Scale::Linear, 5);
-        let panel = Panel {
-            size: [100.0, 100.0],
-            x: &x,
-            y: &y,
-        };
-        let trace = panel.trace(samples.into_iter(), Some(1.0));
+        let trace = on_panel(|panel| panel.trace(samples.into_iter(), Some(1.0)));
         assert_eq!(trace.path, "M10 30 10 30 20 5M30 95 30 95 40 70");
         assert_eq!((trace.missing, trace.inside), (0, 4));
     }

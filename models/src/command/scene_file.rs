@@ -92,7 +92,7 @@ impl SceneFile {
     pub fn model(&self, params: &[f64]) -> Result<Arc<dyn Model<f64>>, ParamError> {
         match self.compiled {
             Some(make) => make(params),
-            None => Ok(Interpreted::<f64>::new(self.scene.clone(), params)?.share()),
+            None => Interpreted::<f64>::shared(self.scene.clone(), params),
         }
     }
 

@@ -44,8 +44,8 @@ pub struct Outcome {
 /// # Errors
 /// Params that the scene cannot be run with. A run that stops early is an [`Outcome`] with its reason.
 pub fn fly(scene: &Scene, plan: &Plan, progress: &mut Progress) -> Result<Outcome, ParamError> {
-    let model = Interpreted::<f64>::new(scene.clone(), &plan.params)?;
-    Ok(fly_model(&model, plan, progress))
+    let model = Interpreted::<f64>::shared(scene.clone(), &plan.params)?;
+    Ok(fly_model(&*model, plan, progress))
 }
 
 /// Runs a model as planned. A run that stops early has its reason.

@@ -1,8 +1,12 @@
 //! What a campaign says, as a text.
 
+use crate::footprint::Footprint;
 use crate::results::Results;
 use crate::summary::{CONFIDENCE, Summary, Told, Verdict};
-use crate::table::heading;
+use crate::table::{heading, percent};
+
+/// Digits behind the point of parts in percent: 0.135 has three.
+const PLACES: usize = 4;
 
 /// A summary as a text.
 #[must_use]
@@ -16,6 +20,9 @@ pub fn text(results: &Results, summary: &Summary) -> String {
     for told in &summary.metrics {
         text += &metric(results, told);
     }
+    for footprint in &results.manifest.told.footprints {
+        text += &inside(results, footprint);
+    }
     for failures in &summary.failures {
         let first = failures.cases.first().copied().unwrap_or(0);
         text += &format!(
@@ -26,6 +33,30 @@ pub fn text(results: &Results, summary: &Summary) -> String {
         );
     }
     text
+}
+
+/// How many cases the ellipses of a footprint hold.
+fn inside(results: &Results, footprint: &Footprint) -> String {
+    let Some(spread) = footprint.of(results) else {
+        return String::new();
+    };
+    let of = spread.places.len();
+    let held = spread.ellipses.iter().map(|ellipse| {
+        let inside = ellipse.inside;
+        format!(
+            "\n  {:>8} %  {inside} of {of} cases inside",
+            percent(ellipse.part, PLACES)
+        )
+    });
+    let held: String = held.collect();
+    let held = match held.is_empty() {
+        true => "\n  no ellipse: fewer than three cases, or all on a line".to_owned(),
+        false => held,
+    };
+    format!(
+        "\n{} over {}, ellipses of normal cases{held}\n",
+        footprint.y, footprint.x
+    )
 }
 
 fn metric(results: &Results, told: &Told) -> String {
@@ -46,7 +77,7 @@ fn metric(results: &Results, told: &Told) -> String {
     for percentile in &told.percentiles {
         text += &format!(
             "  {:>8} %  {:>12}   from {} to {}\n",
-            percent(percentile.part),
+            percent(percentile.part, PLACES),
             digits(Some(percentile.value)),
             digits(percentile.low),
             digits(percentile.high)
@@ -98,8 +129,8 @@ impl Verdict {
         let what = format!(
             "{name} {} in {} % of all cases with {} % confidence: {} of {} cases miss it",
             bounds.join(" and "),
-            percent(self.require.share),
-            percent(self.require.confidence),
+            percent(self.require.share, PLACES),
+            percent(self.require.confidence, PLACES),
             self.missed,
             self.of
         );
@@ -115,13 +146,6 @@ impl Verdict {
             )
         }
     }
-}
-
-/// A part as percent, without rounding noise.
-#[must_use]
-fn percent(part: f64) -> String {
-    let text = format!("{:.4}", 100.0 * part);
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// Five digits; `not enough cases` where there is no number.
@@ -147,7 +171,7 @@ mod tests {
     #[test]
     fn parts_and_numbers_are_told_with_the_digits_they_have() {
         assert_eq!(
-            [0.99865, 0.5, 0.00135].map(percent),
+            [0.99865, 0.5, 0.00135].map(|part| percent(part, PLACES)),
             ["99.865", "50", "0.135"]
         );
         assert_eq!(digits(Some(12345.678)), "12346");

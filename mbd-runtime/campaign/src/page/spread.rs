@@ -3,6 +3,7 @@
 use mbd_report::{Cell, Figure, Look, Report, Series, Table};
 
 use crate::footprint::Spread;
+use crate::table::percent;
 
 /// Places on an ellipse.
 const PLACES: usize = 120;
@@ -23,19 +24,13 @@ fn apart(places: &[[f64; 2]]) -> [Vec<f64>; 2] {
     [0, 1].map(|k| places.iter().map(|place| place[k]).collect())
 }
 
-fn percent(part: f64) -> String {
-    let text = format!("{:.2}", 100.0 * part);
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    format!("{text} %")
-}
-
 impl Curves {
     /// Those of a footprint.
     pub fn of(spread: &Spread) -> Self {
         let ellipses = spread.spot.iter().flat_map(|spot| {
             let ellipses = spread.ellipses.iter();
             ellipses.map(|ellipse| {
-                let name = format!("ellipse of {}", percent(ellipse.part));
+                let name = format!("ellipse of {} %", percent(ellipse.part, 2));
                 (name, apart(&ellipse.places(spot.mean, PLACES)))
             })
         });
@@ -112,7 +107,7 @@ fn ellipses(spread: &Spread) -> Table {
         };
         let [long, short] = ellipse.half_axes;
         table.push([
-            percent(ellipse.part).into(),
+            format!("{} %", percent(ellipse.part, 2)).into(),
             Cell::Count(ellipse.inside),
             all.into(),
             (100.0 * ellipse.inside as f64 / all as f64).into(),

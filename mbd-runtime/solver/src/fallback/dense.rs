@@ -62,6 +62,9 @@ pub(crate) struct Dense {
     /// R⁻¹ γ; what is left of rows.
     along: Vec<f64>,
     rest: Vec<f64>,
+    /// What of y of every row is new against those chosen so far (n_c × n_v), and the size of y (n_c).
+    news: Vec<f64>,
+    sizes: Vec<f64>,
     whole: Vec<f64>,
     unknowns: Vec<f64>,
     spare: Vec<f64>,
@@ -88,6 +91,8 @@ impl Dense {
             mix: vec![0.0; nc * nc],
             along: vec![0.0; nc],
             rest: vec![0.0; nv],
+            news: vec![0.0; nc * nv],
+            sizes: vec![0.0; nc],
             whole: Vec::new(),
             unknowns: vec![0.0; size],
             spare: vec![0.0; size],
@@ -188,21 +193,44 @@ impl Dense {
     pub(crate) fn choose(&mut self, chosen: &mut Vec<usize>) {
         self.factor_lengths();
         chosen.clear();
-        loop {
-            let mut best: Option<(usize, f64)> = None;
-            for row in (0..self.nc).filter(|row| !chosen.contains(row)) {
-                let [before, after] = self.reduce(row, chosen.len());
-                let new = if before > 0.0 { after / before } else { 0.0 };
-                // The first of those that are as good.
-                if new > self.new_from && best.is_none_or(|(_, most)| new > 1.25 * most) {
-                    best = Some((row, new));
-                }
+        self.new_of_rows();
+        while let Some(row) = self.newest(chosen) {
+            let at = chosen.len();
+            let [_, after] = self.reduce(row, at);
+            self.add(at, after);
+            let unit = &self.units[at * self.nv..(at + 1) * self.nv];
+            for new in self.news.chunks_exact_mut(unit.len()) {
+                let along = dot(new, unit);
+                subtract(new, along, unit);
             }
-            let Some((row, _)) = best else { return };
-            let [_, after] = self.reduce(row, chosen.len());
-            self.add(chosen.len(), after);
             chosen.push(row);
         }
+    }
+
+    /// Puts y of every row into `news`, its size into `sizes`: all of it is new as long as none is chosen.
+    fn new_of_rows(&mut self) {
+        self.news.copy_from_slice(&self.jacobian);
+        let rows = self.news.chunks_exact_mut(self.nv.max(1));
+        for (new, size) in rows.zip(&mut self.sizes) {
+            Self::forward(&self.lower, new);
+            *size = dot(new, new).sqrt();
+        }
+    }
+
+    /// The row with the largest part that is new, the first of those that are as good.
+    fn newest(&self, chosen: &[usize]) -> Option<usize> {
+        let mut best: Option<(usize, f64)> = None;
+        let rows = self.news.chunks_exact(self.nv.max(1)).zip(&self.sizes);
+        for (row, (new, size)) in rows.enumerate() {
+            if chosen.contains(&row) || *size == 0.0 {
+                continue;
+            }
+            let new = dot(new, new).sqrt() / size;
+            if new > self.new_from && best.is_none_or(|(_, most)| new > 1.25 * most) {
+                best = Some((row, new));
+            }
+        }
+        best.map(|(row, _)| row)
     }
 
     /// Whether rows that were chosen are still independent.
