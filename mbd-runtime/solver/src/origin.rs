@@ -2,7 +2,7 @@
 //!
 //! What the outside gives and gets is in the world: states that are set and read, rows of histories, what controllers see. Inside, the state, the
 //! nodes and their memory are measured from the origin, and snapshots hold both. The origin is moved on after a step at whose end what it follows is
-//! further from it than the length of the scene ([`Scales`]): positions then have the digits of the scene, and a run pays one evaluation for it.
+//! further from it than the length of the scene ([`Scales`](crate::Scales)): positions then have the digits of the scene, and a run pays one evaluation for it.
 
 use mbd_scene::laws::origin::NUMBERS;
 use mbd_scene::{Float, Layout, NodeModel, Part, PointSlots, Scene, Slots};
