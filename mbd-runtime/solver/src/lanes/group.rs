@@ -196,8 +196,11 @@ pub(super) fn set<L: Lanes>(lane: usize, lanes: &mut [L], list: &[f64]) {
 
 /// Reads a list out of a lane.
 fn get<L: Lanes>(lane: usize, lanes: &[L], list: &mut [f64]) {
+    // By reference: a register is not copied for one of its numbers.
     for (x, numbers) in list.iter_mut().zip(lanes) {
-        *x = numbers.lane(lane);
+        if let Some(number) = numbers.numbers().get(lane) {
+            *x = *number;
+        }
     }
 }
 
