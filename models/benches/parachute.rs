@@ -64,7 +64,6 @@ fn execution(
         ends: &[],
         inputs: &[],
         rows: &[],
-        origin: &[],
     };
     let mut work = model.work();
     let mut out = vec![0.0; layout.len(Quantity::Derivative)];

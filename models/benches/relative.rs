@@ -118,7 +118,6 @@ fn derivative<'a>(model: &'a dyn Model<f64>, state: &'a [f64]) -> impl FnMut() +
         ends: &[],
         inputs: &[],
         rows: &[],
-        origin: &[],
     };
     move || {
         model.evaluate(

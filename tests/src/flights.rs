@@ -79,7 +79,6 @@ impl<'m> Course<'m> {
             ends: at.ends.to_vec(),
             rows: at.rows.to_vec(),
             inputs: at.inputs.to_vec(),
-            origin: at.origin.to_vec(),
         }
     }
 

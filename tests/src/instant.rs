@@ -54,6 +54,7 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
             true => -2.0 * random.below(2) as f64,
             false => random.below(3) as f64 - 1.0,
         })
+        .chain(origin)
         .collect();
     Instant {
         time: random.uniform(0.0, 10.0),
@@ -64,7 +65,6 @@ pub fn random_instant(scene: &Scene, random: &mut Random) -> Instant<f64> {
         ends,
         inputs,
         rows,
-        origin,
     }
 }
 

@@ -321,7 +321,6 @@ pub fn at<'a, S: Real>(state: &'a [S], inputs: &'a [S], rows: &'a [S]) -> At<'a,
         ends: &[],
         inputs,
         rows,
-        origin: &[],
     }
 }
 

@@ -263,7 +263,6 @@ fn derivatives_through_rows_are_there_and_those_of_another_model_are_refused() {
         ends: &[],
         inputs: &[],
         rows: &[],
-        origin: &[],
     };
     linear
         .evaluate(&door, &at, &mut door.work())

@@ -116,7 +116,6 @@ fn typed_methods_give_the_numbers_of_the_trait() {
         ends: &[],
         inputs: &inputs,
         rows: &[],
-        origin: &[],
     };
     let value = |what: Quantity| {
         let mut out = vec![0.0; kite.layout().len(what)];
@@ -326,7 +325,6 @@ fn a_quantity_that_is_not_emitted_says_so_loudly() {
         ends: &[],
         inputs: &[],
         rows: &[],
-        origin: &[],
     };
     let mut energy = [0.0; 6];
     weight.evaluate(Quantity::Energy, &at, &mut weight.work(), &mut energy);
@@ -347,7 +345,6 @@ fn slices_of_a_wrong_length_leave_the_result_untouched() {
         ends: &[],
         inputs: &inputs,
         rows: &[],
-        origin: &[],
     };
     let mut out = vec![7.0; 19];
     kite.evaluate(Quantity::Derivative, &at, &mut kite.work(), &mut out);

@@ -32,7 +32,6 @@ fn free(model: &dyn Model<f64>, state: &[f64]) -> Instant<f64> {
         ends: Vec::new(),
         inputs: Vec::new(),
         rows: Vec::new(),
-        origin: Vec::new(),
     }
 }
 

@@ -257,7 +257,6 @@ fn states_are_in_the_derivatives() {
         ends: &[],
         inputs: &[],
         rows: &[],
-        origin: &[],
     };
     linear
         .evaluate(&cart, &at, &mut cart.work())

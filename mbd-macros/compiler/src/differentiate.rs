@@ -219,7 +219,6 @@ mod tests {
             ends: &[],
             inputs: &[],
             rows: &[],
-            origin: &[],
         };
         let mut out = [0.0; 3];
         program.run(

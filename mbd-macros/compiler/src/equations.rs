@@ -205,11 +205,14 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
     let state = slots(layout.nx(), Slot::State);
     let nodes = slots(3 * layout.nodes.len(), Slot::Node);
     let effective = slots(2 * layout.effective_lines, Slot::Effective);
-    let hold = slots(layout.holds(), Slot::Hold);
+    let mut hold = slots(layout.holds(), Slot::Hold);
+    hold.extend(slots(of_origin(scene), |number| Slot::Origin {
+        number,
+        at: layout.holds() + number,
+    }));
     let ends = slots(layout.len(Quantity::AnchorStates), Slot::Ends);
     let inputs = slots(layout.ni, Slot::Input);
     let rows = slots(layout.nc, Slot::Row);
-    let origin = slots(of_origin(scene), Slot::Origin);
     let motion = slots(layout.nv + layout.nc, Slot::Motion);
     let at = At {
         time: Expr::slot(Slot::Time),
@@ -220,7 +223,6 @@ fn trace(scene: &Scene, layout: &Layout, wanted: &[Quantity]) -> (Vec<Term>, Vec
         ends: &ends,
         inputs: &inputs,
         rows: &rows,
-        origin: &origin,
     };
     let mut scratch = Scratch::new(layout);
     let mut factored: Vec<Expr> = Vec::new();

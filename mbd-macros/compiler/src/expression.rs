@@ -30,7 +30,12 @@ pub enum Slot {
     /// An input.
     Input(usize),
     /// A number of how the origin moves.
-    Origin(usize),
+    Origin {
+        /// Which of them.
+        number: usize,
+        /// Where it stands behind the modes.
+        at: usize,
+    },
     /// A right-hand side of a row.
     Row(usize),
     /// An acceleration or a multiplier at which a residual is asked for.
@@ -286,7 +291,7 @@ fn code(node: Node) -> [u64; 2] {
                 Slot::Derived(index) => (9, index),
                 Slot::Motion(index) => (10, index),
                 Slot::Factored(index) => (11, index),
-                Slot::Origin(index) => (12, index),
+                Slot::Origin { number, .. } => (12, number),
             };
             [kinds(2, kind), index as u64]
         }

@@ -58,7 +58,7 @@ impl Program {
                 Slot::Ends(i) => at.ends.get(i),
                 Slot::Input(i) => at.inputs.get(i),
                 Slot::Row(i) | Slot::Motion(i) | Slot::Factored(i) => at.rows.get(i),
-                Slot::Origin(i) => Some(at.origin.get(i).unwrap_or(&zero)),
+                Slot::Origin { at: i, .. } => Some(at.hold.get(i).unwrap_or(&zero)),
                 Slot::Param(i) => params.get(i),
                 Slot::Derived(i) => derived.get(i),
             };
@@ -130,7 +130,6 @@ impl<T: Real> Interpreted<T> {
             ends: &[],
             inputs: &[],
             rows: &[],
-            origin: &[],
         };
         equations
             .derived

@@ -112,7 +112,7 @@ impl Group {
             Slot::Hold(i) => (Group::Hold, i),
             Slot::Ends(i) => (Group::Ends, i),
             Slot::Input(i) => (Group::Inputs, i),
-            Slot::Origin(i) => (Group::Origin, i),
+            Slot::Origin { number, .. } => (Group::Origin, number),
             Slot::Row(i) => (Group::Rows, i),
             Slot::Motion(i) => (Group::Motion, i),
             Slot::Factored(i) => (Group::Factored, i),

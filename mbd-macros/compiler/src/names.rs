@@ -95,9 +95,15 @@ pub fn slot(scene: &Scene, layout: &Layout, slot: Slot) -> String {
         },
         Slot::Ends(index) => end(scene, layout, index),
         Slot::Input(index) => input(scene, layout, index),
-        Slot::Origin(index @ 0..3) => format!("origin_{}", axis(index)),
-        Slot::Origin(index @ 3..6) => format!("origin_v{}", axis(index)),
-        Slot::Origin(_) => "origin_since".to_owned(),
+        Slot::Origin {
+            number: index @ 0..3,
+            ..
+        } => format!("origin_{}", axis(index)),
+        Slot::Origin {
+            number: index @ 3..6,
+            ..
+        } => format!("origin_v{}", axis(index)),
+        Slot::Origin { .. } => "origin_since".to_owned(),
         Slot::Row(index) => row(scene, layout, index),
         Slot::Motion(index) => match index.checked_sub(layout.nv) {
             Some(index) => format!("{}_lambda", row(scene, layout, index)),

@@ -262,7 +262,6 @@ fn the_system_is_solved_once_for_accelerations_multipliers_and_reactions() {
             ends: &[],
             inputs: &[],
             rows: &[],
-            origin: &[],
         };
         let run = |program: &Program| {
             let mut out = vec![0.0; program.len];

@@ -648,7 +648,6 @@ fn at_start(scene: Scene) -> Vec<f64> {
         ends: zeros(layout.len(Quantity::AnchorStates)),
         inputs: Vec::new(),
         rows: zeros(layout.nc),
-        origin: Vec::new(),
     };
     let model = Interpreted::new(scene, &[]).unwrap();
     let mut outputs = zeros(layout.len(Quantity::Outputs));

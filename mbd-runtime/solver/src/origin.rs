@@ -67,7 +67,7 @@ impl Origin {
         }
     }
 
-    /// The numbers of [`At::origin`](mbd_scene::At::origin).
+    /// The numbers behind the others of [`At::hold`](mbd_scene::At::hold).
     fn numbers<T: Float>(&self) -> [T; NUMBERS] {
         let [x, y, z] = self.position.map(|[high, _]| T::from_f64(high));
         let [vx, vy, vz] = self.velocity.map(|[high, _]| T::from_f64(high));

@@ -79,10 +79,9 @@ fn check_power(model: &dyn Model<f64>, place: &Arguments<f64>) -> Result<(), Str
     if !model.layout().nodes.is_empty() || model.scene().gravity == Gravity::Field {
         return Ok(());
     }
-    let free = Arguments {
-        hold: vec![0.0; place.hold.len()],
-        ..place.clone()
-    };
+    let mut free = place.clone();
+    let modes = free.hold.iter_mut().take(model.layout().holds());
+    modes.for_each(|mode| *mode = 0.0);
     let rates = evaluate(model, Quantity::Derivative, &free);
     let moved = |by: f64| {
         let mut moved = free.clone();
@@ -148,13 +147,13 @@ fn random_place(model: &dyn Model<f64>, seed: &mut u64) -> Arguments<f64> {
         hold: list(layout.holds())
             .into_iter()
             .map(|x| (1.4 * x).round())
+            .chain(list(model.scene().runs.origin.map_or(0, |_| NUMBERS)))
             .collect(),
         ends: list(layout.len(Quantity::AnchorStates))
             .into_iter()
             .map(|x| 3.0 * x)
             .collect(),
         inputs: list(layout.ni),
-        origin: list(model.scene().runs.origin.map_or(0, |_| NUMBERS)),
         rows: list(layout.nc),
         time: 0.3,
         state,

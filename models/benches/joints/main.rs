@@ -245,7 +245,6 @@ fn compare(name: &str, generated: &dyn Model<f64>, place: impl Fn(usize) -> Pose
         ends: &[],
         inputs: &[],
         rows: &[],
-        origin: &[],
     };
     let mut dense = Dense::new(&generic, &at);
     let (mut ours, mut laws) = (vec![0.0; at_start.len()], vec![0.0; at_start.len()]);

@@ -76,7 +76,6 @@ fn the_sparsity_of_the_jacobian_is_where_it_is_written() {
         ends: &[],
         inputs: &[],
         rows: &[],
-        origin: &[],
     };
     let written = f64::MAX;
     let mut flat = vec![written; Pendulum::NC * Pendulum::NV];

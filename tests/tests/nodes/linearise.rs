@@ -318,7 +318,6 @@ fn one_ulp_around_the_slack_edge_all_sensitivities_are_finite() {
             ends: &ends,
             inputs: &[],
             rows: &[],
-            origin: &[],
         };
         let mut linear = Linearisation::new(run.model.layout());
         linear

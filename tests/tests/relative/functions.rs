@@ -276,7 +276,6 @@ fn asked_functions_are_methods_and_give_what_the_laws_give() {
         ends: &[],
         inputs: &[],
         rows: &motion,
-        origin: &[],
     };
     let generic = Generic::new(crane.scene().clone(), crane.params()).expect("the same");
     let ask = |model: &dyn Model<f64>, what: Quantity| {

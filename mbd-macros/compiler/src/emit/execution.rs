@@ -7,6 +7,7 @@ use quote::{format_ident, quote};
 use super::context::Context;
 use super::literal::whole;
 use super::quantity;
+use crate::equations::of_origin;
 use crate::lists::{Arguments, Group};
 
 /// `impl Model`.
@@ -37,6 +38,9 @@ pub fn implementation(context: &Context) -> TokenStream {
             names.push(quote!((q, v, z)));
             values.push(quote!(::mbd_runtime::__private::split(at.state)));
         }
+        // How the origin moves stands behind the modes.
+        let moves = of_origin(&equations.scene) > 0;
+        let holds = whole(equations.layout.holds());
         for group in [
             Group::Nodes,
             Group::Effective,
@@ -51,13 +55,18 @@ pub fn implementation(context: &Context) -> TokenStream {
                 let list = format_ident!("{}", group.name());
                 let given = format_ident!("{}", group.argument());
                 names.push(quote!(#list));
-                values.push(quote!(::mbd_runtime::__private::fixed(at.#given)));
+                values.push(match group {
+                    Group::Hold if moves => quote!(at.hold.first_chunk()),
+                    _ => quote!(::mbd_runtime::__private::fixed(at.#given)),
+                });
             }
         }
         if reads.reads(Group::Origin) {
             names.push(quote!(origin));
             values.push(quote! {
-                ::core::option::Option::Some(&::mbd_runtime::__private::leading(at.origin))
+                ::core::option::Option::Some(&::mbd_runtime::__private::leading(
+                    at.hold.get(#holds..).unwrap_or_default()
+                ))
             });
         }
         // The lengths of lists that are not read follow from the sizes of this model.

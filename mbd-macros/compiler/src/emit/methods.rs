@@ -197,7 +197,6 @@ fn method(
                     ends,
                     inputs: &[],
                     rows: &[],
-                    origin: &[],
                 };
                 ::mbd_runtime::scene::sensitivity(#path, &declared().layout, &at, out);
             }

@@ -361,7 +361,6 @@ pub fn somewhere(scene: &Scene, random: &mut Random) -> Arguments<f64> {
         ends: random.list(layout.len(Quantity::AnchorStates), |_| 0.0, 4.0),
         inputs: random.list(layout.ni, |_| 0.0, 3.0),
         rows: random.list(layout.nc, |_| 0.0, 1.0),
-        origin: Vec::new(),
         state,
     }
 }

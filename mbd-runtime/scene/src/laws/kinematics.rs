@@ -78,7 +78,7 @@ impl<S: Real> Kinematics<S> {
             reactions: &[],
             accelerations: &[],
             body_accelerations: &[],
-            origin: scene.runs.origin.map(|_| Origin::read(at)),
+            origin: scene.runs.origin.map(|_| Origin::read(layout, at)),
         }
     }
 }

@@ -25,7 +25,7 @@
 use nalgebra::Vector3;
 
 use crate::scalar::algebra::{labelled, vector};
-use crate::{At, Real};
+use crate::{At, Layout, Real};
 
 /// How many numbers say how the origin moves: o₀ [m], w [m/s], t₀ [s].
 pub const NUMBERS: usize = 7;
@@ -41,15 +41,15 @@ pub struct Origin<S: Real> {
 
 impl<S: Real> Origin<S> {
     /// By (1); at rest in that of the world where nothing is said.
-    pub(crate) fn read(at: &At<'_, S>) -> Self {
-        let Some(&since) = at.origin.get(NUMBERS - 1) else {
+    pub(crate) fn read(layout: &Layout, at: &At<'_, S>) -> Self {
+        let numbers = at.hold.get(layout.holds()..).unwrap_or_default();
+        let Some(&since) = numbers.get(NUMBERS - 1) else {
             return Origin {
                 position: Vector3::zeros(),
                 velocity: Vector3::zeros(),
             };
         };
-        let (start, velocity): (Vector3<S>, Vector3<S>) =
-            (vector(at.origin, 0), vector(at.origin, 3));
+        let (start, velocity): (Vector3<S>, Vector3<S>) = (vector(numbers, 0), vector(numbers, 3));
         let passed = (at.time - since).label("passed");
         let position = start + velocity.map(|w| w * passed);
         Origin {

@@ -132,7 +132,6 @@ impl<'a> Configuration<'a> {
             ends: &[],
             inputs: &self.inputs,
             rows: &[],
-            origin: &[],
         };
         look(&Evaluation {
             scene: self.scene,

@@ -165,7 +165,8 @@ pub struct At<'a, S> {
     /// Per line of a static or stepwise node: effective stiffness K_e [N/m] and effective free length L_e [m].
     pub effective: &'a [S],
     /// Per line, then per stop: 0 it decides by its own stretch and pull, +1 it carries K s + C ṡ whatever the sign, −1 it carries nothing. Per
-    /// joint that may be detached whether it is; per lock what it holds its coordinate at [m or rad].
+    /// joint that may be detached whether it is; per lock what it holds its coordinate at [m or rad]. Behind them, of a scene whose
+    /// origin follows something, the [seven numbers](crate::laws::origin) of its motion; left out: it is that of the world.
     pub hold: &'a [S],
     /// The value of [`Quantity::AnchorStates`], for [`Quantity::Equilibrium`], [`Quantity::NodeByAnchor`], [`Quantity::CondensedStiffness`].
     pub ends: &'a [S],
@@ -175,8 +176,6 @@ pub struct At<'a, S> {
     /// n_c, of each joint the rows in the system first) for [`Quantity::Residual`] and [`Quantity::InverseDynamics`], v̇ alone for [`Quantity::JointCoordinates`]; the value of [`Quantity::Factor`], then b (n_v) and c (n_c),
     /// for [`Quantity::Solve`].
     pub rows: &'a [S],
-    /// Of a scene whose origin follows something the [seven numbers](crate::laws::origin) of its motion; empty: it is that of the world.
-    pub origin: &'a [S],
 }
 
 /// What an [`At`] borrows, as lists of its own.
@@ -198,8 +197,6 @@ pub struct Arguments<S> {
     pub inputs: Vec<S>,
     /// See [`At::rows`].
     pub rows: Vec<S>,
-    /// See [`At::origin`].
-    pub origin: Vec<S>,
 }
 
 impl<S: Real> Default for Arguments<S> {
@@ -213,7 +210,6 @@ impl<S: Real> Default for Arguments<S> {
             ends: Vec::new(),
             inputs: Vec::new(),
             rows: Vec::new(),
-            origin: Vec::new(),
         }
     }
 }
@@ -233,7 +229,6 @@ impl<S: Real> Arguments<S> {
         copy(at.ends, &mut self.ends);
         copy(at.inputs, &mut self.inputs);
         copy(at.rows, &mut self.rows);
-        copy(at.origin, &mut self.origin);
     }
 
     /// The same on another scalar.
@@ -256,7 +251,6 @@ impl<S: Real> Arguments<S> {
             ends: &self.ends,
             inputs: &self.inputs,
             rows: &self.rows,
-            origin: &self.origin,
         }
     }
 }

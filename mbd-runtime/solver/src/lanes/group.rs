@@ -88,7 +88,6 @@ impl<L: Lanes> Stages<L> {
             ends: &self.ends,
             inputs: &self.inputs,
             rows: &[],
-            origin: &[],
         }
     }
 

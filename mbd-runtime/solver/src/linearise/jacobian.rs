@@ -201,7 +201,6 @@ fn differentiates<T: Float>(model: &dyn Model<T>) -> bool {
         ends: &[],
         inputs: &inputs,
         rows: &zeros(layout.nv + layout.nc),
-        origin: &[],
     };
     model.evaluate(what, &at, &mut model.work(), &mut probe);
     probe.iter().any(|x| x.is_finite())

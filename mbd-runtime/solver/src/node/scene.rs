@@ -255,7 +255,6 @@ impl<T: Float> Balance<T> for SceneBalance<'_, T> {
             ends: self.ends,
             inputs: self.stage.inputs,
             rows: &[],
-            origin: &[],
         };
         let what = Quantity::Equilibrium(self.network);
         self.stage

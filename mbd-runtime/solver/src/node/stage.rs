@@ -36,8 +36,6 @@ pub struct Nodes<T: Float> {
     pub(crate) spanned: bool,
     /// Time since the last accepted step, of the last solve.
     pub(crate) span: T,
-    /// How the origin moves, of a scene where it follows something; empty elsewhere.
-    origin: Vec<T>,
     pub(crate) statistics: Statistics,
 }
 
@@ -87,7 +85,6 @@ impl<T: Float> Nodes<T> {
             rates: list(layout.len(Quantity::Rates)),
             spanned: false,
             span: T::zero(),
-            origin: Vec::new(),
             statistics: Statistics::default(),
             layout: layout.clone(),
         }
@@ -119,10 +116,10 @@ impl<T: Float> Nodes<T> {
         along.filter(|_| self.spanned).unwrap_or(&self.ends)
     }
 
-    /// Measures places from an origin that moves so: the numbers of [`At::origin`].
+    /// Measures places from an origin that moves so: the numbers behind the others of [`At::hold`].
     pub(crate) fn measure_from(&mut self, origin: &[T]) {
-        self.origin.clear();
-        self.origin.extend_from_slice(origin);
+        self.hold.truncate(self.layout.holds());
+        self.hold.extend_from_slice(origin);
     }
 
     /// Everything a model may read, with the unknowns of the last solve.
@@ -137,7 +134,6 @@ impl<T: Float> Nodes<T> {
             ends: self.ends(),
             inputs,
             rows: &[],
-            origin: &self.origin,
         }
     }
 
@@ -364,7 +360,7 @@ impl<T: Float> Nodes<T> {
                 false => T::zero(),
             };
         }
-        let locks = self.hold.len().saturating_sub(memory.held.len());
+        let locks = self.layout.holds().saturating_sub(memory.held.len());
         for (hold, held) in self.hold.iter_mut().skip(locks).zip(&memory.held) {
             *hold = *held;
         }
