@@ -76,7 +76,7 @@ pub struct Layout {
     pub stops: Vec<StopSlots>,
     /// The joints that a run may detach, which follow the stops in [`At::hold`](crate::At::hold).
     pub detachable_joints: Vec<DetachableJoint>,
-    /// Number of locks, whose numbers come last in [`At::hold`](crate::At::hold).
+    /// Number of locks, whose numbers come behind those of detachable joints in [`At::hold`](crate::At::hold).
     pub locks: usize,
     /// Number of rows n_c of all joints.
     pub nc: usize,
