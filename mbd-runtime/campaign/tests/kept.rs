@@ -180,14 +180,14 @@ fn histories_are_those_of_the_worst_the_failed_the_named_and_some_at_random() {
         all.truncate(count);
         all.into_iter().map(|(case, _)| case).collect::<Vec<u64>>()
     };
-    let ordered = |all: Vec<(u64, f64)>, of: &dyn Fn(f64) -> f64| {
+    let measured = |all: Vec<(u64, f64)>, of: &dyn Fn(f64) -> f64| {
         all.into_iter()
             .map(|(case, x)| (case, of(x)))
             .collect::<Vec<_>>()
     };
     // A bound above: the largest. Bounds on both sides: the least room to the nearer one.
-    let tops = first(ordered(metric("top"), &|x| -x), 3);
-    let easts = first(ordered(metric("east"), &|x| (8.0 - x).min(x - 5.0)), 2);
+    let tops = first(measured(metric("top"), &|x| -x), 3);
+    let easts = first(measured(metric("east"), &|x| (8.0 - x).min(x - 5.0)), 2);
     let times = first(metric("flight"), 2);
     let failed: Vec<u64> = results
         .rows

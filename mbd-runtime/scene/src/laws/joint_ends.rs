@@ -124,13 +124,10 @@ impl<S: Real> Evaluation<'_, S> {
                         End::fixed(frame.position, frame.rotation.into())
                     }
                 };
-                Some(match self.origin {
-                    Some(origin) => End {
-                        position: end.position - origin.position,
-                        velocity: end.velocity - origin.velocity,
-                        ..end
-                    },
-                    None => end,
+                Some(End {
+                    position: self.from_origin(end.position),
+                    velocity: self.rate_from_origin(end.velocity),
+                    ..end
                 })
             }
             Place::Point(point) => match *self.layout.points.get(point)? {
