@@ -5,6 +5,7 @@ use mbd_scene::JointLaw;
 
 use super::similar::did_you_mean;
 use crate::lexeme::{At, Bracket, Region};
+use crate::syntax::foreign;
 use crate::syntax::words::{self, ItemWord};
 
 pub fn attribute(at: Region) -> Report {
@@ -22,7 +23,7 @@ pub fn too_deep(at: Region) -> Report {
 }
 
 pub fn one_text(at: Region, word: &str) -> Option<Report> {
-    let answer = words::translated(words::EXPECTED_ITEMS, word)?;
+    let answer = foreign::translated(foreign::EXPECTED_ITEMS, word)?;
     Some(Report::new(at, answer))
 }
 
@@ -109,9 +110,9 @@ pub fn marks_another(at: Region, mark: &str, marked: &ItemWord) -> Report {
 
 pub fn unknown_item(at: Region, word: &str) -> Report {
     let known: Vec<&str> = words::top_level().map(|item| item.word).collect();
-    let why = if let Some(ours) = words::translated(words::FOREIGN_ITEMS, word) {
+    let why = if let Some(ours) = foreign::translated(foreign::FOREIGN_ITEMS, word) {
         format!("; here it is called `{ours}`")
-    } else if let Some(answer) = words::translated(words::EXPECTED_ITEMS, word) {
+    } else if let Some(answer) = foreign::translated(foreign::EXPECTED_ITEMS, word) {
         format!("; {answer}")
     } else if let Some(kind) = joint_kind(word) {
         let form = joint_form(kind);
@@ -127,7 +128,7 @@ pub fn unknown_item(at: Region, word: &str) -> Report {
 fn joint_kind(word: &str) -> Option<&'static str> {
     let own = JointLaw::KEYWORDS.iter().find(|known| **known == word);
     own.copied()
-        .or_else(|| words::translated(words::FOREIGN_JOINTS, word))
+        .or_else(|| foreign::translated(foreign::FOREIGN_JOINTS, word))
 }
 
 /// How a joint of this kind is written.
@@ -139,7 +140,7 @@ fn joint_form(kind: &str) -> String {
 }
 
 pub fn led_over(at: Region) -> Report {
-    Report::new(at, words::LED_OVER)
+    Report::new(at, foreign::LED_OVER)
 }
 
 pub fn conditional_end(at: Region, item: &str) -> Report {
@@ -304,7 +305,7 @@ pub fn remainder(at: Region) -> Report {
 }
 
 pub fn function_behind(at: Region, path: &str, word: &str) -> Report {
-    let known = words::translated(words::FOREIGN_FUNCTIONS, word).unwrap_or(word);
+    let known = foreign::translated(foreign::FOREIGN_FUNCTIONS, word).unwrap_or(word);
     let text = match known {
         _ if ["powi", "powf", "pow"].contains(&word) => {
             format!("a power is written `{path}^2`")

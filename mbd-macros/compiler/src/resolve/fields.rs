@@ -5,7 +5,7 @@ use mbd_scene::{Dimension, Formula};
 use super::{Resolver, Scope, fold};
 use crate::lexeme::Region;
 use crate::messages::{resolve as say, syntax as say_syntax};
-use crate::syntax::{Item, Value, words};
+use crate::syntax::{Item, Value, foreign};
 
 /// The fields of an item: each at most once.
 #[derive(Debug)]
@@ -80,7 +80,7 @@ impl Resolver<'_> {
         accept: Accept,
         scope: Scope<'_>,
     ) -> Option<Formula> {
-        self.instead = words::translated(words::NOT_CHANGING, field);
+        self.instead = foreign::translated(foreign::NOT_CHANGING, field);
         let typed = self.value(value, scope);
         self.instead = None;
         let typed = typed?;

@@ -14,7 +14,7 @@ use super::joints::Names;
 use super::{Instance, Named, Resolver, Scope, Stage, Typed, fold};
 use crate::lexeme::Bracket;
 use crate::messages::{resolve as say, syntax as say_syntax};
-use crate::syntax::{Cursor, Item, Value, unit, words};
+use crate::syntax::{Cursor, Item, Value, foreign, unit};
 use crate::units;
 
 /// The keywords of the fields of a coordinate.
@@ -413,7 +413,7 @@ impl Resolver<'_> {
         value: Value<'_>,
         owner: &Owner<'_>,
     ) -> Option<Formula> {
-        self.instead = Some(words::NOT_PROPORTIONAL);
+        self.instead = Some(foreign::NOT_PROPORTIONAL);
         let typed = self.value(value, owner.scope);
         self.instead = None;
         self.obeying(typed?, field, owner)

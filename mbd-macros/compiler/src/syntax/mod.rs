@@ -3,6 +3,7 @@
 pub mod chain;
 pub mod cursor;
 pub mod expression;
+pub mod foreign;
 pub mod item;
 pub mod model;
 pub mod quantities;

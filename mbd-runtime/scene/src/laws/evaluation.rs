@@ -74,13 +74,13 @@ impl<'a, S: Real> Evaluation<'a, S> {
     }
 
     /// A position from the origin, from one in the world [m].
-    pub fn from_origin(&self, position: Vector3<S>) -> Vector3<S> {
+    pub fn position_from_origin(&self, position: Vector3<S>) -> Vector3<S> {
         self.origin
             .map_or(position, |origin| position - origin.position)
     }
 
     /// A velocity against the origin, from one in the world [m/s].
-    pub fn rate_from_origin(&self, velocity: Vector3<S>) -> Vector3<S> {
+    pub fn velocity_from_origin(&self, velocity: Vector3<S>) -> Vector3<S> {
         self.origin
             .map_or(velocity, |origin| velocity - origin.velocity)
     }
@@ -102,7 +102,7 @@ impl<'a, S: Real> Evaluation<'a, S> {
     /// Position of a place from the origin [m], world axes.
     pub fn position_of(&self, place: Place) -> Option<Vector3<S>> {
         match place {
-            Place::World(frame) => Some(self.from_origin(self.ground_position(frame)?)),
+            Place::World(frame) => Some(self.position_from_origin(self.ground_position(frame)?)),
             Place::Body(body, frame) => {
                 let (motion, frame) = self.frame(body, frame)?;
                 let place = motion.position + motion.arm(&frame.position);
@@ -120,7 +120,7 @@ impl<'a, S: Real> Evaluation<'a, S> {
     /// Velocity of a place against the origin [m/s], world axes. The velocity of a `static` or `stepwise` node is Σ H⁻¹ J_i v_i.
     pub fn velocity_of(&self, place: Place) -> Option<Vector3<S>> {
         match place {
-            Place::World(frame) => Some(self.rate_from_origin(self.ground_velocity(frame))),
+            Place::World(frame) => Some(self.velocity_from_origin(self.ground_velocity(frame))),
             Place::Body(body, frame) => {
                 let (motion, frame) = self.frame(body, frame)?;
                 Some(motion.velocity_of(&frame.position))

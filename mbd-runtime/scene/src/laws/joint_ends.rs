@@ -125,8 +125,8 @@ impl<S: Real> Evaluation<'_, S> {
                     }
                 };
                 Some(End {
-                    position: self.from_origin(end.position),
-                    velocity: self.rate_from_origin(end.velocity),
+                    position: self.position_from_origin(end.position),
+                    velocity: self.velocity_from_origin(end.velocity),
                     ..end
                 })
             }

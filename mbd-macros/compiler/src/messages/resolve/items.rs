@@ -8,7 +8,7 @@ use crate::lexeme::Region;
 use crate::messages::Report;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
-use crate::syntax::words;
+use crate::syntax::{foreign, words};
 use crate::units::{self, described, si_text};
 
 pub fn twice(at: Region, word: &str, first: Region) -> Report {
@@ -171,8 +171,9 @@ pub fn input_in_si(at: Region, dimension: Dimension) -> Report {
 }
 
 pub fn unknown_field(at: Region, word: &str, known: &[&str]) -> Report {
-    let ours = words::translated(words::FOREIGN_FIELDS, word).filter(|ours| known.contains(ours));
-    if let Some(answer) = words::translated(words::EXPECTED_FIELDS, word) {
+    let ours =
+        foreign::translated(foreign::FOREIGN_FIELDS, word).filter(|ours| known.contains(ours));
+    if let Some(answer) = foreign::translated(foreign::EXPECTED_FIELDS, word) {
         return Report::new(at, format!("unknown field `{word}`; {answer}"));
     }
     let suggestion = match ours {
@@ -269,7 +270,7 @@ pub fn force_and_stiffness(at: Region, name: &str) -> Report {
 }
 
 pub fn inertia_of_shape(at: Region, shape: &str) -> Option<Report> {
-    let ours = words::translated(words::FOREIGN_SHAPES, shape).unwrap_or(shape);
+    let ours = foreign::translated(foreign::FOREIGN_SHAPES, shape).unwrap_or(shape);
     let solid = Solid::ALL.iter().find(|solid| solid.keyword() == ours)?;
     let text = format!(
         "an inertia is given by its numbers; leave it out, and it follows from `shape: {}` and the mass",
@@ -303,9 +304,9 @@ pub fn shape_form(at: Region, found: Option<&str>) -> Report {
         return Report::new(at, format!("expected a shape. {list}"));
     };
     if found == "mesh" {
-        return Report::new(at, words::NO_MESH.to_string());
+        return Report::new(at, foreign::NO_MESH.to_string());
     }
-    let suggestion = match words::translated(words::FOREIGN_SHAPES, found) {
+    let suggestion = match foreign::translated(foreign::FOREIGN_SHAPES, found) {
         Some(ours) => format!("; here it is called `{ours}`."),
         None => ended(did_you_mean(found, known())),
     };

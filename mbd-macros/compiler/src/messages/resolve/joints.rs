@@ -7,12 +7,12 @@ use crate::lexeme::Region;
 use crate::messages::Report;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
-use crate::syntax::{quantities, words};
+use crate::syntax::{foreign, quantities};
 use crate::units::described;
 
 pub fn joint_law(at: Region, word: &str) -> Report {
     let known = JointLaw::KEYWORDS;
-    let text = if let Some(ours) = words::translated(words::FOREIGN_JOINTS, word) {
+    let text = if let Some(ours) = foreign::translated(foreign::FOREIGN_JOINTS, word) {
         format!("unknown joint `{word}`; here it is called `{ours}`")
     } else {
         format!(

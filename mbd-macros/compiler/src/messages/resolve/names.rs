@@ -4,7 +4,7 @@ use crate::lexeme::Region;
 use crate::messages::Report;
 use crate::messages::similar::{did_you_mean, nearest};
 use crate::messages::syntax::ended;
-use crate::syntax::words;
+use crate::syntax::foreign;
 
 pub fn not_constant(at: Region, what: &str) -> Report {
     let instead = match what {
@@ -88,7 +88,7 @@ pub fn unknown_place(at: Region, word: &str, known: &[&str]) -> Report {
 
 /// `world` for another word of what is at rest, or the nearest name.
 fn at_rest_or_near(word: &str, known: &[&str]) -> String {
-    match words::FOREIGN_WORLD.contains(&word.to_lowercase().as_str()) {
+    match foreign::FOREIGN_WORLD.contains(&word.to_lowercase().as_str()) {
         true => "; what is at rest is called `world`".to_owned(),
         false => did_you_mean(word, known.iter().copied()),
     }
@@ -193,7 +193,7 @@ pub fn unknown_body_quantity(
 /// The nearest word, or our word for another tool's.
 fn translated_or_near<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
     if nearest(word, known.clone()).is_none()
-        && let Some(ours) = words::translated(words::FOREIGN_QUANTITIES, word)
+        && let Some(ours) = foreign::translated(foreign::FOREIGN_QUANTITIES, word)
         && known.clone().any(|k| k == ours)
     {
         return format!("; here it is called `{ours}`.");

@@ -6,7 +6,7 @@ use crate::lexeme::Region;
 use crate::messages::Report;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
-use crate::syntax::words;
+use crate::syntax::foreign;
 use crate::units::{self, described, si_text};
 
 pub fn not_finite(at: Region) -> Report {
@@ -136,12 +136,12 @@ pub fn angle_wanted(at: Region, found: Dimension) -> Report {
 }
 
 pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> Report {
-    let why = if let Some(ours) = words::translated(words::FOREIGN_FUNCTIONS, word) {
+    let why = if let Some(ours) = foreign::translated(foreign::FOREIGN_FUNCTIONS, word) {
         match ours {
             "^" => "; write `a^n`".to_owned(),
             ours => format!("; here it is called `{ours}`"),
         }
-    } else if let Some(answer) = words::translated(words::EXPECTED_FUNCTIONS, word) {
+    } else if let Some(answer) = foreign::translated(foreign::EXPECTED_FUNCTIONS, word) {
         // Its neighbours in spelling are other functions: none of them is proposed.
         format!("; {answer}")
     } else {

@@ -1,0 +1,330 @@
+//! Words that other tools use for what is written otherwise here, and the answers to them.
+
+/// Words of other tools, and ours.
+pub type Dictionary = &'static [(&'static str, &'static str)];
+
+/// Our word for a word of another tool.
+pub fn translated(dictionary: Dictionary, word: &str) -> Option<&'static str> {
+    let word = word.to_lowercase();
+    dictionary
+        .iter()
+        .find(|(theirs, _)| *theirs == word)
+        .map(|(_, ours)| *ours)
+}
+
+/// Items of other tools.
+pub const FOREIGN_ITEMS: Dictionary = &[
+    ("link", "body"),
+    ("rigid_body", "body"),
+    ("rigidbody", "body"),
+    ("segment", "body"),
+    ("node", "point"),
+    ("junction", "point"),
+    ("particle", "point"),
+    ("cable", "line"),
+    ("rope", "line"),
+    ("tether", "line"),
+    ("tendon", "line"),
+    ("string", "line"),
+    ("force", "load"),
+    ("torque", "load"),
+    ("wrench", "load"),
+    ("sensor", "output"),
+    ("measure", "output"),
+    ("constant", "const"),
+    ("define", "let"),
+    ("var", "let"),
+    ("variable", "let"),
+    ("parameter", "param"),
+    ("marker", "frame"),
+    ("site", "frame"),
+    ("constraint", "joint"),
+    ("ground", "world"),
+];
+
+/// Items that people expect, and how what they mean is said here, or that it cannot be said yet.
+pub const EXPECTED_ITEMS: Dictionary = &[
+    ("integral", INTEGRAL),
+    ("integrator", INTEGRAL),
+    ("ode", INTEGRAL),
+    ("der", INTEGRAL),
+    ("contact", CONTACT),
+    ("collision", CONTACT),
+    ("pulley", LED_OVER),
+    ("include", ONE_TEXT),
+    ("import", ONE_TEXT),
+    ("use", NO_PARTS),
+    ("mod", NO_PARTS),
+    ("module", NO_PARTS),
+    ("submodel", NO_PARTS),
+    ("component", NO_PARTS),
+    ("for", REPETITION),
+    ("repeat", REPETITION),
+    ("if", NO_CONDITION),
+    ("fn", NO_FUNCTIONS),
+    ("function", NO_FUNCTIONS),
+    ("def", NO_FUNCTIONS),
+    (
+        "motor",
+        "a motor is a field of its joint: `{ axis: y, motor: 2 rad/s * time }`",
+    ),
+    ("actuator", EFFORT),
+    ("controller", EFFORT),
+    ("initial", A_START),
+    ("init", A_START),
+    ("start", A_START),
+    (
+        "friction",
+        "friction is a field of its joint: `{ axis: y, friction: 0.1 N*m, friction_rate: 0.01 rad/s }`",
+    ),
+    (
+        "limit",
+        "limits are a field of their joint: `{ axis: y, stops: [-90, 90] deg, stop_stiffness: 1 kN*m/rad }`",
+    ),
+];
+
+const CONTACT: &str = "contact cannot be declared yet; a soft one is a load, such as `load push on body at foot = max(0, -body.foot.position.z) * [0, 0, 100] kN/m`";
+/// A line over a pulley.
+pub const LED_OVER: &str =
+    "a line runs straight from its `from` to its `to`; it cannot be led over a pulley yet";
+const A_START: &str = "a start is written with what starts: `joint pin: hinge from world to link.top { axis: y, start: 30 deg }`, `body link { …, start at [0.0, 0.0, 1.0] m }`";
+const ONE_TEXT: &str = "a declaration is one text and takes in no other; copy what is shared";
+const NO_PARTS: &str = "a declaration has no parts to use again; what is alike is repeated by an index, `body leg[i in 0..3] { … }`";
+const REPETITION: &str =
+    "what is repeated has an index behind its name, `body leg[i in 0..3] { … }`";
+const NO_CONDITION: &str =
+    "an item is always there; a value that depends on a condition is `if(a < b, this, that)`";
+const NO_FUNCTIONS: &str = "no functions can be declared; a quantity is named by `let`, and a function given by numbers is a `table`";
+const INTEGRAL: &str =
+    "an integral is a `state` with its rate: `state missed = 0 rad*s { rate: pin.angle }`";
+const EFFORT: &str = "what acts along a joint is its field `force`, such as `{ axis: y, force: -2 N*m * hip.angle }`";
+
+/// Fields of other tools.
+pub const FOREIGN_FIELDS: Dictionary = &[
+    ("unit", "in"),
+    ("units", "in"),
+    ("length", "free_length"),
+    ("l0", "free_length"),
+    ("rest_length", "free_length"),
+    ("natural_length", "free_length"),
+    ("springlength", "free_length"),
+    ("k", "stiffness"),
+    ("c", "damping"),
+    ("damper", "damping"),
+    ("com", "center_of_mass"),
+    ("cg", "center_of_mass"),
+    ("cog", "center_of_mass"),
+    ("moi", "inertia"),
+    ("weight", "mass"),
+    ("site", "frame"),
+    ("marker", "frame"),
+    ("lead", "pitch"),
+    ("distance", "length"),
+    ("direction", "axis"),
+    ("normal", "axis"),
+    ("limit", "stops"),
+    ("limits", "stops"),
+    ("range", "stops"),
+    ("torque", "force"),
+    ("effort", "force"),
+    ("springref", "rest"),
+    ("offset", "rest"),
+    ("frictionloss", "friction"),
+    ("coulomb", "friction"),
+    ("stop", "then"),
+    ("once", "acts"),
+    ("cut", "detach"),
+    ("release", "detach"),
+    ("jettison", "detach"),
+    ("connect", "attach"),
+    ("unlock", "free"),
+    ("freeze", "lock"),
+];
+
+/// Fields that people expect, and how what they mean is said here.
+pub const EXPECTED_FIELDS: Dictionary = &[
+    ("geometry", SHAPE),
+    ("visual", SHAPE),
+    ("collision", SHAPE),
+    ("mesh", NO_MESH),
+];
+
+const SHAPE: &str = "what a body looks like is its `shape: box [0.2, 0.3, 0.4] m`";
+/// What is said of meshes.
+pub const NO_MESH: &str =
+    "meshes are not read: put together a `shape` of `box`, `cylinder`, `tube`, `sphere`, `capsule`";
+
+/// Shapes of other tools.
+pub const FOREIGN_SHAPES: Dictionary = &[
+    ("cube", "box"),
+    ("cuboid", "box"),
+    ("brick", "box"),
+    ("ball", "sphere"),
+    ("rod", "cylinder"),
+    ("disc", "cylinder"),
+    ("disk", "cylinder"),
+    ("pipe", "tube"),
+    ("ring", "tube"),
+    ("pill", "capsule"),
+];
+
+/// What stands where a value must be known before a run and is not, and what to write instead.
+pub const NOT_CHANGING: Dictionary = &[
+    (
+        "mass",
+        "a mass that changes in a run cannot be declared yet",
+    ),
+    (
+        "stiffness",
+        "a line that does not pull in proportion takes a table of its force over its stretch, `force: NAME`",
+    ),
+];
+
+/// What to write instead of a spring or damper of a joint whose number changes in a run.
+pub const NOT_PROPORTIONAL: &str = "what follows the motion in another way is the field `force`, such as `force: -2 N*m * hip.angle^3`";
+
+/// Functions of other tools.
+pub const FOREIGN_FUNCTIONS: Dictionary = &[
+    ("mag", "norm"),
+    ("magnitude", "norm"),
+    ("length", "norm"),
+    ("pow", "^"),
+    ("fabs", "abs"),
+    ("inner", "dot"),
+    ("log", "ln"),
+    ("arcsin", "asin"),
+    ("arccos", "acos"),
+    ("arctan", "atan"),
+    ("arctan2", "atan2"),
+    ("sgn", "sign"),
+    ("signum", "sign"),
+    ("saturate", "clamp"),
+    ("where", "if"),
+    ("select", "if"),
+    ("fmin", "min"),
+    ("fmax", "max"),
+];
+
+/// Functions of other tools that the language does not have, and how what they give is written.
+pub const EXPECTED_FUNCTIONS: Dictionary = &[
+    ("delay", "nothing of the past is kept"),
+    ("der", RATES),
+    ("derivative", RATES),
+    ("diff", RATES),
+    ("asinh", "write `ln(a + sqrt(a^2 + 1))`"),
+    ("acosh", "write `ln(a + sqrt(a^2 - 1))`"),
+    ("atanh", "write `0.5 * ln((1 + a) / (1 - a))`"),
+    ("sec", "write `1 / cos(a)`"),
+    ("csc", "write `1 / sin(a)`"),
+    ("cot", "write `1 / tan(a)`"),
+    ("sinc", "write `sin(a) / a` where `a` is not zero"),
+    ("sind", DEGREES),
+    ("cosd", DEGREES),
+    ("tand", DEGREES),
+    ("sqr", "write `a^2`"),
+    ("square", "write `a^2`"),
+    ("cbrt", "write `exp(ln(a) / 3)`"),
+    ("hypot", "write `sqrt(a^2 + b^2)`, or `norm` of a vector"),
+    ("exp2", "write `exp(a * ln(2))`"),
+    ("log2", "write `ln(a) / ln(2)`"),
+    ("ceil", "write `-floor(-a)`"),
+    ("round", "write `floor(a + 0.5)`"),
+    ("trunc", "write `sign(a) * floor(abs(a))`"),
+    ("mod", REMAINDER),
+    ("fmod", REMAINDER),
+    ("rem", REMAINDER),
+    ("rand", NO_CHANCE),
+    ("random", NO_CHANCE),
+    ("noise", NO_CHANCE),
+    ("interp", TABLE_CALL),
+    ("lookup", TABLE_CALL),
+    ("table", TABLE_CALL),
+];
+
+const RATES: &str =
+    "rates are quantities: `body.velocity`, `joint.angle_rate`, `line.stretch_rate`";
+const DEGREES: &str = "an angle carries its unit: `sin(30 deg)`";
+const REMAINDER: &str = "write `a - b * floor(a / b)`";
+const NO_CHANCE: &str = "a model has no chance in it: what is random comes by an `input`";
+const TABLE_CALL: &str = "a table is called by its own name, `lift(x)`";
+
+/// Words for what is at rest.
+pub const FOREIGN_WORLD: &[&str] = &[
+    "ground",
+    "earth",
+    "base",
+    "fixed",
+    "inertial",
+    "origin",
+    "environment",
+    "root",
+];
+
+/// Quantities of other tools.
+pub const FOREIGN_QUANTITIES: Dictionary = &[
+    ("force", "tension"),
+    ("elongation", "stretch"),
+    ("extension", "stretch"),
+    ("pos", "position"),
+    ("vel", "velocity"),
+    ("rate", "stretch_rate"),
+    ("omega", "omega_body"),
+    ("angular_velocity", "omega_body"),
+    ("cog", "com"),
+    ("cg", "com"),
+    ("theta", "angle"),
+    ("rotation", "angle"),
+    ("displacement", "slide"),
+    ("translation", "slide"),
+    ("angular_rate", "angle_rate"),
+    ("accel", "acceleration"),
+    ("alpha", "angular_acceleration"),
+    ("omega_dot", "angular_acceleration"),
+    ("reaction", "force"),
+    ("reaction_force", "force"),
+    ("reaction_torque", "torque"),
+    ("moment", "torque"),
+];
+
+/// Joints of other tools.
+pub const FOREIGN_JOINTS: Dictionary = &[
+    ("revolute", "hinge"),
+    ("pin", "hinge"),
+    ("continuous", "hinge"),
+    ("ball", "spherical"),
+    ("ball_joint", "spherical"),
+    ("ball_and_socket", "spherical"),
+    ("socket", "spherical"),
+    ("weld", "rigid"),
+    ("fixed", "rigid"),
+    ("lock", "rigid"),
+    ("slider", "prismatic"),
+    ("slide", "prismatic"),
+    ("translational", "prismatic"),
+    ("cardan", "universal"),
+    ("hooke", "universal"),
+    ("u_joint", "universal"),
+    ("helical", "screw"),
+    ("helix", "screw"),
+    ("thread", "screw"),
+    ("rod", "distance"),
+    ("massless_rod", "distance"),
+    ("plane", "planar"),
+    ("inline", "point_on_line"),
+    ("point_line", "point_on_line"),
+    ("inplane", "point_on_plane"),
+    ("point_plane", "point_on_plane"),
+    ("angle", "constant_angle"),
+    ("cv", "constant_velocity"),
+    ("cv_joint", "constant_velocity"),
+    ("homokinetic", "constant_velocity"),
+    ("rzeppa", "constant_velocity"),
+    ("rack", "gear"),
+    ("rack_and_pinion", "gear"),
+    ("mimic", "gear"),
+    ("transmission", "gear"),
+    ("coupler", "gear"),
+    ("floating", "free"),
+    ("freejoint", "free"),
+    ("six_dof", "free"),
+];

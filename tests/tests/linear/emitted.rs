@@ -1,0 +1,113 @@
+//! Derivatives of emitted code, of the interpreter and of the laws; joints and nodes together.
+
+use mbd_compiler::{Equations, Interpreted};
+use mbd_runtime::{Generic, Linearisation};
+use mbd_scene::Model;
+use tests::assert_close;
+use tests::declared::read;
+use tests::flights::Course;
+use tests::implicit::Implicit;
+use tests::mechanism::state;
+use tests::system::scene;
+
+use super::{generic, placed};
+
+mbd_runtime::model! {
+    /// A crank that moves a block through a rod: one loop.
+    model Crank {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        emit: [partial];
+        param rod_mass = 0.7 kg in 0.1 kg ..= 2.0 kg;
+        input torque: torque;
+        body crank { mass: 0.5 kg, inertia: diag(0.001, 0.01, 0.01) kg*m^2,
+            frame axle at [-0.1, 0.0, 0.0] m, frame pin at [0.1, 0.0, 0.0] m }
+        body rod { mass: rod_mass, inertia: diag(0.001, 0.05, 0.05) kg*m^2,
+            frame big at [-0.3, 0.0, 0.0] m, frame small at [0.3, 0.0, 0.0] m }
+        body block { mass: 1.2 kg, inertia: diag(0.01, 0.01, 0.01) kg*m^2 }
+        joint main: hinge from world to crank.axle { axis: y, damping: 0.05 N*m*s, force: torque + 0.5 * lag }
+        state lag = 0 N*m { rate: (torque - lag) / (50 ms) }
+        joint big_end: hinge from crank.pin to rod.big { axis: y }
+        joint small_end: spherical from rod.small to block.com;
+        joint guide: prismatic from world to block.com { axis: x, stiffness: 40 N/m, rest: 0.7 m }
+        output pull = block.velocity * 2.0 kg / 1.0 s;
+    }
+}
+
+#[test]
+fn derivatives_of_emitted_code_are_those_of_the_interpreter_to_the_bit_and_of_the_laws() {
+    let crank = Crank::new(CrankParams::default()).expect("defaults");
+    let scene = Crank::scene();
+    let params = [0.7];
+    let equations = Equations::trace_with_derivatives(&scene);
+    let interpreted = Interpreted::from_equations(equations, &params).expect("defaults");
+    let laws = Generic::new(scene, &params).expect("defaults");
+    let place = [("main.angle", 0.4), ("main.angle_rate", 2.0)];
+    let state = placed(&laws, &[1.5], &place);
+    let at = mbd_scene::Arguments {
+        state,
+        inputs: vec![1.5],
+        ..mbd_scene::Arguments::default()
+    };
+    let found = [&crank as &dyn Model<f64>, &interpreted, &laws].map(|model| {
+        let mut linear = Linearisation::new(model.layout());
+        let found = linear.evaluate(model, &at.at(), &mut model.work());
+        found.expect("a regular position");
+        [
+            linear.state().values().to_vec(),
+            linear.input().values().to_vec(),
+            linear.parameter().values().to_vec(),
+        ]
+    });
+    let [emitted, interpreted, by_laws] = &found;
+    for ((emitted, interpreted), by_laws) in emitted.iter().zip(interpreted).zip(by_laws) {
+        let size = by_laws.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        assert_eq!(emitted, interpreted, "generated and interpreted");
+        let what = "generated and by the laws";
+        assert_close(emitted, by_laws, 0.0, 1e-12 * size, what);
+        assert!(size > 0.0);
+    }
+}
+
+#[test]
+fn derivatives_go_through_joints_and_nodes_together() {
+    for (equilibrium, damping) in [("static", 0.0), ("rate", 8.0)] {
+        let scene = read(&format!(
+            "model Guyed {{
+                gravity: [0.0, 0.0, -9.81] m/s^2;
+                world {{ frame east at [2.0, 0.1, 0.0] m, frame low at [1.8, -0.6, -1.2] m }}
+                body bar {{ mass: 2.0 kg, inertia: diag(0.17, 0.17, 0.01) kg*m^2,
+                    frame top at [0.0, 0.0, 0.5] m, frame tip at [0.0, 0.0, -0.5] m }}
+                joint pin: hinge from world to bar.top {{ axis: y }}
+                point knot {{ equilibrium: {equilibrium} }}
+                line a from world.east to knot {{ free_length: 0.6 m, stiffness: 900 N/m, damping: {damping} N*s/m }}
+                line b from world.low to knot {{ free_length: 0.5 m, stiffness: 700 N/m, damping: {damping} N*s/m }}
+                line c from bar.tip to knot {{ free_length: 0.4 m, stiffness: 800 N/m, damping: {damping} N*s/m }}
+                output pull = c.tension;
+            }}"
+        ));
+        let model = generic(scene.clone());
+        let layout = model.layout();
+        let at = placed(&model, &[], &[("pin.angle", -0.3), ("pin.angle_rate", 0.8)]);
+        let course = Course::new(&model, &at, &[1.2, -0.2, -0.5]).expect("a balance");
+        let state = course.state.clone();
+        let mut course = course;
+        course.solve(0.0, &state).expect("a balance");
+        let instant = course.instant(&state);
+        let mut linear = Linearisation::new(layout);
+        let found = linear.evaluate(&model, &instant.at(), &mut model.work());
+        found.expect("a regular position");
+        let [mut want, _] = Implicit::new(&scene, &[]).by_state(&instant);
+        let mut got = linear.state().values().to_vec();
+        let columns = layout.nx();
+        for q in layout.quaternions() {
+            for rows in [&mut got, &mut want] {
+                for row in rows.chunks_exact_mut(columns) {
+                    let radial: f64 = (q..q + 4).map(|k| row[k] * state[k]).sum();
+                    (q..q + 4).for_each(|k| row[k] -= radial * state[k]);
+                }
+            }
+        }
+        let size = want.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        assert_close(&got, &want, 0.0, 1e-10 * size, equilibrium);
+    }
+}

@@ -1,0 +1,189 @@
+//! States and inputs where nothing accelerates, against closed forms.
+
+use mbd_runtime::{TrimError, trim};
+use mbd_scene::AngularVelocity;
+use mbd_scene::joints::JointForces;
+use tests::assert_close;
+use tests::declared::read;
+use tests::mechanism::state;
+use tests::reference::{field, load};
+use tests::system::{bodies, list, scene};
+
+use super::{Held, generic};
+
+#[test]
+fn a_kite_stands_where_wind_weight_and_line_balance() {
+    let scene = read(
+        "model Kite {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            input lift: force; input drag: force;
+            point kite { mass: 3.0 kg }
+            line tether from world to kite { free_length: 100 m, stiffness: 5 kN/m }
+            load wind on kite = [drag, 0 N, lift];
+        }",
+    );
+    let model = generic(scene);
+    let found = trim(&model)
+        .input("lift", 900.0)
+        .input("drag", 300.0)
+        .guess("kite.x", 50.0)
+        .guess("kite.y", 10.0)
+        .guess("kite.z", 90.0)
+        .solve()
+        .expect("it stands");
+    // The line points along the force, and is longer by what it pulls over its stiffness.
+    let force = [300.0, 0.0, 900.0 - 3.0 * 9.81];
+    let pull = f64::hypot(force[0], force[2]);
+    let length = 100.0 + pull / 5000.0;
+    for (name, force) in ["kite.x", "kite.y", "kite.z"].iter().zip(force) {
+        let got = found.value(name).expect("a coordinate");
+        assert!((got - length * force / pull).abs() < 1e-8, "{name}: {got}");
+    }
+    // And the lift that holds it at a height.
+    let found = trim(&model)
+        .input("drag", 300.0)
+        .input("lift", 500.0)
+        .free_input("lift")
+        .guess("kite.x", 62.0)
+        .fix("kite.z", 80.0)
+        .solve()
+        .expect("it stands");
+    let (z, x) = (80.0, found.value("kite.x").expect("a coordinate"));
+    let up = found.inputs[0] - 3.0 * 9.81;
+    assert!((up / 300.0 - z / x).abs() < 1e-9, "{up} {x}");
+}
+
+const DRONE: &str = "model Drone {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    input f0: force; input f1: force; input f2: force; input f3: force;
+    input wind: [speed; 3];
+    body drone { mass: 1.5 kg, inertia: diag(0.02, 0.02, 0.04) kg*m^2,
+        frame front at [0.2, 0.0, 0.0] m, frame left at [0.0, 0.2, 0.0] m,
+        frame back at [-0.2, 0.0, 0.0] m, frame right at [0.0, -0.2, 0.0] m }
+    joint fly: free from world to drone.com;
+    load front on drone at front = f0 * drone.z;
+    load left on drone at left = f1 * drone.z;
+    load back on drone at back = f2 * drone.z;
+    load right on drone at right = f3 * drone.z;
+    load drag on drone at com = -0.3 N*s/m * (drone.com.velocity - wind);
+}";
+
+#[test]
+fn a_quadrotor_hovers_with_a_quarter_of_its_weight_a_rotor_and_leans_into_the_wind() {
+    let model = generic(read(DRONE));
+    let hover = || {
+        let all = (0..4).fold(trim(&model), |trim, k| trim.free_input(&format!("f{k}")));
+        (0..4).fold(all, |trim, k| trim.input(&format!("f{k}"), 2.0))
+    };
+    let still = hover().solve().expect("it hovers");
+    let quarter = 1.5 * 9.81 / 4.0;
+    assert_close(&still.inputs[..4], &[quarter; 4], 1e-9, 0.0, "rotors");
+    assert!(
+        still.undecided.iter().any(|name| name.contains("drone.x")),
+        "{:?}",
+        still.undecided
+    );
+    assert_eq!(still.space.states.len(), 12);
+
+    // Against a wind of 10 m/s along x: thrust = √((m g)² + (c w)²), leaning by atan(c w/m g).
+    let windy = hover()
+        .input("wind.x", 10.0)
+        .hold("drone.turn_z")
+        .solve()
+        .expect("it hovers");
+    let (weight, drag) = (1.5 * 9.81, 0.3 * 10.0);
+    let thrust: f64 = windy.inputs[..4].iter().sum();
+    assert!((thrust - f64::hypot(weight, drag)).abs() < 1e-8, "{thrust}");
+    let q = &windy.state[3..7];
+    let (z_x, z_z) = (
+        2.0 * (q[1] * q[3] + q[0] * q[2]),
+        1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]),
+    );
+    assert!((-z_x / z_z - drag / weight).abs() < 1e-8, "{z_x} {z_z}");
+}
+
+#[test]
+fn a_wind_turbine_turns_at_a_constant_speed_under_the_torque_of_its_generator() {
+    let model = generic(read(
+        "model Turbine {
+            gravity: [0.0, 0.0, -9.81] m/s^2;
+            input generator: torque;
+            input wind: speed;
+            body rotor { mass: 2000.0 kg, inertia: diag(40000.0, 20000.0, 20000.0) kg*m^2 }
+            joint shaft: hinge from world to rotor.com { axis: x,
+                force: 400 N*s^2/m * (wind - 3.0 m * shaft.angle_rate) * wind - generator }
+        }",
+    ));
+    let found = trim(&model)
+        .input("wind", 12.0)
+        .rate("shaft.angle", 2.0)
+        .free_input("generator")
+        .solve()
+        .expect("it turns");
+    let at = found
+        .space
+        .inputs
+        .iter()
+        .position(|name| name.name == "generator");
+    let generator = found.inputs[at.expect("an input")];
+    assert!(
+        (generator - 400.0 * (12.0 - 6.0) * 12.0).abs() < 1e-6,
+        "{generator}"
+    );
+    assert_eq!(found.value("shaft.angle_rate"), Some(2.0));
+}
+
+#[test]
+fn a_linkage_is_trimmed_on_its_loop_and_what_cannot_balance_is_named() {
+    let file = load("derivatives/linear_four_bar.json");
+    let mut scene = scene(&file["system"], AngularVelocity::Body);
+    scene.joints[0].forces.push(JointForces {
+        stiffness: Some(5.0.into()),
+        rest: Some(std::f64::consts::FRAC_PI_3.into()),
+        damping: Some(0.1.into()),
+        ..JointForces::default()
+    });
+    let own = &list(&file["points"])[1]["bodies"];
+    let start = state(
+        &scene,
+        &bodies(&own["r"], &own["quat"], &own["rdot"], &own["omega_world"]),
+        &[],
+    );
+    let model = generic(scene);
+    let near = trim(&model).state(&start).guess("hinge0.angle", 0.8);
+    let found = near.solve().expect("it rests");
+    let want = field(&list(&file["points"])[0], "x0")[0];
+    assert!((found.value("hinge0.angle").expect("the crank") - want).abs() < 1e-9);
+
+    let held = trim(&model).state(&start).hold("hinge0.angle").solve();
+    let Err(TrimError::Unbalanced {
+        worst,
+        residual,
+        counts,
+        ..
+    }) = held
+    else {
+        panic!("{held:?}");
+    };
+    assert_eq!((worst.as_str(), counts), ("hinge0.angle", [0, 1]));
+    assert!(residual.abs() > 1.0);
+}
+
+#[test]
+fn a_trim_begins_at_the_declared_start_with_the_declared_inputs_and_settles_what_is_integrated() {
+    // A pendulum under a controller that integrates its error: at rest it carries the load and the integral holds the torque.
+    let text = "model Held {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        input aim: angle = 2.4 rad;
+        body arm { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+        joint pin: hinge from world to arm.top { axis: y, start: 2.3 rad,
+            force: 30 N*m * (aim - pin.angle) - 6 N*m*s * pin.angle_rate + 20 N*m/s * missed }
+        state missed = 0 rad*s { rate: aim - pin.angle }
+    }";
+    let model = generic(read(text));
+    let found = trim(&model).solve().expect("it rests");
+    let torque = 2.0 * 9.81 * 0.5 * 2.4_f64.sin();
+    let got = ["pin.angle", "missed"].map(|name| found.value(name).expect("a name"));
+    assert_close(&got, &[2.4, torque / 20.0], 1e-10, 0.0, "rest");
+    assert!(found.space.vibrations().iter().all(|one| one.real < 0.0));
+}
