@@ -2,7 +2,7 @@
 
 use mbd_runtime::{Options, Simulation, linearise, linearise_along, trim};
 use mbd_scene::joints::JointForces;
-use mbd_scene::{AngularVelocity, Formula, Input, Quantity, Unit};
+use mbd_scene::{AngularVelocity, Formula, Input, Model, Quantity, Unit};
 use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
 use tests::assert_close;
@@ -12,8 +12,8 @@ use tests::reference::{field, load, numbers};
 use tests::system::{bodies, list, scene};
 
 use super::{
-    DOUBLE_PENDULUM, assert_eigenvalues, assert_matrix, assert_point, assert_system, eigenvalues,
-    generic, placed,
+    DOUBLE_PENDULUM, assert_eigenvalues, assert_matrix, assert_point, assert_system, generic,
+    placed,
 };
 
 #[test]

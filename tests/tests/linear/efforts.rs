@@ -2,10 +2,10 @@
 
 use mbd_runtime::{Efforts, inverse_dynamics, linearise};
 use mbd_scene::joints::JointForces;
-use mbd_scene::{AngularVelocity, Formula, Input, Quantity, Scene, Unit};
+use mbd_scene::{AngularVelocity, Formula, Input, Model, Quantity, Scene, Unit};
 use tests::assert_close;
 use tests::looped::mechanism;
-use tests::mechanism::{evaluate, state};
+use tests::mechanism::evaluate;
 use tests::random::Random;
 use tests::reference::{field, load};
 use tests::system::{list, scene};

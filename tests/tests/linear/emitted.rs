@@ -7,8 +7,6 @@ use tests::assert_close;
 use tests::declared::read;
 use tests::flights::Course;
 use tests::implicit::Implicit;
-use tests::mechanism::state;
-use tests::system::scene;
 
 use super::{generic, placed};
 

@@ -10,9 +10,8 @@ use mbd_runtime::{External, Generic, Options, Simulation, StateSpace, linearise}
 use mbd_scene::Scene;
 use nalgebra::DMatrix;
 use serde_json::Value;
-use tests::mechanism::evaluate;
 use tests::reference::{field, numbers};
-use tests::system::{list, scene};
+use tests::system::list;
 
 /// Inputs that stay.
 struct Held(Vec<f64>);

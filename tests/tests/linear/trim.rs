@@ -9,7 +9,7 @@ use tests::mechanism::state;
 use tests::reference::{field, load};
 use tests::system::{bodies, list, scene};
 
-use super::{Held, generic};
+use super::generic;
 
 #[test]
 fn a_kite_stands_where_wind_weight_and_line_balance() {
