@@ -195,6 +195,14 @@ fn same(a: &str, b: &str) -> bool {
     words(a).eq(words(b))
 }
 
+/// `a` or `an`.
+fn article(word: &str) -> &'static str {
+    match word.starts_with(['a', 'e', 'i', 'o', 'u']) && !word.starts_with("uni") {
+        true => "an",
+        false => "a",
+    }
+}
+
 /// More messages than this help nobody.
 const MOST: usize = 100;
 

@@ -1,6 +1,6 @@
 //! Messages of reading: what cannot be lexed or parsed.
 
-use super::Report;
+use super::{Report, article};
 use mbd_scene::JointLaw;
 
 use super::similar::did_you_mean;
@@ -215,14 +215,6 @@ pub fn missing_separator(at: Region, sign: char) -> Report {
 
 pub fn wrong_separator(at: Region) -> Report {
     Report::new(at, "between braces fields are separated by `,`")
-}
-
-/// `a` or `an`.
-fn article(word: &str) -> &'static str {
-    match word.starts_with(['a', 'e', 'i', 'o', 'u']) && !word.starts_with("uni") {
-        true => "an",
-        false => "a",
-    }
 }
 
 pub fn no_fields(at: Region, item: &ItemWord) -> Report {

@@ -5,9 +5,9 @@ use mbd_scene::solids::Solid;
 
 use crate::check::WrongInertia;
 use crate::lexeme::Region;
-use crate::messages::Report;
 use crate::messages::similar::did_you_mean;
 use crate::messages::syntax::ended;
+use crate::messages::{Report, article};
 use crate::syntax::{foreign, words};
 use crate::units::{self, described, si_text};
 
@@ -674,13 +674,6 @@ pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> Report {
             article(kind)
         ),
     )
-}
-
-pub(super) fn article(word: &str) -> &'static str {
-    match word.starts_with(['a', 'e', 'i', 'o', 'u']) {
-        true => "an",
-        false => "a",
-    }
 }
 
 pub fn set_to_no_number(at: Region, name: &str) -> Report {

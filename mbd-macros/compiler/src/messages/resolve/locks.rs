@@ -1,8 +1,8 @@
 //! Messages about coordinates that events lock and free.
 
-use super::items::{article, known_or_near};
+use super::items::known_or_near;
 use crate::lexeme::Region;
-use crate::messages::Report;
+use crate::messages::{Report, article};
 
 pub fn no_joint_to(at: Region, action: &str, word: &str, known: &[&str]) -> Report {
     Report::new(

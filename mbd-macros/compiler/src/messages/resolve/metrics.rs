@@ -2,10 +2,10 @@
 
 use mbd_scene::metrics::Take;
 
-use super::items::{article, known_or_near};
+use super::items::known_or_near;
 use crate::lexeme::Region;
-use crate::messages::Report;
 use crate::messages::similar::did_you_mean;
+use crate::messages::{Report, article};
 
 pub fn metric_take(at: Region, word: &str) -> Report {
     let words = Take::ALL.map(Take::keyword);

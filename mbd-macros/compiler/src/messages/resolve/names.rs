@@ -1,9 +1,9 @@
 //! Messages about names: what a path or a place refers to.
 
 use crate::lexeme::Region;
-use crate::messages::Report;
 use crate::messages::similar::{did_you_mean, nearest};
 use crate::messages::syntax::ended;
+use crate::messages::{Report, article};
 use crate::syntax::foreign;
 
 pub fn not_constant(at: Region, what: &str) -> Report {
@@ -50,9 +50,16 @@ pub fn not_driven(at: Region, what: &str) -> Report {
 }
 
 pub fn not_a_quantity(at: Region, word: &str, kind: &str) -> Report {
+    let instead = match kind {
+        "output" => ": name what it shows by `let`, and write that name in both places",
+        _ => "",
+    };
     Report::new(
         at,
-        format!("`{word}` is a name of a {kind} and has no value in an expression"),
+        format!(
+            "`{word}` is the name of {} {kind} and has no value in an expression{instead}",
+            article(kind)
+        ),
     )
 }
 

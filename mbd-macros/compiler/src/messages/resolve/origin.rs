@@ -1,8 +1,7 @@
 //! Messages about the origin of positions.
 
-use super::items::article;
 use crate::lexeme::Region;
-use crate::messages::Report;
+use crate::messages::{Report, article};
 
 pub fn origin_of_the_world(at: Region) -> Report {
     Report::new(
