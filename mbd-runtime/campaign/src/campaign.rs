@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
+use mbd_runtime::scene::metrics::COLUMNS_OF_RESULTS;
 use mbd_runtime::scene::{Packed, fingerprint};
 use mbd_runtime::{
     Batch, Case, Content, FailedCase, Finished, Model, RunError, Sampling, Simulation, StepError,
@@ -356,7 +357,7 @@ fn asked(written: &Written, metrics: &Metrics, last: u64) -> Result<Asked, PlanE
 fn tell_apart(metrics: &Metrics, dispersions: &Dispersions) -> Result<(), PlanError> {
     let dispersed = dispersions.varied.iter();
     let mut taken: Vec<&str> = dispersed.map(|varied| varied.known.name.as_str()).collect();
-    taken.extend(["case", "status", "end", "why"]);
+    taken.extend(COLUMNS_OF_RESULTS);
     let mut names = metrics.list.iter().map(|metric| metric.name.as_str());
     match names.find(|name| taken.contains(name)) {
         Some(name) => Err(wrong(

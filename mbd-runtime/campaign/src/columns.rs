@@ -79,9 +79,3 @@ pub fn include(
     content.energy |= group.energy;
     Ok(())
 }
-
-/// A column of a history by its place; empty where it has none there.
-pub fn values(history: &Trajectory, at: usize) -> &[f64] {
-    let name = history.names().get(at).map_or("", |name| &name.name);
-    history.column(name).unwrap_or(&[])
-}

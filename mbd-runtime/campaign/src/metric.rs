@@ -1,13 +1,13 @@
 //! Numbers that are read from the history of every case, and what they have to be.
 //!
-//! Over time columns are taken as straight between rows. A metric without a value (an event that did not happen, an effort that nothing determines)
+//! A metric without a value (an event that did not happen, an effort that nothing determines)
 //! is NaN here and an empty cell in the results; where something is required of it, it counts as not met.
 
 use mbd_compiler::read_number;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::scene::metrics::{self, Take};
 use mbd_runtime::scene::similar::did_you_mean;
-use mbd_runtime::{Content, Model, Name, Trajectory};
+use mbd_runtime::{Content, MetricReader, MissingMetric, Model, Name, Trajectory};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -25,13 +25,7 @@ pub struct Metric {
     pub unit: String,
     /// What it has to be.
     pub require: Option<Requirement>,
-    take: Take,
-    /// The column it is made of, and the level in its unit.
-    column: usize,
-    level: f64,
-    /// The event it needs.
-    event: String,
-    window: [f64; 2],
+    reader: MetricReader,
 }
 
 /// What a metric has to be, in which part of all cases, shown with which confidence.
@@ -124,14 +118,6 @@ impl Metrics {
         Ok(metrics)
     }
 
-    /// The metrics that a declaration has, for histories with these columns. Those that such a history cannot tell are left out.
-    #[must_use]
-    pub fn of_history(scene: &Scene, history: &Trajectory, every_step: bool) -> Vec<Metric> {
-        let metrics = scene.runs.metrics.iter();
-        let read = metrics.map(|metric| declared(metric, scene, history.names(), every_step));
-        read.filter_map(Result::ok).collect()
-    }
-
     /// The metrics of a history.
     #[must_use]
     pub fn read(&self, history: &Trajectory) -> Vec<f64> {
@@ -174,32 +160,18 @@ fn declared(
     names: &[Name],
     every_step: bool,
 ) -> Result<Metric, PlanError> {
-    let output = metric.output.and_then(|output| scene.outputs.get(output));
-    let event = metric.event.and_then(|event| scene.events.get(event));
-    let column = names.iter().position(|known| known.name == metric.name);
-    let setting = format!("metric {}", metric.name);
-    if output.is_some() && column.is_none() {
-        return Err(wrong(
-            setting,
-            "its quantity is in no history: this model does not emit its outputs",
-        ));
-    }
-    if metric.take == Take::Value && !every_step {
-        return Err(wrong(setting, EVERY_STEP));
-    }
-    let (unit, factor) = output.map_or(("", 1.0), |it| (it.unit.text.as_str(), it.unit.factor));
+    let reader = MetricReader::new(metric, scene, names, every_step).map_err(|missing| {
+        let why = match missing {
+            MissingMetric::NeedsEveryStep => EVERY_STEP,
+            _ => "its quantity is in no history: this model does not emit its outputs",
+        };
+        wrong(format!("metric {}", metric.name), why)
+    })?;
     Ok(Metric {
         name: metric.name.clone(),
-        unit: metric.take.unit(unit),
+        unit: metric.unit(scene),
         require: None,
-        take: metric.take,
-        column: column.unwrap_or(0),
-        level: metric.level.map_or(f64::NAN, |level| level / factor),
-        event: event.map_or(String::new(), |event| event.name.clone()),
-        window: [
-            metric.from.unwrap_or(f64::NEG_INFINITY),
-            metric.to.unwrap_or(f64::INFINITY),
-        ],
+        reader,
     })
 }
 
@@ -293,11 +265,13 @@ impl<'r> Reader<'r> {
             name: self.name.to_owned(),
             unit,
             require,
-            take,
-            column: found.unwrap_or(0),
-            level: level.unwrap_or(f64::NAN),
-            event,
-            window,
+            reader: MetricReader {
+                take,
+                column: found.unwrap_or(0),
+                level: level.unwrap_or(f64::NAN),
+                event,
+                window,
+            },
         })
     }
 
@@ -370,130 +344,13 @@ impl Metric {
     /// Its value in a history; NaN where it has none.
     #[must_use]
     pub fn read(&self, history: &Trajectory) -> f64 {
-        match self.take {
-            Take::TimeOf => self.first(history).unwrap_or(f64::NAN),
-            Take::Value => self.value_at(history).unwrap_or(f64::NAN),
-            _ => self.over_time(history),
-        }
+        self.reader.read(history)
     }
-
-    /// When an event happens for the first time in the window [s].
-    fn first(&self, history: &Trajectory) -> Option<f64> {
-        let mut events = history.events.iter();
-        let [from, to] = self.window;
-        events
-            .find(|(time, name)| *name == self.event && (from..=to).contains(time))
-            .map(|(time, _)| *time)
-    }
-
-    /// A column at the first row of an event: before anything jumps.
-    fn value_at(&self, history: &Trajectory) -> Option<f64> {
-        let time = self.first(history)?;
-        let row = history.times().partition_point(|row| *row < time);
-        columns::values(history, self.column).get(row).copied()
-    }
-
-    fn over_time(&self, history: &Trajectory) -> f64 {
-        let (times, values) = between(
-            history.times(),
-            columns::values(history, self.column),
-            self.window,
-        );
-        let (times, values) = (times.as_slice(), values.as_slice());
-        if values.is_empty() || values.iter().any(|value| value.is_nan()) {
-            return f64::NAN;
-        }
-        let span = times[times.len() - 1] - times[0];
-        // ∫ of a function that is a polynomial of the column between two rows.
-        let integral = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
-            let rows = times.windows(2).zip(values.windows(2));
-            rows.map(|(t, x)| (t[1] - t[0]) * of(x[0], x[1])).sum()
-        };
-        let over_span = |sum: f64, alone: f64| if span > 0.0 { sum / span } else { alone };
-        let last = values[values.len() - 1];
-        match self.take {
-            Take::Max => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            Take::Min => values.iter().copied().fold(f64::INFINITY, f64::min),
-            Take::Mean => over_span(integral(&|a, b| 0.5 * (a + b)), last),
-            Take::Rms => {
-                over_span(integral(&|a, b| (a * a + a * b + b * b) / 3.0), last * last).sqrt()
-            }
-            Take::Integral => integral(&|a, b| 0.5 * (a + b)),
-            Take::TimeAbove => integral(&|a, b| part_above(a, b, self.level)),
-            Take::FirstAbove => first_above(times, values, self.level),
-            _ => last,
-        }
-    }
-}
-
-/// The rows in a window; where it begins and ends between two rows, a column is straight.
-fn between(times: &[f64], values: &[f64], [from, to]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
-    let begin = times.partition_point(|time| *time < from);
-    let end = times.partition_point(|time| *time <= to);
-    // The value between the row before `next` and that row, if both are there.
-    let inside = |time: f64, next: usize| -> Option<(f64, f64)> {
-        let before = next.checked_sub(1)?;
-        let (t, x) = (times.get(before..=next)?, values.get(before..=next)?);
-        let part = (time - t[0]) / (t[1] - t[0]);
-        (t[0] < time && time < t[1]).then(|| (time, x[0] + part * (x[1] - x[0])))
-    };
-    let rows = times.iter().copied().zip(values.iter().copied());
-    let rows = rows.skip(begin).take(end.saturating_sub(begin));
-    let first = inside(from, begin).into_iter();
-    first.chain(rows).chain(inside(to, end)).unzip()
-}
-
-/// The part of a straight line from a to b that is above a level.
-fn part_above(a: f64, b: f64, level: f64) -> f64 {
-    match (a > level, b > level) {
-        (true, true) => 1.0,
-        (false, false) => 0.0,
-        (true, false) => (a - level) / (a - b),
-        (false, true) => (b - level) / (b - a),
-    }
-}
-
-/// When straight lines between rows are above a level for the first time; NaN where they never are.
-fn first_above(times: &[f64], values: &[f64], level: f64) -> f64 {
-    if values.first().is_some_and(|first| *first > level) {
-        return times[0];
-    }
-    let mut rows = times.windows(2).zip(values.windows(2));
-    let crossing = rows.find(|(_, x)| x[1] > level);
-    crossing.map_or(f64::NAN, |(t, x)| {
-        t[0] + (t[1] - t[0]) * (level - x[0]) / (x[1] - x[0])
-    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_triangle_is_above_half_its_height_for_half_of_its_time() {
-        let (times, values) = ([0.0, 1.0, 4.0], [0.0, 2.0, 0.0]);
-        let above: f64 = times
-            .windows(2)
-            .zip(values.windows(2))
-            .map(|(t, x)| (t[1] - t[0]) * part_above(x[0], x[1], 1.0))
-            .sum();
-        assert!((above - 2.0).abs() < 1e-15);
-        assert!((first_above(&times, &values, 1.0) - 0.5).abs() < 1e-15);
-        assert!(first_above(&times, &values, 3.0).is_nan());
-        assert_eq!(first_above(&times, &values, -1.0), 0.0);
-    }
-
-    #[test]
-    fn a_window_ends_between_rows_as_well_as_at_them() {
-        let (times, values) = ([0.0, 1.0, 3.0], [0.0, 2.0, 6.0]);
-        let part = |from, to| between(&times, &values, [from, to]);
-        assert_eq!(part(0.5, 2.0), (vec![0.5, 1.0, 2.0], vec![1.0, 2.0, 4.0]));
-        assert_eq!(part(1.5, 2.5), (vec![1.5, 2.5], vec![3.0, 5.0]));
-        assert_eq!(part(0.0, 1.0), (vec![0.0, 1.0], vec![0.0, 2.0]));
-        assert_eq!(part(4.0, 5.0), (vec![], vec![]));
-        let all = [f64::NEG_INFINITY, f64::INFINITY];
-        assert_eq!(between(&times, &values, all).0, times);
-    }
 
     #[test]
     fn a_requirement_is_not_met_by_what_has_no_value() {

@@ -2,6 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::Scene;
+
+/// Columns that every table of results has: no metric has such a name.
+pub const COLUMNS_OF_RESULTS: [&str; 4] = ["case", "status", "end", "why"];
+
 /// How a number is made of a quantity over a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Take {
@@ -102,4 +107,14 @@ pub struct Metric {
     pub from: Option<f64>,
     /// Up to when a run counts [s].
     pub to: Option<f64>,
+}
+
+impl Metric {
+    /// Its unit; empty for a pure number.
+    #[must_use]
+    pub fn unit(&self, scene: &Scene) -> String {
+        let output = self.output.and_then(|output| scene.outputs.get(output));
+        self.take
+            .unit(output.map_or("", |output| output.unit.text.as_str()))
+    }
 }

@@ -30,6 +30,7 @@ mod laws;
 mod linearise;
 mod list;
 mod locate;
+mod metric;
 mod momentum;
 mod moving;
 #[doc(hidden)]
@@ -119,6 +120,7 @@ pub use lanes::{Beside, Equations, Form, Forms, InLanes, Lanes, Lanes4, Lanes8, 
 pub use columns::{Name, state_names};
 pub use error::{Collapse, Progress, RunError, Source, Statistics, StepError, Stiff, UnevenLines};
 pub use event::{Happening, Occurrence};
+pub use metric::{MetricReader, MetricValue, MissingMetric};
 pub use node::NodeMemory;
 pub use trajectory::{Content, Sampling, Trajectory};
 pub use unilateral::Mode;

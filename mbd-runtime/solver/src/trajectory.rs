@@ -191,6 +191,18 @@ impl Trajectory {
         self.columns.first().map_or(&[], Vec::as_slice)
     }
 
+    /// A column by its place among [`Trajectory::names`]; empty where there is none.
+    #[must_use]
+    pub fn values(&self, index: usize) -> &[f64] {
+        self.columns.get(index).map_or(&[], Vec::as_slice)
+    }
+
+    /// When its rows are written.
+    #[must_use]
+    pub fn sampling(&self) -> &Sampling {
+        &self.sampling
+    }
+
     /// Writes comma-separated values; the header holds names with units and remarks, `riser.tension [N]`, `close.force.x [N, not unique]`. A
     /// number that there is not is an empty cell.
     ///

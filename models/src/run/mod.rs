@@ -10,7 +10,7 @@ mod summary;
 
 pub use estimate::{Estimate, doubt};
 pub use mbd_campaign::run::{Plan, PlanError, Settings, split};
-pub use metrics::{Told, metrics};
+pub use metrics::metrics;
 pub use outcome::{Outcome, fly, fly_model};
 pub use publish::{publish, publish_gltf, shown};
 pub use quality::Quality;

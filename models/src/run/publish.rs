@@ -6,10 +6,10 @@ use std::path::Path;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Layout, Trajectory};
 
-use super::metrics::metric_table;
+use super::metrics::metrics;
 use super::outcome::Outcome;
 use super::summary::{summary_json, table};
-use crate::report::{Report, Run, Table, Views, gltf};
+use crate::report::{Report, Run, Table, Views, gltf, metrics_table};
 use crate::{describe, files};
 use mbd_campaign::run::Plan;
 
@@ -36,7 +36,8 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
         report = report.paragraph(&format!("The run stopped early: {error}"));
     }
     report = views.with_motion(report).section("The run").table(&table);
-    if let Some(metrics) = metric_table(scene, plan, outcome) {
+    let metrics = metrics_table(&metrics(scene, outcome));
+    if !metrics.is_empty() {
         report = report.table(&metrics);
     }
     if let Some(text) = not_unique(scene) {

@@ -59,7 +59,7 @@ struct Summary<'a> {
     wall_s: f64,
     wall_s_per_s: f64,
     params: BTreeMap<&'a str, f64>,
-    metrics: BTreeMap<&'a str, Option<f64>>,
+    metrics: BTreeMap<String, Option<f64>>,
     last: BTreeMap<String, f64>,
     events: &'a [(f64, String)],
 }
@@ -161,9 +161,9 @@ pub fn summary_json(scene: &Scene, plan: &Plan, outcome: &Outcome) -> io::Result
             .map(|param| param.name.as_str())
             .zip(plan.params.iter().copied())
             .collect(),
-        metrics: metrics(scene, plan, outcome)
+        metrics: metrics(scene, outcome)
             .into_iter()
-            .map(|told| (told.name, told.value.map(|(value, _)| value)))
+            .map(|told| (told.name, told.value.ok()))
             .collect(),
         last: last.collect(),
         events: &trajectory.events,

@@ -1,6 +1,6 @@
 //! Metrics: numbers of a run. The quantity of one is an output with its name, behind those that are declared.
 
-use mbd_scene::metrics::Take;
+use mbd_scene::metrics::{COLUMNS_OF_RESULTS, Take};
 use mbd_scene::{Formula, Output};
 
 use super::{Instance, Named, Resolver, Stage, fold};
@@ -19,6 +19,11 @@ impl Resolver<'_> {
 
     fn metric(&mut self, instance: &Instance<'_>) -> Option<()> {
         let item = instance.item;
+        let name = &self.scene.runs.metrics.get(instance.slot)?.name;
+        if COLUMNS_OF_RESULTS.contains(&name.as_str()) {
+            let told = say::metric_is_a_column(item.name_at(), name);
+            return self.fail(told);
+        }
         let known = words::find("metric", false)?.fields?;
         let fields = self.fields(&item.block, known);
         let (take, of) = self.take(item.clause("=")?)?;

@@ -1,6 +1,6 @@
 //! Messages about metrics.
 
-use mbd_scene::metrics::Take;
+use mbd_scene::metrics::{COLUMNS_OF_RESULTS, Take};
 
 use super::items::known_or_near;
 use crate::lexeme::Region;
@@ -15,6 +15,16 @@ pub fn metric_take(at: Region, word: &str) -> Report {
         format!(
             "a metric begins with what is taken of its quantity, such as `max rope.tension`; `{word}` is none of {}{near}",
             words.join(", ")
+        ),
+    )
+}
+
+pub fn metric_is_a_column(at: Region, name: &str) -> Report {
+    let all = COLUMNS_OF_RESULTS.join(", ");
+    Report::new(
+        at,
+        format!(
+            "no metric can be named `{name}`: tables of results have columns {all}; name it after what it is, such as `{name}_tension`"
         ),
     )
 }

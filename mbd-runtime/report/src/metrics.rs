@@ -1,0 +1,34 @@
+//! The metrics of a run as a table.
+
+use mbd_runtime::MetricValue;
+
+use super::table::{Cell, Table};
+
+/// The metrics of a run, from [`Trajectory::metrics`](mbd_runtime::Trajectory::metrics); without rows where there are none.
+#[must_use]
+pub fn metrics_table(told: &[MetricValue]) -> Table {
+    let mut table = Table::new("Metrics")
+        .column("name", "")
+        .column("taken", "")
+        .number("value", "", 9)
+        .column("unit", "")
+        .column("what", "");
+    for metric in told {
+        let (value, unit): (Cell, &str) = match metric.value {
+            Ok(value) => (value.into(), &metric.unit),
+            Err(_) => (Cell::Missing, ""),
+        };
+        table.push([
+            metric.name.as_str().into(),
+            metric.take.keyword().into(),
+            value,
+            unit.into(),
+            metric.doc.trim().into(),
+        ]);
+    }
+    let missing = told.iter().filter_map(|metric| {
+        let why = metric.value.err()?;
+        Some(format!("`{}` has no value: {why}", metric.name))
+    });
+    missing.fold(table, Table::note)
+}
