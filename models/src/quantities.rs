@@ -6,6 +6,7 @@ use mbd_compiler::quantities::{
 };
 use mbd_runtime::scene::joints::Measured;
 use mbd_runtime::scene::{Body, Gravity, Joint, PointKind, Scene};
+use serde_json::{Value, json};
 
 use crate::report::Table;
 
@@ -22,6 +23,24 @@ pub struct Asked {
     pub what: &'static str,
     /// Where it may stand.
     pub reach: Reach,
+}
+
+impl Asked {
+    /// Where it may stand.
+    fn stands_in(&self) -> &'static str {
+        match self.reach {
+            Everywhere => "everything",
+            Results => "outputs, metrics, events",
+        }
+    }
+
+    /// For a program.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        json!({
+            "name": self.name, "unit": self.unit, "components": self.components, "what": self.what, "stands_in": self.stands_in(),
+        })
+    }
 }
 
 /// Everything that can be asked of a scene, thing by thing in the order of the declaration.
@@ -145,17 +164,13 @@ pub fn table(scene: &Scene) -> Table {
         .column("what", "")
         .column("stands in", "");
     for one in asked(scene) {
-        let reach = match one.reach {
-            Everywhere => "everything",
-            Results => "outputs, events",
-        };
         let unit = if one.unit.is_empty() { "1" } else { &one.unit };
         table.push([
             one.name.as_str().into(),
             unit.into(),
             one.components.into(),
             one.what.into(),
-            reach.into(),
+            one.stands_in().into(),
         ]);
     }
     table.note(

@@ -4,6 +4,7 @@ use mbd_runtime::scene::{Float, fingerprint};
 use mbd_runtime::{Model, Options, Trajectory};
 
 use super::html::Report;
+use super::metrics::metrics_table;
 use super::table::{Cell, Table};
 use super::views::{Run, Views};
 
@@ -52,7 +53,7 @@ pub fn report<T: Float>(
     with_run(page, (model, options), &Run::new(scene, &params, history))
 }
 
-/// Adds what [`report`] shows of a run to a page of your own: the run as it moves, its plots, how it was run, its params.
+/// Adds what [`report`] shows of a run to a page of your own: the run as it moves, its plots, how it was run, its metrics, its params.
 #[must_use]
 pub fn with_run<T: Float>(
     page: Report,
@@ -63,6 +64,10 @@ pub fn with_run<T: Float>(
     let page = views.with_histories(views.with_motion(page));
     let table = run(model, options, shown.trajectory);
     let page = page.section("The run").table(&table);
+    let page = match metrics_table(&shown.trajectory.metrics(model.scene())) {
+        table if table.is_empty() => page,
+        table => page.table(&table),
+    };
     match params_of(model) {
         table if table.is_empty() => page,
         table => page.table(&table),

@@ -2,7 +2,9 @@
 
 use mbd_report::{Report, Run, Views, report};
 use mbd_runtime::scene::Scene;
-use mbd_runtime::{Content, Generic, Model, Options, Sampling, Simulation, Trajectory, model};
+use mbd_runtime::{
+    Content, Generic, MissingMetric, Model, Options, Sampling, Simulation, Trajectory, model,
+};
 
 model! {
     /// A bob under a knot that two lines hold, and a door.
@@ -60,6 +62,55 @@ fn a_page_names_model_hash_and_options_and_needs_nothing_but_itself() {
     }
     // The same run gives the same bytes.
     assert_eq!(html, page(&flown(0.5, Sampling::Every(0.01), Content::ALL)));
+}
+
+model! {
+    /// A stone that is thrown up.
+    model Throw {
+        gravity: [0.0, 0.0, -10.0] m/s^2;
+        point stone { mass: 1 kg, start at [0.0, 0.0, 0.0] m velocity [3.0, 0.0, 10.0] m/s }
+        event far = stone.position.x rises 100 m;
+        event top = stone.velocity.z falls 0 m/s;
+        /// How high it flies.
+        metric highest = max stone.position.z in cm;
+        metric flown_far = time_of far;
+        metric above = value stone.position.z { at: top };
+    }
+}
+
+#[test]
+fn metrics_of_a_run_stand_on_its_page_and_say_why_they_have_no_value() {
+    let (throw, options) = (
+        Throw::new(ThrowParams::default()).expect("the params that are declared"),
+        Options::rk4(0.1),
+    );
+    let told = |content: Content| {
+        let mut history = Trajectory::new(&throw, Sampling::Every(0.1), content);
+        let mut run = Simulation::new(&throw, options).expect("a model that runs");
+        run.record(2.0, &mut history).expect("a run that ends");
+        let values = history.metrics(throw.scene());
+        (values, report(&throw, &options, &history).html())
+    };
+    let (values, html) = told(Content::ALL);
+    // v²/2g.
+    assert!((values[0].value.expect("a value") - 500.0).abs() < 1e-9);
+    assert_eq!(values[0].unit, "cm");
+    assert_eq!(values[1].value, Err(MissingMetric::NoValue));
+    assert_eq!(values[2].value, Err(MissingMetric::NeedsEveryStep));
+    for text in [
+        "Metrics",
+        "How high it flies.",
+        "<code>flown_far</code> has no value: its event did not happen",
+        "<code>above</code> has no value: a value at an event needs a row at every step",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
+    let (values, html) = told(Content {
+        outputs: false,
+        ..Content::ALL
+    });
+    assert_eq!(values[0].value, Err(MissingMetric::NotRecorded));
+    assert!(html.contains("<code>highest</code> has no value: the history does not hold"));
 }
 
 #[test]

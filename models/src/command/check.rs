@@ -50,7 +50,8 @@ fn tables(file: &SceneFile) -> String {
     parts.join("\n")
 }
 
-fn pretty(value: &Value) -> Result<String, Failure> {
+/// A value as text of several lines.
+pub fn pretty(value: &Value) -> Result<String, Failure> {
     let text = serde_json::to_string_pretty(value);
     text.map(|text| text + "\n")
         .map_err(|error| Failure::Usage(error.to_string()))
@@ -68,9 +69,8 @@ fn contents(file: &SceneFile) -> Value {
     let outputs = scene.outputs.iter().map(|output| {
         json!({ "name": output.name, "components": output.components, "unit": output.unit.text })
     });
-    let metrics = scene.runs.metrics.iter().map(
-        |metric| json!({ "name": metric.name, "take": metric.take.keyword(), "doc": metric.doc }),
-    );
+    let metrics = scene.runs.metrics.iter();
+    let metrics = metrics.map(|metric| describe::metric_json(metric, scene));
     let names = |list: &mut dyn Iterator<Item = &String>| list.cloned().collect::<Vec<String>>();
     json!({
         "valid": true,

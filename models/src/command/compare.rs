@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser};
 use models::files;
 use models::report::{Cell, Compared, Report, Table};
-use models::run::{Quality, shown};
+use models::run::{Quality, metrics, shown};
 
 use super::failure::Failure;
 use super::run::{Flown, RunArgs, flown, unwritten};
@@ -115,6 +115,17 @@ fn differences(all: &[(&str, Flown)]) -> Table {
             let params = run.scene.params.iter().zip(&run.plan.params);
             let mut found = params.filter(|(param, _)| param.name == name);
             found.next().map(|(_, value)| *value).into()
+        });
+    }
+    let declared = |run: &Flown| {
+        let metrics = run.scene.runs.metrics.iter();
+        metrics.map(|metric| metric.name.clone()).collect()
+    };
+    for name in names(all, declared) {
+        row(&format!("metric {name}"), &|run| {
+            let metrics = metrics(&run.scene, &run.outcome).into_iter();
+            let mut found = metrics.filter(|metric| metric.name == name);
+            found.next().and_then(|metric| metric.value.ok()).into()
         });
     }
     let columns = |run: &Flown| -> Vec<String> {

@@ -1,8 +1,16 @@
-//! `mbd list`: the scenes that come along.
+//! `mbd list`: the scenes that come along, and what a scene can be asked.
 
+use clap::{Args, Subcommand};
 use mbd_compiler::nearest;
+use mbd_runtime::scene::Scene;
 use models::report::Table;
-use models::scenes;
+use models::{describe, quantities, scenes};
+use serde_json::{Value, json};
+
+use super::SceneArgs;
+use super::check::pretty;
+use super::failure::Failure;
+use super::scene_file::SceneFile;
 
 /// A ready scene that is a file: the two forms a scene file can have.
 #[derive(Clone, Copy, Debug)]
@@ -87,21 +95,86 @@ pub fn ready(name: &str) -> Option<Ready> {
         .or_else(|| written().map(Ready::Written))
 }
 
-/// The table of `mbd list`.
-pub fn list() -> String {
+/// What to list: the ready scenes, if nothing is said.
+#[derive(Args, Debug)]
+pub struct ListArgs {
+    #[command(subcommand)]
+    what: Option<Listed>,
+    /// Print the list as JSON.
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Listed {
+    /// What can be asked of a scene in outputs, metrics and events: names, units, meaning.
+    Quantities(SceneArgs),
+    /// The metrics that a scene declares: names, units, how they are taken.
+    Metrics(SceneArgs),
+}
+
+/// Lists.
+pub fn list(args: &ListArgs) -> Result<String, Failure> {
+    let scene = |args: &SceneArgs| SceneFile::find(&args.scene).map(|file| file.scene);
+    match (&args.what, args.json) {
+        (None, false) => Ok(ready_scenes()),
+        (None, true) => {
+            json_list(what_is_ready().map(|(name, what)| json!({ "name": name, "what": what })))
+        }
+        (Some(Listed::Quantities(args)), false) => Ok(quantities::table(&scene(args)?).text()),
+        (Some(Listed::Quantities(args)), true) => json_list(
+            quantities::asked(&scene(args)?)
+                .iter()
+                .map(quantities::Asked::json),
+        ),
+        (Some(Listed::Metrics(args)), false) => Ok(metrics_of(&scene(args)?)),
+        (Some(Listed::Metrics(args)), true) => {
+            let scene = scene(args)?;
+            let metrics = scene.runs.metrics.iter();
+            json_list(metrics.map(|metric| describe::metric_json(metric, &scene)))
+        }
+    }
+}
+
+fn metrics_of(scene: &Scene) -> String {
+    if scene.runs.metrics.is_empty() {
+        return format!(
+            "{} declares no metrics; one is declared as `metric peak = max rope.tension;`\n",
+            scene.name
+        );
+    }
+    describe::metrics(scene).text()
+}
+
+fn json_list(entries: impl Iterator<Item = Value>) -> Result<String, Failure> {
+    pretty(&Value::Array(entries.collect()))
+}
+
+/// Names of the ready scenes, and what they are.
+fn what_is_ready() -> impl Iterator<Item = (&'static str, String)> {
+    let compiled = scenes::READY.iter().map(|ready| {
+        let doc = (ready.scene)().doc;
+        (
+            ready.name,
+            doc.lines().next().unwrap_or_default().trim().to_owned(),
+        )
+    });
+    compiled.chain(
+        WRITTEN
+            .iter()
+            .map(|ready| (ready.name, ready.what.to_owned())),
+    )
+}
+
+fn ready_scenes() -> String {
     let mut table = Table::new("Ready scenes")
         .column("name", "")
         .column("what", "");
-    for ready in scenes::READY {
-        let doc = (ready.scene)().doc;
-        let what = doc.lines().next().unwrap_or_default();
-        table.push([ready.name.into(), what.into()]);
+    for (name, what) in what_is_ready() {
+        table.push([name.into(), what.into()]);
     }
-    for ready in WRITTEN {
-        table.push([ready.name.into(), ready.what.into()]);
-    }
-    let about = "`mbd run NAME` runs one; check, expand and convert take its name, too. The parachute with every model of its confluence is the main job: \
-         `mbd` without arguments, or `mbd parachute`.";
+    let about = "`mbd run NAME` runs one; check, expand and convert take its name, too. `mbd list metrics NAME` lists the metrics it declares, `mbd list quantities NAME` what can be \
+         asked of it. The parachute with every model of its confluence is the main job: `mbd` without arguments, or `mbd parachute`.";
     format!("{}\n{about}\n", table.text())
 }
 

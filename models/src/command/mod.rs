@@ -33,6 +33,7 @@ use extremes::ExtremesArgs;
 use failure::Failure;
 use fmt::FmtArgs;
 use linearise::LineariseArgs;
+use list::ListArgs;
 use mbd_campaign::GatherArgs;
 use mistakes::Paint;
 use parachute::ParachuteArgs;
@@ -88,19 +89,6 @@ enum Command {
     Grammar,
     /// Print a scene as TOML or as the text of a declaration, with the settings of its run.
     Convert(ConvertArgs),
-}
-
-/// What to list: the ready scenes, if nothing is said.
-#[derive(Args, Debug)]
-struct ListArgs {
-    #[command(subcommand)]
-    what: Option<Listed>,
-}
-
-#[derive(Debug, Subcommand)]
-enum Listed {
-    /// What can be asked of a scene in outputs and events: names, units, meaning.
-    Quantities(SceneArgs),
 }
 
 /// A scene.
@@ -159,13 +147,7 @@ fn answer(arguments: impl IntoIterator<Item = OsString>) -> Result<String, Failu
     });
     match command {
         Command::Parachute(args) => parachute::parachute(&args),
-        Command::List(ListArgs { what: None }) => Ok(list::list()),
-        Command::List(ListArgs {
-            what: Some(Listed::Quantities(args)),
-        }) => {
-            let file = scene_file::SceneFile::find(&args.scene)?;
-            Ok(models::quantities::table(&file.scene).text())
-        }
+        Command::List(args) => list::list(&args),
         Command::Run(args) => run::run(&args),
         Command::Compare(args) => compare::compare(&args),
         Command::Watch(args) => watch::watch(&args),

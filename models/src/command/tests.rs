@@ -131,7 +131,7 @@ fn the_quantities_of_a_scene_are_listed_with_units() {
     let text = run(&["list", "quantities", "four_bar"]).unwrap();
     for part in [
         "rad/s^2",
-        "outputs, events",
+        "outputs, metrics, events",
         ".force",
         "_acceleration",
         "m/s",

@@ -59,3 +59,91 @@ fn a_scene_with_metrics_is_converted_and_back() {
     let told: Value = serde_json::from_str(&told).unwrap();
     assert_eq!(told["metrics"][0]["take"], "max");
 }
+
+#[test]
+fn the_metrics_of_a_scene_are_listed_with_units_and_meaning() {
+    let text = run(&["list", "metrics", "swing"]).unwrap();
+    for part in [
+        "hardest_pull",
+        "max",
+        "The largest pull in the fall line.",
+        "lowest",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let unit = |name: &str| {
+        let line = text.lines().find(|line| line.contains(name)).unwrap();
+        line.split_whitespace().nth(2).unwrap().to_owned()
+    };
+    assert_eq!(
+        [unit("hardest_pull"), unit("deepest"), unit("first_lowest")],
+        ["N", "m", "s"]
+    );
+    let none = run(&["list", "metrics", "linkage"]).unwrap();
+    assert!(none.contains("Linkage declares no metrics"), "{none}");
+    assert_eq!(run(&["list", "metrics", "swnig"]).unwrap_err().code(), 1);
+}
+
+#[test]
+fn programs_read_every_list() {
+    let read = |what: &[&str]| -> Vec<Value> {
+        let text = run(&[&["list"], what, &["--json"]].concat()).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    let scenes = read(&[]);
+    let named: Vec<_> = scenes
+        .iter()
+        .filter_map(|one| one["name"].as_str())
+        .collect();
+    assert_eq!(named, list::names().collect::<Vec<_>>());
+    let quantities = read(&["quantities", "swing"]);
+    let tension = quantities.iter().find(|one| one["name"] == "fall.tension");
+    let tension = tension.unwrap();
+    assert_eq!(tension["unit"], "N");
+    assert_eq!(tension["components"], 1);
+    let folder = Folder::new("metrics_list");
+    let scene = folder.file("stone.mbd", FALL);
+    let metrics = read(&["metrics", &scene]);
+    let told = |name: &str| metrics.iter().find(|one| one["name"] == name).unwrap();
+    assert_eq!(metrics.len(), 4);
+    assert_eq!(told("fastest")["take"], "max");
+    assert_eq!(told("fastest")["unit"], "kph");
+    assert_eq!(told("fastest")["doc"], "How fast it gets.");
+    assert_eq!(told("impulse")["unit"], "m/s s");
+    assert_eq!(told("fall")["at"], "landed");
+    assert!(read(&["metrics", "linkage"]).is_empty());
+}
+
+#[test]
+fn a_metric_without_a_value_says_why_on_the_page() {
+    let folder = Folder::new("metrics_missing");
+    let scene = folder.file("stone.mbd", FALL);
+    let out = folder.0.join("out");
+    let page = |flags: &[&str]| {
+        let out = out.display().to_string();
+        let _ = run(&[&["run", &scene, "--out", &out], flags].concat());
+        std::fs::read_to_string(format!("{out}/report.html")).unwrap()
+    };
+    let whole = page(&[]);
+    assert!(whole.contains("has no value: its event did not happen"));
+    // A largest value up to where a run was given up is not that of the run.
+    let given_up = page(&["--max-steps", "2"]);
+    assert_eq!(
+        given_up
+            .matches("has no value: the run stopped before its end")
+            .count(),
+        4
+    );
+}
+
+#[test]
+fn runs_side_by_side_are_compared_by_their_metrics() {
+    let folder = Folder::new("metrics_compared");
+    let scene = folder.file("stone.mbd", FALL);
+    let other = format!("{scene} --until 1s");
+    let out = folder.0.join("out").display().to_string();
+    let told = run(&["compare", &scene, &other, "--out", &out]).unwrap();
+    let fall = told.lines().find(|line| line.contains("metric fall"));
+    assert!(fall.is_some_and(|line| line.contains('2')), "{told}");
+    assert!(!told.contains("metric risen"), "{told}");
+}
