@@ -10,6 +10,7 @@ use crate::emit::literal::ident;
 use crate::emit::{NameSpans, Settings, emit_model, emit_with, quantity, references};
 use crate::equations::Equations;
 use crate::kernels::Kernels;
+use crate::messages::resolve::goes_on_in_rust;
 use crate::messages::{About, Location, Message, check as say};
 use crate::reading::{Reading, read_tokens};
 use crate::resolve::Emitted;
@@ -68,6 +69,9 @@ pub fn expand(reading: &Reading) -> Result<String, String> {
 fn model(reading: &Reading, scene: &Scene) -> TokenStream {
     let layout = Layout::new(scene);
     if let Some(message) = immovable(reading, &layout) {
+        return without_equations(reading, message.to_compile_error());
+    }
+    if let Some(message) = goes_on(reading, scene) {
         return without_equations(reading, message.to_compile_error());
     }
     let wanted = wanted(reading, scene, &layout);
@@ -168,6 +172,15 @@ pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
         )
     });
     across.or_else(|| message(say::immovable(&scene.name, layout.nc, layout.nv), None))
+}
+
+/// What to say where an event lets a scene file go on: a model is alone in its code.
+fn goes_on(reading: &Reading, scene: &Scene) -> Option<Message> {
+    let going = reading.going.first()?;
+    let event = scene.events.get(going.event)?;
+    let file = &event.actions.next.as_ref()?.file;
+    let text = goes_on_in_rust(&event.name, file);
+    Some(Message::new(text, going.file))
 }
 
 /// The quantities to emit: all, or what a simulation needs and those that `emit: […]` names, by kind or by function.

@@ -1,7 +1,7 @@
 //! Formulas as the user would write them, and formulas changed all over a scene.
 
 use mbd_scene::joints::{Coordinate, FILTER, FORCE, JointForces, MOTOR, NUMBERS, STOPS};
-use mbd_scene::{Formula, Function, Gravity, LoadKind, Place, PointKind, Scene, Triple};
+use mbd_scene::{Formula, Function, Gravity, LoadKind, MapSource, Place, PointKind, Scene, Triple};
 
 /// A place by its name, `capsule.bridle[0]`.
 #[must_use]
@@ -308,6 +308,12 @@ pub fn rewrite(scene: &mut Scene, change: &mut impl FnMut(&mut Formula)) {
         one(&mut event.guard, change);
         let settings = event.actions.set.iter_mut();
         settings.for_each(|setting| one(&mut setting.value, change));
+        let map = event.actions.next.iter_mut().flat_map(|next| &mut next.map);
+        map.for_each(|mapped| {
+            if let MapSource::Value { value, .. } = &mut mapped.from {
+                one(value, change);
+            }
+        });
     });
 }
 

@@ -33,10 +33,23 @@ pub struct Reading {
     pub head: Location,
     /// Where the names of the joints are, for a message.
     pub joints: Vec<Location>,
+    /// Where events name scenes that go on, for a message.
+    pub going: Vec<Going>,
     /// What is asked for besides the scene.
     pub options: Options,
     /// The file that it takes in, as it is named, if it could be read.
     pub file: Option<String>,
+}
+
+/// Where an event names a scene that goes on.
+#[derive(Clone, Debug)]
+pub struct Going {
+    /// The event, by index.
+    pub event: usize,
+    /// Where the file stands.
+    pub file: Location,
+    /// Per entry of the map where its name stands, and its value.
+    pub map: Vec<[Location; 2]>,
 }
 
 /// What a declaration asks for besides the scene.
@@ -154,9 +167,17 @@ pub(crate) fn finish(
     let joints = (0..resolver.scene.joints.len())
         .map(|joint| declared(joint).map_or(head, |at| places.location(*at)))
         .collect();
+    let going = resolver.going.iter().map(|going| Going {
+        event: going.event,
+        file: places.location(going.file),
+        map: (going.map.iter())
+            .map(|entry| entry.map(|at| places.location(at)))
+            .collect(),
+    });
     Reading {
         head,
         joints,
+        going: going.collect(),
         scene: good.then(|| resolver.scene.clone()),
         skeleton: resolver.scene,
         errors: errors.located(places),

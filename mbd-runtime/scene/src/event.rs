@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Formula;
+use crate::{Dimension, Formula, Place};
 
 /// An instant the runtime locates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +42,9 @@ pub struct Actions {
     pub attach: Vec<Detachable>,
     /// Whether the run ends here, and may go on.
     pub stop: bool,
+    /// The scene that goes on from here, where the run ends for that.
+    #[serde(default)]
+    pub next: Option<Next>,
     /// Whether it acts the first time only.
     pub once: bool,
 }
@@ -58,6 +61,38 @@ impl Actions {
     pub fn changes(&self) -> bool {
         !(self.set.is_empty() && self.detach.is_empty() && self.attach.is_empty())
     }
+}
+
+/// A scene that goes on where an event ends a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Next {
+    /// Its file as it is named, relative to the folder of the scene that names it.
+    pub file: String,
+    /// What it takes over under other names; the rest goes on under its own.
+    pub map: Vec<Mapped>,
+}
+
+/// Something of the next scene, and what of the last one it begins with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Mapped {
+    /// Its name in the next scene.
+    pub name: String,
+    /// Where it begins.
+    pub from: MapSource,
+}
+
+/// What something of the next scene begins with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum MapSource {
+    /// A body or a point: at this place and moving with it; a body along the axes of the frame, too.
+    Place(Place),
+    /// A state or a param: this number.
+    Value {
+        /// The number just before the instant [SI].
+        value: Formula,
+        /// What it measures; `None` of a number that fits anything, zero.
+        dimension: Option<Dimension>,
+    },
 }
 
 /// What an event can detach and attach.

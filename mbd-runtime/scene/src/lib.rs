@@ -34,10 +34,12 @@ mod tree;
 mod vocabulary;
 
 pub use evaluate::{
-    Scratch, commands, evaluate, evaluate_with_multipliers, impulses, jumping_angles, locked,
-    masses, sensitivity, settings,
+    Handed, Scratch, commands, evaluate, evaluate_with_multipliers, handed, impulses,
+    jumping_angles, locked, masses, sensitivity, settings,
 };
-pub use event::{Actions, Detachable, Direction, Event, Settable, Setting};
+pub use event::{
+    Actions, Detachable, Direction, Event, MapSource, Mapped, Next, Settable, Setting,
+};
 pub use fingerprint::fingerprint;
 pub use joints::{
     ConstantAngle, ConstantVelocity, Cylindrical, Distance, Free, Gear, Hinge, JointForces,
@@ -66,7 +68,7 @@ pub use scene::{
     Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter, PartStart, Point,
     PointKind, Scene, Starts, State, Triple,
 };
-pub use starts::{declared_parts, place_declared};
+pub use starts::{declared_parts, place_bodies, place_declared};
 pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,

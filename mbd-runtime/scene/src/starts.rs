@@ -71,6 +71,48 @@ pub fn declared_parts(
     parts
 }
 
+/// Puts bodies of a scene in relative coordinates where they are known: per body its numbers as in absolute coordinates (position, attitude, velocity,
+/// angular velocity), in the world, or `None`. A joint of the tree whose child is not known keeps the coordinates it has in the state. What the
+/// joints of the tree forbid is taken out. In absolute coordinates the bodies have slots of their own, and this does nothing.
+pub fn place_bodies(
+    scene: &Scene,
+    layout: &Layout,
+    (params, time): (&[f64], f64),
+    known: &[Option<Vec<f64>>],
+    state: &mut [f64],
+) {
+    if layout.tree.is_none() || state.len() != layout.nx() {
+        return;
+    }
+    let before = state.to_vec();
+    let absolute = Absolute::of(scene);
+    let mut placed = absolute.state((scene, layout), (params, time), state);
+    let coordinates = layout.directions.coordinates();
+    for (body, slots) in absolute.layout.own_bodies() {
+        let Some(numbers) = known.get(body).and_then(Option::as_ref) else {
+            continue;
+        };
+        let (q, v) = numbers.split_at(coordinates.min(numbers.len()));
+        for (at, part) in [(slots.q, q), (absolute.layout.nq + slots.v, v)] {
+            let places = placed.iter_mut().skip(at);
+            places.zip(part).for_each(|(slot, number)| *slot = *number);
+        }
+    }
+    absolute.relative((scene, layout), &placed, (params, time), state);
+    for (_, link) in layout.joint_links() {
+        if known.get(link.body).is_none_or(Option::is_none) {
+            let v = layout.nq + link.slots.v;
+            let own = [
+                link.slots.q..link.slots.q + link.coordinates,
+                v..v + link.speeds,
+            ];
+            for place in own.into_iter().flatten() {
+                state[place] = before[place];
+            }
+        }
+    }
+}
+
 /// [`place`](crate::place) with the starts that the scene declares for the coordinates that are not given. Where these do not fit together, the given
 /// ones hold, and the declared ones are where the search for the others begins. `fixed` stay where the state has them, as do the bodies and points with
 /// a declared start that `state` has already ([`declared_parts`]), unless a given coordinate says otherwise.

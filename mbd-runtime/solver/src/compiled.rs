@@ -16,7 +16,7 @@ use crate::inverse::Efforts;
 use crate::lanes::Together;
 use crate::linearise::{Linearisation, LinearisationError, StateSpace};
 use crate::options::Options;
-use crate::simulation::{Course, Handover, Simulation, Snapshot, Stop};
+use crate::simulation::{Course, Given, Handover, Simulation, Snapshot, Stop};
 use crate::supply::{self, Inputs, Law, Sample};
 use crate::system::External;
 use crate::trajectory::Trajectory;
@@ -64,7 +64,8 @@ doors! {
     fn give_inputs(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, numbers: &[Self]) -> Result<(), RunError> = Simulation::give_inputs;
     fn add_control(run: &mut Simulation<Self>, of: Option<(&'static str, [usize; 2])>, every: Option<f64>, law: Law<Self>) -> Result<(), RunError> = Simulation::add_control;
     fn continue_from(run: &mut Simulation<Self>, snapshot: &Snapshot<Self>) -> Result<(), RunError> = Simulation::continue_from;
-    fn go_on_from(run: &mut Simulation<Self>, last: &mut Simulation<Self>, given: &[(&str, &[Self])]) -> Result<Handover, RunError> = Simulation::go_on_from;
+    fn go_on_from(run: &mut Simulation<Self>, last: &mut Simulation<Self>, given: Given<'_, Self>) -> Result<Handover, RunError> = Simulation::go_on_from;
+    fn hand_params(run: &mut Simulation<Self>, event: usize, next: &Scene, params: &mut [Self]) -> Result<(), RunError> = Simulation::hand_params;
     fn save(run: &Simulation<Self>) -> Snapshot<Self> = Simulation::save;
     fn name_event(run: &Simulation<Self>, what: Happening) -> String = Simulation::name_event;
     fn make_generic(scene: Scene, params: &[Self]) -> Result<Generic<Self>, ParamError> = Generic::make;
@@ -386,7 +387,45 @@ impl<T: Scalar> Simulation<T> {
         last: &mut Simulation<T>,
         given: &[(&str, &[T])],
     ) -> Result<Handover, RunError> {
+        let given = Given {
+            numbers: given,
+            event: None,
+            placed: &[],
+        };
         T::go_on_from(self, last, given)
+    }
+
+    /// As [`Simulation::take_over`], after an event of the last model that names the scene of this one (`then: scene "…"`), by its index: what its
+    /// `map` names begins where the map says. `placed` are the bodies and points that the state of this run places ([`Simulation::set_state`]), as a
+    /// declaration would.
+    ///
+    /// # Errors
+    /// As [`Simulation::take_over`]; and a map that names what is not there, or of another kind.
+    pub fn take_over_at(
+        &mut self,
+        last: &mut Simulation<T>,
+        event: usize,
+        placed: &[String],
+    ) -> Result<Handover, RunError> {
+        let given = Given {
+            numbers: &[],
+            event: Some(event),
+            placed,
+        };
+        T::go_on_from(self, last, given)
+    }
+
+    /// Changes params of the scene that goes on after an event, in its declaration order [SI], as the `map` of the event says.
+    ///
+    /// # Errors
+    /// A param that is mapped from a place; what the first evaluation may return.
+    pub fn params_after(
+        &mut self,
+        event: usize,
+        next: &Scene,
+        params: &mut [T],
+    ) -> Result<(), RunError> {
+        T::hand_params(self, event, next, params)
     }
 
     /// Everything needed to go on from here later, in this process or another.

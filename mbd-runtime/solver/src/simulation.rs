@@ -36,7 +36,7 @@ mod stiffness;
 pub use act::Acted;
 use act::Changes;
 pub(crate) use drive::Course;
-pub use handover::Handover;
+pub use handover::{Given, Handover};
 pub use moved::Moved;
 pub use snapshot::Snapshot;
 use stability::Meter;

@@ -160,6 +160,58 @@ impl Trajectory {
         self.statistics = Statistics::default();
     }
 
+    /// Histories one after the other, of models that went on from each other: a column `phase` counts them from 1, columns of the same name and unit are
+    /// one, and what a model has not is not a number in its rows. A column whose name has another unit elsewhere is told by its phase, `load (2)`.
+    #[must_use]
+    pub fn joined(parts: &[&Trajectory]) -> Self {
+        let mut names = vec![Name::new("time", "", "s"), Name::new("phase", "", "")];
+        // Per part, where each of its columns goes.
+        let mut places: Vec<Vec<usize>> = Vec::with_capacity(parts.len());
+        for (phase, part) in parts.iter().enumerate() {
+            let mut own = Vec::with_capacity(part.names.len());
+            for name in &part.names {
+                let alike = |known: &Name| known.name == name.name && known.unit == name.unit;
+                let taken = names.iter().any(|known| known.name == name.name);
+                let known = names.iter().position(alike);
+                own.push(known.unwrap_or(names.len()));
+                if known.is_none() {
+                    let told = match taken {
+                        true => format!("{} ({})", name.name, phase + 1),
+                        false => name.name.clone(),
+                    };
+                    names.push(Name {
+                        name: told,
+                        ..name.clone()
+                    });
+                }
+            }
+            places.push(own);
+        }
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
+        for ((part, own), phase) in parts.iter().zip(&places).zip(1_u32..) {
+            let (before, rows) = (columns[0].len(), part.len());
+            for (place, column) in own.iter().zip(&part.columns) {
+                columns[*place].extend_from_slice(column);
+            }
+            columns[1].extend(std::iter::repeat_n(f64::from(phase), rows));
+            let all = columns.iter_mut();
+            all.for_each(|column| column.resize(before + rows, f64::NAN));
+        }
+        let content = parts.first().map_or(Content::RESULTS, |part| part.content);
+        Trajectory {
+            row: Vec::new(),
+            content,
+            sampling: Sampling::Steps,
+            first: columns[0].first().copied().unwrap_or(f64::NAN),
+            next: 0,
+            undetermined: parts.iter().map(|part| part.undetermined).sum(),
+            events: parts.iter().flat_map(|part| part.events.clone()).collect(),
+            statistics: Statistics::default(),
+            names,
+            columns,
+        }
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -21,7 +21,7 @@ pub struct SceneCampaignArgs {
 
 /// Runs a campaign of a scene, or a shard of it.
 pub fn campaign(args: &SceneCampaignArgs) -> Result<String, Failure> {
-    let file = SceneFile::find(&args.scene)?;
+    let file = SceneFile::find_alone(&args.scene, "campaign")?;
     let model = nominal(&file)?;
     let source = |campaign: &Path| Source {
         command: format!(
@@ -56,7 +56,7 @@ fn reopen(source: &Source) -> Result<Campaign, mbd_campaign::Failure> {
         return Err(mbd_campaign::Failure::Usage(text));
     };
     let told = |failure: Failure| mbd_campaign::Failure::Invalid(failure.to_string());
-    let file = SceneFile::find(scene).map_err(told)?;
+    let file = SceneFile::find_alone(scene, "campaign").map_err(told)?;
     let model = nominal(&file).map_err(told)?;
     Campaign::read(&source.campaign, model, file.settings)
 }

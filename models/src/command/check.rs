@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::mistakes::listed;
+use super::phases::Phases;
 use super::scene_file::SceneFile;
 
 /// What to check, and how to tell it.
@@ -26,7 +27,21 @@ pub struct CheckArgs {
 
 /// Reads a scene and tells what is in it.
 pub fn check(args: &CheckArgs) -> Result<String, Failure> {
-    match SceneFile::find(&args.scene) {
+    let read = SceneFile::find(&args.scene).and_then(|file| {
+        let phases = Phases::of(file, &args.scene)?;
+        let remarks = phases.remarks();
+        let first = phases.files.into_iter().next();
+        let first = first.map(|mut file| {
+            file.remarks.extend(remarks.iter().cloned());
+            let notes = remarks
+                .iter()
+                .map(|note| note.trim_start_matches("note: ").to_owned());
+            file.reading.notes.extend(notes);
+            file
+        });
+        first.ok_or_else(|| Failure::Usage("no scene was read".into()))
+    });
+    match read {
         Ok(file) if args.json => pretty(&contents(&file)),
         Ok(file) => Ok(tables(&file)),
         Err(Failure::Mistakes(mistakes)) if args.json => {

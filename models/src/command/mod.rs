@@ -13,6 +13,7 @@ mod linearise;
 mod list;
 mod mistakes;
 mod parachute;
+mod phases;
 mod run;
 mod scene_file;
 mod trade;

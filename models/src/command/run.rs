@@ -7,12 +7,14 @@ use mbd_campaign::Campaign;
 use mbd_runtime::scene::Scene;
 use models::progress::Progress;
 use models::run::{
-    Outcome, Plan, Settings, doubt, fly_model, publish, publish_gltf, summary_json, warning,
+    Leg, Outcome, Phase, Plan, Settings, doubt, fly_model, fly_phases, phases_json, publish,
+    publish_gltf, publish_phases, summary_json, warning,
 };
 use toml::Value;
 
 use super::failure::Failure;
 use super::list;
+use super::phases::{Phases, Typed};
 use super::scene_file::SceneFile;
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -94,7 +96,10 @@ pub struct Flown {
 
 /// Runs a scene and writes nothing.
 pub fn flown(args: &RunArgs) -> Result<Flown, Failure> {
-    let file = SceneFile::find(&args.scene)?;
+    fly(args, SceneFile::find_alone(&args.scene, "compare")?)
+}
+
+fn fly(args: &RunArgs, file: SceneFile) -> Result<Flown, Failure> {
     let settings = with_flags(file.settings.clone(), args)?;
     let invalid = |error: &dyn std::fmt::Display| {
         Failure::Invalid(format!("{}: {error}", args.scene.display()))
@@ -113,14 +118,113 @@ pub fn flown(args: &RunArgs) -> Result<Flown, Failure> {
     })
 }
 
-/// Runs a scene and writes everything.
+/// Runs a scene, and what its events let go on, and writes everything.
 pub fn run(args: &RunArgs) -> Result<String, Failure> {
+    let phases = Phases::of(SceneFile::find(&args.scene)?, &args.scene)?;
+    match phases.is_one() {
+        true => phases
+            .files
+            .into_iter()
+            .next()
+            .map_or_else(|| Ok(String::new()), |file| run_one(args, file)),
+        false => run_all(args, &phases),
+    }
+}
+
+/// Runs several scenes one after the other.
+fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, Failure> {
+    let Some(first) = phases.files.first() else {
+        return Ok(String::new());
+    };
+    if args.campaign.is_some() || args.gltf {
+        return Err(Failure::Usage(
+            "--campaign and --gltf take a scene that flies alone: an event of this one lets another scene go on".into(),
+        ));
+    }
+    let known = |name: &str| {
+        let mut params = phases.files.iter().flat_map(|file| &file.scene.params);
+        params.any(|param| param.name == name)
+    };
+    let settings = with_flags(first.settings.clone(), args)?;
+    let set = args.set.iter().filter_map(|set| set.split_once('='));
+    let typed = Typed {
+        method: args.method.is_some() || args.dt.is_some() || args.tol.is_some(),
+        every: args.every.is_some(),
+        max_steps: args.max_steps.is_some(),
+        params: set.map(|(name, _)| name.trim().to_owned()).collect(),
+    };
+    // A param of a later scene alone is none of the first.
+    let mut own = settings.clone();
+    own.params.retain(|name, _| {
+        let mut params = first.scene.params.iter();
+        params.any(|param| param.name == *name)
+            || !known(name)
+            || !typed.params.iter().any(|set| set == name)
+    });
+    let plan = Plan::new(&first.scene, &own)
+        .map_err(|error| Failure::Invalid(format!("{}: {error}", args.scene.display())))?;
+    let plans = phases.planned(&plan, &settings, &typed)?;
+    let makers: Vec<_> = phases
+        .files
+        .iter()
+        .map(|file| move |params: &[f64]| file.model(params))
+        .collect();
+    let all: Vec<Phase<'_>> = (phases.files.iter().zip(&makers))
+        .zip(plans)
+        .zip(&phases.next)
+        .map(|(((file, make), plan), next)| Phase {
+            scene: &file.scene,
+            plan,
+            make,
+            next: next.clone(),
+        })
+        .collect();
+    let legs = fly_phases(&all, &mut Progress::new());
+    let folder = args.folder();
+    let table = publish_phases(&all, &legs, &folder).map_err(|error| unwritten(&error))?;
+    let (mut warnings, mut doubtful) = (Vec::new(), false);
+    for (leg, phase) in legs
+        .iter()
+        .filter_map(|leg| Some((leg, all.get(leg.phase)?)))
+    {
+        let doubt = doubt(phase.scene, &leg.plan, &leg.outcome);
+        doubtful |= doubt.is_some();
+        warnings.extend(warning(phase.scene, &leg.plan, &leg.outcome));
+        warnings.extend(doubt);
+    }
+    let told = if args.json {
+        warnings.iter().for_each(|warning| eprintln!("{warning}"));
+        phases_json(&all, &legs).map_err(|error| unwritten(&error))?
+    } else {
+        let remarks = phases.files.iter().flat_map(|file| &file.remarks);
+        let remarks = remarks.chain(&warnings);
+        let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
+        let files = "report.html, history.csv, summary.json, and a folder a phase";
+        format!(
+            "{remarks}{}\nwritten to {}: {files}; the error by a finer run is told of scenes that fly alone\n",
+            table.text(),
+            folder.display()
+        )
+    };
+    let error = legs.last().and_then(|leg: &Leg| leg.outcome.error.as_ref());
+    match error {
+        None if doubtful => Err(Failure::Inaccurate(told)),
+        None => Ok(told),
+        Some(error) => Err(Failure::Aborted(format!(
+            "{told}\n{}: {error}",
+            first.scene.name
+        ))),
+    }
+}
+
+/// Runs a scene that flies alone.
+fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, Failure> {
     let Flown {
         scene,
         plan,
         outcome,
         remarks,
-    } = flown(args)?;
+    } = fly(args, file)?;
     let folder = args.folder();
     let table = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
     let unmoved = args.gltf

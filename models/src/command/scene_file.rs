@@ -26,6 +26,8 @@ pub struct SceneFile {
     pub scene: Scene,
     /// Everything that was read.
     pub reading: Reading,
+    /// The whole text of the file.
+    pub source: String,
     /// The scene as it was written, if in TOML.
     pub document: Option<String>,
     /// How its run is set: the table `[run]`.
@@ -83,6 +85,23 @@ impl SceneFile {
             _ if scene.exists() || scene.extension().is_some() => SceneFile::read(scene),
             _ => Err(Failure::Usage(list::unknown(&scene.display().to_string()))),
         }
+    }
+
+    /// The same, of a command that flies one scene alone.
+    ///
+    /// # Errors
+    /// A scene that lets another one go on.
+    pub fn find_alone(scene: &Path, command: &str) -> Result<SceneFile, Failure> {
+        let file = SceneFile::find(scene)?;
+        let mut events = file.scene.events.iter();
+        let going = events.find(|event| event.actions.next.is_some());
+        let Some(event) = going else {
+            return Ok(file);
+        };
+        Err(Failure::Invalid(format!(
+            "{}: event `{}` lets another scene go on, and `mbd {command}` takes one scene: fly all of it with `mbd run`, or write `then: stop` there and give each scene by itself",
+            file.name, event.name
+        )))
     }
 
     /// What is run: the compiled model, or the compiled equations of a file, interpreted; with these params.
@@ -156,6 +175,7 @@ impl SceneFile {
                 remarks.extend(reading.notes.iter().map(|note| format!("note: {note}")));
                 Ok(SceneFile {
                     name: name.to_owned(),
+                    source: text.to_owned(),
                     document,
                     scene,
                     reading,

@@ -6,6 +6,7 @@ use super::*;
 mod campaign;
 mod fmt;
 mod metrics;
+mod phases;
 
 fn run(arguments: &[&str]) -> Result<String, Failure> {
     answer(["mbd"].iter().chain(arguments).map(OsString::from))

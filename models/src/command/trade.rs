@@ -32,7 +32,7 @@ pub struct TradeArgs {
 pub fn trade(args: &TradeArgs, advice_alone: bool) -> Result<String, Failure> {
     let SceneFile {
         scene, settings, ..
-    } = SceneFile::find(&args.scene)?;
+    } = SceneFile::find_alone(&args.scene, "trade")?;
     let window = args.window.as_deref().map(window).transpose()?;
     if let Some(wanted) = args
         .within

@@ -6,7 +6,7 @@ use mbd_compiler::Interpreted;
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{
     Content, Imbalance, Model, MomentumImbalance, Moved, Options, ParamError, RunError, Sampling,
-    Simulation, Trajectory,
+    Simulation, Stop, Trajectory,
 };
 
 use super::estimate::{Estimate, estimate};
@@ -51,6 +51,28 @@ pub fn fly(scene: &Scene, plan: &Plan, progress: &mut Progress) -> Result<Outcom
 /// Runs a model as planned. A run that stops early has its reason.
 #[must_use]
 pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -> Outcome {
+    let mut outcome = fly_on(model, plan, progress, &mut |_| Ok(())).outcome;
+    if outcome.error.is_none() && plan.estimate {
+        outcome.estimate = estimate(model, plan, &outcome.trajectory);
+    }
+    outcome
+}
+
+/// A run that may go on in another model.
+pub(super) struct Flown {
+    /// What it gave; nothing is estimated.
+    pub outcome: Outcome,
+    /// The run where it stands, and why it stands there; `None` after an error.
+    pub run: Option<(Simulation<f64>, Stop)>,
+}
+
+/// Runs a model as planned, from where `begin` puts the run that the plan has begun.
+pub(super) fn fly_on(
+    model: &dyn Model<f64>,
+    plan: &Plan,
+    progress: &mut Progress,
+    begin: &mut dyn FnMut(&mut Simulation<f64>) -> Result<(), RunError>,
+) -> Flown {
     let sampling = plan.every.map_or(Sampling::Steps, Sampling::Every);
     let mut trajectory = Trajectory::new(model, sampling, CONTENT);
     let started = Instant::now();
@@ -63,6 +85,7 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
     let mut run = || {
         let mut simulation = Simulation::new(model, options)?;
         plan.begin(&mut simulation)?;
+        begin(&mut simulation)?;
         let mut watch = |now: f64| {
             progress.show(now / plan.until, &model.scene().name);
             true
@@ -72,24 +95,23 @@ pub fn fly_model(model: &dyn Model<f64>, plan: &Plan, progress: &mut Progress) -
         moved = simulation.start_moved().to_vec();
         (imbalance, rounding) = (simulation.imbalance(), simulation.rounding());
         momentum = simulation.momentum_imbalance();
-        stop
+        stop.map(|stop| (simulation, stop))
     };
-    let error = run().err();
+    let (run, error) = match run() {
+        Ok(run) => (Some(run), None),
+        Err(error) => (None, Some(error)),
+    };
     progress.clear();
-    let wall_s = started.elapsed().as_secs_f64();
-    let estimate = match &error {
-        None if plan.estimate => estimate(model, plan, &trajectory),
-        _ => None,
-    };
-    Outcome {
+    let outcome = Outcome {
         imbalance: imbalance.filter(|it| it.moved > 0.0),
         momentum: momentum.filter(|it| it.linear_moved + it.angular_moved > 0.0),
         rounding,
-        estimate,
+        estimate: None,
         time,
         error,
         moved,
-        wall_s,
+        wall_s: started.elapsed().as_secs_f64(),
         trajectory,
-    }
+    };
+    Flown { outcome, run }
 }

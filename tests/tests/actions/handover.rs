@@ -1,6 +1,8 @@
 //! Runs that another model takes over.
 
-use mbd_runtime::{Options, PointState, Simulation, StepError, Stop, model};
+use std::f64::consts::PI;
+
+use mbd_runtime::{Handover, Model, Options, PointState, Simulation, StepError, Stop, model};
 
 use super::methods;
 
@@ -147,4 +149,160 @@ fn what_starts_nowhere_or_lies_in_another_plane_is_refused_by_name() {
             .expect_err("another plane"),
     );
     assert!(error.contains("plane"), "{error}");
+}
+
+model! {
+    /// An arm on a mast, in relative coordinates; the wheel turns many times.
+    model Arm {
+        coordinates: relative;
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        body mast { mass: 4 kg, inertia: diag(1, 1, 0.5) kg*m^2, frame top at [0.0, 0.0, 0.8] m }
+        body arm { mass: 2 kg, inertia: diag(0.1, 0.2, 0.2) kg*m^2, frame root at [-0.4, 0.0, 0.0] m }
+        joint pin: hinge from world to mast.com { axis: z, start: 10 deg, start_rate: 25 rad/s }
+        joint elbow: hinge from mast.top to arm.root { axis: y, start: 20 deg, start_rate: 2 rad/s }
+        event reached = time rises 0.4 s { then: stop }
+    }
+}
+
+model! {
+    /// The same bodies; the elbow is a joint of two freedoms.
+    model Loose {
+        coordinates: relative;
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        body mast { mass: 4 kg, inertia: diag(1, 1, 0.5) kg*m^2, frame top at [0.0, 0.0, 0.8] m }
+        body arm { mass: 2 kg, inertia: diag(0.1, 0.2, 0.2) kg*m^2, frame root at [-0.4, 0.0, 0.0] m }
+        joint pin: hinge from world to mast.com { axis: z }
+        joint elbow: universal from mast.top to arm.root { axes: [y, z] }
+    }
+}
+
+model! {
+    /// The same bodies, the elbow turns about the opposite axis.
+    model Turned {
+        coordinates: relative;
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        body mast { mass: 4 kg, inertia: diag(1, 1, 0.5) kg*m^2, frame top at [0.0, 0.0, 0.8] m }
+        body arm { mass: 2 kg, inertia: diag(0.1, 0.2, 0.2) kg*m^2, frame root at [-0.4, 0.0, 0.0] m }
+        joint pin: hinge from world to mast.com { axis: z }
+        joint elbow: hinge from mast.top to arm.root { axis: [0.0, -1.0, 0.0] }
+    }
+}
+
+model! {
+    /// The same bodies in absolute coordinates.
+    model Apiece {
+        gravity: [0.0, 0.0, -9.81] m/s^2;
+        body mast { mass: 4 kg, inertia: diag(1, 1, 0.5) kg*m^2, frame top at [0.0, 0.0, 0.8] m }
+        body arm { mass: 2 kg, inertia: diag(0.1, 0.2, 0.2) kg*m^2, frame root at [-0.4, 0.0, 0.0] m }
+        joint pin: hinge from world to mast.com { axis: z }
+        joint elbow: hinge from mast.top to arm.root { axis: y }
+    }
+}
+
+model! {
+    /// What was burnt is a mass here.
+    model Burning {
+        gravity: none;
+        body upper { mass: 10 kg, inertia: diag(2, 2, 0.5) kg*m^2 }
+        joint upper_free: free from world to upper.com;
+        state burnt = 0 kg { rate: 1 kg/s }
+    }
+}
+
+model! {
+    /// What pushed is a torque here.
+    model Pushed {
+        gravity: none;
+        input thrust: torque = 1 N*m;
+        body upper { mass: 10 kg, inertia: diag(2, 2, 0.5) kg*m^2 }
+        joint upper_free: free from world to upper.com;
+        load push on upper = [thrust / 1 m, 0.0, 0.0];
+    }
+}
+
+#[test]
+fn states_and_inputs_that_measure_something_else_are_refused_by_name() {
+    let stack = Stack::new(StackParams::default()).expect("defaults");
+    let mut first = Simulation::new(&stack, Options::rk4(1e-2)).expect("options that fit");
+    first.run(5.0).expect("a flight");
+    let unlike = |error: mbd_runtime::RunError, wanted: &str| {
+        assert!(
+            matches!(&error.cause, StepError::Unplaced { name, why } if name == wanted && why.contains("is measured in")),
+            "{error}"
+        );
+    };
+    let burning = Burning::new(BurningParams::default()).expect("defaults");
+    let mut second = Simulation::new(&burning, Options::rk4(1e-2)).expect("options that fit");
+    let error = second.take_over(&mut first, &[]);
+    unlike(error.expect_err("seconds are no kilograms"), "burnt");
+    // A state that is given does not go on under its name.
+    let given = second.take_over(&mut first, &[("burnt", &[3.0])]);
+    assert_eq!(given.expect("a start").started, ["burnt"]);
+    let state = BurningState::from_slice(second.state()).expect("a state");
+    assert!(state.burnt() == 3.0);
+    let pushed = Pushed::new(PushedParams::default()).expect("defaults");
+    let mut second = Simulation::new(&pushed, Options::rk4(1e-2)).expect("options that fit");
+    let error = second.take_over(&mut first, &[]);
+    unlike(error.expect_err("newtons are no torques"), "thrust");
+}
+
+#[test]
+fn joints_of_a_tree_go_on_where_their_bodies_are_whatever_their_law() {
+    let arm = Arm::new(ArmParams::default()).expect("defaults");
+    let loose = Loose::new(LooseParams::default()).expect("defaults");
+    let turned = Turned::new(TurnedParams::default()).expect("defaults");
+    let apiece = Apiece::new(ApieceParams::default()).expect("defaults");
+    for options in [Options::rk4(1e-3), Options::tsit5(1e-12)] {
+        let start = |model: &dyn Model<f64>| Simulation::new(model, options).expect("options");
+        let mut first = start(&arm);
+        assert_eq!(first.run(5.0).expect("a flight"), Stop::Event(0));
+        let was = ArmState::from_slice(first.state()).expect("a state");
+        let (pin, elbow) = (was.pin(), was.elbow());
+        assert!(
+            pin.coordinates[0] > 2.0 * PI && elbow.coordinates[0].abs() > 0.01,
+            "{pin:?} {elbow:?}"
+        );
+        let same = |[before, after]: [f64; 2]| {
+            assert!(
+                (before - after).abs() < 1e-10 * (1.0 + before.abs()),
+                "{before} {after}"
+            );
+        };
+        let unchanged = |handover: &Handover| {
+            let [before, after] = handover.momentum;
+            before.iter().zip(after).for_each(|(a, b)| same([*a, b]));
+            let [before, after] = handover.energies.map(|own| own.expect("uniform gravity"));
+            before.iter().zip(after).for_each(|(a, b)| same([*a, b]));
+        };
+        // The same joints: the same numbers, turns among them.
+        let mut again = start(&arm);
+        let handover = again.take_over(&mut first, &[]).expect("a start");
+        unchanged(&handover);
+        assert_eq!(handover.carried, ["mast", "arm"]);
+        assert!(handover.dropped.is_empty() && handover.started.is_empty());
+        assert_eq!(again.state(), first.state());
+        // A joint of the same name with another law: its bodies are where they were, its numbers are others.
+        let mut second = start(&loose);
+        unchanged(&second.take_over(&mut first, &[]).expect("a start"));
+        let state = LooseState::from_slice(second.state()).expect("a state");
+        let (positions, speeds) = (state.elbow().coordinates, state.elbow().speeds);
+        same([positions[0], elbow.coordinates[0]]);
+        same([speeds[0], elbow.speeds[0]]);
+        assert!(positions[1].abs() < 1e-10 && speeds[1].abs() < 1e-10);
+        assert_eq!(state.pin().coordinates, pin.coordinates);
+        let mut second = start(&turned);
+        unchanged(&second.take_over(&mut first, &[]).expect("a start"));
+        let state = TurnedState::from_slice(second.state()).expect("a state");
+        same([state.elbow().coordinates[0], -elbow.coordinates[0]]);
+        same([state.elbow().speeds[0], -elbow.speeds[0]]);
+        // To absolute coordinates and back.
+        let mut second = start(&apiece);
+        unchanged(&second.take_over(&mut first, &[]).expect("a start"));
+        let mut third = start(&arm);
+        unchanged(&third.take_over(&mut second, &[]).expect("a start"));
+        let state = ArmState::from_slice(third.state()).expect("a state");
+        same([state.elbow().coordinates[0], elbow.coordinates[0]]);
+        same([state.elbow().speeds[0], elbow.speeds[0]]);
+        same([state.pin().speeds[0], pin.speeds[0]]);
+    }
 }

@@ -239,8 +239,10 @@ fn event_actions(scene: &Scene, actions: &Actions) -> Vec<String> {
         .iter()
         .map(|what| format!("{} is attached.", scene.detachable_name(*what)));
     let mut all: Vec<String> = set.chain(detach).chain(attach).collect();
-    if actions.stop {
-        all.push("the run stops.".to_owned());
+    match &actions.next {
+        Some(next) => all.push(format!("the scene {} goes on.", next.file)),
+        None if actions.stop => all.push("the run stops.".to_owned()),
+        None => {}
     }
     if actions.once {
         all.push("never again.".to_owned());

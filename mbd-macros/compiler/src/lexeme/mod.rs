@@ -301,11 +301,16 @@ impl Lexer {
         Lexer::new(places)
     }
 
-    /// Whether what comes next is the path of a file: `urdf: "robot.urdf"`.
+    /// Whether what comes next is the path of a file: `urdf: "robot.urdf"`, `then: scene "descent.mbd"`.
     fn awaits_path(&self) -> bool {
         let mut last = self.lexemes.iter().rev().map(|lexeme| &lexeme.kind);
-        let sign = matches!(last.next(), Some(Kind::Sign(':' | '=')));
-        sign && matches!(last.next(), Some(Kind::Word(word)) if word == "urdf")
+        match last.next() {
+            Some(Kind::Sign(':' | '=')) => {
+                matches!(last.next(), Some(Kind::Word(word)) if word == "urdf")
+            }
+            Some(Kind::Word(word)) => word == "scene",
+            _ => false,
+        }
     }
 
     fn next_at(&self) -> At {

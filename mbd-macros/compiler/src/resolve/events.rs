@@ -111,9 +111,7 @@ impl Resolver<'_> {
                 self.locks(item, instance, &mut named)
             })
         });
-        let stop = fields.value("then").map_or(Some(false), |value| {
-            self.choice(value, "end of an event", &[("stop", true)])
-        });
+        let end = self.end_of_event(&fields, instance);
         let once = fields.value("acts").map_or(Some(false), |value| {
             let set = [("once", true), ("always", false)];
             self.choice(value, "count of an event", &set)
@@ -122,7 +120,8 @@ impl Resolver<'_> {
             set: set.unwrap_or(Some(Vec::new()))?,
             detach: [detach?, free?].concat(),
             attach: [attach?, lock?].concat(),
-            stop: stop?,
+            stop: fields.get("then").is_some(),
+            next: end?,
             once: once?,
         };
         (!fields.doubtful).then_some(actions)
@@ -345,7 +344,7 @@ pub(super) fn listed(value: Value<'_>) -> Vec<Value<'_>> {
 }
 
 /// Some lexemes of a value as one of their own.
-fn piece(lexemes: &[crate::lexeme::Lexeme]) -> Option<Value<'_>> {
+pub(super) fn piece(lexemes: &[crate::lexeme::Lexeme]) -> Option<Value<'_>> {
     let (first, last) = (lexemes.first()?.at, lexemes.last()?.at);
     let at = Region { first, last };
     Some(Value { lexemes, at })

@@ -18,6 +18,7 @@ mod lines;
 mod locks;
 mod metrics;
 mod names;
+mod next;
 mod numbers;
 mod origin;
 mod path;
@@ -35,6 +36,7 @@ use mbd_scene::Scene;
 
 pub use joints::{field_words, letter};
 pub use names::{Named, Namespace};
+pub use next::Going;
 pub use value::{Scope, Stage, Typed};
 
 use crate::lexeme::{At, Region};
@@ -130,6 +132,8 @@ pub struct Resolver<'a> {
     pub whole: bool,
     /// Locks that events free, and where.
     pub freed: Vec<(usize, Region)>,
+    /// Where events name scenes that go on.
+    pub going: Vec<Going>,
     /// Points whose model is declared.
     pub chosen: BTreeSet<usize>,
     /// Whether bare numbers are SI.
@@ -216,6 +220,7 @@ impl<'a> Resolver<'a> {
             known: Known::Numbers,
             whole: true,
             freed: Vec::new(),
+            going: Vec::new(),
             chosen: BTreeSet::new(),
             si: false,
             head: name.map_or(Region::START, |word| word.at.into()),

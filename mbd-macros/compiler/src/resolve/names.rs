@@ -90,6 +90,16 @@ pub struct Entry {
     pub at: Region,
 }
 
+impl Entry {
+    /// The one thing, or the first of several; all of them are of its kind. `None` of a repetition without members.
+    pub fn first(&self) -> Option<Named> {
+        match &self.members {
+            Members::One(named) => Some(*named),
+            Members::Many(members) => members.values().next().copied(),
+        }
+    }
+}
+
 /// The words of one namespace, in alphabetical order.
 #[derive(Clone, Debug, Default)]
 pub struct Namespace {

@@ -276,7 +276,9 @@ pub const ITEMS: &[ItemWord] = &[
             may("rises", "rises"),
             may("falls", "falls"),
         ],
-        Some(&["set", "detach", "attach", "lock", "free", "then", "acts"]),
+        Some(&[
+            "set", "detach", "attach", "lock", "free", "then", "map", "acts",
+        ]),
         "event NAME = expression crosses value;",
     )),
 ];

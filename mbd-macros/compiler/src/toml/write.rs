@@ -7,8 +7,8 @@ use mbd_scene::metrics::Take;
 use mbd_scene::solids::Solid;
 use mbd_scene::{
     Actions, AngularVelocity, Axis, Body, Clamp, Detachable, Difference, Dimension, Direction,
-    Fixed, Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, NodeModel,
-    Output, Part, PointKind, Scene, Setting, Triple, Unit,
+    Fixed, Formula, Frame, Function, Gravity, Inertia, Joint, JointLaw, Line, LoadKind, MapSource,
+    Next, NodeModel, Output, Part, PointKind, Scene, Setting, Triple, Unit,
 };
 
 use toml::Value;
@@ -644,11 +644,30 @@ fn actions(out: &mut String, actions: &Actions, scene: &Scene) {
             _ => entry(out, word, &format!("[{}]", list.join(", "))),
         }
     }
-    if actions.stop {
-        entry(out, "then", "stop");
+    match &actions.next {
+        Some(next) => going_on(out, next, scene),
+        None if actions.stop => entry(out, "then", "stop"),
+        None => {}
     }
     if actions.once {
         entry(out, "acts", "once");
+    }
+}
+
+/// The scene that goes on, and what begins there where.
+fn going_on(out: &mut String, next: &Next, scene: &Scene) {
+    entry(out, "then", &format!("scene \"{}\"", next.file));
+    let entries = next.map.iter().map(|mapped| {
+        let from = match &mapped.from {
+            MapSource::Place(at) => place(*at, scene),
+            MapSource::Value { value, .. } => text(value, scene),
+        };
+        format!("{} = {from}", mapped.name)
+    });
+    match entries.collect::<Vec<String>>().as_slice() {
+        [] => {}
+        [only] => entry(out, "map", only),
+        all => entry(out, "map", &format!("[{}]", all.join(", "))),
     }
 }
 

@@ -1,10 +1,12 @@
 //! What a model can be asked for, by running the laws on a scalar.
 
 mod derivative;
+mod handed;
 mod residual;
 mod solver;
 mod with_multipliers;
 
+pub use handed::{Handed, handed};
 pub use with_multipliers::evaluate_with_multipliers;
 
 use nalgebra::Vector3;

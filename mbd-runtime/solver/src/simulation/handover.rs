@@ -4,19 +4,29 @@
 //! detached. Positions and velocities are those of centres of mass. What the next model has not is dropped; what it has besides starts where it
 //! is given, or declared.
 
-use std::ops::Range;
+mod map;
+mod owned;
 
-use mbd_scene::{Detachable, Float, InputSource, Layout, Model, Quantity, Scene};
+use std::f64::consts::TAU;
+
+use mbd_scene::{
+    Detachable, Float, InputSource, Joint, Layout, Link, Model, Place, Quantity, Scene, Unit,
+    place_bodies,
+};
 
 use super::Simulation;
-use crate::columns::{node_name, part_name};
+use crate::columns::body_name;
 use crate::error::{RunError, StepError};
-use crate::moving::moving;
-use crate::origin::Measured;
+use crate::origin::{Measured, Origin};
 use crate::unilateral::Mode;
+use map::Map;
+use owned::{Kind, Owned, owned};
+
+/// Coordinates of a joint that differ by less are those that it had [m or rad, or of the size of the coordinate].
+const SAME: f64 = 1e-9;
 
 /// What became of a run that another model took over: see [`Simulation::take_over`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Handover {
     /// Bodies, points and states that go on.
     pub carried: Vec<String>,
@@ -30,67 +40,15 @@ pub struct Handover {
     pub energies: [Option<[f64; 3]>; 2],
 }
 
-/// Something of a state that has a name.
-struct Owned {
-    name: String,
-    /// Bodies are no points.
-    kind: &'static str,
-    /// Where its numbers are, in order; what it has not is empty.
-    slots: [Range<usize>; 4],
-    /// Whether the declaration says where it starts.
-    placed: bool,
-}
-
-impl Owned {
-    fn count(&self) -> usize {
-        self.slots.iter().map(ExactSizeIterator::len).sum()
-    }
-
-    fn places(&self) -> impl Iterator<Item = usize> + '_ {
-        self.slots.iter().cloned().flatten()
-    }
-}
-
-/// Everything of a state, in its order: bodies, points, nodes, declared states.
-fn owned(scene: &Scene, layout: &Layout) -> Vec<Owned> {
-    let parts = moving(layout).map(|part| Owned {
-        name: part_name(scene, part.part).to_owned(),
-        kind: if part.spin.is_empty() {
-            "point"
-        } else {
-            "body"
-        },
-        placed: scene
-            .starts
-            .parts
-            .iter()
-            .any(|start| start.part == part.part),
-        slots: [part.position, part.attitude, part.velocity, part.spin],
-    });
-    let first = layout.nq + layout.nv;
-    let nodes = layout.nodes.iter().filter_map(|node| {
-        let at = first + node.z?;
-        Some(Owned {
-            name: node_name(scene, node.point).to_owned(),
-            kind: "node",
-            // The start finds it in balance.
-            placed: true,
-            slots: [at..at + 3, 0..0, 0..0, 0..0],
-        })
-    });
-    let states = scene.states.iter().enumerate();
-    let states = states.map(|(index, state)| Owned {
-        name: state.name.clone(),
-        kind: "state",
-        placed: true,
-        slots: [
-            layout.states() + index..layout.states() + index + 1,
-            0..0,
-            0..0,
-            0..0,
-        ],
-    });
-    parts.chain(nodes).chain(states).collect()
+/// What goes on in another model besides what has the same name there.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<'a, T> {
+    /// Names and numbers that the caller gives: see [`Simulation::take_over`].
+    pub numbers: &'a [(&'a str, &'a [T])],
+    /// The event of the last model whose map counts, by index.
+    pub event: Option<usize>,
+    /// Bodies and points that the state of this run places, as a declaration would.
+    pub placed: &'a [String],
 }
 
 impl<T: Float> Simulation<T> {
@@ -98,63 +56,104 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn go_on_from(
         &mut self,
         last: &mut Self,
-        given: &[(&str, &[T])],
+        given: Given<'_, T>,
     ) -> Result<Handover, RunError> {
         if !last.started {
             last.begin()?;
         }
+        let before = (last.momentum(), last.energies());
+        let map = last.map_of(given.event)?;
+        let (state, origin, mut handover) = self
+            .state_after(last, given, &map)
+            .map_err(|cause| self.failed(cause))?;
+        self.put(last.time, origin, &state)?;
+        self.hold_the_same(last);
+        self.detach_the_same(last);
+        self.begin()?;
+        let after = (self.momentum(), self.energies());
+        handover.momentum = [before.0, after.0];
+        handover.energies = [before.1, after.1];
+        Ok(handover)
+    }
+
+    /// The state that this run begins with, what it is measured from, and what became of everything.
+    fn state_after(
+        &mut self,
+        last: &mut Self,
+        given: Given<'_, T>,
+        map: &Map,
+    ) -> Result<(Vec<f64>, Option<Origin>, Handover), StepError> {
         let (from, to) = (last.system.model.clone(), self.system.model.clone());
-        same_axes(&*from, &*to).map_err(|cause| self.failed(cause))?;
+        same_axes(&*from, &*to)?;
+        let said = |name: &str| map.has(name) || given.numbers.iter().any(|(own, _)| *own == name);
+        same_units(from.scene(), to.scene(), &said)?;
         let olds = owned(from.scene(), from.layout());
         let news = owned(to.scene(), to.layout());
-        if let Some((name, _)) = given
-            .iter()
-            .find(|(name, _)| !news.iter().any(|new| new.name == *name))
-        {
+        let unplaced = |name: &str, why: String| StepError::Unplaced {
+            name: name.to_owned(),
+            why,
+        };
+        let known = |name: &str| {
+            let mut bodies = to.scene().bodies.iter();
+            let mut params = to.scene().params.iter();
+            news.iter().any(|new| new.name == name)
+                || bodies.any(|body| body.name == name)
+                || params.any(|param| param.name == name)
+        };
+        let names = given.numbers.iter().map(|(name, _)| *name);
+        let mut strangers = names.chain(map.names()).filter(|name| !known(name));
+        if let Some(name) = strangers.next() {
             let why = format!("is nothing of `{}` that has a state", to.scene().name);
-            let name = (*name).to_owned();
-            return Err(self.failed(StepError::Unplaced { name, why }));
+            return Err(unplaced(name, why));
         }
+        let mut handover = Handover::default();
         // In the numbers of the run that ends, which are measured from where its origin is.
         let origin = last.system.origin();
-        let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
         let place = origin.unwrap_or_default().at(last.time);
+        let mut state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
+        let bodies = last.bodies_in_world();
+        let along_tree = self.put_along_tree(last, (map, &bodies), &mut state, &mut handover)?;
         let measured = Measured::new(to.layout());
         measured.measure_from(&mut state, &place);
-        let (mut carried, mut started) = (Vec::new(), Vec::new());
         for new in &news {
-            let own = given.iter().find(|(name, _)| new.name == *name);
-            let old = olds
+            let own = given.numbers.iter().find(|(name, _)| new.name == *name);
+            let mapped = map.numbers(new, to.layout().directions, to.scene().angular_velocity)?;
+            let same = |old: &&Owned| old.name == new.name && old.kind == new.kind;
+            let old = olds.iter().find(same);
+            // A body that a joint of a tree carried.
+            let carried = bodies
                 .iter()
-                .find(|old| old.name == new.name && old.kind == new.kind);
-            let numbers: Vec<f64> = match (own, old) {
-                (Some((_, numbers)), _) if numbers.len() == new.count() => {
-                    let given = numbers.iter().zip(new.places());
-                    given
-                        .map(|(x, at)| x.to_f64() - measured.of(at, &place))
-                        .collect()
+                .find(|(name, _)| new.kind == Kind::Body && *name == new.name);
+            let in_world = |numbers: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+                let places = numbers.zip(new.places());
+                places.map(|(x, at)| x - measured.of(at, &place)).collect()
+            };
+            let numbers: Vec<f64> = match (own, mapped, old, carried) {
+                (Some((_, numbers)), ..) if numbers.len() == new.count() => {
+                    in_world(&mut numbers.iter().map(|x| x.to_f64()))
                 }
-                (Some((_, numbers)), _) => {
+                (Some((_, numbers)), ..) => {
                     let slot = format!("length of `{}` ({} numbers)", new.name, new.count());
                     let value = numbers.len() as f64;
-                    return Err(self.failed(StepError::InvalidInput { slot, value }));
+                    return Err(StepError::InvalidInput { slot, value });
                 }
-                (None, Some(old)) => {
-                    let all = old.places();
-                    let numbers = all.filter_map(|at| last.state.get(at));
+                // Measured from the same origin already.
+                (None, Some(numbers), ..) => numbers,
+                (None, None, Some(old), _) => {
+                    let numbers = old.places().filter_map(|at| last.state.get(at));
                     numbers.map(|x| x.to_f64()).collect()
                 }
-                (None, None) if new.placed => {
-                    started.push(new.name.clone());
+                (None, None, None, Some((_, numbers))) => in_world(&mut numbers.iter().copied()),
+                (None, None, None, None) if new.placed || given.placed.contains(&new.name) => {
+                    handover.started.push(new.name.clone());
                     continue;
                 }
-                (None, None) => {
+                (None, None, None, None) => {
                     let why = format!(
                         "is new in `{}` and starts nowhere: declare where, or give it",
                         to.scene().name
                     );
-                    let name = new.name.clone();
-                    return Err(self.failed(StepError::Unplaced { name, why }));
+                    return Err(unplaced(&new.name, why));
                 }
             };
             for (at, number) in new.places().zip(numbers) {
@@ -163,32 +162,113 @@ impl<T: Float> Simulation<T> {
                 }
             }
             match own {
-                Some(_) => started.push(new.name.clone()),
-                None => carried.push(new.name.clone()),
+                Some(_) => handover.started.push(new.name.clone()),
+                None => handover.carried.push(new.name.clone()),
             }
         }
-        let goes_on = |old: &&Owned| {
-            news.iter()
-                .any(|new| old.name == new.name && old.kind == new.kind)
-        };
-        let dropped = olds.iter().filter(|old| !goes_on(old));
-        let dropped = dropped.map(|old| old.name.clone()).collect();
-        let before = (last.momentum(), last.energies());
+        handover.carried.extend(along_tree);
+        let goes_on = |name: &str| handover.carried.iter().any(|carried| carried == name);
+        let old_bodies = bodies.iter().map(|(name, _)| name);
+        let others = olds.iter().filter(|old| old.kind != Kind::Body);
+        let others = others.map(|old| &old.name);
+        let mut dropped: Vec<String> = old_bodies.chain(others).cloned().collect();
+        dropped.retain(|name| !goes_on(name) && !map.takes(name));
+        handover.dropped = dropped;
         let checked: Vec<T> = state.iter().map(|&x| T::from_f64(x)).collect();
-        self.check_state(last.time, &checked)
-            .map_err(|cause| self.failed(cause))?;
-        self.put(last.time, origin, &state)?;
-        self.hold_the_same(last);
-        self.detach_the_same(last);
-        self.begin()?;
-        let after = (self.momentum(), self.energies());
-        Ok(Handover {
-            carried,
-            dropped,
-            started,
-            momentum: [before.0, after.0],
-            energies: [before.1, after.1],
-        })
+        self.check_state(last.time, &checked)?;
+        Ok((state, origin, handover))
+    }
+
+    /// Puts the joints of a tree where the bodies they carry are; says which bodies these are. A joint that is the same in both models goes on with its
+    /// own coordinates, turns among them.
+    fn put_along_tree(
+        &self,
+        last: &Self,
+        (map, bodies): (&Map, &[(String, Vec<f64>)]),
+        state: &mut [f64],
+        handover: &mut Handover,
+    ) -> Result<Vec<String>, StepError> {
+        let (from, to) = (&last.system.model, &self.system.model);
+        let (scene, layout) = (to.scene(), to.layout());
+        if layout.tree.is_none() {
+            return Ok(Vec::new());
+        }
+        let world = last.system.origin().unwrap_or_default().at(last.time);
+        let mut known = Vec::with_capacity(scene.bodies.len());
+        for body in &scene.bodies {
+            let mapped =
+                map.body_in_world(body, layout.directions, scene.angular_velocity, &world)?;
+            let old = bodies.iter().find(|(name, _)| *name == body.name);
+            known.push(mapped.or_else(|| old.map(|(_, numbers)| numbers.clone())));
+        }
+        let params: Vec<f64> = to.params().iter().map(|x| x.to_f64()).collect();
+        place_bodies(scene, layout, (&params, last.time), &known, state);
+        let mut carried = Vec::new();
+        for (joint, link) in layout.joint_links() {
+            let name = body_name(scene, link.body).to_owned();
+            match known.get(link.body) {
+                Some(Some(_)) => carried.push(name),
+                _ => handover.started.push(name),
+            }
+            let same = same_link((from.scene(), from.layout()), (scene, joint));
+            if let Some(old) = same.filter(|_| !map.has(body_name(scene, link.body))) {
+                let pairs = [
+                    (old.slots.q, link.slots.q, link.coordinates),
+                    (
+                        from.layout().nq + old.slots.v,
+                        layout.nq + link.slots.v,
+                        link.speeds,
+                    ),
+                ];
+                let all = pairs
+                    .into_iter()
+                    .flat_map(|(at, to, count)| (at..at + count).zip(to..to + count));
+                let all: Vec<(usize, f64)> = all
+                    .filter_map(|(at, to)| Some((to, last.state.get(at)?.to_f64())))
+                    .collect();
+                // Where its frames or its parent are elsewhere, its bodies are where they were, and it is not.
+                let holds = |(at, x): &(usize, f64)| {
+                    let off = state.get(*at).map_or(f64::NAN, |found| found - x);
+                    let turns = match *at < layout.nq {
+                        true => TAU * (off / TAU).round(),
+                        false => 0.0,
+                    };
+                    (off - turns).abs() <= SAME * (1.0 + x.abs())
+                };
+                if all.iter().all(holds) {
+                    all.iter().for_each(|(at, x)| state[*at] = *x);
+                }
+            }
+        }
+        Ok(carried)
+    }
+
+    /// Every body with its position, attitude, velocity and angular velocity as in absolute coordinates, in the world.
+    fn bodies_in_world(&mut self) -> Vec<(String, Vec<f64>)> {
+        let model = self.system.model.clone();
+        let (scene, layout) = (model.scene(), model.layout());
+        if layout.tree.is_none() {
+            // The state has them.
+            let state: Vec<f64> = self.system.in_world(self.time, &self.state).collect();
+            let directions = layout.directions;
+            let coordinates = directions.coordinates();
+            let speeds = directions.motion() - coordinates;
+            let own = layout.own_bodies().map(|(body, slots)| {
+                let v = layout.nq + slots.v;
+                let ranges = [slots.q..slots.q + coordinates, v..v + speeds];
+                let numbers = ranges.into_iter().flatten();
+                let numbers = numbers.filter_map(|at| state.get(at).copied());
+                (body_name(scene, body).to_owned(), numbers.collect())
+            });
+            return own.collect();
+        }
+        let mut numbers = vec![0.0; layout.len(Quantity::Bodies)];
+        let state = self.state.get(..self.system.nx).unwrap_or_default();
+        self.system
+            .by_laws(Quantity::Bodies, self.time, state, &mut numbers);
+        let each = numbers.chunks_exact(layout.directions.motion());
+        let names = scene.bodies.iter().map(|body| body.name.clone());
+        names.zip(each.map(<[f64]>::to_vec)).collect()
     }
 
     fn momentum(&mut self) -> [f64; 6] {
@@ -262,6 +342,49 @@ impl<T: Float> Simulation<T> {
             }
         }
     }
+}
+
+/// The link of the last tree whose joint is the same as this one: name, law, and the bodies it joins.
+fn same_link<'a>(
+    (from, layout): (&Scene, &'a Layout),
+    (to, joint): (&Scene, usize),
+) -> Option<&'a Link> {
+    let new = to.joints.get(joint)?;
+    let ends = |scene: &Scene, joint: &Joint| {
+        [joint.parent, joint.child].map(|place| match place {
+            Place::Body(body, _) => body_name(scene, body).to_owned(),
+            _ => String::new(),
+        })
+    };
+    let old = from.joints.iter().position(|old| {
+        old.name == new.name && old.law == new.law && ends(from, old) == ends(to, new)
+    })?;
+    layout.carried(old)
+}
+
+/// Refuses states and inputs of the same name that measure something else, where nothing else is `said` of a state.
+fn same_units(from: &Scene, to: &Scene, said: &dyn Fn(&str) -> bool) -> Result<(), StepError> {
+    let states = |scene: &Scene| -> Vec<(String, Unit)> {
+        let own = scene.states.iter();
+        let states = own.map(|state| (state.name.clone(), state.unit.clone()));
+        let inputs = scene.inputs.iter();
+        let inputs = inputs.map(|input| (input.name.clone(), input.unit.clone()));
+        states.chain(inputs).collect()
+    };
+    let olds = states(from);
+    for (name, unit) in states(to) {
+        let old = olds.iter().find(|(old, _)| *old == name);
+        let is_state = to.states.iter().any(|state| state.name == name);
+        let unlike = |old: &&(String, Unit)| old.1.dimension != unit.dimension;
+        if let Some((_, old)) = old.filter(|old| unlike(old) && !(is_state && said(&name))) {
+            let why = format!(
+                "is measured in `{}` in `{}` and in `{}` in `{}`: give one of them another name",
+                old.text, from.name, unit.text, to.name
+            );
+            return Err(StepError::Unplaced { name, why });
+        }
+    }
+    Ok(())
 }
 
 /// Refuses models whose states are written along other axes.

@@ -1,0 +1,112 @@
+//! What an event hands to the scene that goes on from it.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::Scratch;
+use crate::laws::body::attitude_of;
+use crate::laws::formula::{self, Context};
+use crate::laws::numbers::Numbers;
+use crate::{AngularVelocity, At, Directions, Layout, MapSource, Place, Real, Scene};
+
+/// How something of the next scene begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Handed<S: Real> {
+    /// At a place and moving with it.
+    Motion {
+        /// Its position from the origin of positions, world axes [m].
+        position: Vector3<S>,
+        /// The axes of its frame as columns, world components; `None` of a point.
+        axes: Option<Matrix3<S>>,
+        /// Its velocity against that origin, world axes [m/s].
+        velocity: Vector3<S>,
+        /// Angular velocity of the body it is on, world axes [rad/s]; zero of a point.
+        omega: Vector3<S>,
+    },
+    /// With a number [SI].
+    Number(S),
+}
+
+/// Appends what the map of an event hands on, in its order, from what was just before the instant. A place that is nowhere is not a number.
+pub fn handed<S: Real>(
+    event: usize,
+    (scene, layout): (&Scene, &Layout),
+    numbers: &Numbers<S>,
+    at: &At<'_, S>,
+    scratch: &mut Scratch<S>,
+    out: &mut Vec<Handed<S>>,
+) {
+    let evaluation = scratch.kinematics.read(scene, layout, numbers, at);
+    let next = scene
+        .events
+        .get(event)
+        .and_then(|it| it.actions.next.as_ref());
+    let unknown = || Vector3::repeat(S::from_f64(f64::NAN));
+    let map = next.into_iter().flat_map(|next| &next.map);
+    out.extend(map.map(|mapped| match &mapped.from {
+        MapSource::Value { value, .. } => Handed::Number(formula::scalar(value, &evaluation)),
+        MapSource::Place(place) => {
+            let column = |axis| evaluation.axis(*place, axis);
+            let columns = [column(0), column(1), column(2)];
+            let omega = match place {
+                Place::Body(body, _) => evaluation.omega_world(*body),
+                _ => Some(Vector3::zeros()),
+            };
+            Handed::Motion {
+                position: evaluation.position_of(*place).unwrap_or_else(unknown),
+                velocity: evaluation.velocity_of(*place).unwrap_or_else(unknown),
+                omega: omega.unwrap_or_else(unknown),
+                axes: match columns {
+                    [Some(x), Some(y), Some(z)] => Some(Matrix3::from_columns(&[x, y, z])),
+                    _ => None,
+                },
+            }
+        }
+    }));
+}
+
+impl Handed<f64> {
+    /// The numbers of a body that moves so, as in the state of absolute coordinates: position, attitude, velocity, angular velocity. `None` where it
+    /// has no axes.
+    #[must_use]
+    pub fn of_body(&self, directions: Directions, components: AngularVelocity) -> Option<Vec<f64>> {
+        let Handed::Motion {
+            position,
+            axes: Some(axes),
+            velocity,
+            omega,
+        } = self
+        else {
+            return None;
+        };
+        let omega = match (directions.plane, components) {
+            (None, AngularVelocity::Body) => axes.transpose() * omega,
+            _ => *omega,
+        };
+        let mut list = vec![0.0; directions.motion()];
+        directions.write_linear(&mut list, 0, position);
+        let attitude = list.iter_mut().skip(directions.translations().len());
+        let numbers = attitude_of(axes, directions);
+        attitude
+            .zip(numbers)
+            .for_each(|(slot, number)| *slot = number);
+        directions.write_linear(&mut list, directions.coordinates(), velocity);
+        directions.write_angular(&mut list, directions.coordinates(), &omega);
+        Some(list)
+    }
+
+    /// The numbers of a point that moves so: position and velocity. `None` of a number.
+    #[must_use]
+    pub fn of_point(&self, directions: Directions) -> Option<Vec<f64>> {
+        let Handed::Motion {
+            position, velocity, ..
+        } = self
+        else {
+            return None;
+        };
+        let moves = directions.translations().len();
+        let mut list = vec![0.0; 2 * moves];
+        directions.write_linear(&mut list, 0, position);
+        directions.write_linear(&mut list, moves, velocity);
+        Some(list)
+    }
+}

@@ -1,0 +1,226 @@
+//! The scene files that a run may come to: the one that begins, and those that its events let go on.
+
+use std::path::{Path, PathBuf};
+
+use mbd_campaign::run::Plan;
+use mbd_compiler::{Location, Message, misfits};
+use models::run::{PlanError, Settings};
+
+use super::failure::Failure;
+use super::mistakes::Mistakes;
+use super::scene_file::SceneFile;
+
+/// More files than this are no run.
+const MOST: usize = 64;
+
+/// Scene files, the one that begins first.
+#[derive(Debug)]
+pub struct Phases {
+    /// The files.
+    pub files: Vec<SceneFile>,
+    /// Per file and event of its scene the file that goes on, by index.
+    pub next: Vec<Vec<Option<usize>>>,
+}
+
+impl Phases {
+    /// Reads what the events of a scene let go on, and what these do; each file once, so that scenes may lead back to each other.
+    ///
+    /// # Errors
+    /// A file that cannot be read or does not fit, at the place that names it; mistakes in it, at theirs.
+    pub fn of(first: SceneFile, path: &Path) -> Result<Self, Failure> {
+        let mut paths = vec![path.canonicalize().unwrap_or_else(|_| path.to_owned())];
+        let mut names = vec![path.to_owned()];
+        let mut phases = Phases {
+            files: vec![first],
+            next: Vec::new(),
+        };
+        while let Some(file) = phases.files.get(phases.next.len()) {
+            let folder = names[phases.next.len()].parent().map(Path::to_owned);
+            let folder = folder.unwrap_or_default();
+            let mut next = vec![None; file.scene.events.len()];
+            let mut found = Vec::new();
+            for going in &file.reading.going {
+                let event = file.scene.events.get(going.event);
+                let Some(declared) = event.and_then(|event| event.actions.next.as_ref()) else {
+                    continue;
+                };
+                let name = folder.join(&declared.file);
+                let whole = name.canonicalize();
+                let whole =
+                    whole.map_err(|error| unread(file, going.file, &name, &error.to_string()))?;
+                let known = paths.iter().position(|path| *path == whole);
+                if known.is_none() && paths.len() == MOST {
+                    let why = format!("a run comes to at most {MOST} scenes");
+                    return Err(unread(file, going.file, &name, &why));
+                }
+                next[going.event] = Some(known.unwrap_or(paths.len()));
+                if known.is_none() {
+                    let read = SceneFile::find(&name).map_err(|failure| match failure {
+                        Failure::Usage(why) => unread(file, going.file, &name, &why),
+                        failure => failure,
+                    })?;
+                    paths.push(whole);
+                    names.push(name);
+                    found.push(read);
+                }
+            }
+            phases.files.extend(found);
+            phases.next.push(next);
+        }
+        phases.fit()?;
+        Ok(phases)
+    }
+
+    /// Whether a run stays in its first scene.
+    pub fn is_one(&self) -> bool {
+        self.files.len() == 1 && self.next.iter().flatten().all(Option::is_none)
+    }
+
+    /// Refuses scenes that cannot go on from each other.
+    fn fit(&self) -> Result<(), Failure> {
+        for (file, next) in self.files.iter().zip(&self.next) {
+            let going = file.reading.going.iter().enumerate();
+            let errors: Vec<Message> = going
+                .flat_map(|(place, going)| {
+                    let next = next.get(going.event).copied().flatten();
+                    let next = next.and_then(|next| self.files.get(next));
+                    next.map_or(Vec::new(), |next| {
+                        misfits(&file.reading, place, &next.scene, &placed(&next.settings))
+                    })
+                })
+                .collect();
+            if !errors.is_empty() {
+                return Err(mistakes(file, errors));
+            }
+        }
+        Ok(())
+    }
+
+    /// How each is flown: as its own settings say, until the end of the first; method and tolerance are those of the first where it says none. What was
+    /// typed is in the settings of the first, and counts before both.
+    ///
+    /// # Errors
+    /// Settings that a scene cannot be run with.
+    pub fn planned(
+        &self,
+        first: &Plan,
+        settings: &Settings,
+        typed: &Typed,
+    ) -> Result<Vec<Plan>, Failure> {
+        let mut plans = vec![first.clone()];
+        for file in self.files.iter().skip(1) {
+            let own = after(settings, &file.settings, typed, |name| {
+                file.scene.params.iter().any(|param| param.name == name)
+            });
+            let plan = Plan::new(&file.scene, &own);
+            plans.push(
+                plan.map_err(|error: PlanError| {
+                    Failure::Invalid(format!("{}: {error}", file.name))
+                })?,
+            );
+        }
+        Ok(plans)
+    }
+
+    /// What is said of them: which scene goes on from which, and where.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        for (file, next) in self.files.iter().zip(&self.next) {
+            for (event, next) in file.scene.events.iter().zip(next) {
+                let Some(other) = next.and_then(|next| self.files.get(next)) else {
+                    continue;
+                };
+                let names = |file: &SceneFile| -> Vec<String> {
+                    let bodies = file.scene.bodies.iter().map(|body| body.name.clone());
+                    let points = file.scene.points.iter().map(|point| point.name.clone());
+                    bodies.chain(points).collect()
+                };
+                let (olds, news) = (names(file), names(other));
+                let only = |some: &[String], others: &[String]| -> String {
+                    let own = some.iter().filter(|name| !others.contains(name));
+                    let own: Vec<String> = own.map(|name| format!("`{name}`")).collect();
+                    own.join(", ")
+                };
+                let mut remark = format!(
+                    "note: {}: at `{}` the scene `{}` goes on ({})",
+                    file.scene.name, event.name, other.scene.name, other.name
+                );
+                for (what, list) in [
+                    ("without", only(&olds, &news)),
+                    ("with the new", only(&news, &olds)),
+                ] {
+                    if !list.is_empty() {
+                        remark += &format!(", {what} {list}");
+                    }
+                }
+                remarks.push(remark);
+            }
+        }
+        remarks
+    }
+}
+
+/// What of the settings was typed.
+#[derive(Debug, Default)]
+pub struct Typed {
+    /// The method, the step or the tolerance.
+    pub method: bool,
+    /// How often a row is kept.
+    pub every: bool,
+    /// The most steps.
+    pub max_steps: bool,
+    /// Params, by name.
+    pub params: Vec<String>,
+}
+
+/// The settings of a scene that goes on from one with the settings `first`: of its params those that were typed count here, too.
+fn after(first: &Settings, own: &Settings, typed: &Typed, has: impl Fn(&str) -> bool) -> Settings {
+    let mut settings = own.clone();
+    settings.until.clone_from(&first.until);
+    if typed.method {
+        (settings.step, settings.tolerance, settings.method) = (None, None, None);
+    }
+    if typed.every {
+        settings.every = None;
+    }
+    if typed.max_steps {
+        settings.max_steps = None;
+    }
+    if settings.step.is_none() && settings.tolerance.is_none() && settings.method.is_none() {
+        settings.step.clone_from(&first.step);
+        settings.tolerance.clone_from(&first.tolerance);
+        settings.method.clone_from(&first.method);
+    }
+    settings.every = settings.every.or_else(|| first.every.clone());
+    settings.max_steps = settings.max_steps.or(first.max_steps);
+    settings.estimate = Some(false);
+    let counts = |name: &String| typed.params.contains(name) && has(name);
+    for (name, value) in first.params.iter().filter(|(name, _)| counts(name)) {
+        settings.params.insert(name.clone(), value.clone());
+    }
+    settings
+}
+
+/// The bodies and points that settings place.
+fn placed(settings: &Settings) -> Vec<String> {
+    settings.start.keys().cloned().collect()
+}
+
+fn unread(file: &SceneFile, at: Location, name: &Path, why: &str) -> Failure {
+    let why = why.trim_start_matches("cannot read ");
+    let name: PathBuf = name.to_owned();
+    let text = format!(
+        "the scene that goes on cannot be read: {}: {why}; its file is named relative to this one",
+        name.display()
+    );
+    mistakes(file, vec![Message::new(text, at)])
+}
+
+fn mistakes(file: &SceneFile, errors: Vec<Message>) -> Failure {
+    Failure::Mistakes(Mistakes {
+        file: file.name.clone(),
+        source: file.source.clone(),
+        errors,
+        settings: None,
+    })
+}

@@ -1,0 +1,345 @@
+//! Runs through several scene files.
+
+use serde_json::Value;
+
+use super::{Folder, run};
+
+/// A capsule on a parachute with linear drag, until a time.
+const CHUTE: &str = r#"model Chute {
+    gravity: [0.0, 0.0, -10.0] m/s^2;
+    point capsule { mass: 80 kg, start at [0.0, 0.0, 1000.0] m velocity [5.0, 0.0, 0.0] m/s }
+    load drag on capsule = -200 kg/s * capsule.velocity;
+    event released = time rises 3 s { then: scene "fall.mbd" }
+}
+[run]
+until = "5 s"
+tolerance = 1e-11
+"#;
+
+const FALL: &str = r#"model Fall {
+    gravity: [0.0, 0.0, -10.0] m/s^2;
+    point capsule { mass: 80 kg }
+    output height = capsule.position.z;
+}
+"#;
+
+fn flown(folder: &Folder, file: &str, more: &[&str]) -> Value {
+    let out = folder.0.join("out").display().to_string();
+    let arguments = [&["run", file, "--json", "--out", &out], more].concat();
+    let text = run(&arguments).unwrap_or_else(|failure| panic!("{failure}"));
+    serde_json::from_str(&text).expect("JSON")
+}
+
+fn last(summary: &Value, phase: usize, column: &str) -> f64 {
+    let value = &summary["phases"][phase]["run"]["last"][column];
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+#[test]
+fn a_capsule_falls_by_the_closed_forms_of_both_phases() {
+    let folder = Folder::new("phases_fall");
+    let chute = folder.file("chute.mbd", CHUTE);
+    folder.file("fall.mbd", FALL);
+    let summary = flown(&folder, &chute, &[]);
+    assert_eq!(summary["phases"].as_array().map(Vec::len), Some(2));
+    assert_eq!(summary["phases"][0]["ended_by"], "released");
+    // v = vt (1 - exp(-c t/m)), z = z0 + vt (t - (1 - exp(-c t/m)) m/c), vt = -m g/c.
+    let (k, t, g): (f64, f64, f64) = (200.0 / 80.0, 3.0, 10.0);
+    let (end, e) = (-g / k, (-k * t).exp());
+    let (v, z) = (end * (1.0 - e), 1000.0 + end * (t - (1.0 - e) / k));
+    let (vx, x) = (5.0 * e, 5.0 * (1.0 - e) / k);
+    for (column, exact) in [
+        ("capsule.vz", v),
+        ("capsule.z", z),
+        ("capsule.vx", vx),
+        ("capsule.x", x),
+    ] {
+        let found = last(&summary, 0, column);
+        assert!((found - exact).abs() < 1e-9, "{column}: {found} {exact}");
+    }
+    let s = 2.0;
+    for (column, exact) in [
+        ("capsule.vz", v - g * s),
+        ("capsule.z", z + v * s - 0.5 * g * s * s),
+        ("capsule.vx", vx),
+        ("capsule.x", x + vx * s),
+        ("height", z + v * s - 0.5 * g * s * s),
+    ] {
+        let found = last(&summary, 1, column);
+        assert!((found - exact).abs() < 1e-9, "{column}: {found} {exact}");
+    }
+    assert_eq!(summary["reached_s"], 5.0);
+    // One history: both phases, a column that the first has not is empty in its rows.
+    let csv = std::fs::read_to_string(folder.0.join("out/history.csv")).expect("a history");
+    let mut lines = csv.lines();
+    let head: Vec<&str> = lines.next().expect("a head").split(',').collect();
+    assert_eq!(head[..2], ["time [s]", "phase"]);
+    let height = head.iter().position(|name| *name == "height [m]");
+    let height = height.expect("an output of the second scene");
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert!(rows.iter().any(|row| row[1] == "1") && rows.iter().any(|row| row[1] == "2"));
+    for row in &rows {
+        assert_eq!(row[height].is_empty(), row[1] == "1", "{row:?}");
+    }
+    let page = std::fs::read_to_string(folder.0.join("out/report.html")).expect("a page");
+    assert!(page.contains("Chute") && page.contains("released") && page.contains("1_Chute"));
+    assert!(folder.0.join("out/2_Fall/report.html").is_file());
+}
+
+#[test]
+fn a_scene_without_a_line_goes_on_as_the_same_scene_with_the_line_detached() {
+    let folder = Folder::new("phases_detach");
+    let items = "gravity: [0.0, 0.0, -9.81] m/s^2;
+        point a { mass: 3 kg, start at [0.0, 0.0, 10.0] m velocity [1.0, 0.0, 2.0] m/s }
+        point b { mass: 1 kg, start at [1.2, 0.1, 10.0] m }";
+    let line = "line tie from a to b { free_length: 1 m, stiffness: 50 N/m, damping: 1 N*s/m }";
+    let settings = "[run]\nuntil = \"2 s\"\nstep = \"1 ms\"\n";
+    let one = folder.file(
+        "one.mbd",
+        &format!("model One {{ {items} {line} event cut = time rises 0.7 s {{ detach: tie }} }}\n{settings}"),
+    );
+    let two = folder.file(
+        "two.mbd",
+        &format!("model Two {{ {items} {line} event cut = time rises 0.7 s {{ then: scene \"free.mbd\" }} }}\n{settings}"),
+    );
+    folder.file("free.mbd", &format!("model Free {{ {items} }}\n"));
+    let out = folder.0.join("one").display().to_string();
+    let text = run(&["run", &one, "--json", "--no-estimate", "--out", &out]).expect("a run");
+    let alone: Value = serde_json::from_str(&text).expect("JSON");
+    let both = flown(&folder, &two, &[]);
+    for column in ["a.x", "a.z", "b.x", "b.y", "b.z", "a.vx", "b.vz"] {
+        let exact = alone["last"][column].as_f64().expect("a number");
+        let found = last(&both, 1, column);
+        assert!((found - exact).abs() < 1e-12, "{column}: {found} {exact}");
+    }
+}
+
+/// A capsule with its heat shield as one body of 100 kg, 0.8 m of which lie between the centres of its parts.
+const STACK: &str = r#"model Stack {
+    gravity: none;
+    body stack {
+        mass: 100 kg,
+        inertia: diag(50.8, 50.8, 30.0) kg*m^2,
+        frame rim at [0.0, 0.0, -0.64] m,
+        frame cabin at [0.0, 0.0, 0.16] m,
+        start at [1.0, 2.0, 3.0] m rotated rpy(0.3, 0.2, 0.1) velocity [4.0, 5.0, 6.0] m/s angular_velocity [0.1, 0.2, 0.3] rad/s
+    }
+    joint loose: free from world to stack.com;
+    state burnt = 1 s { rate: 1 }
+    event separated = time rises 1 s { then: scene "parts.mbd", map: [shield = stack.rim, capsule = stack.cabin, since = 2 * burnt, k = 3 * burnt * 1 N/(m*s)] }
+}
+[run]
+until = "2 s"
+"#;
+
+const PARTS: &str = r#"model Parts {
+    gravity: none;
+    param k = 1 N/m;
+    body shield { mass: 20 kg, inertia: diag(10.0, 10.0, 10.0) kg*m^2 }
+    body capsule { mass: 80 kg, inertia: diag(30.56, 30.56, 20.0) kg*m^2 }
+    joint a: free from world to shield.com;
+    joint b: free from world to capsule.com;
+    state since = 0 s { rate: 1 }
+    output stiffness = k;
+}
+"#;
+
+#[test]
+fn parts_that_separate_where_frames_were_keep_momentum_and_energy() {
+    let folder = Folder::new("phases_parts");
+    let stack = folder.file("stack.mbd", STACK);
+    folder.file("parts.mbd", PARTS);
+    let summary = flown(&folder, &stack, &[]);
+    let part = &summary["phases"][1];
+    // 50.8 = 10 + 20 · 0.64² + 30.56 + 80 · 0.16², to the rounding of these numbers.
+    let exact = 10.0 + 20.0 * 0.64 * 0.64 + 30.56 + 80.0 * 0.16 * 0.16;
+    assert!((exact - 50.8_f64).abs() < 1e-12, "{exact}");
+    for k in 0..6 {
+        let [before, after] =
+            [0, 1].map(|side| part["momentum"][side][k].as_f64().expect("a number"));
+        assert!((before - after).abs() < 1e-9, "{k}: {before} {after}");
+    }
+    let [before, after] =
+        [0, 1].map(|side| part["energies_j"][side][0].as_f64().expect("a number"));
+    assert!((before - after).abs() < 1e-9 * before, "{before} {after}");
+    assert_eq!(part["dropped"], serde_json::json!(["burnt"]));
+    // 1 s + 1 s, doubled; then one second more.
+    assert!((last(&summary, 1, "since") - 5.0).abs() < 1e-9);
+    assert!((last(&summary, 1, "stiffness") - 6.0).abs() < 1e-9);
+}
+
+#[test]
+fn relative_coordinates_go_on_where_the_bodies_are() {
+    let folder = Folder::new("phases_tree");
+    let body = |name: &str| {
+        format!(
+            "body {name} {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame top at [0.0, 0.0, 0.5] m, frame tip at [0.0, 0.0, -0.5] m }}"
+        )
+    };
+    let (upper, lower) = (body("upper"), body("lower"));
+    let pin = "joint pin: hinge from world to upper.top { axis: y, start: 40 deg }";
+    let knee = "joint knee: hinge from upper.tip to lower.top { axis: y, start: -30 deg }";
+    let gravity = "gravity: [0.0, 0.0, -9.81] m/s^2;";
+    let both = |name: &str, family: &str, event: &str| {
+        format!(
+            "model {name} {{ coordinates: {family}; {gravity} {upper} {lower} {pin} {knee} {event} output bent = knee.angle; output swings = pin.angle_rate; }}\n[run]\nuntil = \"1 s\"\n"
+        )
+    };
+    let alone = folder.file("alone.mbd", &both("Alone", "relative", ""));
+    let out = folder.0.join("alone").display().to_string();
+    let text = run(&[
+        "run",
+        &alone,
+        "--json",
+        "--no-estimate",
+        "--tol",
+        "1e-11",
+        "--out",
+        &out,
+    ]);
+    let alone: Value = serde_json::from_str(&text.expect("a run")).expect("JSON");
+    let event = "event now = time rises 0.4 s { then: scene \"next.mbd\" }";
+    for (from, to) in [
+        ("relative", "relative"),
+        ("relative", "absolute"),
+        ("absolute", "relative"),
+    ] {
+        let first = folder.file("first.mbd", &both("First", from, event));
+        folder.file("next.mbd", &both("Next", to, ""));
+        let summary = flown(&folder, &first, &["--tol", "1e-11"]);
+        for column in ["bent", "swings"] {
+            let exact = alone["last"][column].as_f64().expect("a number");
+            let found = last(&summary, 1, column);
+            assert!(
+                (found - exact).abs() < 1e-8,
+                "{from} {to} {column}: {found} {exact}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_cannot_go_on_is_refused_at_its_place() {
+    let folder = Folder::new("phases_wrong");
+    folder.file("fall.mbd", FALL);
+    folder.file(
+        "other.mbd",
+        "model Other { planar: xz; gravity: none; body tug { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 } joint loose: free from world to tug.com; state soc = 0 s { rate: 1 } param k = 1 N/m; }",
+    );
+    let scene = |action: &str| {
+        format!(
+            "model First {{\ngravity: none;\npoint capsule {{ mass: 1 kg }}\nstate soc = 0 m {{ rate: 1 m/s }}\nevent end = time rises 1 s {{\n{action}\n}}\n}}\n[run]\nuntil = \"2 s\"\n"
+        )
+    };
+    for (action, place, words) in [
+        (
+            "then: scene \"gone.mbd\"",
+            ":6:13:",
+            &["gone.mbd", "relative to this one"][..],
+        ),
+        (
+            "then: scene \"fall.mbd\", map: [prob = capsule]",
+            ":6:31:",
+            &["`prob`", "`Fall`", "it has capsule"],
+        ),
+        (
+            "then: scene \"other.mbd\", map: [tug = capsule]",
+            ":6:38:",
+            &["no axes"],
+        ),
+        (
+            "then: scene \"other.mbd\", map: [tug = 3 m]",
+            ":6:38:",
+            &["begins at a place"],
+        ),
+        (
+            "then: scene \"other.mbd\", map: [k = capsule.position.z]",
+            ":6:36:",
+            &["`k` is measured in N/m"],
+        ),
+        (
+            "then: scene \"other.mbd\"",
+            ":6:13:",
+            &["another `planar`", "the state `soc`", "the body `tug`"],
+        ),
+    ] {
+        let file = folder.file("first.mbd", &scene(action));
+        for command in ["run", "check"] {
+            let failure = run(&[command, &file]).expect_err("a mistake");
+            let text = failure.to_string();
+            assert_eq!(failure.code(), 2, "{text}");
+            assert!(text.contains(place), "{place}: {text}");
+            for word in words {
+                assert!(text.contains(word), "{word}: {text}");
+            }
+        }
+    }
+    let file = folder.file("first.mbd", &scene("then: scene \"fall.mbd\""));
+    let told = run(&["check", &file]).expect("a scene");
+    assert!(told.contains("at `end` the scene `Fall` goes on"), "{told}");
+    for command in [
+        &["trade", &file, "--output", "capsule.z", "--window", "0..1"][..],
+        &["expand", &file],
+    ] {
+        let failure = run(command).unwrap_or_else(|failure| failure.to_string());
+        assert!(failure.contains("`end`"), "{failure}");
+    }
+}
+
+#[test]
+fn scenes_may_lead_back_to_each_other_and_never_without_end() {
+    let folder = Folder::new("phases_back");
+    let scene = |name: &str, other: &str, gravity: &str, period: &str| {
+        format!(
+            "model {name} {{ gravity: {gravity}; point p {{ mass: 1 kg, start at [0, 0, 0] m }} state clock = 0 s {{ rate: 1 }} event over = clock rises {period} {{ set: clock = 0 s, then: scene \"{other}\" }} }}\n[run]\nuntil = \"1 s\"\n"
+        )
+    };
+    for (period, legs) in [("0.3 s", 4), ("0.1 ms", 1000)] {
+        let up = folder.file(
+            "up.mbd",
+            &scene("Up", "down.mbd", "[0, 0, 1] m/s^2", period),
+        );
+        folder.file(
+            "down.mbd",
+            &scene("Down", "up.mbd", "[0, 0, -1] m/s^2", period),
+        );
+        let out = folder.0.join("out").display().to_string();
+        let told = run(&["run", &up, "--out", &out]);
+        match (legs, told) {
+            (4, Ok(_)) => {
+                let text = std::fs::read_to_string(folder.0.join("out/summary.json"));
+                let summary: Value = serde_json::from_str(&text.expect("a summary")).expect("JSON");
+                assert_eq!(summary["phases"].as_array().map(Vec::len), Some(4));
+                // Up, down, up for 0.3 s each, down for 0.1 s: v = 0.3 - 0.3 + 0.3 - 0.1.
+                assert!((last(&summary, 3, "p.vz") - 0.2).abs() < 1e-9);
+            }
+            (1000, Err(failure)) => {
+                assert_eq!(failure.code(), 4, "{failure}");
+                assert!(
+                    failure.to_string().contains("`over` goes on without end"),
+                    "{failure}"
+                );
+            }
+            (_, told) => panic!("{told:?}"),
+        }
+    }
+}
+
+#[test]
+fn both_forms_of_a_scene_name_the_same_file_and_map() {
+    let folder = Folder::new("phases_forms");
+    let stack = folder.file("stack.mbd", STACK);
+    folder.file("parts.mbd", PARTS);
+    let toml = run(&["convert", &stack]).expect("TOML");
+    assert!(
+        toml.contains("then = \"scene \\\"parts.mbd\\\"\""),
+        "{toml}"
+    );
+    let other = folder.file("stack2.toml", &toml);
+    let text = run(&["convert", &other, "--to", "mbd"]).expect("a text");
+    assert!(text.contains("then: scene \"parts.mbd\""), "{text}");
+    assert!(text.contains("shield = stack.rim"), "{text}");
+    let third = folder.file("stack3.mbd", &text);
+    let [a, b] = [&stack, &third].map(|file| last(&flown(&folder, file, &[]), 1, "shield.x"));
+    assert!((a - b).abs() < 1e-12, "{a} {b}");
+}
