@@ -229,7 +229,8 @@ impl<T: Float> Simulation<T> {
                 // Where its frames or its parent are elsewhere, its bodies are where they were, and it is not.
                 let holds = |(at, x): &(usize, f64)| {
                     let off = state.get(*at).map_or(f64::NAN, |found| found - x);
-                    let turns = match *at < layout.nq {
+                    let number = at.checked_sub(link.slots.q);
+                    let turns = match number.is_some_and(|number| is_angle(scene, joint, number)) {
                         true => TAU * (off / TAU).round(),
                         false => 0.0,
                     };
@@ -360,6 +361,13 @@ fn same_link<'a>(
         old.name == new.name && old.law == new.law && ends(from, old) == ends(to, new)
     })?;
     layout.carried(old)
+}
+
+/// Whether a coordinate of a joint is an angle, which counts turns.
+fn is_angle(scene: &Scene, joint: usize, number: usize) -> bool {
+    let joint = scene.joints.get(joint);
+    let coordinate = joint.and_then(|joint| joint.law.coordinate(number));
+    coordinate.is_some_and(|coordinate| coordinate.is_periodic())
 }
 
 /// Refuses states and inputs of the same name that measure something else, where nothing else is `said` of a state.

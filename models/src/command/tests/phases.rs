@@ -219,6 +219,25 @@ fn relative_coordinates_go_on_where_the_bodies_are() {
 }
 
 #[test]
+fn params_are_those_of_the_file_that_flies_and_typed_ones_reach_all() {
+    let folder = Folder::new("phases_params");
+    let scene = |name: &str, event: &str, mass: &str| {
+        format!(
+            "model {name} {{ gravity: none; param mass = 1 kg; point p {{ mass: mass }} {event} }}\n[run]\nuntil = \"2 s\"\n[run.params]\nmass = \"{mass}\"\n"
+        )
+    };
+    let event = "event handed = time rises 1 s { then: scene \"second.mbd\" }";
+    let first = folder.file("first.mbd", &scene("First", event, "2 kg"));
+    folder.file("second.mbd", &scene("Second", "", "3 kg"));
+    for (more, masses) in [(&[][..], [2.0, 3.0]), (&["--set", "mass=5kg"], [5.0, 5.0])] {
+        let summary = flown(&folder, &first, more);
+        for (phase, mass) in masses.into_iter().enumerate() {
+            assert_eq!(summary["phases"][phase]["run"]["params"]["mass"], mass);
+        }
+    }
+}
+
+#[test]
 fn what_cannot_go_on_is_refused_at_its_place() {
     let folder = Folder::new("phases_wrong");
     folder.file("fall.mbd", FALL);
