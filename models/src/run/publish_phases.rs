@@ -2,6 +2,7 @@
 //! that a run of its scene leaves.
 
 use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use mbd_runtime::Trajectory;
@@ -155,11 +156,28 @@ fn page(phases: &[Phase<'_>], legs: &[Leg], joined: &Trajectory, table: &Table) 
         ) else {
             continue;
         };
+        let rows = rows_with(legs, &name.name, values.len());
+        let (Some(times), Some(values)) = (joined.times().get(rows.clone()), values.get(rows))
+        else {
+            continue;
+        };
         let figure = Figure::new(&name.name)
             .x("time", "s")
             .y(&name.name, &name.unit)
-            .series(Series::new(&name.name, joined.times(), values));
+            .series(Series::new(&name.name, times, values));
         page = page.figure(&figure);
     }
     page
+}
+
+/// The rows from the first scene that has a column to the last one; all of them where it has another name in its own scene.
+fn rows_with(legs: &[Leg], column: &str, all: usize) -> Range<usize> {
+    let is_without = |leg: &&Leg| leg.outcome.trajectory.column(column).is_none();
+    if legs.iter().all(|leg| is_without(&leg)) {
+        return 0..all;
+    }
+    let rows = |leg: &Leg| leg.outcome.trajectory.len();
+    let before: usize = legs.iter().take_while(is_without).map(rows).sum();
+    let behind: usize = legs.iter().rev().take_while(is_without).map(rows).sum();
+    before..all.saturating_sub(behind)
 }

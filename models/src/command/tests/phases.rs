@@ -83,6 +83,8 @@ fn a_capsule_falls_by_the_closed_forms_of_both_phases() {
     }
     let page = std::fs::read_to_string(folder.0.join("out/report.html")).expect("a page");
     assert!(page.contains("Chute") && page.contains("released") && page.contains("1_Chute"));
+    // The curve of what the first scene has not begins with the second.
+    assert!(page.contains("height [m]") && !page.contains("cannot be drawn"));
     assert!(folder.0.join("out/2_Fall/report.html").is_file());
 }
 
