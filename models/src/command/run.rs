@@ -7,7 +7,7 @@ use mbd_campaign::Campaign;
 use mbd_runtime::scene::Scene;
 use models::progress::Progress;
 use models::run::{
-    Leg, Outcome, Phase, Plan, Settings, doubt, fly_model, fly_phases, phases_json, publish,
+    Outcome, Phase, Plan, Segment, Settings, doubt, fly_model, fly_phases, phases_json, publish,
     publish_gltf, publish_phases, summary_json, warning,
 };
 use toml::Value;
@@ -179,22 +179,22 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, Failure> {
             next: next.clone(),
         })
         .collect();
-    let legs = fly_phases(&all, &mut Progress::new());
+    let segments = fly_phases(&all, &mut Progress::new());
     let folder = args.folder();
-    let table = publish_phases(&all, &legs, &folder).map_err(|error| unwritten(&error))?;
+    let table = publish_phases(&all, &segments, &folder).map_err(|error| unwritten(&error))?;
     let (mut warnings, mut doubtful) = (Vec::new(), false);
-    for (leg, phase) in legs
+    for (segment, phase) in segments
         .iter()
-        .filter_map(|leg| Some((leg, all.get(leg.phase)?)))
+        .filter_map(|segment| Some((segment, all.get(segment.phase)?)))
     {
-        let doubt = doubt(phase.scene, &leg.plan, &leg.outcome);
+        let doubt = doubt(phase.scene, &segment.plan, &segment.outcome);
         doubtful |= doubt.is_some();
-        warnings.extend(warning(phase.scene, &leg.plan, &leg.outcome));
+        warnings.extend(warning(phase.scene, &segment.plan, &segment.outcome));
         warnings.extend(doubt);
     }
     let told = if args.json {
         warnings.iter().for_each(|warning| eprintln!("{warning}"));
-        phases_json(&all, &legs).map_err(|error| unwritten(&error))?
+        phases_json(&all, &segments).map_err(|error| unwritten(&error))?
     } else {
         let remarks = phases.files.iter().flat_map(|file| &file.remarks);
         let remarks = remarks.chain(&warnings);
@@ -206,7 +206,9 @@ fn run_all(args: &RunArgs, phases: &Phases) -> Result<String, Failure> {
             folder.display()
         )
     };
-    let error = legs.last().and_then(|leg: &Leg| leg.outcome.error.as_ref());
+    let error = segments
+        .last()
+        .and_then(|segment: &Segment| segment.outcome.error.as_ref());
     match error {
         None if doubtful => Err(Failure::Inaccurate(told)),
         None => Ok(told),

@@ -29,7 +29,7 @@ pub struct Phase<'a> {
 
 /// A part of a run, flown in one phase.
 #[derive(Clone, Debug)]
-pub struct Leg {
+pub struct Segment {
     /// Which phase, by index.
     pub phase: usize,
     /// How it was flown, with the params it had.
@@ -46,8 +46,8 @@ pub struct Leg {
 
 /// Flies the first phase, and what goes on from it, until the end that the first one plans.
 #[must_use]
-pub fn fly_phases(phases: &[Phase<'_>], progress: &mut Progress) -> Vec<Leg> {
-    let mut legs: Vec<Leg> = Vec::new();
+pub fn fly_phases(phases: &[Phase<'_>], progress: &mut Progress) -> Vec<Segment> {
+    let mut segments: Vec<Segment> = Vec::new();
     let mut last: Option<(Simulation<f64>, usize)> = None;
     let mut index = 0;
     let until = phases.first().map_or(0.0, |phase| phase.plan.until);
@@ -56,7 +56,7 @@ pub fn fly_phases(phases: &[Phase<'_>], progress: &mut Progress) -> Vec<Leg> {
         plan.until = until;
         let from = last.as_ref().map_or(0.0, |(run, _)| run.time());
         let begun = match &mut last {
-            Some((run, event)) => params(run, *event, phase, &mut plan.params),
+            Some((run, event)) => run.params_after(*event, phase.scene, &mut plan.params),
             None => Ok(()),
         };
         let made = begun.and_then(|()| {
@@ -66,10 +66,10 @@ pub fn fly_phases(phases: &[Phase<'_>], progress: &mut Progress) -> Vec<Leg> {
         let model = match made {
             Ok(model) => model,
             Err(error) => {
-                if let Some(leg) = legs.last_mut() {
-                    leg.outcome.error = Some(error);
+                if let Some(segment) = segments.last_mut() {
+                    segment.outcome.error = Some(error);
                 }
-                return legs;
+                return segments;
             }
         };
         let mut handover = None;
@@ -88,7 +88,7 @@ pub fn fly_phases(phases: &[Phase<'_>], progress: &mut Progress) -> Vec<Leg> {
             Some((run, Stop::Event(event))) => (Some(run), Some(event)),
             _ => (None, None),
         };
-        legs.push(Leg {
+        segments.push(Segment {
             phase: index,
             from,
             handover,
@@ -98,33 +98,23 @@ pub fn fly_phases(phases: &[Phase<'_>], progress: &mut Progress) -> Vec<Leg> {
         });
         let next = ended_by.and_then(|event| *phase.next.get(event)?);
         let (Some(run), Some(event), Some(next)) = (run, ended_by, next) else {
-            return legs;
+            return segments;
         };
-        if legs.len() == MOST {
+        if segments.len() == MOST {
             let name = phase.scene.events.get(event);
             let endless = StepError::EventChatter {
                 line: name.map_or_else(String::new, |event| event.name.clone()),
                 count: MOST,
                 window: run.time(),
             };
-            if let Some(leg) = legs.last_mut() {
-                leg.outcome.error = Some(failed(endless));
+            if let Some(segment) = segments.last_mut() {
+                segment.outcome.error = Some(failed(endless));
             }
-            return legs;
+            return segments;
         }
         (last, index) = (Some((run, event)), next);
     }
-    legs
-}
-
-/// The params that a phase begins with.
-fn params(
-    run: &mut Simulation<f64>,
-    event: usize,
-    phase: &Phase<'_>,
-    params: &mut [f64],
-) -> Result<(), RunError> {
-    run.params_after(event, phase.scene, params)
+    segments
 }
 
 fn unfit(phase: &Phase<'_>, time: f64, why: String) -> RunError {

@@ -9,7 +9,7 @@ use mbd_runtime::Trajectory;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::phases::{Leg, Phase};
+use super::phases::{Phase, Segment};
 use super::publish::publish;
 use super::summary::summary_json;
 use crate::files;
@@ -29,8 +29,8 @@ struct Part<'a> {
 }
 
 /// The event that ended a part.
-fn ended_by<'a>(phase: &'a Phase<'_>, leg: &Leg) -> Option<&'a str> {
-    let event = phase.scene.events.get(leg.ended_by?)?;
+fn ended_by<'a>(phase: &'a Phase<'_>, segment: &Segment) -> Option<&'a str> {
+    let event = phase.scene.events.get(segment.ended_by?)?;
     Some(event.name.as_str())
 }
 
@@ -42,24 +42,24 @@ fn folder_of(index: usize, phase: &Phase<'_>) -> PathBuf {
 /// Every part with its phase, in the order of the run.
 fn told<'a, 'b>(
     phases: &'a [Phase<'b>],
-    legs: &'a [Leg],
-) -> impl Iterator<Item = (usize, &'a Phase<'b>, &'a Leg)> {
-    let told = legs.iter().enumerate();
-    told.filter_map(|(index, leg)| Some((index, phases.get(leg.phase)?, leg)))
+    segments: &'a [Segment],
+) -> impl Iterator<Item = (usize, &'a Phase<'b>, &'a Segment)> {
+    let told = segments.iter().enumerate();
+    told.filter_map(|(index, segment)| Some((index, phases.get(segment.phase)?, segment)))
 }
 
 /// The run as JSON.
 ///
 /// # Errors
 /// Numbers that JSON cannot hold.
-pub fn summary(phases: &[Phase<'_>], legs: &[Leg]) -> io::Result<String> {
-    let mut parts = Vec::with_capacity(legs.len());
-    for (_, phase, leg) in told(phases, legs) {
-        let run = summary_json(phase.scene, &leg.plan, &leg.outcome)?;
-        let handover = leg.handover.as_ref();
+pub fn summary(phases: &[Phase<'_>], segments: &[Segment]) -> io::Result<String> {
+    let mut parts = Vec::with_capacity(segments.len());
+    for (_, phase, segment) in told(phases, segments) {
+        let run = summary_json(phase.scene, &segment.plan, &segment.outcome)?;
+        let handover = segment.handover.as_ref();
         parts.push(Part {
-            from_s: leg.from,
-            ended_by: ended_by(phase, leg),
+            from_s: segment.from,
+            ended_by: ended_by(phase, segment),
             carried: handover.map_or(&[][..], |it| it.carried.as_slice()),
             dropped: handover.map_or(&[][..], |it| it.dropped.as_slice()),
             started: handover.map_or(&[][..], |it| it.started.as_slice()),
@@ -68,10 +68,12 @@ pub fn summary(phases: &[Phase<'_>], legs: &[Leg]) -> io::Result<String> {
             run: serde_json::from_str(&run)?,
         });
     }
-    let status = legs.last().and_then(|leg| leg.outcome.error.as_ref());
+    let status = segments
+        .last()
+        .and_then(|segment| segment.outcome.error.as_ref());
     let whole = serde_json::json!({
         "status": status.map_or("ok", |error| error.cause.status()),
-        "reached_s": legs.last().map(|leg| leg.outcome.time),
+        "reached_s": segments.last().map(|segment| segment.outcome.time),
         "phases": parts,
     });
     Ok(serde_json::to_string_pretty(&whole)? + "\n")
@@ -81,25 +83,32 @@ pub fn summary(phases: &[Phase<'_>], legs: &[Leg]) -> io::Result<String> {
 ///
 /// # Errors
 /// The folder or a file cannot be written; the error names it. The summary is only there if all others are.
-pub fn publish_phases(phases: &[Phase<'_>], legs: &[Leg], folder: &Path) -> io::Result<Table> {
+pub fn publish_phases(
+    phases: &[Phase<'_>],
+    segments: &[Segment],
+    folder: &Path,
+) -> io::Result<Table> {
     files::make_folder(folder)?;
     let file = folder.join("summary.json");
     files::remove(&file)?;
-    for (index, phase, leg) in told(phases, legs) {
+    for (index, phase, segment) in told(phases, segments) {
         let own = folder.join(folder_of(index, phase));
-        publish(phase.scene, &leg.plan, &leg.outcome, &own)?;
+        publish(phase.scene, &segment.plan, &segment.outcome, &own)?;
     }
-    let parts: Vec<&Trajectory> = legs.iter().map(|leg| &leg.outcome.trajectory).collect();
+    let parts: Vec<&Trajectory> = segments
+        .iter()
+        .map(|segment| &segment.outcome.trajectory)
+        .collect();
     let joined = Trajectory::joined(&parts);
     files::write_whole(&folder.join("history.csv"), |to| joined.to_csv(to))?;
-    let table = table(phases, legs);
-    page(phases, legs, &joined, &table).write(folder.join("report.html"))?;
-    files::write_text(&file, &summary(phases, legs)?)?;
+    let table = table(phases, segments);
+    page(phases, segments, &joined, &table).write(folder.join("report.html"))?;
+    files::write_text(&file, &summary(phases, segments)?)?;
     Ok(table)
 }
 
 /// The parts of the run, what ended them and what went on.
-fn table(phases: &[Phase<'_>], legs: &[Leg]) -> Table {
+fn table(phases: &[Phase<'_>], segments: &[Segment]) -> Table {
     let mut table = Table::new("Phases")
         .column("scene", "")
         .number("from", "s", 9)
@@ -111,14 +120,14 @@ fn table(phases: &[Phase<'_>], legs: &[Leg]) -> Table {
         .number("energy before", "J", 7)
         .number("energy after", "J", 7);
     let list = |names: &[String]| Cell::from(names.join(", ").as_str());
-    for (_, phase, leg) in told(phases, legs) {
-        let handover = leg.handover.clone().unwrap_or_default();
+    for (_, phase, segment) in told(phases, segments) {
+        let handover = segment.handover.clone().unwrap_or_default();
         let energy = |side: usize| handover.energies[side].map(|kinds| kinds.iter().sum::<f64>());
         table.push([
             phase.scene.name.as_str().into(),
-            leg.from.into(),
-            leg.outcome.time.into(),
-            ended_by(phase, leg).unwrap_or("").into(),
+            segment.from.into(),
+            segment.outcome.time.into(),
+            ended_by(phase, segment).unwrap_or("").into(),
             list(&handover.carried),
             list(&handover.dropped),
             list(&handover.started),
@@ -130,13 +139,13 @@ fn table(phases: &[Phase<'_>], legs: &[Leg]) -> Table {
 }
 
 /// The page over all parts; each has one of its own, which it links to.
-fn page(phases: &[Phase<'_>], legs: &[Leg], joined: &Trajectory, table: &Table) -> Report {
-    let names: Vec<&str> = told(phases, legs)
+fn page(phases: &[Phase<'_>], segments: &[Segment], joined: &Trajectory, table: &Table) -> Report {
+    let names: Vec<&str> = told(phases, segments)
         .map(|(_, phase, _)| phase.scene.name.as_str())
         .collect();
     let mut page = Report::new(names.join(" → ")).table(table);
-    for (index, phase, leg) in told(phases, legs) {
-        if let Some(error) = &leg.outcome.error {
+    for (index, phase, segment) in told(phases, segments) {
+        if let Some(error) = &segment.outcome.error {
             page = page.paragraph(&format!("The run stopped early: {error}"));
         }
         let to = folder_of(index, phase).join("report.html");
@@ -156,7 +165,7 @@ fn page(phases: &[Phase<'_>], legs: &[Leg], joined: &Trajectory, table: &Table) 
         ) else {
             continue;
         };
-        let rows = rows_with(legs, &name.name, values.len());
+        let rows = rows_with(segments, &name.name, values.len());
         let (Some(times), Some(values)) = (joined.times().get(rows.clone()), values.get(rows))
         else {
             continue;
@@ -171,13 +180,13 @@ fn page(phases: &[Phase<'_>], legs: &[Leg], joined: &Trajectory, table: &Table) 
 }
 
 /// The rows from the first scene that has a column to the last one; all of them where it has another name in its own scene.
-fn rows_with(legs: &[Leg], column: &str, all: usize) -> Range<usize> {
-    let is_without = |leg: &&Leg| leg.outcome.trajectory.column(column).is_none();
-    if legs.iter().all(|leg| is_without(&leg)) {
+fn rows_with(segments: &[Segment], column: &str, all: usize) -> Range<usize> {
+    let is_without = |segment: &&Segment| segment.outcome.trajectory.column(column).is_none();
+    if segments.iter().all(|segment| is_without(&segment)) {
         return 0..all;
     }
-    let rows = |leg: &Leg| leg.outcome.trajectory.len();
-    let before: usize = legs.iter().take_while(is_without).map(rows).sum();
-    let behind: usize = legs.iter().rev().take_while(is_without).map(rows).sum();
+    let rows = |segment: &Segment| segment.outcome.trajectory.len();
+    let before: usize = segments.iter().take_while(is_without).map(rows).sum();
+    let behind: usize = segments.iter().rev().take_while(is_without).map(rows).sum();
     before..all.saturating_sub(behind)
 }

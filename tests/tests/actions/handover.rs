@@ -178,7 +178,7 @@ model! {
 
 model! {
     /// The same bodies, the elbow turns about the opposite axis.
-    model Turned {
+    model Reversed {
         coordinates: relative;
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body mast { mass: 4 kg, inertia: diag(1, 1, 0.5) kg*m^2, frame top at [0.0, 0.0, 0.8] m }
@@ -190,7 +190,7 @@ model! {
 
 model! {
     /// The same bodies in absolute coordinates.
-    model Apiece {
+    model Absolute {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body mast { mass: 4 kg, inertia: diag(1, 1, 0.5) kg*m^2, frame top at [0.0, 0.0, 0.8] m }
         body arm { mass: 2 kg, inertia: diag(0.1, 0.2, 0.2) kg*m^2, frame root at [-0.4, 0.0, 0.0] m }
@@ -250,8 +250,8 @@ fn states_and_inputs_that_measure_something_else_are_refused_by_name() {
 fn joints_of_a_tree_go_on_where_their_bodies_are_whatever_their_law() {
     let arm = Arm::new(ArmParams::default()).expect("defaults");
     let loose = Loose::new(LooseParams::default()).expect("defaults");
-    let turned = Turned::new(TurnedParams::default()).expect("defaults");
-    let apiece = Apiece::new(ApieceParams::default()).expect("defaults");
+    let reversed = Reversed::new(ReversedParams::default()).expect("defaults");
+    let absolute = Absolute::new(AbsoluteParams::default()).expect("defaults");
     for options in [Options::rk4(1e-3), Options::tsit5(1e-12)] {
         let start = |model: &dyn Model<f64>| Simulation::new(model, options).expect("options");
         let mut first = start(&arm);
@@ -290,13 +290,13 @@ fn joints_of_a_tree_go_on_where_their_bodies_are_whatever_their_law() {
         same([speeds[0], elbow.speeds[0]]);
         assert!(positions[1].abs() < 1e-10 && speeds[1].abs() < 1e-10);
         assert_eq!(state.pin().coordinates, pin.coordinates);
-        let mut second = start(&turned);
+        let mut second = start(&reversed);
         unchanged(&second.take_over(&mut first, &[]).expect("a start"));
-        let state = TurnedState::from_slice(second.state()).expect("a state");
+        let state = ReversedState::from_slice(second.state()).expect("a state");
         same([state.elbow().coordinates[0], -elbow.coordinates[0]]);
         same([state.elbow().speeds[0], -elbow.speeds[0]]);
         // To absolute coordinates and back.
-        let mut second = start(&apiece);
+        let mut second = start(&absolute);
         unchanged(&second.take_over(&mut first, &[]).expect("a start"));
         let mut third = start(&arm);
         unchanged(&third.take_over(&mut second, &[]).expect("a start"));

@@ -13,7 +13,7 @@ use tests::system::{bodies, list, scene};
 
 use super::{
     DOUBLE_PENDULUM, assert_eigenvalues, assert_matrix, assert_point, assert_system, generic,
-    placed,
+    placed, sprung_four_bar,
 };
 
 #[test]
@@ -209,13 +209,7 @@ fn a_quarter_car_has_the_matrices_frequencies_and_damping_of_its_closed_form() {
 fn small_deviations_of_a_run_follow_the_linear_system() {
     // Both sides of the static equilibrium of the four-bar: what is even in the deviation drops out.
     let file = load("derivatives/linear_four_bar.json");
-    let mut scene = scene(&file["system"], AngularVelocity::Body);
-    scene.joints[0].forces.push(JointForces {
-        stiffness: Some(5.0.into()),
-        rest: Some(std::f64::consts::FRAC_PI_3.into()),
-        damping: Some(0.1.into()),
-        ..JointForces::default()
-    });
+    let scene = sprung_four_bar(&file);
     let model = generic(scene.clone());
     let point = &list(&file["points"])[0];
     let own = &point["bodies"];

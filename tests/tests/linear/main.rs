@@ -7,11 +7,12 @@ mod names;
 mod trim;
 
 use mbd_runtime::{External, Generic, Options, Simulation, StateSpace, linearise};
-use mbd_scene::Scene;
+use mbd_scene::joints::JointForces;
+use mbd_scene::{AngularVelocity, Scene};
 use nalgebra::DMatrix;
 use serde_json::Value;
 use tests::reference::{field, numbers};
-use tests::system::list;
+use tests::system::{list, scene};
 
 /// Inputs that stay.
 struct Held(Vec<f64>);
@@ -73,6 +74,18 @@ fn assert_eigenvalues(space: &StateSpace, want: &Value, tolerance: f64, what: &s
         let apart = (got[0] - want[0]).hypot(got[1] - want[1]);
         assert!(apart < tolerance, "{what}: {got:?} is not {want:?}");
     }
+}
+
+/// The four-bar of a reference with the spring and damper on its crank.
+fn sprung_four_bar(file: &Value) -> Scene {
+    let mut scene = scene(&file["system"], AngularVelocity::Body);
+    scene.joints[0].forces.push(JointForces {
+        stiffness: Some(5.0.into()),
+        rest: Some(std::f64::consts::FRAC_PI_3.into()),
+        damping: Some(0.1.into()),
+        ..JointForces::default()
+    });
+    scene
 }
 
 /// The linear system at a point of a reference, whose x0 are these coordinates: A, B and eigenvalues are those of the reference.

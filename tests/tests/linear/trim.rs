@@ -1,15 +1,13 @@
 //! States and inputs where nothing accelerates, against closed forms.
 
 use mbd_runtime::{TrimError, trim};
-use mbd_scene::AngularVelocity;
-use mbd_scene::joints::JointForces;
 use tests::assert_close;
 use tests::declared::read;
 use tests::mechanism::state;
 use tests::reference::{field, load};
-use tests::system::{bodies, list, scene};
+use tests::system::{bodies, list};
 
-use super::generic;
+use super::{generic, sprung_four_bar};
 
 #[test]
 fn a_kite_stands_where_wind_weight_and_line_balance() {
@@ -136,13 +134,7 @@ fn a_wind_turbine_turns_at_a_constant_speed_under_the_torque_of_its_generator() 
 #[test]
 fn a_linkage_is_trimmed_on_its_loop_and_what_cannot_balance_is_named() {
     let file = load("derivatives/linear_four_bar.json");
-    let mut scene = scene(&file["system"], AngularVelocity::Body);
-    scene.joints[0].forces.push(JointForces {
-        stiffness: Some(5.0.into()),
-        rest: Some(std::f64::consts::FRAC_PI_3.into()),
-        damping: Some(0.1.into()),
-        ..JointForces::default()
-    });
+    let scene = sprung_four_bar(&file);
     let own = &list(&file["points"])[1]["bodies"];
     let start = state(
         &scene,

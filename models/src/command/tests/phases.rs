@@ -315,7 +315,7 @@ fn scenes_may_lead_back_to_each_other_and_never_without_end() {
             "model {name} {{ gravity: {gravity}; point p {{ mass: 1 kg, start at [0, 0, 0] m }} state clock = 0 s {{ rate: 1 }} event over = clock rises {period} {{ set: clock = 0 s, then: scene \"{other}\" }} }}\n[run]\nuntil = \"1 s\"\n"
         )
     };
-    for (period, legs) in [("0.3 s", 4), ("0.1 ms", 1000)] {
+    for (period, segments) in [("0.3 s", 4), ("0.1 ms", 1000)] {
         let up = folder.file(
             "up.mbd",
             &scene("Up", "down.mbd", "[0, 0, 1] m/s^2", period),
@@ -326,7 +326,7 @@ fn scenes_may_lead_back_to_each_other_and_never_without_end() {
         );
         let out = folder.0.join("out").display().to_string();
         let told = run(&["run", &up, "--out", &out]);
-        match (legs, told) {
+        match (segments, told) {
             (4, Ok(_)) => {
                 let text = std::fs::read_to_string(folder.0.join("out/summary.json"));
                 let summary: Value = serde_json::from_str(&text.expect("a summary")).expect("JSON");
