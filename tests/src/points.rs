@@ -7,7 +7,7 @@ use mbd_compiler::{Interpreted, read_text};
 use mbd_runtime::{Generic, Model, Options, RunError, Simulation};
 use mbd_scene::{Layout, Scene};
 
-/// The declaration of `count` points of 0.1 kg, one on the other by lines of 0.1 m, the first on the world; every one written out, as a program writes
+/// The declaration of `count` points of 0.1 kg, one on the other by taut lines, the first on the world; every one written out, as a program writes
 /// a net.
 #[must_use]
 pub fn rope(count: usize) -> String {
@@ -21,7 +21,7 @@ pub fn rope(count: usize) -> String {
         let _ = write!(
             text,
             "    point p{point} {{ mass: 0.1 kg, start at [0.0, 0.0, {height:.1}] m }}\n    \
-             line l{point} from {from} to p{point} {{ free_length: 0.1 m, stiffness: 10 kN/m, damping: 1 N*s/m }}\n"
+             line l{point} from {from} to p{point} {{ free_length: 0.0999 m, stiffness: 10 kN/m, damping: 1 N*s/m }}\n"
         );
     }
     text + "    output pull = l0.tension;\n}\n"
