@@ -2,7 +2,7 @@
 //!
 //! | what | count of | promise |
 //! |---|---|---|
-//! | `fuzz` | declarations, random and mutated, as text and in TOML | a scene with every item declared, or messages with places; 2 s each; no panic |
+//! | `fuzz` | declarations, random and mutated, as text and in TOML | a scene with every item declared, or messages with places; 2 s each, of large ones a megabyte; no panic |
 //! | `files` | bytes of files, mutated: declarations, documents, robots | the same |
 //! | `large` | bytes of each file that is large in one way | the same |
 //! | `networks` | networks of 50 nodes, or of so many as said | in balance, or the two lines named that are too uneven |
@@ -124,7 +124,7 @@ fn large(size: u64) -> bool {
     let size = usize::try_from(size).unwrap_or(usize::MAX);
     let watch = Watch::begin();
     let mut kept = true;
-    println!("{SLOWEST} s for {:.0} MB", megabytes(size));
+    println!("{SLOWEST} s for a megabyte, {:.0} MB each", megabytes(size));
     for (number, (name, input)) in Corpus::large(size).into_iter().enumerate() {
         watch.at(number as u64);
         let mut tally = Tally::default();

@@ -9,7 +9,7 @@ use mbd_scene::{Layout, Redundancy};
 use super::items::{Counts, declared_in_text, declared_in_toml, resolved};
 use super::mutate::{Form, Input};
 
-/// The longest that one input may take [s]: reading it, and laying out its scene.
+/// The longest that one input may take [s]: reading it, and laying out its scene; of more than a megabyte, each megabyte.
 pub const SLOWEST: f64 = 2.0;
 
 /// What came of one input.
@@ -26,13 +26,14 @@ pub enum Verdict {
 /// # Errors
 /// The promise that is broken, in words.
 pub fn judge(input: &Input) -> Result<(Verdict, f64), String> {
+    let slowest = SLOWEST * (input.text.len() as f64 / 1e6).max(1.0);
     let mut least = f64::INFINITY;
     for _ in 0..3 {
         let began = Instant::now();
         let kept = catch_unwind(AssertUnwindSafe(|| laid_out(input)));
         least = least.min(began.elapsed().as_secs_f64());
         let reading = kept.map_err(|_| "a panic".to_owned())??;
-        if least > SLOWEST {
+        if least > slowest {
             continue;
         }
         let checked = catch_unwind(AssertUnwindSafe(|| check(input, &reading)));
