@@ -68,7 +68,7 @@ pub use scene::{
     Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter, PartStart, Point,
     PointKind, Scene, Starts, State, Triple,
 };
-pub use starts::{declared_parts, place_bodies, place_declared};
+pub use starts::{declared_beside, declared_parts, place_bodies, place_declared};
 pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,
