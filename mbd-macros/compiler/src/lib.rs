@@ -54,7 +54,9 @@ pub use operation::{Binary, Comparison, Op, Unary};
 pub use partition::{Block, Local, partition};
 pub use phases::misfits;
 pub use program::{Instruction, Operand, Program, Register};
-pub use reading::{Going, Options, Reading, Spans, read_text, read_text_in, read_tokens};
+pub use reading::{
+    Going, NamedFile, Options, Reading, Spans, read_text, read_text_in, read_tokens,
+};
 pub use resolve::{Emitted, Named};
 pub use solution::{Member, Solution};
 pub use strided::{Item, StridedRun};
