@@ -43,7 +43,7 @@ pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Label, Mask, Node, Slot, Term, recorded, session};
 pub use families::Families;
 #[cfg(feature = "format")]
-pub use format::{format_rust, format_text};
+pub use format::{FormattedRust, format_rust, format_text};
 pub use interpret::{Interpreted, Registers};
 pub use kernels::{Driver, Kernel, Kernels, Results, Window};
 pub use lists::{Arguments, Group};
