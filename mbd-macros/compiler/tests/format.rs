@@ -307,6 +307,21 @@ fn what_is_too_long_is_broken_where_it_binds_least() {
 }
 
 #[test]
+fn a_long_start_is_broken_before_the_words_of_its_values() {
+    let before = "model A { gravity: none; body a { start at [1.0, 2.0, 3.0] m rotated rpy(0.1, 0.2, 0.3) velocity [1.0, 0.0, 3.0] m/s angular_velocity [1.0, 2.0, 3.0] rad/s } }";
+    let after = "model A {
+    gravity: none;
+    body a {
+        start at [1.0, 2.0, 3.0] m rotated rpy(0.1, 0.2, 0.3) velocity [1.0, 0.0, 3.0] m/s
+            angular_velocity [1.0, 2.0, 3.0] rad/s,
+    }
+}
+";
+    assert_eq!(formatted(before), after);
+    assert_eq!(formatted(after), after);
+}
+
+#[test]
 fn ends_of_lines_stay_what_they_are() {
     let unix = "model A {\n    // Größe\n    gravity: none;\n}\n";
     let other = unix.replace('\n', "\r\n");

@@ -32,6 +32,8 @@ pub struct Layout<'a> {
     blanks: Vec<bool>,
     /// Whether a token is the brace that holds the fields of an item.
     fields: Vec<bool>,
+    /// Whether a token is the word before one of several values of an item: `velocity`, `rotated`.
+    pub(super) clauses: Vec<bool>,
     /// How wide everything before a token is on one line, and how often it cannot be on one: sums, so that those of a part are differences.
     widths: Vec<usize>,
     broken: Vec<usize>,
@@ -63,6 +65,7 @@ impl<'a> Layout<'a> {
             margin,
             blanks: blanks(tokens, lexemes, &marks),
             fields: vec![false; lexemes.len()],
+            clauses: vec![false; lexemes.len()],
             widths: vec![0],
             broken: vec![0],
             out: String::new(),
@@ -82,6 +85,14 @@ impl<'a> Layout<'a> {
             let open = first.and_then(|first| self.before_docs(first));
             if let Some(is) = open.and_then(|open| self.fields.get_mut(open)) {
                 *is = true;
+            }
+            // What is equal to something is broken at the signs of that.
+            if item.clauses.iter().all(|given| given.sign != "=") {
+                for given in item.clauses.iter().skip(1) {
+                    if let Some(is) = self.clauses.get_mut(given.at.first.index()) {
+                        *is = true;
+                    }
+                }
             }
             self.find_fields(&item.block);
         }
