@@ -10,15 +10,31 @@ model! {
     model Solids {
         planar: xz;
         gravity: none;
-        body plank { mass: 1 kg, shape: box [0.8, 0.2, 0.4] m, start at [0.0, 0.0, 0.0] m rotated rpy(0.0, 30 deg, 0.0) }
-        body roller { mass: 1 kg, shape: cylinder { radius: 0.2 m, length: 0.6 m }, start at [2.0, 0.0, 0.0] m }
+        body plank {
+            mass: 1 kg,
+            shape: box [0.8, 0.2, 0.4] m,
+            start at [0.0, 0.0, 0.0] m rotated rpy(0.0, 30 deg, 0.0),
+        }
+        body roller {
+            mass: 1 kg,
+            shape: cylinder { radius: 0.2 m, length: 0.6 m },
+            start at [2.0, 0.0, 0.0] m,
+        }
         body wheel {
             mass: 1 kg,
-            shape: tube { radius: 0.4 m, inner: 0.3 m, length: 0.1 m } at [0.0, 0.0, 0.0] m rotated rpy(90 deg, 0.0, 0.0),
-            start at [4.0, 0.0, 0.0] m
+            shape: tube {
+                radius: 0.4 m,
+                inner: 0.3 m,
+                length: 0.1 m,
+            } at [0.0, 0.0, 0.0] m rotated rpy(90 deg, 0.0, 0.0),
+            start at [4.0, 0.0, 0.0] m,
         }
         body ball { mass: 1 kg, shape: sphere { radius: 0.3 m }, start at [6.0, 0.0, 0.0] m }
-        body pill { mass: 1 kg, shape: capsule { radius: 0.1 m, length: 0.5 m }, start at [8.0, 0.0, 0.0] m }
+        body pill {
+            mass: 1 kg,
+            shape: capsule { radius: 0.1 m, length: 0.5 m },
+            start at [8.0, 0.0, 0.0] m,
+        }
         joint a: free from world to plank.com;
         joint b: free from world to roller.com;
         joint c: free from world to wheel.com;
