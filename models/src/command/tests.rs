@@ -13,6 +13,7 @@ mod files;
 mod fmt;
 mod immovable;
 mod metrics;
+mod newcomers;
 mod phases;
 mod planes;
 mod ready;
