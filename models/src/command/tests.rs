@@ -15,6 +15,7 @@ mod immovable;
 mod metrics;
 mod newcomers;
 mod phases;
+mod pictures;
 mod planes;
 mod ready;
 mod robots;
