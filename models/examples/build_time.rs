@@ -2,7 +2,8 @@
 //!
 //! Every crate makes its model, a simulation of it, and records a second: what a user's crate contains at least.
 //! `cargo run --release -p models --example build_time`; with `-- 8`, chains of at most 8 bodies; with `-- 8 relative`, or `auto`, in these
-//! coordinates; `-- 8 relative arm.urdf` adds robots. Chains of rods on hinges about y, x, y, x, …;
+//! coordinates; `-- 8 relative arm.urdf` adds robots; with `-- derivatives`, scenes with and without `emit: [partial]`; with `-- first`, the first
+//! build of a crate, dependencies included, in the profiles that the README shows. Chains of rods on hinges about y, x, y, x, …;
 //! chains of identical bodies on spherical joints. The column expansion is the compiler as optimised as this example; in `cargo check` the macro
 //! is not optimised, as in a user's crate that does not ask for it; in the release build it is at level 1. Writes a small crate under the target
 //! directory and builds it again for every line of the table; nothing is downloaded.
@@ -36,6 +37,25 @@ fn robot(file: &str, family: &str) -> Outcome<String> {
     Ok(format!(
         "pub model Chain {{ coordinates: {family}; urdf: {path:?} {{ inertias: unchecked }} }}"
     ))
+}
+
+/// The parachute, the four-bar in space and a chain of 16 hinges, each with what a run needs alone, and with the derivatives of its equations.
+fn derivatives() -> Outcome<Vec<(String, String)>> {
+    let mut rows = Vec::new();
+    let ready = models::scenes::READY
+        .iter()
+        .filter(|ready| ["parachute", "four_bar"].contains(&ready.name));
+    let ready = ready.map(|ready| (ready.name, mbd_compiler::write_text(&(ready.scene)())));
+    for (name, text) in ready.chain([("chain of 16 hinges", hinges(16, "absolute"))]) {
+        let (_, items) = text.split_once('{').ok_or("a model without items")?;
+        for emit in ["derivative", "derivative, partial"] {
+            rows.push((
+                format!("{name}, `emit: [{emit}]`"),
+                format!("pub model Chain {{ emit: [{emit}]; {items}"),
+            ));
+        }
+    }
+    Ok(rows)
 }
 
 /// A crate that runs this model so many times over, each a model of its own.
@@ -116,19 +136,20 @@ struct Crate {
 }
 
 impl Crate {
-    fn new(workspace: &Path) -> Outcome<Self> {
-        let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-        let target = target.unwrap_or_else(|| workspace.join("target"));
-        let folder = target.join("build_time");
+    /// An empty one below the target directory, built into `target`, or beside what is built there already.
+    fn new(workspace: &Path, target: Option<&str>, profiles: &str) -> Outcome<Self> {
+        let built = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
+        let built = built.unwrap_or_else(|| workspace.join("target"));
+        let folder = built.join("build_time");
         std::fs::create_dir_all(folder.join("src"))?;
         std::fs::copy(workspace.join("Cargo.lock"), folder.join("Cargo.lock"))?;
         let runtime = workspace.join("mbd-runtime");
         let manifest = format!(
             "[package]\nname = \"build_time\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[dependencies]\n\
-             mbd-runtime = {{ path = {runtime:?} }}\n\n[workspace]\n\n\
-             [profile.release.build-override]\nopt-level = 1\n"
+             mbd-runtime = {{ path = {runtime:?} }}\n\n[workspace]\n\n{profiles}\n"
         );
         std::fs::write(folder.join("Cargo.toml"), manifest)?;
+        let target = target.map_or(built, |name| folder.join(name));
         Ok(Crate { folder, target })
     }
 
@@ -152,71 +173,136 @@ impl Crate {
     }
 }
 
+/// Prints what builds of models cost beyond an empty crate, line by line: expansion [s], tokens, `cargo check` [s], release [s].
+struct Table {
+    place: Crate,
+    floor: [f64; 2],
+}
+
+impl Table {
+    const BUILDS: [&[&str]; 2] = [&["check"], &["build", "--release"]];
+
+    fn begin(workspace: &Path) -> Outcome<Self> {
+        let profiles = "[profile.release.build-override]\nopt-level = 1\n";
+        let place = Crate::new(workspace, None, profiles)?;
+        let empty = "//! Nothing.\nuse mbd_runtime as _;\nfn main() {}\n";
+        let mut floor = [0.0; 2];
+        for (floor, arguments) in floor.iter_mut().zip(Self::BUILDS) {
+            place.build(empty, arguments)?;
+            *floor = place.build(&format!("{empty}// Again.\n"), arguments)?;
+        }
+        let [check, release] = floor;
+        println!("empty crate: check {check:.2} s, release {release:.2} s");
+        println!(
+            "\n| model | expansion | tokens | `cargo check` beyond empty | release beyond empty |"
+        );
+        println!("|---|---|---|---|---|");
+        Ok(Table { place, floor })
+    }
+
+    /// A crate that runs this model so many times over.
+    fn line(&self, name: &str, text: &str, models: usize) -> Outcome<[f64; 4]> {
+        let (time, tokens) = expansion(text)?;
+        let source = running(text, models);
+        let mut beyond = [0.0; 2];
+        for (k, arguments) in Self::BUILDS.into_iter().enumerate() {
+            beyond[k] = self.place.build(&source, arguments)? - self.floor[k];
+        }
+        let [checked, released] = beyond;
+        println!("| {name} | {time:.3} s | {tokens} | {checked:.2} s | {released:.2} s |");
+        Ok([time, tokens as f64, checked, released])
+    }
+}
+
+/// Chains of growing length and robots, with the powers of the length that their costs grow with.
+fn families(workspace: &Path, most: usize, family: &str, robots: &[String]) -> Outcome<()> {
+    let table = Table::begin(workspace)?;
+    let one = hinge(family);
+    table.line("one hinge", &one, 1)?;
+    table.line("two models of one hinge", &one, 2)?;
+    let few = |n: &usize| *n <= most;
+    let mut lines = Vec::new();
+    for n in [2, 4, 8, 16, 32, 64, 128, 256].into_iter().filter(few) {
+        let line = table.line(&format!("chain of {n} hinges"), &hinges(n, family), 1)?;
+        lines.push((n, line));
+    }
+    for n in [8, 16, 64].into_iter().filter(few) {
+        let name = format!("chain of {n} spherical joints");
+        table.line(&name, &spherical(n, family), 1)?;
+    }
+    for file in robots {
+        table.line(file, &robot(file, family)?, 1)?;
+    }
+    let of = |length: usize| lines.iter().find(|(n, _)| *n == length);
+    if let (Some((_, eight)), Some((_, sixty_four))) = (of(8), of(64)) {
+        let [expansion, tokens, check, release] =
+            [0, 1, 2, 3].map(|column| (sixty_four[column] / eight[column]).ln() / 8f64.ln());
+        println!(
+            "\nexponents in n, hinges 8 to 64: expansion {expansion:.2}, tokens {tokens:.2}, check {check:.2}, release {release:.2}"
+        );
+    }
+    Ok(())
+}
+
+/// The first build of a crate with one model, nothing compiled before, and the build after its model was changed.
+fn first(workspace: &Path) -> Outcome<()> {
+    let readme = std::fs::read_to_string(workspace.join("README.md"))?;
+    let profiles = readme
+        .split("```toml\n")
+        .filter_map(|part| part.split("```").next())
+        .find(|block| block.starts_with("[profile.dev]"))
+        .ok_or("the README shows no [profile.dev]")?;
+    let (before, after) = (
+        running(&hinge("absolute"), 1),
+        running(&hinges(2, "absolute"), 1),
+    );
+    println!("| build | nothing compiled before | after a change of the model |");
+    println!("|---|---|---|");
+    for (name, profiles, arguments) in [
+        (
+            "`cargo build`, profile of the README",
+            profiles,
+            &["build"][..],
+        ),
+        ("`cargo build`, no profile", "", &["build"]),
+        ("`cargo build --release`", "", &["build", "--release"]),
+    ] {
+        let place = Crate::new(workspace, Some("first"), profiles)?;
+        if place.target.exists() {
+            std::fs::remove_dir_all(&place.target)?;
+        }
+        let (from_nothing, again) = (
+            place.build(&before, arguments)?,
+            place.build(&after, arguments)?,
+        );
+        println!("| {name} | {from_nothing:.0} s | {again:.2} s |");
+    }
+    Ok(())
+}
+
 fn main() -> Outcome<()> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("..")
         .canonicalize()?;
-    let place = Crate::new(&workspace)?;
-    let empty = "//! Nothing.\nuse mbd_runtime as _;\nfn main() {}\n";
-    let (check, release) = (["check"], ["build", "--release"]);
-    let mut floor = [0.0; 2];
-    for (floor, arguments) in floor.iter_mut().zip([&check[..], &release[..]]) {
-        place.build(empty, arguments)?;
-        *floor = place.build(&format!("{empty}// Again.\n"), arguments)?;
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.first().map(String::as_str) {
+        Some("first") => first(&workspace),
+        Some("derivatives") => {
+            let table = Table::begin(&workspace)?;
+            for (name, text) in derivatives()? {
+                table.line(&name, &text, 1)?;
+            }
+            Ok(())
+        }
+        most => {
+            let most = most.map_or(Ok(64), str::parse)?;
+            let family = arguments.get(1).map_or("absolute", String::as_str);
+            families(
+                &workspace,
+                most,
+                family,
+                arguments.get(2..).unwrap_or_default(),
+            )
+        }
     }
-    println!(
-        "empty crate: check {:.2} s, release {:.2} s",
-        floor[0], floor[1]
-    );
-    println!(
-        "\n| model | expansion | tokens | `cargo check` beyond empty | release beyond empty |"
-    );
-    println!("|---|---|---|---|---|");
-    let mut lines: Vec<[f64; 4]> = Vec::new();
-    let most: usize = match std::env::args().nth(1) {
-        Some(most) => most.parse()?,
-        None => 64,
-    };
-    let family = std::env::args().nth(2);
-    let family = family.as_deref().unwrap_or("absolute");
-    let few = |n: &usize| *n <= most;
-    let chains = [2, 4, 8, 16, 32, 64, 128, 256].into_iter().filter(few);
-    let chains = chains.map(|n| (format!("chain of {n} hinges"), hinges(n, family)));
-    let balls = [8, 16, 64].into_iter().filter(few);
-    let balls = balls.map(|n| {
-        (
-            format!("chain of {n} spherical joints"),
-            spherical(n, family),
-        )
-    });
-    let robots: Outcome<Vec<(String, String)>> = std::env::args()
-        .skip(3)
-        .map(|file| Ok((file.clone(), robot(&file, family)?)))
-        .collect();
-    for (name, models) in [("one hinge", 1), ("two models of one hinge", 2)] {
-        let text = hinge(family);
-        let (time, tokens) = expansion(&text)?;
-        let source = running(&text, models);
-        let checked = place.build(&source, &check)? - floor[0];
-        let released = place.build(&source, &release)? - floor[1];
-        println!("| {name} | {time:.3} s | {tokens} | {checked:.2} s | {released:.2} s |");
-    }
-    for (name, text) in chains.chain(balls).chain(robots?) {
-        let (time, tokens) = expansion(&text)?;
-        let source = running(&text, 1);
-        let checked = place.build(&source, &check)? - floor[0];
-        let released = place.build(&source, &release)? - floor[1];
-        println!("| {name} | {time:.3} s | {tokens} | {checked:.2} s | {released:.2} s |");
-        lines.push([time, tokens as f64, checked, released]);
-    }
-    let [_, _, eight, _, _, sixty_four, ..] = lines.as_slice() else {
-        return Ok(());
-    };
-    let exponents =
-        [0, 1, 2, 3].map(|column| (sixty_four[column] / eight[column]).ln() / 8f64.ln());
-    println!(
-        "\nexponents in n, hinges 8 to 64: expansion {:.2}, tokens {:.2}, check {:.2}, release {:.2}",
-        exponents[0], exponents[1], exponents[2], exponents[3]
-    );
-    Ok(())
 }

@@ -1,6 +1,6 @@
 //! What is compiled once: the doors through which a user's crate enters the solvers of this one.
 //!
-//! A generic function is compiled again in every crate that calls it. What stands behind these doors is compiled here, for `f64` and `f32`,
+//! A generic function is compiled again in every crate that calls it. What stands behind these doors is compiled here, for `f64` and (a feature) `f32`,
 //! so that a crate with a model compiles its equations and nothing else. A method that only reads a field needs no door.
 
 use std::sync::Arc;
@@ -25,7 +25,11 @@ use crate::trim::{Asked, TrimError, Trimmed};
 /// Declares every door once: the name that the public method calls, and the function behind it.
 macro_rules! doors {
     ($(fn $name:ident($($argument:ident: $given:ty),*) -> $result:ty = $path:path;)*) => {
-        /// A scalar that the solvers of this crate are compiled for: `f64` or `f32`.
+        /// A scalar that the solvers of this crate are compiled for: `f64`, and with the feature `f32` (on unless `default-features = false`) `f32`.
+        #[diagnostic::on_unimplemented(
+            message = "the solvers are not compiled for `{Self}`",
+            note = "they are compiled for f64, and for f32 with the feature `f32` of mbd-runtime"
+        )]
         pub trait Scalar: Float {
             $(
                 #[doc(hidden)]
@@ -34,6 +38,7 @@ macro_rules! doors {
         }
 
         doors!(f64, $(fn $name($($argument: $given),*) -> $result = $path;)*);
+        #[cfg(feature = "f32")]
         doors!(f32, $(fn $name($($argument: $given),*) -> $result = $path;)*);
     };
     ($scalar:ty, $(fn $name:ident($($argument:ident: $given:ty),*) -> $result:ty = $path:path;)*) => {

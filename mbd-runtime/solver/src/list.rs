@@ -32,11 +32,12 @@ pub(crate) fn largest<T: Float>(list: &[T]) -> f64 {
     }
 }
 
-/// Where stretches of [`WIDE`] numbers begin that cover a list of a length, the last two of them overlapping; none in a shorter list.
-fn stretches(length: usize) -> impl Iterator<Item = usize> {
-    let last = length.checked_sub(WIDE);
-    let count = last.map_or(0, |last| last.div_ceil(WIDE) + 1);
-    (0..count).map(move |index| (WIDE * index).min(last.unwrap_or_default()))
+/// Where stretches of `N` numbers begin that cover a list of a length, the last two of them overlapping; none in a shorter list.
+#[inline]
+fn stretches<const N: usize>(length: usize) -> impl Iterator<Item = usize> {
+    let last = length.checked_sub(N);
+    let count = last.map_or(0, |last| last.div_ceil(N) + 1);
+    (0..count).map(move |index| (N * index).min(last.unwrap_or_default()))
 }
 
 /// Whether every number is finite.
@@ -47,8 +48,8 @@ pub(crate) fn all_finite<T: Float>(list: &[T]) -> bool {
         return list.iter().all(|x| x.is_finite());
     }
     let mut faults = [zero; WIDE];
-    for start in stretches(list.len()) {
-        if let Some(own) = own(list, start) {
+    for start in stretches::<WIDE>(list.len()) {
+        if let Some(own) = own::<T, WIDE>(list, start) {
             for (fault, x) in faults.iter_mut().zip(own) {
                 *fault += zero * *x;
             }
@@ -63,50 +64,75 @@ pub(crate) const MOST_TERMS: usize = 16;
 /// out = state + h Σ w k over `stages`, which follow each other, at most [`MOST_TERMS`] with a weight: every number in the order of the stages, in
 /// one pass over the state.
 pub(crate) fn combine<T: Real>(state: &[T], h: T, weights: &[T], stages: &[T], out: &mut [T]) {
-    let mut terms: [(T, &[T]); MOST_TERMS] = [(T::zero(), &[]); MOST_TERMS];
-    let (mut count, mut rest) = (0, stages);
-    for weight in weights {
-        let Some((stage, behind)) = rest.split_at_checked(state.len()) else {
-            break;
-        };
-        rest = behind;
-        if let Some(term) = terms.get_mut(count).filter(|_| *weight != T::zero()) {
-            *term = (h * *weight, stage);
-            count += 1;
+    let stages = stages.chunks_exact(state.len().max(1));
+    let weighted = weights.iter().zip(stages);
+    let mut terms = weighted
+        .filter(|(weight, _)| **weight != T::zero())
+        .map(|(weight, stage)| (h * *weight, stage));
+    // Stages have few terms: a loop that knows how many needs no list of them.
+    match [terms.next(), terms.next(), terms.next(), terms.next()] {
+        [None, ..] => add(state, &[], out),
+        [Some(a), None, ..] => add(state, &[a], out),
+        [Some(a), Some(b), None, _] => add(state, &[a, b], out),
+        [Some(a), Some(b), Some(c), None] => add(state, &[a, b, c], out),
+        [Some(a), Some(b), Some(c), Some(d)] => match terms.next() {
+            None => add(state, &[a, b, c, d], out),
+            Some(e) => {
+                let mut list: [(T, &[T]); MOST_TERMS] = [(T::zero(), &[]); MOST_TERMS];
+                let (first, rest) = list.split_at_mut(5);
+                first.copy_from_slice(&[a, b, c, d, e]);
+                let more = rest.iter_mut().zip(terms);
+                let count = more.map(|(slot, term)| *slot = term).count();
+                add(state, &list[..5 + count], out);
+            }
+        },
+    }
+}
+
+/// out = state + Σ factor × list, every number in the order of the terms.
+#[inline(always)]
+fn add<T: Real>(state: &[T], terms: &[(T, &[T])], out: &mut [T]) {
+    match out.len() {
+        WIDE.. => add_stretches::<T, WIDE>(state, terms, out),
+        LANES.. => add_stretches::<T, LANES>(state, terms, out),
+        _ => {
+            for (index, (out, x)) in out.iter_mut().zip(state).enumerate() {
+                let parts = terms
+                    .iter()
+                    .filter_map(|(factor, list)| Some(*factor * *list.get(index)?));
+                *out = parts.fold(*x, |sum, part| sum + part);
+            }
         }
     }
-    let terms = &terms[..count];
-    for start in stretches(out.len()) {
-        let (Some(out), Some(state)) = (own_mut(out, start), own(state, start)) else {
+}
+
+/// The same over lists of at least `N` numbers, `N` at a time.
+#[inline(always)]
+fn add_stretches<T: Real, const N: usize>(state: &[T], terms: &[(T, &[T])], out: &mut [T]) {
+    for start in stretches::<N>(out.len()) {
+        let (Some(out), Some(state)) = (own_mut(out, start), own::<T, N>(state, start)) else {
             continue;
         };
         let mut sums = *state;
-        for (scaled, stage) in terms {
-            if let Some(rates) = own(stage, start) {
-                for (sum, rate) in sums.iter_mut().zip(rates) {
-                    *sum += *scaled * *rate;
+        for (factor, list) in terms {
+            if let Some(numbers) = own::<T, N>(list, start) {
+                for (sum, number) in sums.iter_mut().zip(numbers) {
+                    *sum += *factor * *number;
                 }
             }
         }
         *out = sums;
     }
-    if out.len() >= WIDE {
-        return;
-    }
-    for (index, (out, x)) in out.iter_mut().zip(state).enumerate() {
-        let parts = terms
-            .iter()
-            .filter_map(|(scaled, stage)| Some(*scaled * *stage.get(index)?));
-        *out = parts.fold(*x, |sum, part| sum + part);
-    }
 }
 
 /// The stretch of a list that begins at a place.
-fn own<T>(list: &[T], start: usize) -> Option<&[T; WIDE]> {
+#[inline]
+fn own<T, const N: usize>(list: &[T], start: usize) -> Option<&[T; N]> {
     list.get(start..)?.first_chunk()
 }
 
-fn own_mut<T>(list: &mut [T], start: usize) -> Option<&mut [T; WIDE]> {
+#[inline]
+fn own_mut<T, const N: usize>(list: &mut [T], start: usize) -> Option<&mut [T; N]> {
     list.get_mut(start..)?.first_chunk_mut()
 }
 

@@ -562,10 +562,15 @@ impl<T: Float> System<T> {
     }
 
     /// The inputs of a stage. Without functions of time and state they are those that are held.
+    #[inline]
     pub(crate) fn supply(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
-        if !self.has_functions() {
-            return Ok(());
+        match self.has_functions() {
+            true => self.ask_functions(time, state),
+            false => Ok(()),
         }
+    }
+
+    fn ask_functions(&mut self, time: f64, state: &[T]) -> Result<(), StepError> {
         let state = state.get(..self.nx).unwrap_or_default();
         self.inputs.copy_from_slice(&self.held);
         let (mut inputs, mut controls) = (

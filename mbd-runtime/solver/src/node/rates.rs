@@ -16,7 +16,8 @@ use crate::unilateral::Mode;
 const SPANNING: usize = 3;
 
 impl<T: Float> Nodes<T> {
-    /// The state derivative at a stage, `span` after the last accepted step [s], with the nodes placed as by [`Nodes::solve_stage`].
+    /// The state derivative at a stage, `span` after the last accepted step [s], with the nodes placed as by [`Nodes::solve_stage`]; all lists have the
+    /// lengths of the layout.
     ///
     /// # Errors
     /// As there.
@@ -31,7 +32,9 @@ impl<T: Float> Nodes<T> {
         if self.find_rates(stage, span, memory, work, out) {
             return Ok(());
         }
-        self.solve_stage(stage, span, memory, work)?;
+        if !self.is_idle() {
+            self.solve_networks(stage, span, memory, work)?;
+        }
         let at = self.at(stage.time, stage.state, stage.inputs);
         stage.model.evaluate(Quantity::Derivative, &at, work, out);
         Ok(())
@@ -39,11 +42,8 @@ impl<T: Float> Nodes<T> {
 
     /// Whether nodes and derivative may be found at once at a stage: lines that may span space carry at every node. Elements are then held in the modes
     /// of the memory.
-    pub(crate) fn hold_for_rates(&mut self, stage: Stage<'_, T>, memory: &NodeMemory<T>) -> bool {
+    pub(crate) fn hold_for_rates(&mut self, memory: &NodeMemory<T>) -> bool {
         if self.rates.is_empty() || !self.may_span(memory) {
-            return false;
-        }
-        if self.check_shape(stage).is_err() || memory.check(&self.layout).is_err() {
             return false;
         }
         self.hold_modes(memory);
@@ -83,8 +83,11 @@ impl<T: Float> Nodes<T> {
         work: &mut Work<T>,
         out: &mut [T],
     ) -> bool {
+        if self.rates.is_empty() {
+            return false;
+        }
         let nx = self.layout.nx();
-        if out.len() != nx || !self.hold_for_rates(stage, memory) {
+        if out.len() != nx || !self.hold_for_rates(memory) {
             return false;
         }
         let mut rates = std::mem::take(&mut self.rates);

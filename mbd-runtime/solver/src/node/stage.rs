@@ -186,12 +186,20 @@ impl<T: Float> Nodes<T> {
         memory: &NodeMemory<T>,
         work: &mut Work<T>,
     ) -> Result<(), NodeError> {
-        self.span = span;
         self.check_shape(stage)?;
-        if self.is_idle() {
-            return Ok(());
-        }
         memory.check(&self.layout)?;
+        self.solve_networks(stage, span, memory, work)
+    }
+
+    /// The same for lists of the right lengths.
+    pub(super) fn solve_networks(
+        &mut self,
+        stage: Stage<'_, T>,
+        span: T,
+        memory: &NodeMemory<T>,
+        work: &mut Work<T>,
+    ) -> Result<(), NodeError> {
+        self.span = span;
         self.hold_modes(memory);
         if self.plans.is_empty() {
             return Ok(());
@@ -268,7 +276,7 @@ impl<T: Float> Nodes<T> {
     }
 
     /// Whether there is no line, no stop and no equilibrium point.
-    fn is_idle(&self) -> bool {
+    pub(super) fn is_idle(&self) -> bool {
         self.plans.is_empty() && self.stretch.is_empty() && self.hold.is_empty()
     }
 

@@ -51,8 +51,7 @@ impl<T: Float> Simulation<T> {
             return None;
         }
         let (step, _) = self.propose(course.until.min(self.next_sample()));
-        let state = self.state.get(..self.system.nx).unwrap_or_default();
-        (step >= now && self.system.hold_plain(self.time, state)).then_some([self.time, step])
+        (step >= now && self.system.hold_plain()).then_some([self.time, step])
     }
 
     /// Whether the guards at the end of a step are looked at, and its energy by the model.
@@ -92,13 +91,7 @@ impl<T: Float> crate::system::System<T> {
     }
 
     /// Holds elements in the modes of the memory; whether nodes, if there are any, may be found elsewhere.
-    fn hold_plain(&mut self, time: f64, state: &[T]) -> bool {
-        let stage = Stage {
-            model: &*self.model,
-            time: T::from_f64(time),
-            state,
-            inputs: &self.inputs,
-        };
+    fn hold_plain(&mut self) -> bool {
         let (nodes, memory) = (&mut self.nodes, &self.memory);
         match (nodes.has_networks(), nodes.are_single()) {
             (false, _) => {
@@ -106,7 +99,7 @@ impl<T: Float> crate::system::System<T> {
                 true
             }
             (_, true) => nodes.hold_for_warm(memory),
-            _ => nodes.hold_for_rates(stage, memory),
+            _ => nodes.hold_for_rates(memory),
         }
     }
 
