@@ -35,6 +35,8 @@ pub(super) struct DrawnBody {
     pub q: Packed,
     /// Frames from the centre of mass, body axes.
     pub arms: Vec<[f64; 3]>,
+    /// Which of them are joined to the centre of mass by a line.
+    pub rods: Vec<usize>,
     /// Their names.
     pub ends: Vec<String>,
     /// Half axes of the homogeneous ellipsoid of the same mass and inertia, body axes.

@@ -11,7 +11,6 @@ use super::drawn::{
 use super::mechanism::{upwards, views};
 use super::packing::Packed;
 use super::stage::{AXES, Stage};
-use super::surface::Placed;
 
 /// An instant between two rows of a history.
 #[derive(Clone, Copy)]
@@ -164,7 +163,7 @@ impl<'a> Film<'a> {
         let mut reach = Vector3::zeros();
         let mut extend = |place: Vector3<f64>| reach = place.abs().sup(&reach);
         let mut shapes = Vec::new();
-        for placed in Placed::of_body(scene, &self.stage.numbers.params, index) {
+        for placed in self.stage.solids(index) {
             let surface = placed.surface();
             let places = surface.places.iter();
             places.for_each(|place| extend(placed.on_body(place)));
@@ -195,6 +194,7 @@ impl<'a> Film<'a> {
                 .iter()
                 .map(|frame| frame.position.into())
                 .collect(),
+            rods: self.stage.arms(index),
             ends: body.frames.iter().map(|frame| safe(&frame.name)).collect(),
             reach: reach.into(),
             ellipsoid,

@@ -213,9 +213,14 @@ impl Stage<'_> {
         let scene = self.scene;
         let mut parts = Vec::new();
         for (body, declared) in scene.bodies.iter().enumerate() {
-            let solids = self.solids(body, row);
-            if !solids.is_empty() {
-                parts.extend(solids.into_iter().map(Part::Solid));
+            let skins = self.skins(body, row);
+            if !skins.is_empty() {
+                parts.extend(skins.into_iter().map(Part::Solid));
+                let arms = self.arms(body).into_iter().filter_map(|frame| {
+                    let ends = [0, frame].map(|frame| self.place(Place::Body(body, frame), row));
+                    Some(Part::Body(vec![ends[0]?, ends[1]?]))
+                });
+                parts.extend(arms);
                 continue;
             }
             // A body between two of its places; its centre of mass is one of them where it has no other two.
@@ -270,14 +275,14 @@ impl Stage<'_> {
     }
 
     /// The shapes of a body where it is; none where it has none, or the history does not hold where it is.
-    fn solids(&self, body: usize, row: usize) -> Vec<Skin> {
+    fn skins(&self, body: usize, row: usize) -> Vec<Skin> {
         let track = self.bodies.get(body).and_then(Option::as_ref);
         let pose = track.and_then(|track| Some((track.position(row)?, track.turn(row)?)));
         let Some((middle, turn)) = pose else {
             return Vec::new();
         };
-        let placed = Placed::of_body(self.scene, &self.numbers.params, body);
-        let solids = placed.iter();
+        let solids = self.solids(body);
+        let solids = solids.iter();
         solids
             .map(|placed| Skin::of(placed, (&middle, &turn)))
             .collect()

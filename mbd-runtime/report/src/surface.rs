@@ -241,6 +241,12 @@ impl Placed {
         Surface::of(self.solid, &self.sizes)
     }
 
+    /// Whether a place, from the centre of mass along body axes, is inside, or nearer than the margin [m].
+    pub fn contains(&self, place: &Vector3<f64>, margin: f64) -> bool {
+        let own = self.turn.tr_mul(&(place - self.at));
+        self.solid.contains(&self.sizes, own.into(), margin)
+    }
+
     /// A corner of its surface from the centre of mass, body axes [m].
     pub fn on_body(&self, place: &Vector3<f64>) -> Vector3<f64> {
         self.at + self.turn * place

@@ -114,6 +114,35 @@ fn what_is_flat_and_looks_at_the_reader_has_its_rims() {
     }
 }
 
+model! {
+    /// A trailer whose hitch stands before its box, and whose wheel is in it.
+    model Towed {
+        planar: xz;
+        gravity: none;
+        world { frame hitch at [2.0, 0.0, 0.0] m, frame ground at [0.0, 0.0, -1.0] m }
+        body trailer {
+            mass: 1 kg,
+            shape: box [2.0, 1.0, 0.6] m,
+            frame hitch at [2.0, 0.0, 0.0] m,
+            frame wheel at [0.0, 0.0, -0.3] m,
+            frame nothing at [0.0, 0.0, 5.0] m,
+        }
+        joint pin: hinge from world.hitch to trailer.hitch { axis: y }
+        spring tyre from world.ground to trailer.wheel { free_length: 0.7 m, stiffness: 1 kN/m }
+    }
+}
+
+#[test]
+fn what_holds_a_body_outside_of_its_shapes_is_joined_to_it() {
+    let model = Towed::new(TowedParams::default()).expect("no params");
+    let mut history = Trajectory::new(&model, Sampling::Steps, Content::ALL);
+    let mut run = Simulation::new(&model, Options::rk4(0.01)).expect("a model that runs");
+    run.record(0.01, &mut history).expect("a run that ends");
+    let drawing = &drawings(&Towed::scene(), &[], &[0.0], &history)[0];
+    // One line, to the hitch: the wheel is at the box, and nothing is held by the third frame.
+    assert_eq!(drawing.svg().matches("class=\"mbd-body\" d=").count(), 2);
+}
+
 #[test]
 fn a_history_without_motion_draws_no_solids() {
     assert!(drawn(Content::RESULTS).iter().all(|drawing| {

@@ -14,7 +14,7 @@ use super::film::ellipsoid;
 use super::mechanism::upwards;
 use super::playback::rows;
 use super::stage::{Stage, Track};
-use super::surface::{Placed, Surface};
+use super::surface::Surface;
 use super::views::Run;
 use buffer::Buffer;
 use mesh::Mesh;
@@ -145,7 +145,7 @@ impl Writer<'_> {
         let track = stage.bodies.get(index)?.as_ref()?;
         let material = self.material(index);
         let mut parts = Vec::new();
-        for placed in Placed::of_body(scene, &stage.numbers.params, index) {
+        for placed in stage.solids(index) {
             let mesh = self.mesh(&placed.surface(), material);
             let at = <[f64; 3]>::from(placed.at);
             parts.push(self.node(json!({

@@ -161,15 +161,9 @@ class Painter {
   addBody(body, now, index) {
     if (!finite(now.p)) return;
     const { camera } = this;
-    if (body.shapes.length) {
-      for (const shape of body.shapes) this.addShape(shape, now, index);
-    } else {
-      this.addEllipsoid(body, now, index);
-      const arms = body.arms.filter((arm) => norm(arm) > 0);
-      for (const arm of arms) {
-        this.segment(now.p, add(now.p, turn(now.m, arm)), this.ink, 2.2);
-      }
-    }
+    if (!body.shapes.length) this.addEllipsoid(body, now, index);
+    for (const shape of body.shapes) this.addShape(shape, now, index);
+    for (const k of body.rods) this.segment(now.p, add(now.p, turn(now.m, body.arms[k])), this.ink, 2.2);
     if (this.show.axes) {
       const length = 0.06 * this.stage.size;
       const colours = ['#d0342c', '#2c9a3f', '#2f6fd0'];
