@@ -8,6 +8,7 @@
 //!
 //! This crate knows no tokens and does no input or output.
 
+mod direction;
 mod elimination;
 mod evaluate;
 mod event;
@@ -33,6 +34,7 @@ mod starts;
 mod tree;
 mod vocabulary;
 
+pub use direction::turns_direction;
 pub use evaluate::{
     Handed, Scratch, commands, evaluate, evaluate_with_multipliers, handed, impulses,
     jumping_angles, locked, masses, sensitivity, settings,
