@@ -40,7 +40,8 @@ pub fn emit(reading: &Reading) -> TokenStream {
             without_equations(reading, errors.collect())
         }
     };
-    let tracked = reading.file.as_deref().map(tracked);
+    let file = reading.file.as_ref().filter(|file| file.found);
+    let tracked = file.map(|file| tracked(&file.path));
     quote!(#warnings #tracked #model)
 }
 

@@ -338,3 +338,42 @@ fn a_motor_that_has_nothing_to_drive_is_told_with_the_joints_that_hold_its_coord
         "`p4` cannot drive its `angle`: `p1`, `p2`, `p3` hold it; leave this motor out, or take away what holds it"
     );
 }
+
+/// Documentation that tries to end its comment, and turns the direction of writing, so that a reader sees another program than there is.
+#[test]
+fn no_word_of_a_scene_leaves_its_comment_in_the_code_or_turns_the_direction_of_writing() {
+    let text = |doc: &str| {
+        format!(
+            "/// {doc}\npub model Tricks {{ gravity: none;
+             /// {doc}
+             param m = 1 kg;
+             /// {doc}
+             point stone {{ mass: m, start at [0, 0, 1] m }}
+             /// {doc}
+             input push: force;
+             load wind on stone = [push, 0 N, 0 N];
+             /// {doc}
+             output height = stone.position.z; }}"
+        )
+    };
+    let printed = |doc: &str| {
+        let reading = read_text(&text(doc));
+        assert!(reading.errors.is_empty(), "{:?}", reading.errors);
+        mbd_compiler::expand(&reading).expect("Rust")
+    };
+    let plain = printed("plain");
+    let tricky = printed("*/ } fn evil() {} /* \"#] \u{202e}live\u{2066}\u{200f} {} \\");
+    assert!(!tricky.chars().any(mbd_scene::turns_direction));
+    assert!(tricky.contains('\u{fffd}'));
+    let items = |code: &str| syn::parse_file(code).expect("Rust").items.len();
+    assert_eq!(items(&plain), items(&tricky));
+    let code = |text: &str| -> Vec<String> {
+        let lines = text.lines().map(str::trim_start);
+        // The documentation, texts, and the hash of both.
+        let said = |line: &&str| {
+            !line.starts_with("///") && !line.contains('"') && !line.contains("DECL_HASH")
+        };
+        lines.filter(said).map(str::to_owned).collect()
+    };
+    assert!(code(&plain) == code(&tricky), "{tricky}");
+}

@@ -300,3 +300,32 @@ fn locks_of_what_joints_hold_for_ever_are_refused_by_name() {
         assert!(outputs[0].abs() < 1e-9, "{family}: {outputs:?}");
     }
 }
+
+#[test]
+fn what_rounding_leaves_of_a_locked_coordinate_is_no_event() {
+    let scene = read(
+        "model Clutch {
+            gravity: none;
+            body a { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+            body b { mass: 1 kg, inertia: diag(2, 2, 3) kg*m^2 }
+            joint drive: hinge from world to a.com { axis: z, start_rate: 10 rad/s, force: 1 N*m }
+            joint driven: hinge from world to b.com { axis: z }
+            loop joint slip: hinge from a.com to b.com { axis: z, force: -2 N*m * sign(slip.angle_rate) * slips }
+            param slips = 1;
+            event gripped = slip.angle_rate rises 0 rad/s { lock: slip, set: slips = 0, acts: once }
+            event turned = slip.angle_rate crosses 0 rad/s;
+        }",
+    );
+    let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+    for options in [Options::rk4(1e-3), Options::tsit5(1e-8)] {
+        let mut run = Simulation::new(&model, options).expect("a start");
+        run.run(8.0).expect("a run");
+        // J_b ω̇_b = 2 N m, J_a ω̇_a = −1 N m from −10 rad/s on: 10/(1 + 2/3) = 6 s.
+        let times: Vec<f64> = run.events().iter().map(|event| event.time).collect();
+        assert_eq!(times.len(), 2, "{times:?}");
+        assert!(
+            times.iter().all(|time| (time - 6.0).abs() < 1e-8),
+            "{times:?}"
+        );
+    }
+}
