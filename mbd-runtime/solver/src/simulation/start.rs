@@ -446,13 +446,10 @@ fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), Step
                 .into(),
         });
     }
-    let joints = model.scene().joints.iter().zip(&model.layout().joints);
-    let mut locks = joints.filter(|(_, slots)| slots.held.is_some());
-    if let Some((lock, _)) = locks.find(|(_, slots)| slots.kept.is_empty()) {
-        let (what, other) = lock.name.rsplit_once('.').unwrap_or((&lock.name, ""));
+    if let Some((_, held)) = model.layout().redundancy.idle_lock(model.scene()) {
         return Err(StepError::Unsupported {
-            what: format!("the {other} of `{what}`, which other joints and locks hold already,"),
-            instead: "lock another coordinate, or one of them only".into(),
+            what: format!("a lock where {held}"),
+            instead: "lock another coordinate, or take away what holds this one".into(),
         });
     }
     let mut events = model.scene().events.iter();
