@@ -153,7 +153,8 @@ pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
         redundancy.idle_motors(scene).first(),
         redundancy.held.first(),
     ) {
-        return message(say::idle_motor(text), of(held.joint));
+        let motor = reading.motors.get(held.joint).copied();
+        return message(say::idle_motor(text), motor);
     }
     let driven = layout.joints.iter().any(|slots| slots.driven);
     let held = layout.nv > 0 && layout.nodes.is_empty() && layout.freedoms() == 0;

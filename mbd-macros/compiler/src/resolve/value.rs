@@ -110,11 +110,11 @@ impl Resolver<'_> {
                 unit,
                 at,
             } => {
-                self.unit_alone(unit.as_ref(), *at)?;
+                self.unit_alone(text, unit.as_ref(), *at)?;
                 Some(self.number(*value, text, unit.as_ref(), *at))
             }
             Expression::Vector { parts, unit, at } => {
-                self.unit_alone(unit.as_ref(), *at)?;
+                self.unit_alone("[…]", unit.as_ref(), *at)?;
                 self.vector(parts, unit.as_ref(), *at, scope)
             }
             Expression::Path(steps) => self.path(steps, parsed.at(), scope),
@@ -160,27 +160,27 @@ impl Resolver<'_> {
         }
     }
 
-    /// Refuses a unit in whose product, brackets apart, stands the name of a value: `3 m * N` with a const `N`.
-    fn unit_alone(&mut self, unit: Option<&Unit>, at: Region) -> Option<()> {
+    /// Refuses a unit in whose product, brackets apart, stands the name of a value: `3 m * N` with a const `N`. Told once a name: where it has
+    /// another one, all is clear.
+    fn unit_alone(&mut self, number: &str, unit: Option<&Unit>, at: Region) -> Option<()> {
         let text = unit.map_or("", |unit| unit.text.as_str());
-        let mut depth = 0;
-        let open = text.chars().map(|c| {
-            depth += i32::from(c == '(') - i32::from(c == ')');
-            if depth == 0 && c.is_ascii_alphabetic() {
-                c
-            } else {
-                ' '
-            }
-        });
-        let open: String = open.collect();
-        let found = open
-            .split_whitespace()
+        let found = open_words(text)
+            .into_iter()
             .skip(1)
-            .find(|word| self.names.is(word, Named::is_value));
-        match found {
-            Some(word) => self.fail(say::unit_or_name(at, text, word)),
-            None => Some(()),
+            .find(|(_, word)| self.names.is(word, Named::is_value));
+        let Some((place, word)) = found else {
+            return Some(());
+        };
+        if self.units_told.insert(word.to_owned()) {
+            let entry = self.names.get(word);
+            let kind = entry
+                .and_then(|entry| entry.first())
+                .map_or("name", Named::kind);
+            let declared = (kind, entry.map(|entry| entry.at));
+            let report = say::unit_or_name(at, (number, text), place, word, declared);
+            self.messages.push(report);
         }
+        None
     }
 
     fn number(&self, value: f64, text: &str, unit: Option<&Unit>, at: Region) -> Typed {
@@ -441,6 +441,24 @@ impl Resolver<'_> {
             _ => Some(typed.formula),
         }
     }
+}
+
+/// The words of a unit outside brackets, each with its place.
+fn open_words(unit: &str) -> Vec<(usize, &str)> {
+    let (mut depth, mut begin, mut words) = (0, None, Vec::new());
+    for (place, c) in unit.char_indices() {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        match (depth == 0 && c.is_ascii_alphabetic(), begin) {
+            (true, None) => begin = Some(place),
+            (false, Some(first)) => {
+                words.push((first, &unit[first..place]));
+                begin = None;
+            }
+            _ => {}
+        }
+    }
+    words.extend(begin.map(|first| (first, &unit[first..])));
+    words
 }
 
 /// The text of a folded number.
