@@ -208,6 +208,7 @@ impl Resolver<'_> {
         Typed {
             dimension: (!free).then_some(dimension),
             angle: i8::from(angle),
+            turns: text.contains("Hz"),
             ..Typed::of(formula, vector, dimension, at)
         }
     }

@@ -1,6 +1,6 @@
 //! Values: an expression becomes a formula, checked for shape, dimension and what it may depend on.
 
-use mbd_scene::{Dimension, Formula, Function, Unit};
+use mbd_scene::{Dimension, Formula, Function, Scene, Unit};
 
 use super::{Named, Resolver, fold};
 use crate::lexeme::Region;
@@ -46,6 +46,8 @@ pub struct Typed {
     pub dimension: Option<Dimension>,
     /// The exponent of radians in its unit, for the header of a column.
     pub angle: i8,
+    /// Whether it counts turns: it has `Hz` in it, and nothing that makes radians of these.
+    pub turns: bool,
     /// Its text, if it is numbers without a unit.
     pub bare: Option<String>,
     /// Its place.
@@ -60,9 +62,18 @@ impl Typed {
             vector,
             dimension: Some(dimension),
             angle: 0,
+            turns: false,
             bare: None,
             at,
         }
+    }
+
+    /// Whether a product with it makes radians of turns: an angle, or a whole multiple of π.
+    fn makes_radians(&self, scene: &Scene) -> bool {
+        let known = fold::known(&self.formula, scene, false).and_then(|known| known.scalar());
+        let half_turns = known.map_or(0.0, |number| number / std::f64::consts::PI);
+        let whole = (half_turns - half_turns.round()).abs() < 1e-9 * half_turns.abs();
+        self.angle != 0 || half_turns != 0.0 && whole
     }
 
     /// Its SI unit; angles are told apart from pure numbers where that is known.
@@ -191,6 +202,7 @@ impl Resolver<'_> {
             vector: false,
             dimension: (!free).then_some(dimension),
             angle: unit.map_or(0, angle_of),
+            turns: unit.is_some_and(counts_turns),
             bare: unit.is_none().then(|| text.to_string()),
             at,
         }
@@ -212,6 +224,7 @@ impl Resolver<'_> {
         let mut dimension: Option<Dimension> = unit.map(|unit| unit.dimension);
         let mut bare: Option<Vec<String>> = unit.is_none().then(Vec::new);
         let angle = unit.map_or(typed[0].angle, angle_of);
+        let turns = unit.is_some_and(counts_turns) || typed.iter().any(|part| part.turns);
         for part in typed {
             if part.vector {
                 return self.fail(say::scalar_wanted(part.at, "a component"));
@@ -240,6 +253,7 @@ impl Resolver<'_> {
             vector: true,
             dimension,
             angle,
+            turns,
             bare: bare.map(|list| format!("[{}]", list.join(", "))),
             at,
         })
@@ -260,6 +274,7 @@ impl Resolver<'_> {
             formula,
             dimension: Some(unit.dimension),
             angle: angle_of(unit),
+            turns: counts_turns(unit),
             bare: None,
             ..typed
         })
@@ -326,6 +341,7 @@ impl Resolver<'_> {
         } else {
             0
         };
+        let turns = a.turns || b.turns;
         let nothing = function == Function::Sub && !a.vector && a.formula == b.formula;
         let formula = if nothing {
             // A difference of the same thing: whoever divides by it divides by zero.
@@ -339,6 +355,7 @@ impl Resolver<'_> {
             vector: a.vector,
             dimension: a.dimension.or(b.dimension),
             angle,
+            turns,
             at,
         })
     }
@@ -361,6 +378,12 @@ impl Resolver<'_> {
             _ => None,
         };
         let bare = a.bare.is_some() && b.bare.is_some();
+        let turns = match (a.turns, b.turns) {
+            (true, true) => !divide,
+            (true, false) => !b.makes_radians(&self.scene),
+            (false, true) => !a.makes_radians(&self.scene),
+            (false, false) => false,
+        };
         if divide
             && matches!(
                 fold::known(&b.formula, &self.scene, false),
@@ -380,6 +403,7 @@ impl Resolver<'_> {
             } else {
                 b.angle
             }),
+            turns,
             at,
         })
     }
@@ -408,8 +432,17 @@ impl Resolver<'_> {
             vector: false,
             dimension,
             angle: 0,
+            turns: a.turns,
             at,
         })
+    }
+
+    /// Refuses turns where an angle in radians, or its rate, is meant: `2 Hz` would be 2 rad/s without a word.
+    pub fn in_radians(&mut self, typed: &Typed, what: &str) -> Option<()> {
+        match typed.turns {
+            true => self.fail(say::turns_for_radians(typed.at, what)),
+            false => Some(()),
+        }
     }
 
     /// Checks a value against what a field holds, and gives its formula.
@@ -467,6 +500,12 @@ fn shown(formula: &Formula) -> Option<String> {
         Formula::Number(value) => Some(value.to_string()),
         _ => None,
     }
+}
+
+/// Whether a unit counts turns: `Hz`, `m*Hz`.
+pub fn counts_turns(unit: &Unit) -> bool {
+    let mut words = unit.text.split(|c: char| !c.is_ascii_alphabetic());
+    words.any(|word| word == "Hz")
 }
 
 /// The exponent of radians in a unit as written.

@@ -110,7 +110,7 @@ pub const EXPECTED_ITEMS: Dictionary = &[
     ),
 ];
 
-const THE_RUN: &str = "how long and by which method a model runs is no part of its declaration: it stands in the table `[run]` of a scene file, or behind `mbd run`";
+const THE_RUN: &str = "how long and by which method a model runs is no part of its declaration: it stands behind the last `}` of a scene file, `[run]` and `until = \"3 s\"` on a line each, or behind `mbd run`, `--until \"3 s\"`";
 const CONTACT: &str = "contact cannot be declared yet; a soft one is a load, such as `load push on body at foot = max(0, -body.foot.position.z) * [0, 0, 100] kN/m`";
 /// A line over a pulley.
 pub const LED_OVER: &str =

@@ -192,6 +192,22 @@ pub fn condition_wanted(at: Region) -> Report {
     Report::new(at, text.to_owned())
 }
 
+pub fn turns_for_radians(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`Hz` counts turns, and {what} takes radians: multiply by a turn, such as `2 Hz * 360 deg`, or `2 * pi * 2 Hz * time`"
+        ),
+    )
+}
+
+pub fn radians_in_turns(at: Region) -> Report {
+    Report::new(
+        at,
+        "`Hz` counts turns, and this is an angular rate: write `in rpm` or `in rad/s`, or divide by a turn, `/ (360 deg)`, before `in Hz`",
+    )
+}
+
 pub fn argument_count(at: Region, function: &str, wanted: usize, found: usize) -> Report {
     let plural = if wanted == 1 { "" } else { "s" };
     Report::new(
