@@ -154,7 +154,8 @@ pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
         redundancy.idle_motors(scene).first(),
         redundancy.held.first(),
     ) {
-        return message(say::idle_motor(text), of(held.joint));
+        let motor = reading.motors.get(held.joint).copied();
+        return message(say::idle_motor(text), motor);
     }
     if let Some((lock, text)) = redundancy.idle_lock(scene) {
         return message(say::idle_lock(&text), of(lock));

@@ -7,11 +7,10 @@ use proc_macro2::{Span, TokenStream};
 
 use crate::check::check;
 use crate::families::Families;
-use crate::lexeme::Region;
-use crate::lexeme::{self, Lexeme, Places};
+use crate::lexeme::{self, At, Kind, Lexeme, Places, Region};
 use crate::messages::{Location, Message, Messages, syntax as say};
 use crate::resolve::{Emitted, Named, Resolver, resolve};
-use crate::syntax::{self, Model};
+use crate::syntax::{self, Item, Model};
 use crate::urdf;
 
 /// What reading a declaration gives.
@@ -33,6 +32,8 @@ pub struct Reading {
     pub head: Location,
     /// Where the names of the joints are, for a message.
     pub joints: Vec<Location>,
+    /// Where the motors of the joints are, for a message: per joint its first one, or its name where it has none.
+    pub motors: Vec<Location>,
     /// Where events name scenes that go on, for a message.
     pub going: Vec<Going>,
     /// What is asked for besides the scene.
@@ -117,7 +118,11 @@ fn read(lexemes: &[Lexeme], places: Places, mut messages: Messages, folder: &Pat
     let lexed = messages.is_empty();
     let mut syntax = Messages::default();
     let model = syntax::model(lexemes, &mut syntax);
-    if lexed {
+    if syntax::begins_with_item(lexemes) {
+        // The brace that closes the model has no partner either.
+        messages = Messages::default();
+        messages.push(say::no_model(Region::START));
+    } else if lexed {
         messages = syntax;
         if model.is_none() {
             messages.push(say::no_model(Region::START));
@@ -176,9 +181,15 @@ pub(crate) fn finish(
     let spans = spans(&resolver, places);
     let head = places.location(resolver.head);
     let declared = |joint| resolver.declared.get(&Named::Joint(joint));
-    let joints = (0..resolver.scene.joints.len())
+    let joints: Vec<Location> = (0..resolver.scene.joints.len())
         .map(|joint| declared(joint).map_or(head, |at| places.location(*at)))
         .collect();
+    let mut motors = joints.clone();
+    for instance in resolver.of("joint") {
+        if let (Some(at), Some(place)) = (motor(instance.item), motors.get_mut(instance.slot)) {
+            *place = places.location(at.into());
+        }
+    }
     let going = resolver.going.iter().map(|going| Going {
         event: going.event,
         file: places.location(going.file),
@@ -189,6 +200,7 @@ pub(crate) fn finish(
     Reading {
         head,
         joints,
+        motors,
         going: going.collect(),
         scene: good.then(|| resolver.scene.clone()),
         skeleton: resolver.scene,
@@ -204,6 +216,18 @@ pub(crate) fn finish(
         },
         file: None,
     }
+}
+
+/// Where the first `motor` of a joint stands, of a coordinate in braces, too.
+fn motor(item: &Item<'_>) -> Option<At> {
+    let is_motor = |lexeme: &&Lexeme| lexeme.kind == Kind::Word("motor".into());
+    item.block.iter().find_map(|field| {
+        let mut values = field.clauses.iter().flat_map(|given| given.value.lexemes);
+        let inside = values.find(is_motor).map(|lexeme| lexeme.at);
+        (field.word.text == "motor")
+            .then_some(field.word.at)
+            .or(inside)
+    })
 }
 
 /// Takes the cheaper family of coordinates, and notes the choice.

@@ -168,6 +168,38 @@ const FOREIGN: &[(&str, &str)] = &[
     ("farad", "F"),
 ];
 
+/// Units that are not here, and what one of them is.
+const INSTEAD: &[(&str, &str)] = &[
+    ("lb", POUND_TEXT),
+    ("lbs", POUND_TEXT),
+    ("pound", POUND_TEXT),
+    ("pounds", POUND_TEXT),
+    ("oz", "`0.028349523125 kg` for one"),
+    ("slug", "`1 lbf*s^2/ft` for one"),
+    ("kgf", "`9.80665 N` for one"),
+    ("inch", "`25.4 mm` for one"),
+    ("inches", "`25.4 mm` for one"),
+    ("mile", "`1609.344 m` for one"),
+    ("miles", "`1609.344 m` for one"),
+    ("mph", "`0.44704 m/s` for one"),
+    ("knot", "`1852 m/h` for one"),
+    ("knots", "`1852 m/h` for one"),
+    ("rev", "`360 deg` for one"),
+    ("turn", "`360 deg` for one"),
+    ("psi", "`1 lbf/(25.4 mm)^2` for one"),
+    ("day", "`24 h` for one"),
+    ("days", "`24 h` for one"),
+];
+
+const POUND_TEXT: &str = "`0.45359237 kg` for one of mass, `lbf` for a force";
+
+/// What to write instead of a unit that is not here.
+pub fn instead(word: &str) -> Option<&'static str> {
+    let lower = word.to_lowercase();
+    let found = INSTEAD.iter().find(|(theirs, _)| *theirs == lower);
+    found.map(|(_, text)| *text)
+}
+
 /// Named dimensions: the word of an input, and its SI unit.
 const QUANTITIES: &[(&str, &str, Dimension)] = &[
     ("mass", "kg", MASS),
@@ -224,13 +256,52 @@ pub fn same_but_for_case(word: &str) -> Option<&'static str> {
     }
 }
 
-/// Two units written as one word, as a product: `N*m` of `Nm`. `kgs` is a plural.
+/// Units written as one word, as a product: `N*m` of `Nm`, `N*m*s` of `Nms`, `kg*m^2` of `kgm2`. `kgs` is a plural.
+///
+/// Where a word can be cut in several places, units without a factor go before milliseconds and millimetres.
 pub fn run_together(word: &str) -> Option<String> {
-    let cuts = (1..word.len()).filter(|&cut| word.is_char_boundary(cut));
-    let mut products = cuts.map(|cut| word.split_at(cut));
-    let plural = |a: &str, b: &str| a.len() > 1 && b == "s";
-    let found = products.find(|(a, b)| find(a).is_some() && find(b).is_some() && !plural(a, b));
-    found.map(|(a, b)| format!("{a}*{b}"))
+    let digits = word.trim_start_matches(|c: char| !c.is_ascii_digit());
+    let exponent = match digits {
+        "" => String::new(),
+        "2" | "3" => format!("^{digits}"),
+        _ => return None,
+    };
+    let letters = word.strip_suffix(digits)?;
+    let plural = |all: &[&str]| matches!(all, [one, "s"] if one.len() > 1);
+    let products = cuts(letters, LONGEST_PRODUCT).into_iter();
+    let single = |all: &[&str]| all.len() > 1 || !exponent.is_empty();
+    let scaled = |all: &[&str]| -> usize {
+        let scaled = |unit: &&&str| find(unit).is_some_and(|(factor, _)| factor != 1.0);
+        all.iter().filter(scaled).count()
+    };
+    let found = products
+        .filter(|all| single(all) && !plural(all))
+        .min_by_key(|all| (scaled(all), all.len()));
+    found.map(|all| format!("{}{exponent}", all.join("*")))
+}
+
+/// So many units are written as one word at most.
+const LONGEST_PRODUCT: usize = 4;
+
+/// Every way to cut a word into at most so many units, none of them twice.
+fn cuts(word: &str, most: usize) -> Vec<Vec<&str>> {
+    let mut all = Vec::new();
+    if most == 0 {
+        return all;
+    }
+    if find(word).is_some() {
+        all.push(vec![word]);
+    }
+    let places = (1..word.len()).filter(|&cut| word.is_char_boundary(cut));
+    for (first, rest) in places.map(|cut| word.split_at(cut)) {
+        if find(first).is_none() {
+            continue;
+        }
+        let behind = cuts(rest, most - 1).into_iter();
+        let once = behind.filter(|behind| !behind.contains(&first));
+        all.extend(once.map(|behind| [vec![first], behind].concat()));
+    }
+    all
 }
 
 /// SI value and dimension of a unit word.
@@ -378,6 +449,21 @@ mod tests {
         assert_eq!(si_text(built), "N");
         assert_eq!(described(built), "a force (N)");
         assert_eq!(described(INERTIA), "an inertia (kg*m^2)");
+    }
+
+    #[test]
+    fn glued_units_are_cut_where_no_unit_has_a_factor() {
+        let cut = |word: &str| run_together(word).unwrap_or_default();
+        assert_eq!(cut("Nm"), "N*m");
+        assert_eq!(cut("kNm"), "kN*m");
+        // A torque over a rate, not newton-milliseconds.
+        assert_eq!(cut("Nms"), "N*m*s");
+        assert_eq!(cut("Nmm"), "N*mm");
+        assert_eq!(cut("kgm2"), "kg*m^2");
+        assert_eq!(cut("m3"), "m^3");
+        assert_eq!(run_together("kgs"), None);
+        assert_eq!(run_together("kilos"), None);
+        assert_eq!(run_together("m"), None);
     }
 
     #[test]

@@ -186,6 +186,12 @@ fn the_declarations_on_the_pages_are_formatted() {
 }
 
 #[test]
+fn a_byte_order_mark_is_left_out() {
+    let text = "model A {\n    gravity: none;\n}\n";
+    assert_eq!(format_text(&format!("\u{feff}{text}")).unwrap(), text);
+}
+
+#[test]
 fn fields_stay_on_one_line_while_they_fit_and_were_not_written_one_a_line() {
     let before = "model A{gravity:none;point   a{mass:1kg,}
       point b {

@@ -587,3 +587,45 @@ fn joint_coordinates_have_tables_of_their_own() {
         "{messages:?}"
     );
 }
+
+#[test]
+fn words_of_a_document_that_are_not_ours_are_answered() {
+    let answers = [
+        (
+            "[body.rod]\nmass = \"1 kg\"\nframe.m[0] = \"[0, 0, 1] m\"",
+            "scene.toml:5:8: a name with an index stands in quotes as a key of TOML: `\"m[0]\"`",
+        ),
+        (
+            "[body.link[0]]\nmass = \"1 kg\"",
+            "a name with an index stands in quotes as a key of TOML: `\"link[0]\"`",
+        ),
+        (
+            "[bodies.rod]\nmass = \"1 kg\"",
+            "unknown item `bodies`; here it is called `body`",
+        ),
+        (
+            "name = \"A\"",
+            "unknown item `name`; the name of a scene is that of its model: `model Name { … }`, in TOML `model = \"Name\"`",
+        ),
+        ("mass == \"1 kg\"", "this is no TOML"),
+    ];
+    for (lines, answer) in answers {
+        let told = told(&read_toml(&format!(
+            "model = \"A\"\ngravity = \"none\"\n{lines}\n"
+        )));
+        assert!(told.join("\n").contains(answer), "{told:?}");
+    }
+}
+
+#[test]
+fn a_byte_order_mark_in_front_changes_nothing() {
+    let text = "model A { gravity: none; point a { mas: 1 kg } }";
+    let marked = format!("\u{feff}{text}");
+    let plain = |text: &str| told(&read_text(text));
+    assert_eq!(plain(&marked), plain(text));
+    assert_eq!(plain(&marked.replace("mas:", "mass:")), [""; 0]);
+    let document = "model = \"A\"\ngravity = \"none\"\n[point.a]\nmass = \"1 kg\"\n";
+    let marked = format!("\u{feff}{document}");
+    assert_eq!(read_toml(&marked).scene, read_toml(document).scene);
+    assert!(read_toml(&marked).scene.is_some());
+}

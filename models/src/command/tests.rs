@@ -11,6 +11,7 @@ mod conversion;
 mod extremes;
 mod files;
 mod fmt;
+mod histories;
 mod immovable;
 mod metrics;
 mod newcomers;

@@ -5,6 +5,7 @@
 mod attached;
 mod complete;
 mod inertia;
+mod lone;
 mod nodes;
 mod planar;
 mod unused;
@@ -30,6 +31,7 @@ pub fn check(resolver: &mut Resolver<'_>, model: &Model<'_>, whole: bool) {
     attached::check_marks(resolver);
     check_line_ends(resolver);
     check_lonely_points(resolver);
+    lone::check_lone_indices(resolver);
     nodes::choose_models(resolver);
     nodes::check_models(resolver);
     planar::check_planar(resolver);

@@ -11,7 +11,7 @@ mod spacing;
 mod tokens;
 mod values;
 
-use crate::lexeme::{Kind, Lexer, Lines, Region, piece};
+use crate::lexeme::{Kind, Lexer, Lines, Region, piece, without_mark};
 use crate::messages::{Message, Messages, syntax as say};
 use crate::syntax::model;
 use layout::{Layout, Margin};
@@ -30,6 +30,7 @@ const LEVEL: usize = 4;
 /// # Errors
 /// What is wrong with the text, if it cannot be read; names and units are not looked at.
 pub fn format_text(text: &str) -> Result<String, Vec<Message>> {
+    let text = without_mark(text);
     let whole = Part {
         text,
         start: 0,

@@ -382,6 +382,8 @@ impl Lexer {
 #[cfg(feature = "format")]
 pub use scan::{Scanned, scan};
 pub use text::from_text;
+#[cfg(any(feature = "format", feature = "toml"))]
+pub use text::without_mark;
 pub use text::{Lines, piece};
 pub use tokens::from_tokens;
 

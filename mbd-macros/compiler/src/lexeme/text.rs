@@ -42,8 +42,14 @@ impl<'a> Lines<'a> {
     }
 }
 
+/// A text without the byte order mark that some editors of Windows write in front of it.
+pub fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
 /// The lexemes of a text in the language of `model!`.
 pub fn from_text(text: &str) -> Lexed {
+    let text = without_mark(text);
     let mut lexer = Lexer::new(Places::of_text());
     let mut messages = Messages::default();
     piece(&mut lexer, &Lines::new(text), text, Some(0), &mut messages);
@@ -135,7 +141,10 @@ pub fn piece(
             }
             Scanned::Sign(sign) => {
                 let here = lexer.positioned(Kind::Sign(sign), place(start));
-                if !sign.is_ascii() {
+                if sign == '#' && !text[at..].starts_with(['[', '!']) {
+                    messages.push(say::hash_comment(here.into()));
+                    at += text[at..].find('\n').unwrap_or(text.len() - at);
+                } else if !sign.is_ascii() {
                     messages.push(say::foreign_sign(sign, here.into()));
                 }
             }

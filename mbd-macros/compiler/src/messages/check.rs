@@ -31,6 +31,16 @@ pub fn floating(at: Region, body: &str) -> Report {
     )
 }
 
+pub fn lone_index(at: Region, kind: &str, word: &str, count: i64) -> Report {
+    Report::new(
+        at,
+        format!(
+            "this is one {kind}, called `{word}[{count}]`: {count} of them are `{kind} {word}[i in 0..{count}]`"
+        ),
+    )
+    .about(word, None)
+}
+
 /// The joint that lets a body fly; that of `bar[0]` is `bar_free[0]`.
 fn free(body: &str) -> String {
     let (word, index) = body.split_at(body.find('[').unwrap_or(body.len()));

@@ -1,7 +1,7 @@
 //! Messages of reading: what cannot be lexed or parsed.
 
 use super::{Report, article};
-use mbd_scene::JointLaw;
+use mbd_scene::{JointLaw, Unit};
 
 use super::similar::did_you_mean;
 use crate::lexeme::{At, Bracket, Region};
@@ -13,6 +13,10 @@ pub fn attribute(at: Region) -> Report {
         at,
         "attributes have no meaning here; only doc comments (`/// …`) are taken over",
     )
+}
+
+pub fn hash_comment(at: Region) -> Report {
+    Report::new(at, "a comment begins with `//`")
 }
 
 pub fn too_deep(at: Region) -> Report {
@@ -209,12 +213,61 @@ pub fn missing_clause(at: Region, item: &ItemWord, clause: &str) -> Report {
     )
 }
 
+/// `sign`: what stands between the two values instead of a word.
+pub fn event_compares(at: Region, sign: &str) -> Report {
+    let text = match sign {
+        "<" => "write `falls` instead of `<` for the passage to below it".to_owned(),
+        ">" => "write `rises` instead of `>` for the passage to above it".to_owned(),
+        sign => format!(
+            "write `rises`, `falls` or `crosses` instead of `{sign}`, as in `time rises 3 s`"
+        ),
+    };
+    Report::new(
+        at,
+        format!("an event is where a value passes another: {text}"),
+    )
+}
+
+pub fn event_at_time(at: Region, time: &str) -> Report {
+    Report::new(
+        at,
+        format!("an event is where a value passes another: write `time rises {time}`"),
+    )
+}
+
 pub fn repeated_clause(at: Region, clause: &str, first: Region) -> Report {
     Report::new(at, format!("`{clause}` is given twice")).also(first, "first given here")
 }
 
 pub fn empty_value(at: Region, clause: &str) -> Report {
     Report::new(at, format!("expected a value after `{clause}`"))
+}
+
+pub fn decimal_comma(at: Region, before: &str, behind: &str, unit: Option<&Unit>) -> Report {
+    let unit = unit.map_or_else(String::new, |unit| format!(" {}", unit.text));
+    Report::new(
+        at,
+        format!("the sign before decimals is a point: write `{before}.{behind}{unit}`"),
+    )
+}
+
+pub fn field_alone(at: Region, field: &str) -> Report {
+    let text = match foreign::translated(foreign::FOREIGN_FIELDS, field) {
+        Some(ours) => format!("`{field}` alone says nothing: write `{ours}: {field}`"),
+        None => format!("expected `:` and a value after `{field}`"),
+    };
+    Report::new(at, text)
+}
+
+pub fn no_colon(at: Region, field: &str, value: &str) -> Report {
+    Report::new(
+        at,
+        format!("a value stands behind a colon: `{field}: {value}`"),
+    )
+}
+
+pub fn kind_and_name(at: Region, field: &str, name: &str) -> Report {
+    Report::new(at, format!("the name alone stands here: `{field}: {name}`"))
 }
 
 pub fn missing_separator(at: Region, sign: char) -> Report {
@@ -268,6 +321,9 @@ pub fn unknown_unit(at: Region, word: &str) -> Report {
     let known = crate::units::known();
     let text = match crate::units::foreign(word) {
         Some(ours) => format!("unknown unit `{word}`; here it is called `{ours}`"),
+        None if let Some(instead) = crate::units::instead(word) => {
+            format!("unknown unit `{word}`; write {instead}")
+        }
         None if let Some(product) = crate::units::run_together(word) => {
             format!("unknown unit `{word}`; a product of units is written `{product}`")
         }
@@ -304,6 +360,10 @@ pub fn remainder(at: Region) -> Report {
     )
 }
 
+pub fn two_stars(at: Region) -> Report {
+    Report::new(at, "a power is written `a^2`")
+}
+
 pub fn function_behind(at: Region, path: &str, word: &str) -> Report {
     let known = foreign::translated(foreign::FOREIGN_FUNCTIONS, word).unwrap_or(word);
     let text = match known {
@@ -325,6 +385,18 @@ pub fn one_index(at: Region) -> Report {
 pub fn unit_product(at: Region, first: &str, second: &str) -> Report {
     let text =
         format!("`{first}.{second}` is no unit; a product of units is written `{first}*{second}`");
+    Report::new(at, text)
+}
+
+/// `units`: as they follow one another, without signs between them.
+pub fn unit_behind_unit(at: Region, units: &[String]) -> Report {
+    let product = units.join("*");
+    let text = match units {
+        [over, under] if over.contains('/') => format!(
+            "a sign stands between units: write `{over}*{under}`, or `{over}/{under}` if both are below the line"
+        ),
+        _ => format!("units are multiplied by `*`: write `{product}`"),
+    };
     Report::new(at, text)
 }
 

@@ -8,6 +8,13 @@ pub fn parse(at: Region, error: &str) -> Report {
     Report::new(at, format!("this is no TOML: {}", error.trim()))
 }
 
+pub fn bare_index(at: Region, name: &str, index: &str) -> Report {
+    Report::new(
+        at,
+        format!("a name with an index stands in quotes as a key of TOML: `\"{name}[{index}]\"`"),
+    )
+}
+
 pub fn boolean(at: Region, word: &str) -> Report {
     Report::new(at, format!("`{word}` is `true` or `false`"))
 }

@@ -375,9 +375,9 @@ impl Resolver<'_> {
         let unit = self.trailing_unit(cursor)?;
         let mut moments = Vec::new();
         for part in parts {
-            moments.push(self.element("inertia", part, unit.as_ref(), scope));
+            // The first mistake is told alone: mostly it is that of the unit of all three.
+            moments.push(self.element("inertia", part, unit.as_ref(), scope)?);
         }
-        let moments: Vec<Formula> = moments.into_iter().collect::<Option<_>>()?;
         let [xx, yy, zz]: [Formula; 3] = moments.try_into().ok()?;
         let zero = || Formula::Number(0.0);
         Some(Inertia {

@@ -6,8 +6,8 @@ use mbd_scene::{
 };
 
 use super::{Instance, Named, Resolver, Scope, Stage, fold};
-use crate::lexeme::{Bracket, Kind, Region};
-use crate::messages::{Report, resolve as say};
+use crate::lexeme::{Bracket, Kind, Lexeme, Region};
+use crate::messages::{Report, resolve as say, syntax as say_syntax};
 use crate::syntax::expression::{self, Expression, Step};
 use crate::syntax::{Cursor, Item, Value, words};
 use crate::units;
@@ -34,8 +34,11 @@ impl Resolver<'_> {
         let item = instance.item;
         let scope = instance.scope(Stage::Result);
         let guard = item.clause("=")?;
-        let compared = guard.lexemes.iter().find_map(|lexeme| match lexeme.kind {
-            Kind::Sign(sign @ ('<' | '>')) => Some((sign, lexeme.at)),
+        let mut lexemes = guard.lexemes.iter();
+        let compared = lexemes.find_map(|lexeme| match lexeme.kind {
+            Kind::Sign('<') => Some(("<", lexeme.at)),
+            Kind::Sign('>') => Some((">", lexeme.at)),
+            Kind::Sign('=') => Some(("==", lexeme.at)),
             _ => None,
         });
         let conditional = guard
@@ -43,7 +46,18 @@ impl Resolver<'_> {
             .iter()
             .any(|l| l.kind == Kind::Word("if".into()));
         if let (Some((sign, at)), false) = (compared, conditional) {
-            return self.fail(say::event_compares(at.into(), sign));
+            return self.fail(say_syntax::event_compares(at.into(), sign));
+        }
+        if let [word, number, rest @ ..] = guard.lexemes
+            && let (Kind::Word(at), Kind::Number(_)) = (&word.kind, &number.kind)
+            && ["at", "when", "after"].contains(&at.as_str())
+        {
+            let time: Vec<String> = [number]
+                .into_iter()
+                .chain(rest)
+                .map(Lexeme::shown)
+                .collect();
+            return self.fail(say_syntax::event_at_time(guard.at, &time.join(" ")));
         }
         let left = self.value(guard, scope);
         let mut passages = [
@@ -54,7 +68,7 @@ impl Resolver<'_> {
         .into_iter()
         .filter_map(|(sign, direction)| item.given(sign).map(|given| (given, direction)));
         let Some((given, direction)) = passages.next() else {
-            if item.broken {
+            if item.broken || left.is_none() {
                 return None;
             }
             return self.fail(say::event_without_value(item.name_at()));
@@ -299,6 +313,12 @@ impl Resolver<'_> {
 
     /// The param or the state on the left of a setting.
     fn target(&mut self, value: Value<'_>, scope: Scope<'_>) -> Option<Target> {
+        if let Ok(Expression::Path(steps)) = expression::whole(value)
+            && steps.len() > 1
+        {
+            let path: Vec<&str> = steps.iter().map(|step| step.word.text.as_str()).collect();
+            return self.fail(say::moving_set(value.at, &path.join(".")));
+        }
         let settable = |named| matches!(named, Named::Param(_) | Named::State(_));
         let (named, step) = self.thing(value, scope, &settable, say::nothing_to_set)?;
         let at = Region::from(step.word.at);

@@ -2,6 +2,7 @@
 
 use mbd_scene::{Formula, Function, LoadKind, Place, PointKind, Unit};
 
+use super::value::counts_turns;
 use super::{Instance, Named, Resolver, Scope, Stage, Typed};
 use crate::lexeme::{Kind, Region};
 use crate::messages::resolve as say;
@@ -208,6 +209,9 @@ impl Resolver<'_> {
             {
                 let report = say::wrong_dimension(at, "in", found, wanted.dimension);
                 return self.fail(report);
+            }
+            if typed.angle == 1 && counts_turns(&wanted) {
+                return self.fail(say::radians_in_turns(at));
             }
             unit = wanted;
         }

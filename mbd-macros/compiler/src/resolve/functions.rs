@@ -73,12 +73,16 @@ impl Resolver<'_> {
                     let found = a.dimension.unwrap_or(units::NONE);
                     return self.fail(say::pure_number_wanted(a.at, &name.text, found));
                 }
+                if ["sin", "cos", "tan"].contains(&name.text.as_str()) {
+                    self.in_radians(&a, &format!("`{}`", name.text))?;
+                }
                 let angle = i8::from(matches!(name.text.as_str(), "asin" | "acos" | "atan"));
                 Some(Typed {
                     formula: self.of_number(&name.text, a.formula, at)?,
                     vector: false,
                     dimension: Some(units::NONE),
                     angle,
+                    turns: false,
                     bare: None,
                     at,
                 })
@@ -266,6 +270,7 @@ impl Resolver<'_> {
             vector: true,
             dimension: r.dimension.or(h.dimension),
             angle: 0,
+            turns: false,
             bare: None,
             at,
         })
@@ -286,6 +291,7 @@ impl Resolver<'_> {
             vector,
             dimension,
             angle,
+            turns: false,
             bare: None,
             at,
         })

@@ -456,7 +456,13 @@ impl Resolver<'_> {
                 };
                 self.fail(say::along_unit(typed.at, name, field.name, unit, found))
             }
-            _ => self.fits(typed, field.name, false, held.dimension),
+            _ => {
+                let turning = [units::NONE, units::RATE].contains(&held.dimension);
+                if owner.coordinate.is_angle() && turning {
+                    self.in_radians(&typed, &format!("`{}` of `{}`", field.name, owner.name))?;
+                }
+                self.fits(typed, field.name, false, held.dimension)
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 
 use mbd_scene::Formula;
 
+use super::value::counts_turns;
 use super::{Instance, Known, Named, Resolver, Scope, Stage};
 use crate::describe;
 use crate::lexeme::Region;
@@ -163,6 +164,9 @@ impl Resolver<'_> {
                     dimension => units::si_text(dimension),
                 };
                 return self.fail(say::let_in_si(at, &si));
+            }
+            if typed.angle == 1 && counts_turns(&wanted) {
+                return self.fail(say::radians_in_turns(at));
             }
             unit = wanted;
         }

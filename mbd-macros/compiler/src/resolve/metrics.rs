@@ -63,6 +63,12 @@ impl Resolver<'_> {
                 return self.fail(say::scalar_wanted(typed.at, "a metric"));
             }
             let dimension = typed.dimension.unwrap_or(units::NONE);
+            if take == Take::Integral
+                && let Some((unit, at)) = self.in_unit(item.clause("in"))?
+                && units::times(dimension, units::TIME) == Some(unit.dimension)
+            {
+                return self.fail(say::unit_of_integral(at, &unit.text));
+            }
             let (value, components, unit) = self.column(item, typed)?;
             if let Some(value) = fields.value("level") {
                 level = Some(self.fixed_number("level", value, dimension, instance)?);

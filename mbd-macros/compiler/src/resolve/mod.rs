@@ -140,6 +140,8 @@ pub struct Resolver<'a> {
     pub si: bool,
     /// Where the model's name is.
     pub head: Region,
+    /// Names that are units too, and were told to be.
+    pub units_told: BTreeSet<String>,
     /// What to write instead, where the value being read must be known before a run and is not.
     pub instead: Option<&'static str>,
 }
@@ -224,6 +226,7 @@ impl<'a> Resolver<'a> {
             chosen: BTreeSet::new(),
             si: false,
             head: name.map_or(Region::START, |word| word.at.into()),
+            units_told: BTreeSet::new(),
             instead: None,
         }
     }

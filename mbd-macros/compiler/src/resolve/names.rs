@@ -92,6 +92,14 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// Whether nothing else has this name, with another index.
+    pub fn is_one(&self) -> bool {
+        match &self.members {
+            Members::One(_) => true,
+            Members::Many(members) => members.len() == 1,
+        }
+    }
+
     /// The one thing, or the first of several; all of them are of its kind. `None` of a repetition without members.
     pub fn first(&self) -> Option<Named> {
         match &self.members {

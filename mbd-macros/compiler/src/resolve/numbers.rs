@@ -196,7 +196,10 @@ impl Resolver<'_> {
     }
 
     fn constant(&mut self, instance: &Instance<'_>, parsed: &Expression) -> Option<()> {
-        let typed = self.typed(parsed, instance.scope(Stage::Constant))?;
+        self.instead = Some(say::LET_OF_PARAMS);
+        let typed = self.typed(parsed, instance.scope(Stage::Constant));
+        self.instead = None;
+        let typed = typed?;
         let unit = written_unit(parsed).unwrap_or_else(|| typed.unit());
         let at = typed.at;
         let value = match fold::known(&typed.formula, &self.scene, false) {

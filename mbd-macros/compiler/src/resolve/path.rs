@@ -30,7 +30,7 @@ impl Resolver<'_> {
             step.index.is_some() && (*place > 1 || !has_frames || quantity(step))
         });
         match extra {
-            Some((_, step)) => self.fail(say::no_index(step.word.at.into(), &step.word.text)),
+            Some((_, step)) => self.fail(say::no_index_of_value(step, typed.vector)),
             None => Some(typed),
         }
     }
@@ -81,7 +81,7 @@ impl Resolver<'_> {
             }
             Named::Param(index) => {
                 if scope.stage == Stage::Constant {
-                    return self.fail(say::not_constant(at, "a param"));
+                    return self.fail(say::param_not_constant(at, self.instead));
                 }
                 let dimension = self.scene.params.get(index)?.unit.dimension;
                 self.tail(
@@ -208,6 +208,7 @@ impl Resolver<'_> {
         Typed {
             dimension: (!free).then_some(dimension),
             angle: i8::from(angle),
+            turns: text.contains("Hz"),
             ..Typed::of(formula, vector, dimension, at)
         }
     }
@@ -217,7 +218,7 @@ impl Resolver<'_> {
         let mut typed = typed;
         for step in rest {
             if step.index.is_some() {
-                return self.fail(say::no_index(step.word.at.into(), &step.word.text));
+                return self.fail(say::no_index_of_value(step, false));
             }
             typed = self.component(typed, &step.word)?;
         }

@@ -5,7 +5,8 @@ use mbd_scene::{AngularVelocity, Coordinates, Dimension, Formula, Gravity, Place
 use super::fields::Accept;
 use super::{Emitted, Resolver, Scope, Stage, fold};
 use crate::lexeme::{Bracket, Region};
-use crate::messages::{resolve as say, syntax as say_syntax};
+use crate::messages::{Report, resolve as say, syntax as say_syntax};
+use crate::syntax::expression::{self, Expression};
 use crate::syntax::item::items;
 use crate::syntax::{Cursor, Item, Model, Value, words};
 use crate::units;
@@ -108,6 +109,9 @@ impl Resolver<'_> {
         let word = cursor.word();
         let law = match word.as_ref().map(|word| word.text.as_str()) {
             None => {
+                if let Some(report) = one_number(value) {
+                    return self.fail(report);
+                }
                 let acceleration = self.triple("gravity", value, units::ACCELERATION, FIXED)?;
                 return Some(Gravity::Uniform { acceleration });
             }
@@ -265,5 +269,21 @@ impl Resolver<'_> {
             Ok(()) => Some(Emitted::Kind(word.text)),
             Err(report) => self.fail(report),
         }
+    }
+}
+
+/// The report of a gravity that is one number, `9.81 m/s^2`, whatever stands behind it.
+fn one_number(value: Value<'_>) -> Option<Report> {
+    let parsed = expression::prefix(&mut Cursor::new(value)).ok()?;
+    let number = match parsed {
+        Expression::Negative(inner, _) => *inner,
+        number => number,
+    };
+    match number {
+        Expression::Number { text, unit, .. } => {
+            let unit = unit.map_or_else(|| units::si_text(units::ACCELERATION), |unit| unit.text);
+            Some(say::gravity_of_one(value.at, &text, &unit))
+        }
+        _ => None,
     }
 }

@@ -130,7 +130,11 @@ impl Resolver<'_> {
         scope: Scope<'_>,
     ) -> Option<Vec<Formula>> {
         if solid == Solid::Box {
-            if value.lexemes.is_empty() {
+            // `box(1 m, 2 m, 3 m)` is a call of other tools.
+            let called = Cursor::new(value).group(Bracket::Round);
+            if value.lexemes.is_empty()
+                || called.is_some_and(|group| Cursor::new(group).comma_separated().len() > 1)
+            {
                 return self.fail(say::shape_sizes(value.at, solid));
             }
             let edges = self.triple(solid.keyword(), value, units::LENGTH, scope)?;

@@ -77,7 +77,10 @@ impl Resolver<'_> {
                     start.velocity = Some(self.triple("velocity", value, units::SPEED, scope)?);
                 }
                 "angular_velocity" => {
-                    let omega = self.triple("angular_velocity", value, units::RATE, scope)?;
+                    let typed = self.value(value, scope)?;
+                    self.in_radians(&typed, "`angular_velocity`")?;
+                    let omega = self.fits(typed, "angular_velocity", true, units::RATE)?;
+                    let omega = fold::components(omega, &self.scene);
                     start.angular_velocity = Some(omega);
                 }
                 _ => {

@@ -3,7 +3,7 @@
 use mbd_scene::{Dimension, Formula, SecondArgument, Unit};
 
 use super::numbers::written_unit;
-use super::value::angle_of;
+use super::value::{angle_of, counts_turns};
 use super::{Instance, Resolver, Scope, Stage, Typed};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;
@@ -257,6 +257,7 @@ impl Resolver<'_> {
             vector: false,
             dimension: (!any_value).then_some(declared.y_unit.dimension),
             angle: angle_of(&declared.y_unit),
+            turns: counts_turns(&declared.y_unit),
             bare: None,
             at,
         })

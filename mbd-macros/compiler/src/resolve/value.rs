@@ -1,6 +1,6 @@
 //! Values: an expression becomes a formula, checked for shape, dimension and what it may depend on.
 
-use mbd_scene::{Dimension, Formula, Function, Unit};
+use mbd_scene::{Dimension, Formula, Function, Scene, Unit};
 
 use super::{Named, Resolver, fold};
 use crate::lexeme::Region;
@@ -46,6 +46,8 @@ pub struct Typed {
     pub dimension: Option<Dimension>,
     /// The exponent of radians in its unit, for the header of a column.
     pub angle: i8,
+    /// Whether it counts turns: it has `Hz` in it, and nothing that makes radians of these.
+    pub turns: bool,
     /// Its text, if it is numbers without a unit.
     pub bare: Option<String>,
     /// Its place.
@@ -60,9 +62,18 @@ impl Typed {
             vector,
             dimension: Some(dimension),
             angle: 0,
+            turns: false,
             bare: None,
             at,
         }
+    }
+
+    /// Whether a product with it makes radians of turns: an angle, or a whole multiple of π.
+    fn makes_radians(&self, scene: &Scene) -> bool {
+        let known = fold::known(&self.formula, scene, false).and_then(|known| known.scalar());
+        let half_turns = known.map_or(0.0, |number| number / std::f64::consts::PI);
+        let whole = (half_turns - half_turns.round()).abs() < 1e-9 * half_turns.abs();
+        self.angle != 0 || half_turns != 0.0 && whole
     }
 
     /// Its SI unit; angles are told apart from pure numbers where that is known.
@@ -110,11 +121,11 @@ impl Resolver<'_> {
                 unit,
                 at,
             } => {
-                self.unit_alone(unit.as_ref(), *at)?;
+                self.unit_alone(text, unit.as_ref(), *at)?;
                 Some(self.number(*value, text, unit.as_ref(), *at))
             }
             Expression::Vector { parts, unit, at } => {
-                self.unit_alone(unit.as_ref(), *at)?;
+                self.unit_alone("[…]", unit.as_ref(), *at)?;
                 self.vector(parts, unit.as_ref(), *at, scope)
             }
             Expression::Path(steps) => self.path(steps, parsed.at(), scope),
@@ -160,27 +171,27 @@ impl Resolver<'_> {
         }
     }
 
-    /// Refuses a unit in whose product, brackets apart, stands the name of a value: `3 m * N` with a const `N`.
-    fn unit_alone(&mut self, unit: Option<&Unit>, at: Region) -> Option<()> {
+    /// Refuses a unit in whose product, brackets apart, stands the name of a value: `3 m * N` with a const `N`. Told once a name: where it has
+    /// another one, all is clear.
+    fn unit_alone(&mut self, number: &str, unit: Option<&Unit>, at: Region) -> Option<()> {
         let text = unit.map_or("", |unit| unit.text.as_str());
-        let mut depth = 0;
-        let open = text.chars().map(|c| {
-            depth += i32::from(c == '(') - i32::from(c == ')');
-            if depth == 0 && c.is_ascii_alphabetic() {
-                c
-            } else {
-                ' '
-            }
-        });
-        let open: String = open.collect();
-        let found = open
-            .split_whitespace()
+        let found = open_words(text)
+            .into_iter()
             .skip(1)
-            .find(|word| self.names.is(word, Named::is_value));
-        match found {
-            Some(word) => self.fail(say::unit_or_name(at, text, word)),
-            None => Some(()),
+            .find(|(_, word)| self.names.is(word, Named::is_value));
+        let Some((place, word)) = found else {
+            return Some(());
+        };
+        if self.units_told.insert(word.to_owned()) {
+            let entry = self.names.get(word);
+            let kind = entry
+                .and_then(|entry| entry.first())
+                .map_or("name", Named::kind);
+            let declared = (kind, entry.map(|entry| entry.at));
+            let report = say::unit_or_name(at, (number, text), place, word, declared);
+            self.messages.push(report);
         }
+        None
     }
 
     fn number(&self, value: f64, text: &str, unit: Option<&Unit>, at: Region) -> Typed {
@@ -191,6 +202,7 @@ impl Resolver<'_> {
             vector: false,
             dimension: (!free).then_some(dimension),
             angle: unit.map_or(0, angle_of),
+            turns: unit.is_some_and(counts_turns),
             bare: unit.is_none().then(|| text.to_string()),
             at,
         }
@@ -212,6 +224,7 @@ impl Resolver<'_> {
         let mut dimension: Option<Dimension> = unit.map(|unit| unit.dimension);
         let mut bare: Option<Vec<String>> = unit.is_none().then(Vec::new);
         let angle = unit.map_or(typed[0].angle, angle_of);
+        let turns = unit.is_some_and(counts_turns) || typed.iter().any(|part| part.turns);
         for part in typed {
             if part.vector {
                 return self.fail(say::scalar_wanted(part.at, "a component"));
@@ -236,6 +249,7 @@ impl Resolver<'_> {
             vector: true,
             dimension,
             angle,
+            turns,
             bare: bare.map(|list| format!("[{}]", list.join(", "))),
             at,
         })
@@ -268,6 +282,7 @@ impl Resolver<'_> {
             formula,
             dimension: Some(unit.dimension),
             angle: angle_of(unit),
+            turns: counts_turns(unit),
             bare: None,
             ..typed
         })
@@ -334,6 +349,7 @@ impl Resolver<'_> {
         } else {
             0
         };
+        let turns = a.turns || b.turns;
         let nothing = function == Function::Sub && !a.vector && a.formula == b.formula;
         let formula = if nothing {
             // A difference of the same thing: whoever divides by it divides by zero.
@@ -347,6 +363,7 @@ impl Resolver<'_> {
             vector: a.vector,
             dimension: a.dimension.or(b.dimension),
             angle,
+            turns,
             at,
         })
     }
@@ -369,6 +386,12 @@ impl Resolver<'_> {
             _ => None,
         };
         let bare = a.bare.is_some() && b.bare.is_some();
+        let turns = match (a.turns, b.turns) {
+            (true, true) => !divide,
+            (true, false) => !b.makes_radians(&self.scene),
+            (false, true) => !a.makes_radians(&self.scene),
+            (false, false) => false,
+        };
         if divide
             && matches!(
                 fold::known(&b.formula, &self.scene, false),
@@ -388,6 +411,7 @@ impl Resolver<'_> {
             } else {
                 b.angle
             }),
+            turns,
             at,
         })
     }
@@ -416,8 +440,17 @@ impl Resolver<'_> {
             vector: false,
             dimension,
             angle: 0,
+            turns: a.turns,
             at,
         })
+    }
+
+    /// Refuses turns where an angle in radians, or its rate, is meant: `2 Hz` would be 2 rad/s without a word.
+    pub fn in_radians(&mut self, typed: &Typed, what: &str) -> Option<()> {
+        match typed.turns {
+            true => self.fail(say::turns_for_radians(typed.at, what)),
+            false => Some(()),
+        }
     }
 
     /// Checks a value against what a field holds, and gives its formula.
@@ -451,12 +484,36 @@ impl Resolver<'_> {
     }
 }
 
+/// The words of a unit outside brackets, each with its place.
+fn open_words(unit: &str) -> Vec<(usize, &str)> {
+    let (mut depth, mut begin, mut words) = (0, None, Vec::new());
+    for (place, c) in unit.char_indices() {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        match (depth == 0 && c.is_ascii_alphabetic(), begin) {
+            (true, None) => begin = Some(place),
+            (false, Some(first)) => {
+                words.push((first, &unit[first..place]));
+                begin = None;
+            }
+            _ => {}
+        }
+    }
+    words.extend(begin.map(|first| (first, &unit[first..])));
+    words
+}
+
 /// The text of a folded number.
 fn shown(formula: &Formula) -> Option<String> {
     match formula {
         Formula::Number(value) => Some(value.to_string()),
         _ => None,
     }
+}
+
+/// Whether a unit counts turns: `Hz`, `m*Hz`.
+pub fn counts_turns(unit: &Unit) -> bool {
+    let mut words = unit.text.split(|c: char| !c.is_ascii_alphabetic());
+    words.any(|word| word == "Hz")
 }
 
 /// The exponent of radians in a unit as written.

@@ -1,6 +1,6 @@
 //! A position in a list of balanced lexemes.
 
-use super::{Value, Word};
+use super::{Value, Word, foreign};
 use crate::lexeme::{At, Bracket, Kind, Lexeme, Region};
 use crate::messages::{Report, syntax as say};
 
@@ -38,6 +38,11 @@ impl<'a> Cursor<'a> {
         self.lexemes.get(self.next + n)
     }
 
+    /// The lexeme `n` before the next.
+    pub fn behind(&self, n: usize) -> Option<&'a Lexeme> {
+        self.next.checked_sub(n).and_then(|i| self.lexemes.get(i))
+    }
+
     /// The next lexeme's place, or the last one's at the end.
     pub fn here(&self) -> Region {
         match self.peek().or_else(|| self.lexemes.last()) {
@@ -48,16 +53,13 @@ impl<'a> Cursor<'a> {
 
     /// The place of the lexeme before.
     pub fn before(&self) -> Region {
-        self.next
-            .checked_sub(1)
-            .and_then(|i| self.lexemes.get(i))
-            .map_or(self.whole, |lexeme| lexeme.at.into())
+        self.behind(1).map_or(self.whole, |lexeme| lexeme.at.into())
     }
 
     /// Whether the lexeme before is a word.
     pub fn after_word(&self) -> bool {
-        let before = self.next.checked_sub(1).and_then(|i| self.lexemes.get(i));
-        before.is_some_and(|lexeme| matches!(lexeme.kind, Kind::Word(_)))
+        self.behind(1)
+            .is_some_and(|lexeme| matches!(lexeme.kind, Kind::Word(_)))
     }
 
     /// Takes the next lexeme; of a bracket only the bracket.
@@ -161,10 +163,49 @@ impl<'a> Cursor<'a> {
 
     /// The report that something else was expected here.
     pub fn expected(&self, what: &str) -> Report {
+        if let Some(report) = self.before_decimal_comma() {
+            return report;
+        }
         match self.peek() {
+            Some(lexeme) if let Some(answer) = self.foreign_operator() => {
+                Report::new(lexeme.at.into(), answer)
+            }
             Some(lexeme) => say::expected(lexeme.at.into(), what, &lexeme.shown()),
             None => say::expected_at_end(self.before(), what),
         }
+    }
+
+    /// The report of a number whose decimals follow a comma, `1,5 kg`, if that is the comma before the next lexeme.
+    pub fn behind_decimal_comma(&self) -> Option<Report> {
+        let (whole, comma, decimals) = (self.behind(2)?, self.behind(1)?, self.peek()?);
+        let (Kind::Number(before), Kind::Sign(','), Kind::Number(behind)) =
+            (&whole.kind, &comma.kind, &decimals.kind)
+        else {
+            return None;
+        };
+        let mut ahead = *self;
+        ahead.take();
+        let at = Region::from(whole.at).to(decimals.at.into());
+        let unit = super::unit::suffix(&mut ahead).ok().flatten();
+        Some(say::decimal_comma(at, before, behind, unit.as_ref()))
+    }
+
+    /// The same, if the comma comes next.
+    fn before_decimal_comma(&self) -> Option<Report> {
+        let mut ahead = *self;
+        ahead.sign(',')?;
+        ahead.behind_decimal_comma()
+    }
+
+    /// What is written here instead of an operator of other languages that comes next.
+    fn foreign_operator(&self) -> Option<&'static str> {
+        let mut operators = foreign::OPERATORS.iter();
+        let begins = |operator: &str| {
+            let mut ahead = *self;
+            self.peek_word() == Some(operator) || ahead.signs(operator).is_some()
+        };
+        let found = operators.find(|(operator, _)| begins(operator));
+        found.map(|(_, answer)| *answer)
     }
 
     /// An error unless nothing is left.

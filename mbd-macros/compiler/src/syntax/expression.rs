@@ -178,6 +178,9 @@ impl Parser {
         let here = cursor.here();
         let mut chain = Chain::new(signs, operand(self, cursor)?);
         while let Some(sign) = signs.into_iter().find(|&s| cursor.sign(s).is_some()) {
+            if sign == '*' && cursor.sign('*').is_some() {
+                return Err(say::two_stars(cursor.before()));
+            }
             chain.push(sign, operand(self, cursor)?);
         }
         let tree = chain.grouped(DEEPEST);

@@ -40,6 +40,14 @@ pub const FOREIGN_ITEMS: Dictionary = &[
     ("site", "frame"),
     ("constraint", "joint"),
     ("ground", "world"),
+    ("mate", "joint"),
+    ("part", "body"),
+    ("bodies", "body"),
+    ("points", "point"),
+    ("joints", "joint"),
+    ("lines", "line"),
+    ("springs", "spring"),
+    ("outputs", "output"),
 ];
 
 /// Items that people expect, and how what they mean is said here, or that it cannot be said yet.
@@ -70,6 +78,25 @@ pub const EXPECTED_ITEMS: Dictionary = &[
     ),
     ("actuator", EFFORT),
     ("controller", EFFORT),
+    (
+        "mass",
+        "a mass is a field of its body or point: `point bob { mass: 1 kg }`",
+    ),
+    (
+        "damper",
+        "damping is a field of its line or spring, `{ free_length: 1 m, stiffness: 0 N/m, damping: 3 N*s/m }`, or of its joint, `{ axis: y, damping: 0.1 N*m*s }`",
+    ),
+    (
+        "frame",
+        "a frame stands between the braces of what it is fixed to: `world { frame hook at [0, 0, 1] m }`, `body link { …, frame tip at [0, 0, 1] m }`",
+    ),
+    (
+        "name",
+        "the name of a scene is that of its model: `model Name { … }`, in TOML `model = \"Name\"`",
+    ),
+    ("run", THE_RUN),
+    ("simulation", THE_RUN),
+    ("simulate", THE_RUN),
     ("initial", A_START),
     ("init", A_START),
     ("start", A_START),
@@ -83,6 +110,7 @@ pub const EXPECTED_ITEMS: Dictionary = &[
     ),
 ];
 
+const THE_RUN: &str = "how long and by which method a model runs is no part of its declaration: it stands behind the last `}` of a scene file, `[run]` and `until = \"3 s\"` on a line each, or behind `mbd run`, `--until \"3 s\"`";
 const CONTACT: &str = "contact cannot be declared yet; a soft one is a load, such as `load push on body at foot = max(0, -body.foot.position.z) * [0, 0, 100] kN/m`";
 /// A line over a pulley.
 pub const LED_OVER: &str =
@@ -115,6 +143,12 @@ pub const FOREIGN_FIELDS: Dictionary = &[
     ("cg", "center_of_mass"),
     ("cog", "center_of_mass"),
     ("moi", "inertia"),
+    ("moment_of_inertia", "inertia"),
+    ("initial", "start"),
+    ("phi0", "start"),
+    ("theta0", "start"),
+    ("q0", "start"),
+    ("x0", "start"),
     ("weight", "mass"),
     ("site", "frame"),
     ("marker", "frame"),
@@ -147,6 +181,7 @@ pub const EXPECTED_FIELDS: Dictionary = &[
     ("visual", SHAPE),
     ("collision", SHAPE),
     ("mesh", NO_MESH),
+    ("position", A_START),
 ];
 
 const SHAPE: &str = "what a body looks like is its `shape: box [0.2, 0.3, 0.4] m`";
@@ -218,9 +253,9 @@ pub const EXPECTED_FUNCTIONS: Dictionary = &[
     ("csc", "write `1 / sin(a)`"),
     ("cot", "write `1 / tan(a)`"),
     ("sinc", "write `sin(a) / a` where `a` is not zero"),
-    ("sind", DEGREES),
-    ("cosd", DEGREES),
-    ("tand", DEGREES),
+    ("sind", "an angle carries its unit: `sin(30 deg)`"),
+    ("cosd", "an angle carries its unit: `cos(30 deg)`"),
+    ("tand", "an angle carries its unit: `tan(30 deg)`"),
     ("sqr", "write `a^2`"),
     ("square", "write `a^2`"),
     ("cbrt", "write `exp(ln(a) / 3)`"),
@@ -241,12 +276,34 @@ pub const EXPECTED_FUNCTIONS: Dictionary = &[
     ("table", TABLE_CALL),
 ];
 
+/// A comparison where a value stands.
+pub const COMPARISON: &str = "a comparison is no value: it stands in `if(a < b, this, that)`";
 const RATES: &str =
     "rates are quantities: `body.velocity`, `joint.angle_rate`, `line.stretch_rate`";
-const DEGREES: &str = "an angle carries its unit: `sin(30 deg)`";
 const REMAINDER: &str = "write `a - b * floor(a / b)`";
 const NO_CHANCE: &str = "a model has no chance in it: what is random comes by an `input`";
 const TABLE_CALL: &str = "a table is called by its own name, `lift(x)`";
+
+/// Operators of other languages, and how what they mean is written.
+pub const OPERATORS: Dictionary = &[
+    (
+        "?",
+        "`?` and `:` are written as a function: `if(a < b, this, that)`",
+    ),
+    (
+        "&&",
+        "there is no `&&`: one `if` stands inside another, `if(a < b, if(c < d, this, that), that)`",
+    ),
+    (
+        "||",
+        "there is no `||`: one `if` stands inside another, `if(a < b, this, if(c < d, this, that))`",
+    ),
+    ("!", "there is no `!`: swap the two values of the `if`"),
+    ("<", COMPARISON),
+    (">", COMPARISON),
+    ("=", COMPARISON),
+    ("as", "a unit stands behind `in`, such as `in deg`"),
+];
 
 /// Words for what is at rest.
 pub const FOREIGN_WORLD: &[&str] = &[

@@ -37,6 +37,13 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
         }
         let marked = mark(&mut cursor, inside);
         let Some(word) = cursor.word() else {
+            if let Some(report) = cursor.behind_decimal_comma() {
+                messages.push(report);
+                let before: Option<&mut Item<'_>> = items.last_mut();
+                before.into_iter().for_each(|field| field.broken = true);
+                recover(&mut cursor, inside);
+                continue;
+            }
             messages.push(cursor.expected(if inside { "a field" } else { "an item" }));
             recover(&mut cursor, inside);
             continue;
@@ -89,6 +96,10 @@ fn mark(cursor: &mut Cursor<'_>, inside: bool) -> Option<At> {
 /// An item with an unknown keyword: its name may be used elsewhere.
 fn lost<'a>(cursor: &Cursor<'a>, word: Word) -> Item<'a> {
     let mut ahead = *cursor;
+    // `Modelica.Mechanics.MultiBody.Parts.Body rod` declares `rod`.
+    while ahead.sign('.').is_some() {
+        ahead.word();
+    }
     Item {
         doc: String::new(),
         marked: None,
@@ -103,16 +114,47 @@ fn lost<'a>(cursor: &Cursor<'a>, word: Word) -> Item<'a> {
 
 /// `key: value`, after the key.
 fn field<'a>(cursor: &mut Cursor<'a>, item: &mut Item<'a>) -> Result<(), Report> {
-    let sign = cursor.sign(':').ok_or_else(|| {
-        let what = format!("`:` and a value after `{}`", item.word.text);
-        cursor.expected(&what)
-    })?;
+    let Some(sign) = cursor.sign(':') else {
+        return Err(no_colon(cursor, &item.word));
+    };
+    if let Some(report) = kind_and_name(cursor, &item.word.text) {
+        return Err(report);
+    }
     let start = *cursor;
     while !ends(cursor, true) {
         cursor.take_tree();
     }
     push_clause(item, ":", sign.into(), cursor.since(start))?;
     separator(cursor, true)
+}
+
+/// The report of a field without its colon: `stop`, `detach h`, `mass = 1 kg`.
+fn no_colon(cursor: &Cursor<'_>, field: &Word) -> Report {
+    if ends(cursor, true) {
+        return say::field_alone(field.at.into(), &field.text);
+    }
+    let mut behind = *cursor;
+    match behind.word() {
+        Some(value) if ends(&behind, true) => {
+            say::no_colon(value.at.into(), &field.text, &value.text)
+        }
+        _ => cursor.expected(&format!("`:` and a value after `{}`", field.text)),
+    }
+}
+
+/// Takes `line cord` where the name alone stands as a value, and reports it.
+fn kind_and_name(cursor: &mut Cursor<'_>, field: &str) -> Option<Report> {
+    if !begins_outside(cursor) {
+        return None;
+    }
+    let mut ahead = *cursor;
+    let (kind, name) = (ahead.word()?, ahead.word()?);
+    let fills = ahead.at_end() || matches!(ahead.peek().map(|l| &l.kind), Some(Kind::Sign(',')));
+    fills.then(|| {
+        *cursor = ahead;
+        let at = Region::from(kind.at).to(name.at.into());
+        say::kind_and_name(at, field, &name.text)
+    })
 }
 
 /// What follows the keyword of an item.
@@ -208,6 +250,10 @@ fn clause_value<'a>(
         if (brace && !braces && !conditional) || clause(&mut ahead, spec).is_some() {
             break;
         }
+        let next = cursor.peek().map(|lexeme| &lexeme.kind);
+        if next == Some(&Kind::Sign('?')) {
+            return Err(cursor.expected("the end of the value"));
+        }
         let over = cursor.peek_word().is_some_and(|word| OVER.contains(&word));
         if over && ["line", "spring"].contains(&spec.word) {
             return Err(say::led_over(cursor.here()));
@@ -232,6 +278,9 @@ pub fn push_clause<'a>(
     value: Value<'a>,
 ) -> Result<(), Report> {
     if let Some(first) = item.given(sign) {
+        if item.word.text == "event" && sign == "=" {
+            return Err(say::event_compares(at, "="));
+        }
         return Err(say::repeated_clause(at, sign, first.at));
     }
     if value.lexemes.is_empty() {

@@ -11,7 +11,7 @@ pub mod unit;
 pub mod words;
 
 pub use cursor::Cursor;
-pub use model::model;
+pub use model::{begins_with_item, model};
 
 use crate::lexeme::{At, Lexeme, Region};
 

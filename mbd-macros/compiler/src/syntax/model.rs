@@ -1,7 +1,7 @@
 //! The head of a model: `/// doc`, `pub model Name<T> { … }`.
 
 use super::item::items;
-use super::{Cursor, Given, Item, Model, Value};
+use super::{Cursor, Given, Item, Model, Value, words};
 use crate::lexeme::{Bracket, Kind, Lexeme, Region};
 use crate::messages::{Messages, Report, syntax as say};
 
@@ -40,6 +40,19 @@ pub fn model<'a>(lexemes: &'a [Lexeme], messages: &mut Messages) -> Option<Model
         None => {}
     }
     Some(model)
+}
+
+/// Whether items stand at the top, without the head of a model around them.
+pub fn begins_with_item(lexemes: &[Lexeme]) -> bool {
+    let mut lexemes = lexemes.iter();
+    let first = lexemes.find(|lexeme| !matches!(lexeme.kind, Kind::Doc(_)));
+    let assigned = lexemes
+        .next()
+        .is_some_and(|next| next.kind == Kind::Sign('='));
+    let item = first.is_some_and(
+        |lexeme| matches!(&lexeme.kind, Kind::Word(word) if words::find(word, false).is_some()),
+    );
+    item && !assigned
 }
 
 /// Takes `urdf = "robot.urdf",`, which stands for the item `urdf: "robot.urdf";`.

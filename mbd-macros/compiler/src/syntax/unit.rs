@@ -15,6 +15,7 @@ pub fn whole(mut cursor: Cursor<'_>) -> Result<Unit, Report> {
         None => return Err(say::unit_expected(cursor.here())),
     };
     let unit = product(&mut cursor, first, true)?;
+    no_unit_behind(&cursor, &unit)?;
     cursor.finish("the end of the unit")?;
     Ok(unit)
 }
@@ -26,7 +27,26 @@ pub fn suffix(cursor: &mut Cursor<'_>) -> Result<Option<Unit>, Report> {
         None if cursor.peek_word().is_some() => factor(cursor)?,
         None => return Ok(None),
     };
-    product(cursor, first, false).map(Some)
+    let unit = product(cursor, first, false)?;
+    no_unit_behind(cursor, &unit)?;
+    Ok(Some(unit))
+}
+
+/// Refuses `kg m^2`: a unit behind a unit without a sign between them.
+fn no_unit_behind(cursor: &Cursor<'_>, unit: &Unit) -> Result<(), Report> {
+    let mut ahead = *cursor;
+    let mut all = vec![unit.text.clone()];
+    while ahead
+        .peek_word()
+        .is_some_and(|word| units::find(word).is_some())
+    {
+        let next = factor(&mut ahead)?;
+        all.push(product(&mut ahead, next, false)?.text);
+    }
+    match all.as_slice() {
+        [_] => Ok(()),
+        all => Err(say::unit_behind_unit(cursor.here(), all)),
+    }
 }
 
 /// Takes the `1` of `1/s`.

@@ -6,7 +6,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::lexeme::{At, Kind, Lexeme, Lexer, Lines, Region, piece};
+use crate::lexeme::{At, Kind, Lexeme, Lexer, Lines, Region, piece, without_mark};
 use crate::messages::{Messages, resolve as say_resolve, syntax as say, toml as say_toml};
 use crate::reading::{Reading, complete};
 use crate::syntax::item::push_clause;
@@ -22,6 +22,7 @@ pub fn read_toml(text: &str) -> Reading {
 /// Reads a scene from TOML. A file that it names lies relative to `folder`.
 #[must_use]
 pub fn read_toml_in(text: &str, folder: &Path) -> Reading {
+    let text = without_mark(text);
     let mut reader = Reader {
         text,
         lines: Lines::new(text),
@@ -35,9 +36,11 @@ pub fn read_toml_in(text: &str, folder: &Path) -> Reading {
         Err(error) => {
             let offset = error.span().map_or(0, |span| span.start);
             let at = reader.mark(offset);
-            reader
-                .messages
-                .push(say_toml::parse(at.into(), error.message()));
+            let report = match key_with_index(text, offset) {
+                Some((name, index)) => say_toml::bare_index(at.into(), name, index),
+                None => say_toml::parse(at.into(), error.message()),
+            };
+            reader.messages.push(report);
             Document::default()
         }
     };
@@ -48,6 +51,21 @@ pub fn read_toml_in(text: &str, folder: &Path) -> Reading {
     } = reader.lexer;
     let model = drafts.model(&lexemes, &mut messages);
     complete(model, places, messages, lexed, folder)
+}
+
+/// The name and the index of a key `frame.m[0]` on the line of a place where TOML could not go on.
+fn key_with_index(text: &str, offset: usize) -> Option<(&str, &str)> {
+    let begin = text.get(..offset)?.rfind('\n').map_or(0, |end| end + 1);
+    let line = text.get(begin..)?.lines().next()?;
+    let key = match line.trim_start().strip_prefix('[') {
+        Some(header) => header.trim_end().strip_suffix(']')?,
+        None => line.split_once('=')?.0.trim(),
+    };
+    let key = key.strip_suffix(']')?;
+    let name = key.rsplit('.').find(|name| name.contains('['))?;
+    let (name, index) = name.split_once('[')?;
+    let bare = !key.contains(['"', '\'']) && !name.is_empty();
+    bare.then_some((name, index))
 }
 
 /// A value: lexemes from here to there, and its place.

@@ -76,3 +76,26 @@ fn a_start_is_said_in_joint_coordinates() {
         assert!(error.contains(said), "{error}");
     }
 }
+
+#[test]
+fn a_declared_start_that_the_joints_do_not_allow_is_told_in_both_families() {
+    let folder = Folder::new("declared_start");
+    let out = folder.0.join("out").display().to_string();
+    for family in ["absolute", "relative"] {
+        let flown = |place: &str| {
+            let text = PENDULUM
+                .replace("gravity:", &format!("coordinates: {family}; gravity:"))
+                .replace("frame pivot", &format!("start {place}, frame pivot"));
+            let file = folder.file(
+                "pendulum.mbd",
+                &format!("{text}\n[run]\nuntil = \"0.1 s\"\n"),
+            );
+            run(&["run", &file, "--out", &out]).unwrap()
+        };
+        let told = flown("at [-0.5, 0, -0.866] m");
+        let warned = told.starts_with("warning: `rod` does not start where `start at`");
+        assert!(warned, "{family}: {told}");
+        let fits = flown("at [-0.5, 0, -0.8660254] m rotated rpy(0, 30 deg, 0)");
+        assert!(!fits.contains("warning"), "{family}: {fits}");
+    }
+}

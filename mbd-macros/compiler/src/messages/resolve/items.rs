@@ -65,6 +65,9 @@ pub fn vector_param(at: Region) -> Report {
     )
 }
 
+/// What to write where a const names a param.
+pub const LET_OF_PARAMS: &str = "write `let` instead of `const`: a `let` may use params";
+
 /// What a `let` depends on, as it follows "not": of its name at a place where it cannot stand.
 pub fn let_of(name: &str, on: &str) -> String {
     format!("the let `{name}`, which depends on `{on}`")
@@ -566,19 +569,6 @@ pub fn event_without_value(at: Region) -> Report {
     )
 }
 
-pub fn event_compares(at: Region, sign: char) -> Report {
-    let (word, way) = match sign {
-        '<' => ("falls", "below"),
-        _ => ("rises", "above"),
-    };
-    Report::new(
-        at,
-        format!(
-            "an event is where a value passes another: write `{word}` instead of `{sign}` for the passage to {way} it"
-        ),
-    )
-}
-
 pub fn name_wanted(at: Region) -> Report {
     Report::new(at, "a name stands here, or several in brackets: `[a, b]`")
 }
@@ -676,6 +666,15 @@ pub fn cannot_be_set(at: Region, word: &str, kind: &str) -> Report {
     )
 }
 
+pub fn moving_set(at: Region, path: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`{path}` cannot be set: events set params and states alone; what moves is moved by forces, and its speed jumps where `attach` or `lock` takes hold"
+        ),
+    )
+}
+
 pub fn set_to_no_number(at: Region, name: &str) -> Report {
     Report::new(at, format!("`{name}` is set to what is no finite number"))
 }
@@ -700,6 +699,13 @@ pub fn no_gravity(at: Region) -> Report {
     Report::new(
         at,
         "no gravity is declared: write `gravity: [0.0, 0.0, -9.81] m/s^2;`, or `gravity: none;` if there is none",
+    )
+}
+
+pub fn gravity_of_one(at: Region, number: &str, unit: &str) -> Report {
+    Report::new(
+        at,
+        format!("gravity has a direction: write `[0, 0, -{number}] {unit}` where z points up"),
     )
 }
 

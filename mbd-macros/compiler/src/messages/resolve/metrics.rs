@@ -73,6 +73,15 @@ pub fn metric_needs_no(at: Region, take: Take, field: &str) -> Report {
     )
 }
 
+pub fn unit_of_integral(at: Region, unit: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "the unit behind an `integral` is that of its quantity, before it is summed over time: `in {unit}/s` gives the number in {unit}"
+        ),
+    )
+}
+
 pub fn metric_window(at: Region) -> Report {
     Report::new(at, "`from` must be before `to`")
 }

@@ -4,11 +4,12 @@ use crate::lexeme::Region;
 use crate::messages::similar::{did_you_mean, nearest};
 use crate::messages::syntax::ended;
 use crate::messages::{Report, article};
+use crate::syntax::expression::{Expression, Step};
 use crate::syntax::foreign;
+use crate::units;
 
 pub fn not_constant(at: Region, what: &str) -> Report {
     let instead = match what {
-        "a param" => "; make it a `const`",
         _ if what == "time" || what.starts_with("the motion") || what.starts_with("the input") => {
             "; what changes in a run is named by `let`"
         }
@@ -17,6 +18,15 @@ pub fn not_constant(at: Region, what: &str) -> Report {
     Report::new(
         at,
         format!("only numbers and consts can stand here, {what} cannot{instead}"),
+    )
+}
+
+/// `instead`: what to write where the param is right, and the item that names it is not.
+pub fn param_not_constant(at: Region, instead: Option<&str>) -> Report {
+    let instead = instead.unwrap_or("make it a `const`");
+    Report::new(
+        at,
+        format!("only numbers and consts can stand here, a param cannot; {instead}"),
     )
 }
 
@@ -103,6 +113,30 @@ fn at_rest_or_near(word: &str, known: &[&str]) -> String {
 
 pub fn no_index(at: Region, word: &str) -> Report {
     Report::new(at, format!("`{word}` is one thing and takes no index"))
+}
+
+/// Of a value with an index: `pin.angle [deg]`, `bob.position[2]`.
+pub fn no_index_of_value(step: &Step, vector: bool) -> Report {
+    let (at, word) = (step.word.at.into(), &step.word.text);
+    let text = match step.index.as_deref() {
+        Some(Expression::Path(steps))
+            if let [only] = steps.as_slice()
+                && units::find(&only.word.text).is_some() =>
+        {
+            let unit = &only.word.text;
+            format!("the unit of a result stands behind `in`: `{word} in {unit}`")
+        }
+        Some(Expression::Number { value, .. }) if vector => {
+            let axis = match value {
+                0.0 => "x",
+                1.0 => "y",
+                _ => "z",
+            };
+            format!("the components of a vector are `.x`, `.y` and `.z`: write `{word}.{axis}`")
+        }
+        _ => return no_index(at, word),
+    };
+    Report::new(at, text)
 }
 
 pub fn index_wanted(at: Region, word: &str, first: i64) -> Report {

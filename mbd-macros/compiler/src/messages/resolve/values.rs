@@ -17,7 +17,14 @@ pub fn not_finite(at: Region) -> Report {
 }
 
 pub fn three_components(at: Region, found: usize) -> Report {
-    Report::new(at, format!("a vector has 3 components, found {found}"))
+    let decimals = match found {
+        4.. => "; the sign before decimals is a point",
+        _ => "",
+    };
+    Report::new(
+        at,
+        format!("a vector has 3 components, found {found}{decimals}"),
+    )
 }
 
 pub fn scalar_wanted(at: Region, what: &str) -> Report {
@@ -151,27 +158,54 @@ pub fn unknown_function(at: Region, word: &str, known: &[&str]) -> Report {
     Report::new(at, format!("unknown function `{word}`{why}"))
 }
 
-pub fn unit_or_name(at: Region, unit: &str, word: &str) -> Report {
-    Report::new(
+/// `number`: what stands before the unit; `place`: where in the unit the name begins; `kind`, `declared`: what else is called so.
+pub fn unit_or_name(
+    at: Region,
+    (number, unit): (&str, &str),
+    place: usize,
+    word: &str,
+    (kind, declared): (&str, Option<Region>),
+) -> Report {
+    let (before, behind) = unit.split_at(place);
+    let sign = if before.ends_with('/') { '/' } else { '*' };
+    let before = before.trim_end_matches(['*', '/']);
+    let behind = behind.replace('*', " * ").replace('/', " / ");
+    let report = Report::new(
         at,
         format!(
-            "`{unit}` behind a number is read as a unit, but `{word}` is a name of this model: write `(1 {first}) * {word}` for the product, \
-             or `1 ({unit})` for the unit",
-            first = unit.split(['*', '/']).next().unwrap_or(unit)
+            "`{unit}` behind a number is read as a unit, and `{word}` is also a {kind} of this model: give the {kind} another name, \
+             such as `{word}_1`, or write `({number} {before}) {sign} {behind}` for the {kind} and `{number} ({unit})` for the unit"
         ),
-    )
+    );
+    match declared {
+        Some(declared) => report.also(declared, format!("the {kind} `{word}`")),
+        None => report,
+    }
 }
 
 pub fn comparison_alone(at: Region) -> Report {
-    Report::new(
-        at,
-        "a comparison is no value: it stands in `if(a < b, this, that)`".to_owned(),
-    )
+    Report::new(at, foreign::COMPARISON)
 }
 
 pub fn condition_wanted(at: Region) -> Report {
     let text = "`if` takes a comparison first: `if(a < b, this, that)` with `<`, `<=`, `>` or `>=`";
     Report::new(at, text.to_owned())
+}
+
+pub fn turns_for_radians(at: Region, what: &str) -> Report {
+    Report::new(
+        at,
+        format!(
+            "`Hz` counts turns, and {what} takes radians: multiply by a turn, such as `2 Hz * 360 deg`, or `2 * pi * 2 Hz * time`"
+        ),
+    )
+}
+
+pub fn radians_in_turns(at: Region) -> Report {
+    Report::new(
+        at,
+        "`Hz` counts turns, and this is an angular rate: write `in rpm` or `in rad/s`, or divide by a turn, `/ (360 deg)`, before `in Hz`",
+    )
 }
 
 pub fn argument_count(at: Region, function: &str, wanted: usize, found: usize) -> Report {
