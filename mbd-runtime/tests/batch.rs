@@ -15,13 +15,14 @@ model! {
         param mass = 2.0 kg in 0.5 kg ..= 5.0 kg;
         param stiffness = 5 kN/m in 1 kN/m ..= 20 kN/m;
         input wind: speed;
-        world { frame left at [-1.0, 0.0, 2.0] m, frame right at [1.5, 0.0, 2.2] m, }
+        world { frame left at [-1.0, 0.0, 2.0] m, frame right at [1.5, 0.0, 2.2] m }
         point lamp { mass: mass, start at [0.4, 0.3, 0.8] m }
         point knot;
         line a from world.left to knot { free_length: 1.2 m, stiffness: stiffness }
         line b from world.right to knot { free_length: 1.6 m, stiffness: stiffness }
         line cord from knot to lamp { free_length: 0.5 m, stiffness: stiffness }
-        load air on lamp = 0.05 kg/m * ([wind, 0.0, 0.0] - lamp.velocity) * norm([wind, 0.0, 0.0] - lamp.velocity);
+        load air on lamp =
+            0.05 kg/m * ([wind, 0.0, 0.0] - lamp.velocity) * norm([wind, 0.0, 0.0] - lamp.velocity);
         event low = lamp.position.z falls 1.0 m;
         output pull = cord.tension;
     }

@@ -14,8 +14,11 @@ model! {
         param drag = 0.02 kg/m in 0.0 kg/m ..= 1.0 kg/m;
         input push: force;
         point stone { mass: mass, start at [0.3, 0.1, 30.0] m }
-        load air on stone = -drag * norm(stone.velocity) * stone.velocity * exp(-stone.position.z / 8000 m);
-        load pull on stone = -3.0 N * [tanh(stone.position.x / 1 m), sin(stone.position.y / 1 m), 0.0] + [push, 0.0, 0.0];
+        load air on stone =
+            -drag * norm(stone.velocity) * stone.velocity * exp(-stone.position.z / 8000 m);
+        load pull on stone =
+            -3.0 N * [tanh(stone.position.x / 1 m), sin(stone.position.y / 1 m), 0.0]
+            + [push, 0.0, 0.0];
         event low = stone.position.z falls 20.0 m;
         event lower = stone.position.z falls 12.0 m { set: drag = 0.5 kg/m }
         output height = stone.position.z;
@@ -29,7 +32,12 @@ model! {
         gravity: [0.0, 0.0, -9.81];
         coordinates: relative;
         param length = 1.0 in 0.5 ..= 2.0;
-        body link[i in 0..4] { mass: 1.0, inertia: diag(0.083, 0.083, 0.001), frame top at [0.0, 0.0, 0.5 * length], frame end at [0.0, 0.0, -0.5 * length] }
+        body link[i in 0..4] {
+            mass: 1.0,
+            inertia: diag(0.083, 0.083, 0.001),
+            frame top at [0.0, 0.0, 0.5 * length],
+            frame end at [0.0, 0.0, -0.5 * length],
+        }
         joint first: hinge from world to link[0].top { axis: y, damping: 0.1 }
         joint bend[i in 0..3]: hinge from link[i].end to link[i + 1].top { axis: x, damping: 0.05 }
     }
@@ -52,14 +60,31 @@ model! {
         param mass = 2.0 kg in 0.5 kg ..= 5.0 kg;
         param stiffness = 5 kN/m in 1 kN/m ..= 20 kN/m;
         input wind: speed;
-        world { frame left at [-1.0, -0.6, 2.0] m, frame right at [1.1, -0.5, 2.1] m, frame back at [0.1, 1.2, 2.0] m }
+        world {
+            frame left at [-1.0, -0.6, 2.0] m,
+            frame right at [1.1, -0.5, 2.1] m,
+            frame back at [0.1, 1.2, 2.0] m,
+        }
         point lamp { mass: mass, start at [0.1, 0.1, 0.8] m }
         point knot;
-        line a from world.left to knot { free_length: 1.3 m, stiffness: stiffness, damping: 20 N*s/m }
-        line b from world.right to knot { free_length: 1.35 m, stiffness: stiffness, damping: 20 N*s/m }
-        line c from world.back to knot { free_length: 1.3 m, stiffness: stiffness, damping: 20 N*s/m }
+        line a from world.left to knot {
+            free_length: 1.3 m,
+            stiffness: stiffness,
+            damping: 20 N*s/m,
+        }
+        line b from world.right to knot {
+            free_length: 1.35 m,
+            stiffness: stiffness,
+            damping: 20 N*s/m,
+        }
+        line c from world.back to knot {
+            free_length: 1.3 m,
+            stiffness: stiffness,
+            damping: 20 N*s/m,
+        }
         line cord from knot to lamp { free_length: 0.5 m, stiffness: stiffness, damping: 20 N*s/m }
-        load air on lamp = 0.05 kg/m * ([wind, 0.0, 0.0] - lamp.velocity) * norm([wind, 0.0, 0.0] - lamp.velocity);
+        load air on lamp =
+            0.05 kg/m * ([wind, 0.0, 0.0] - lamp.velocity) * norm([wind, 0.0, 0.0] - lamp.velocity);
         output pull = cord.tension;
     }
 }
@@ -333,7 +358,11 @@ model! {
         point knot { equilibrium: stepwise { formula: bdf2, clamp: positive } }
         point other { mass: 2.0 kg, start at [0.0, 0.0, -0.57] m }
         point middle { equilibrium: static }
-        line stay[i in 0..3] from world.hook[i] to knot { free_length: 1.5 m, stiffness: 20 kN/m, damping: damping }
+        line stay[i in 0..3] from world.hook[i] to knot {
+            free_length: 1.5 m,
+            stiffness: 20 kN/m,
+            damping: damping,
+        }
         line cord from knot to bob { free_length: 1.0 m, stiffness: 10 kN/m, damping: damping }
         line upper from bob to middle { free_length: 0.7 m, stiffness: 3 kN/m }
         line lower from middle to other { free_length: 0.7 m, stiffness: 4 kN/m }

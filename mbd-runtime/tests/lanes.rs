@@ -9,8 +9,10 @@ model! {
         param mass = 1.0 kg in 0.1 kg ..= 10.0 kg;
         param drag = 0.02 kg/m in 0.0 kg/m ..= 1.0 kg/m;
         point stone { mass: mass }
-        load air on stone = -drag * norm(stone.velocity) * stone.velocity * exp(-stone.position.z / 8000 m);
-        load pull on stone = -3.0 N * [tanh(stone.position.x / 1 m), sin(stone.position.y / 1 m), 0.0];
+        load air on stone =
+            -drag * norm(stone.velocity) * stone.velocity * exp(-stone.position.z / 8000 m);
+        load pull on stone =
+            -3.0 N * [tanh(stone.position.x / 1 m), sin(stone.position.y / 1 m), 0.0];
     }
 }
 
@@ -21,7 +23,12 @@ model! {
         gravity: [0.0, 0.0, -9.81];
         coordinates: relative;
         param length = 1.0 in 0.5 ..= 2.0;
-        body link[i in 0..4] { mass: 1.0, inertia: diag(0.083, 0.083, 0.001), frame top at [0.0, 0.0, 0.5 * length], frame end at [0.0, 0.0, -0.5 * length] }
+        body link[i in 0..4] {
+            mass: 1.0,
+            inertia: diag(0.083, 0.083, 0.001),
+            frame top at [0.0, 0.0, 0.5 * length],
+            frame end at [0.0, 0.0, -0.5 * length],
+        }
         joint first: hinge from world to link[0].top { axis: y, damping: 0.1 }
         joint bend[i in 0..3]: hinge from link[i].end to link[i + 1].top { axis: x, damping: 0.05 }
     }

@@ -13,8 +13,10 @@ model! {
     model Chain<T> {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body link[i in 0..4] {
-            mass: 1 kg, inertia: diag(0.084, 0.084, 0.01) kg*m^2,
-            frame top at [0.0, 0.0, 0.5] m, frame tip at [0.0, 0.0, -0.5] m,
+            mass: 1 kg,
+            inertia: diag(0.084, 0.084, 0.01) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+            frame tip at [0.0, 0.0, -0.5] m,
         }
         joint first: spherical from world to link[0].top;
         joint next[i in 0..3]: spherical from link[i].tip to link[i + 1].top;

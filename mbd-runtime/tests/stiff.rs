@@ -13,12 +13,18 @@ model! {
     model Kite<T> {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body kite {
-            mass: 1.5 kg, inertia: diag(0.2, 0.3, 0.5) kg*m^2,
+            mass: 1.5 kg,
+            inertia: diag(0.2, 0.3, 0.5) kg*m^2,
             frame bridle at [0.3, 0.1, -0.2] m,
         }
         joint kite_free: free from world to kite.com;
-        spring tether from world to kite.bridle { free_length: 1 m, stiffness: 40 N/m, damping: 0.7 N*s/m }
-        load wind on kite = [3 N * sin(2 rad/s * time), 1 N * cos(1 rad/s * time) + 0.2 N*s/m * lag, 0 N];
+        spring tether from world to kite.bridle {
+            free_length: 1 m,
+            stiffness: 40 N/m,
+            damping: 0.7 N*s/m,
+        }
+        load wind on kite =
+            [3 N * sin(2 rad/s * time), 1 N * cos(1 rad/s * time) + 0.2 N*s/m * lag, 0 N];
         load air on kite = -0.1 kg/m * norm(kite.velocity) * kite.velocity;
         state lag = 0.5 m/s { rate: (norm(kite.velocity) - lag) / 0.3 s }
         output pull = tether.tension;
@@ -30,14 +36,27 @@ model! {
     model Arm<T> {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body upper {
-            mass: 2 kg, inertia: diag(0.1, 0.1, 0.02) kg*m^2,
-            frame top at [0.0, 0.0, 0.5] m, frame end at [0.0, 0.0, -0.5] m,
+            mass: 2 kg,
+            inertia: diag(0.1, 0.1, 0.02) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+            frame end at [0.0, 0.0, -0.5] m,
         }
-        body lower { mass: 1 kg, inertia: diag(0.05, 0.05, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.4] m }
+        body lower {
+            mass: 1 kg,
+            inertia: diag(0.05, 0.05, 0.01) kg*m^2,
+            frame top at [0.0, 0.0, 0.4] m,
+        }
         joint shoulder: hinge from world to upper.top {
-            axis: y, stiffness: 30 N*m/rad, damping: 0.4 N*m*s, force: 5 N*m * sin(3 rad/s * time), start: 40 deg,
+            axis: y,
+            stiffness: 30 N*m/rad,
+            damping: 0.4 N*m*s,
+            force: 5 N*m * sin(3 rad/s * time),
+            start: 40 deg,
         }
-        joint elbow: universal from upper.end to lower.top { axes: [x, y], angle1: { start: 20 deg, start_rate: 1 rad/s } }
+        joint elbow: universal from upper.end to lower.top {
+            axes: [x, y],
+            angle1: { start: 20 deg, start_rate: 1 rad/s },
+        }
     }
 }
 
@@ -45,12 +64,19 @@ model! {
     /// A load on a line that is wound by time, below a jib that a motor turns by time, from a world that moves.
     model Hoist<T> {
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        world { frame deck at [0.2 m * sin(2 rad/s * time), 0.0 m, 3.0 m + 0.1 m * cos(3 rad/s * time)] }
+        world {
+            frame deck at [0.2 m * sin(2 rad/s * time), 0.0 m, 3.0 m + 0.1 m * cos(3 rad/s * time)],
+        }
         body jib { mass: 5 kg, inertia: diag(0.5, 0.5, 0.5) kg*m^2, frame tip at [1.0, 0.0, 0.0] m }
         point bob { mass: 2 kg, start at [1.0, 0.0, 1.9] m }
-        joint mast: hinge from world.deck to jib.com { axis: z, motor: 0.5 rad * sin(1 rad/s * time) }
+        joint mast: hinge from world.deck to jib.com {
+            axis: z,
+            motor: 0.5 rad * sin(1 rad/s * time),
+        }
         spring rope from jib.tip to bob {
-            free_length: 1 m - 0.2 m/s * time, stiffness: 800 N/m, damping: 8 N*s/m,
+            free_length: 1 m - 0.2 m/s * time,
+            stiffness: 800 N/m,
+            damping: 8 N*s/m,
         }
     }
 }

@@ -33,6 +33,7 @@ class Browser:
         os.close(to_browser)
         os.close(from_browser)
         self.count, self.rest, self.errors, self.events = 0, b"", [], []
+        self.allowed = ("file:", "data:", "about:")
         targets = self.ask("Target.getTargets")["targetInfos"]
         page = next(target for target in targets if target["type"] == "page")
         self.session = self.ask("Target.attachToTarget", targetId=page["targetId"], flatten=True)["sessionId"]
@@ -63,7 +64,7 @@ class Browser:
             self.errors.append(" ".join(str(argument.get("value", "")) for argument in params["args"]))
         elif method == "Log.entryAdded" and params["entry"]["level"] in ("error", "warning"):
             self.errors.append(params["entry"]["text"])
-        elif method == "Network.requestWillBeSent" and not params["request"]["url"].startswith(("file:", "data:", "about:")):
+        elif method == "Network.requestWillBeSent" and not params["request"]["url"].startswith(self.allowed):
             self.errors.append(f"fetches {params['request']['url']}")
         if method:
             self.events.append(method)
@@ -87,15 +88,21 @@ class Browser:
         return self.ask(method, session=self.session, **params)
 
     def open(self, path, width=1280, height=900, scale=1, dark=False, script=True):
-        """Loads a file and waits until it is loaded."""
+        """Loads a file, or the page of a server of this machine, and waits until it is loaded."""
         self.errors, self.events = [], []
-        self.page("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=width < 600)
+        self.size(width, height, scale)
         scheme = "dark" if dark else "light"
         self.page("Emulation.setEmulatedMedia", media="screen", features=[{"name": "prefers-color-scheme", "value": scheme}])
         self.page("Emulation.setScriptExecutionDisabled", value=not script)
-        self.page("Page.navigate", url="file://" + os.path.abspath(path))
+        served = path.startswith("http://127.0.0.1:")
+        self.allowed = ("file:", "data:", "about:") + ((path,) if served else ())
+        self.page("Page.navigate", url=path if served else "file://" + os.path.abspath(path))
         while "Page.loadEventFired" not in self.events:
             self.note(self.message())
+
+    def size(self, width, height, scale=1):
+        """The size of the window."""
+        self.page("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=width < 600)
 
     def run(self, expression):
         """The value of an expression in the page; a promise is waited for."""
@@ -108,8 +115,8 @@ class Browser:
         """Waits for so many frames."""
         self.run(f"new Promise(done => {{ let k = {count}; const next = () => k-- > 0 ? requestAnimationFrame(next) : done(); next(); }})")
 
-    def mouse(self, kind, x, y, button="none", buttons=0):
-        self.page("Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button, buttons=buttons, clickCount=1 if button != "none" else 0)
+    def mouse(self, kind, x, y, button="none", buttons=0, **more):
+        self.page("Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button, buttons=buttons, clickCount=1 if button != "none" else 0, **more)
 
     def close(self):
         self.process.terminate()

@@ -1,9 +1,11 @@
-"""Opens the page of every ready scene in a real browser: nothing is complained about or fetched, the first frame comes soon, and the scrubber, the
-drawing and all plots show one time.
+"""Opens the page of every ready scene, and of five as newcomers write them, in a real browser: nothing is complained about or fetched, the first frame
+comes soon, the scrubber, the drawing and all plots show one time, the drawing turns, moves and zooms, nothing is wider than a desk or a phone; and
+`mbd watch` shows what is saved.
 
     python3 tests/scripts/pages.py target/debug/mbd [SCENE …]
 """
 
+import glob
 import os
 import subprocess
 import sys
@@ -15,6 +17,13 @@ from browser import Browser  # noqa: E402
 
 # A page shows its first frame so soon after it is opened [ms].
 FIRST = 1000
+# Scenes written from the documentation alone.
+NEWCOMERS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "newcomers", "*.mbd")
+# A scene that takes in a robot.
+WATCHED = 'model Arm { urdf: "arm.urdf" { angle: { damping: 0.1 N*m*s } } output turn = pin.angle; }\n[run]\nuntil = "0.2 s"\n'
+ROBOT = """<robot name="arm"><link name="base"/><link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="MASS"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="pin" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>"""
 # Names and words of this scene try to leave their places: as markup, as script, as text that reads backwards.
 TRICKS = '''/// </script><script>window.caught = 1</script> <img src=x onerror="window.caught = 2"> \u202egnp.exe\u2066
 pub model Tricks {
@@ -40,8 +49,8 @@ def scenes(program):
     return [line.split()[0] for line in lines[start:] if line.startswith("  ") and line.strip()]
 
 
-def check(browser, name, path):
-    """Everything that is asked of a page; what fails."""
+def check(browser, name, path, by_hand):
+    """Everything that is asked of a page; what fails. `by_hand`: the drawing is turned, moved and zoomed, too."""
     failed = []
     browser.open(path)
     browser.frames(2)
@@ -91,10 +100,86 @@ def check(browser, name, path):
         again = browser.run("document.querySelector('[data-plot] .mbd-x').textContent")
         expect(near != wide, "dragging over a plot does not zoom")
         expect(again == wide, "the plot does not go back to everything")
+    if by_hand:
+        turned(browser, expect)
     expect(not browser.run("window.caught"), "a name or a word of the scene became markup")
-    expect(browser.run("document.documentElement.scrollWidth <= window.innerWidth"), "the page is wider than the window")
+    for width, height in ((1280, 900), (390, 844)):
+        browser.size(width, height)
+        expect(browser.run("document.documentElement.scrollWidth <= window.innerWidth"), f"the page is wider than {width} px")
     failed += [f"{name}: {error}" for error in browser.errors]
     return first, failed
+
+
+def turned(browser, expect):
+    """Turns, moves and zooms the drawing; `see all` takes the zoom back."""
+    x, y = browser.run("""(() => {
+        const view = document.querySelector('.player canvas');
+        view.scrollIntoView({ block: 'center' });
+        const box = view.getBoundingClientRect();
+        return [box.left + box.width / 2, box.top + box.height / 2];
+    })()""")
+
+    def picture():
+        browser.frames(2)
+        return browser.run("document.querySelector('canvas').toDataURL()")
+
+    def drag(**more):
+        browser.mouse("mousePressed", x, y, button="left", buttons=1, **more)
+        browser.mouse("mouseMoved", x + 60, y + 20, buttons=1, **more)
+        browser.mouse("mouseReleased", x + 60, y + 20, button="left", **more)
+
+    # The names of what is under the mouse stand beside the canvas, not on it.
+    seen = [picture()]
+    for what, act in (
+        ("drag", drag),
+        ("drag with shift", lambda: drag(modifiers=8)),
+        ("turn of the wheel", lambda: browser.mouse("mouseWheel", x, y, deltaX=0, deltaY=-200)),
+        ("click on `see all`", lambda: browser.run("document.querySelector('[data-mbd=fit]').click()")),
+    ):
+        act()
+        seen.append(picture())
+        expect(seen[-1] != seen[-2], f"a {what} does not change the drawing")
+
+
+def watched(browser, program, folder):
+    """`mbd watch`: the page follows what is saved, a URDF, too; a mistake stands above it and goes. What fails."""
+    scene, robot = os.path.join(folder, "watched.mbd"), os.path.join(folder, "arm.urdf")
+
+    def save(file, text):
+        with open(file + ".part", "w", encoding="utf-8") as part:
+            part.write(text)
+        os.replace(file + ".part", file)
+
+    def until(expression):
+        for _ in range(100):
+            if browser.run(expression):
+                return True
+            time.sleep(0.1)
+        return False
+
+    save(scene, WATCHED)
+    save(robot, ROBOT.replace("MASS", "1.25"))
+    server = subprocess.Popen([program, "watch", scene, "--no-estimate", "--out", os.path.join(folder, "watched")], stderr=subprocess.PIPE, text=True)
+    failed = []
+    try:
+        address = server.stderr.readline().split()[1]
+        browser.open(address)
+        says = "document.getElementById('says')"
+        page = "(document.getElementById('page').contentDocument?.body?.textContent || '')"
+        for what, act, wanted in (
+            ("the page of the run", lambda: None, f"{page}.includes('1.25')"),
+            ("the page of the saved URDF", lambda: save(robot, ROBOT.replace("MASS", "7.75")), f"{page}.includes('7.75')"),
+            ("the mistake", lambda: save(robot, ROBOT.replace("MASS", "heavy")), f"!{says}.hidden && {says}.textContent.includes('heavy')"),
+            ("the mended page", lambda: save(robot, ROBOT.replace("MASS", "2.5")), f"{says}.hidden && {page}.includes('2.5')"),
+        ):
+            act()
+            if not until(wanted):
+                failed.append(f"watch: {what} does not come")
+        failed += [f"watch: {error}" for error in browser.errors]
+    finally:
+        server.terminate()
+        server.wait(10)
+    return failed
 
 
 def main():
@@ -103,30 +188,28 @@ def main():
     started, failed = time.monotonic(), []
     with tempfile.TemporaryDirectory() as folder:
         pages = []
-        for name in names or scenes(program):
+        tricks = os.path.join(folder, "tricks.mbd")
+        with open(tricks, "w", encoding="utf-8") as file:
+            file.write(TRICKS)
+        everything = names or [*scenes(program), *sorted(glob.glob(NEWCOMERS)), tricks]
+        for scene in everything:
+            name = os.path.splitext(os.path.basename(scene))[0]
+            out = os.path.join(folder, "out", name)
             # Whether a run is accurate is no matter here.
-            run = subprocess.run([program, "run", name, "--no-estimate", "--out", os.path.join(folder, name)], capture_output=True, text=True)
-            page = os.path.join(folder, name, "report.html")
+            run = subprocess.run([program, "run", scene, "--no-estimate", "--out", out], capture_output=True, text=True)
+            page = os.path.join(out, "report.html")
             if os.path.exists(page):
-                pages.append((name, page))
+                pages.append((scene, name, page))
             else:
                 failed.append(f"{name}: no page: {run.stderr.strip()}")
-        if not names:
-            scene = os.path.join(folder, "tricks.mbd")
-            with open(scene, "w", encoding="utf-8") as file:
-                file.write(TRICKS)
-            run = subprocess.run([program, "run", scene, "--no-estimate", "--out", os.path.join(folder, "tricks")], capture_output=True, text=True)
-            page = os.path.join(folder, "tricks", "report.html")
-            if os.path.exists(page):
-                pages.append(("tricks", page))
-            else:
-                failed.append(f"tricks: no page: {run.stdout} {run.stderr}")
         browser = Browser()
         try:
-            for name, page in pages:
-                first, wrong = check(browser, name, page)
+            for scene, name, page in pages:
+                first, wrong = check(browser, name, page, os.path.isfile(scene))
                 failed += wrong
                 print(f"{name}: first frame after {first:.0f} ms, {os.path.getsize(page) / 1e6:.2f} MB")
+            if not names:
+                failed += watched(browser, program, folder)
         finally:
             browser.close()
     print(f"{len(pages)} pages in {time.monotonic() - started:.1f} s")

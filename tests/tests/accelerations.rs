@@ -9,7 +9,12 @@ model! {
         units: si;
         gravity: [0, 0, -9.81];
         world { frame shaken at [0.1 * sin(3 * time), 0, 5] }
-        body rod { mass: 2, inertia: diag(0.14, 0.15, 0.02), frame top at [0, 0, 0.6], frame end at [0.1, 0, -0.6] }
+        body rod {
+            mass: 2,
+            inertia: diag(0.14, 0.15, 0.02),
+            frame top at [0, 0, 0.6],
+            frame end at [0.1, 0, -0.6],
+        }
         body top { mass: 1, inertia: diag(0.2, 0.2, 0.2), frame rim at [0.3, 0, 0] }
         body seat { mass: 1, inertia: diag(0.2, 0.2, 0.2), frame up at [0, 0, 1] }
         point stone { mass: 0.5 }

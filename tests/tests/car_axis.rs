@@ -20,10 +20,12 @@ model! {
         const K = 5e-4 kg;
         world {
             frame road at [sqrt(L^2 - (R * sin(OMEGA * time))^2), R * sin(OMEGA * time), 0.0],
-            frame chassis at [0.0, 0.0, 0.0] m rotated matrix(
-                [sqrt(L^2 - (R * sin(OMEGA * time))^2) / L, -R * sin(OMEGA * time) / L, 0.0],
-                [R * sin(OMEGA * time) / L, sqrt(L^2 - (R * sin(OMEGA * time))^2) / L, 0.0],
-                [0.0, 0.0, 1.0]),
+            frame chassis at [0.0, 0.0, 0.0] m
+                rotated matrix(
+                    [sqrt(L^2 - (R * sin(OMEGA * time))^2) / L, -R * sin(OMEGA * time) / L, 0.0],
+                    [R * sin(OMEGA * time) / L, sqrt(L^2 - (R * sin(OMEGA * time))^2) / L, 0.0],
+                    [0.0, 0.0, 1.0]
+                ),
         }
         point left { mass: K }
         point right { mass: K }

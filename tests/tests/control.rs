@@ -86,7 +86,10 @@ model! {
         body sled { mass: 2, inertia: diag(0.1, 0.1, 0.1) }
         joint rail: prismatic from world to sled.com { axis: [1, 0, 0] }
         joint hook: hinge from sled.com to link[0].root { axis: [0, 1, 0], force: torque[0] }
-        joint pin[i in 0..2]: hinge from link[i].tip to link[i + 1].root { axis: [0, 1, 0], force: torque[i + 1] }
+        joint pin[i in 0..2]: hinge from link[i].tip to link[i + 1].root {
+            axis: [0, 1, 0],
+            force: torque[i + 1],
+        }
         output bend[i in 0..2] = pin[i].angle;
         output bend_rate[i in 0..2] = pin[i].angle_rate;
         output slide = rail.slide;

@@ -249,3 +249,75 @@ fn a_planar_scene_starts_at_its_angle() {
     assert_close(&found, &[30f64.to_radians(), 0.5], 1e-15, 0.0, "planar");
     assert!(moved < 1e-15);
 }
+
+const UNTOLD: &str = "model Untold { COORDINATES
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    world { frame hook at [0.7, 0.0, 2.0] m, frame rail at [0.0, 0.0, 5.0] m }
+    body upper { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m, frame tip at [0.0, 0.0, -0.5] m }
+    body lower { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+    body cabin { mass: 1 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2, frame door at [1.0, 0.0, 0.0] m }
+    body bird { mass: 1 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2 }
+    joint pin: hinge from world.hook to upper.top { axis: y }
+    joint elbow: hinge from upper.tip to lower.top { axis: y }
+    joint guide: prismatic from world.rail to cabin.com { axis: z }
+    joint wings: free from cabin.door to bird.com;
+    output lean = pin.angle; output bend = elbow.angle; output height = guide.slide;
+    output x = bird.position.x; output z = bird.position.z;
+}";
+
+#[test]
+fn coordinates_that_nobody_mentions_start_at_zero_and_what_flies_from_a_body_where_that_is() {
+    for family in ["coordinates: absolute;", "coordinates: relative;"] {
+        let scene = read(&UNTOLD.replace("COORDINATES", family));
+        let (found, moved) = begun_as_declared(&scene);
+        assert_close(&found, &[0.0, 0.0, 0.0, 1.0, 5.0], 1e-14, 1e-14, family);
+        assert!(moved < 1e-14, "{family}: {moved}");
+    }
+}
+
+#[test]
+fn a_loop_that_nobody_places_is_closed_and_what_hangs_beside_it_starts_at_zero() {
+    let scene = read(
+        "model Linkage { gravity: [0.0, 0.0, -9.81] m/s^2;
+            world { frame left at [0.0, 0.0, 0.0] m, frame right at [1.5, 0.0, 0.0] m, frame hook at [4.0, 0.0, 0.0] m }
+            body crank { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame a at [0.0, 0.0, -0.5] m, frame b at [0.0, 0.0, 0.5] m }
+            body rod { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame a at [0.0, 0.0, -1.0] m, frame b at [0.0, 0.0, 1.0] m }
+            body rocker { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame a at [0.0, 0.0, -0.75] m, frame b at [0.0, 0.0, 0.75] m }
+            body bob { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame top at [0.0, 0.0, 0.3] m }
+            joint one: hinge from world.left to crank.a { axis: y }
+            joint two: hinge from crank.b to rod.a { axis: y }
+            joint three: hinge from rod.b to rocker.b { axis: y }
+            joint four: hinge from world.right to rocker.a { axis: y }
+            joint hang: hinge from world.hook to bob.top { axis: y }
+            output gap = norm(rod.b.position - rocker.b.position);
+            output swing = hang.angle;
+        }",
+    );
+    let (found, _) = begun_as_declared(&scene);
+    assert_close(
+        &found,
+        &[0.0, 0.0],
+        1e-9,
+        1e-9,
+        "closed, and hanging straight",
+    );
+}
+
+#[test]
+fn a_declared_place_that_joints_do_not_allow_is_told_in_both_families() {
+    for family in ["absolute", "relative"] {
+        let scene = read(&format!(
+            "model Tilted {{ coordinates: {family};
+                gravity: [0.0, 0.0, -9.81] m/s^2;
+                body rod {{ mass: 1 kg, inertia: diag(0.08, 0.08, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.5] m, start at [-0.25, 0.0, -0.433] m }}
+                joint pin: hinge from world to rod.top {{ axis: y }}
+            }}"
+        ));
+        let model = Generic::with_defaults(scene).expect("declared params");
+        let mut run = Simulation::<f64>::new(&model, Options::rk4(1e-3)).expect("a start");
+        run.start().expect("a consistent start");
+        let rod = run.start_moved().iter().find(|moved| moved.name == "rod");
+        let rod = rod.unwrap_or_else(|| panic!("{family}: nothing is said to be moved"));
+        assert!(rod.distance > 0.05, "{family}: {rod:?}");
+    }
+}

@@ -24,9 +24,18 @@ mbd_runtime::model! {
         }
         joint free: free from world to kite.com;
         point tail { mass: 0.1 kg }
-        line tether from world to kite.bridle { free_length: 10.0 m, stiffness: stiffness, damping: 5.0 N*s/m }
-        line ribbon from kite.bridle to tail { free_length: 1.0 m, stiffness: 50 N/m, damping: 0.5 N*s/m }
-        load drag on kite at com = 0.3 kg/m * trim * norm(wind - kite.velocity) * (wind - kite.velocity);
+        line tether from world to kite.bridle {
+            free_length: 10.0 m,
+            stiffness: stiffness,
+            damping: 5.0 N*s/m,
+        }
+        line ribbon from kite.bridle to tail {
+            free_length: 1.0 m,
+            stiffness: 50 N/m,
+            damping: 0.5 N*s/m,
+        }
+        load drag on kite at com =
+            0.3 kg/m * trim * norm(wind - kite.velocity) * (wind - kite.velocity);
         load rudder on kite at com: external;
         load flutter on tail: external;
         /// Force in the tether.
@@ -44,15 +53,38 @@ mbd_runtime::model! {
         verify;
         body first {
             mass: 3.0 kg,
-            inertia: full { xx: 1.0, yy: 1.2, zz: 0.9, xy: 0.1, xz: -0.05, yz: 0.02 } kg*m^2 (matrix elements),
+            inertia: full {
+                xx: 1.0,
+                yy: 1.2,
+                zz: 0.9,
+                xy: 0.1,
+                xz: -0.05,
+                yz: 0.02,
+            } kg*m^2 (matrix elements),
             frame hook at [0.2, 0.0, 0.1] m,
         }
-        body second { mass: 2.0 kg, inertia: diag(0.5, 0.6, 0.4) kg*m^2, frame hook at [0.0, 0.3, 0.0] m }
+        body second {
+            mass: 2.0 kg,
+            inertia: diag(0.5, 0.6, 0.4) kg*m^2,
+            frame hook at [0.0, 0.3, 0.0] m,
+        }
         joint first_free: free from world to first.com;
         joint second_free: free from world to second.com;
-        line tie from first.hook to second.hook { free_length: 0.2 m, stiffness: 200 N/m, damping: 3 N*s/m }
-        line back_up from first.com to second.com { free_length: 0.1 m, stiffness: 100 N/m, damping: 2 N*s/m }
-        spring rod from world to first.hook { free_length: 0.7 m, stiffness: 50 N/m, damping: 1 N*s/m }
+        line tie from first.hook to second.hook {
+            free_length: 0.2 m,
+            stiffness: 200 N/m,
+            damping: 3 N*s/m,
+        }
+        line back_up from first.com to second.com {
+            free_length: 0.1 m,
+            stiffness: 100 N/m,
+            damping: 2 N*s/m,
+        }
+        spring rod from world to first.hook {
+            free_length: 0.7 m,
+            stiffness: 50 N/m,
+            damping: 1 N*s/m,
+        }
         load drag on first at hook = -0.3 kg/m * norm(first.hook.velocity) * first.hook.velocity;
         load swirl on second at com = [0.1, 0.0, -0.2] N*m;
     }

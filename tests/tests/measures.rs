@@ -18,9 +18,19 @@ model! {
         body box { mass: gen, inertia: diag(0.9, 0.8, 0.7) kg*m^2, frame type at [0.0, 0.0, 1.0] m }
         body dyn { mass: 10 kg, inertia: diag(1, 2, 1.5) kg*m^2 }
         point do { mass: 1 kg, start at [2, 0, 0] m }
-        joint match: hinge from world to box.type { axis: y, motor: move, filter: 20 ms, start: 0.3 rad, start_rate: 2 rad/s }
+        joint match: hinge from world to box.type {
+            axis: y,
+            motor: move,
+            filter: 20 ms,
+            start: 0.3 rad,
+            start_rate: 2 rad/s,
+        }
         joint loose: free from box.type to dyn.com;
-        spring try from world.ref to dyn.com { free_length: 1.5 m, stiffness: 40 N/m, damping: 1 N*s/m }
+        spring try from world.ref to dyn.com {
+            free_length: 1.5 m,
+            stiffness: 40 N/m,
+            damping: 1 N*s/m,
+        }
         load break on do = [0, 0, 1 N];
         output turned = dyn.orientation;
         output for = box.orientation.y;

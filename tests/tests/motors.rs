@@ -392,7 +392,10 @@ model! {
         joint pivot: hinge from world to crank.base { axis: z }
         joint left: hinge from crank.tip to coupler.left { axis: z }
         joint right: hinge from coupler.right to follower.tip { axis: z }
-        joint drive: hinge from world.right to follower.base { axis: z, motor: 60 deg + 1 rad/s * time }
+        joint drive: hinge from world.right to follower.base {
+            axis: z,
+            motor: 60 deg + 1 rad/s * time,
+        }
         output torque = drive.motor_torque;
     }
 }

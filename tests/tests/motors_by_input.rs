@@ -10,7 +10,11 @@ model! {
         param tau = 50 ms in 1 ms ..= 1 s;
         input wish: length = 0.1 m;
         body cart { mass: 4.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
-        body arm { mass: 1.0 kg, inertia: diag(0.02, 0.02, 0.001) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+        body arm {
+            mass: 1.0 kg,
+            inertia: diag(0.02, 0.02, 0.001) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+        }
         joint rail: prismatic from world to cart.com { axis: x, motor: wish, filter: tau }
         joint pin: hinge from cart.com to arm.top { axis: y, start: 0 deg }
         output lag = wish - rail.command;

@@ -356,7 +356,11 @@ model! {
         line left from world.wall to knot { free_length: 1.0 m, stiffness: 900 N/m }
         line right from knot to world.hook { free_length: 1.0 m, stiffness: 900 N/m }
         line cord from knot to lamp { free_length: 0.5 m, stiffness: 2 kN/m }
-        line stay from world.hook to lamp { free_length: 0.9 m, stiffness: 50 N/m, damping: 3 N*s/m }
+        line stay from world.hook to lamp {
+            free_length: 0.9 m,
+            stiffness: 50 N/m,
+            damping: 3 N*s/m,
+        }
         load air on lamp = -0.3 kg/s * lamp.velocity;
     }
 }

@@ -16,7 +16,10 @@ model! {
         param radius = 10 cm in 5 cm ..= 20 cm;
         body pendulum {
             density: 1000 kg/m^3,
-            shape: [cylinder { radius: 2 cm, length: 1 m } at [0.0, 0.0, -0.5] m, sphere { radius: radius } at bob],
+            shape: [
+                cylinder { radius: 2 cm, length: 1 m } at [0.0, 0.0, -0.5] m,
+                sphere { radius: radius } at bob,
+            ],
             frame pivot at [0.0, 0.0, 0.0] m,
             frame bob at [0.0, 0.0, -1.0] m,
         }
@@ -33,7 +36,8 @@ model! {
         const ROD = 0.4 * RHO * 3.141592653589793 * (1e-3 m^3);
         let ball = RHO * 4 / 3 * 3.141592653589793 * radius^3;
         let center = (0.5 m * ROD + 1 m * ball) / (ROD + ball);
-        let across = ROD * (3 * (2 cm)^2 + 1 m^2) / 12 + ROD * (center - 0.5 m)^2 + 0.4 * ball * radius^2 + ball * (1 m - center)^2;
+        let across = ROD * (3 * (2 cm)^2 + 1 m^2) / 12 + ROD * (center - 0.5 m)^2
+            + 0.4 * ball * radius^2 + ball * (1 m - center)^2;
         body pendulum {
             mass: ROD + ball,
             center_of_mass: [0 m, 0 m, -center],

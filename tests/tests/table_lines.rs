@@ -24,7 +24,11 @@ model! {
         }
         point ball { mass: 2 kg }
         joint loose: free from world to chest.com;
-        line strap_left from world.hook to chest.left { free_length: slack, force: webbing, damping: 30 N*s/m }
+        line strap_left from world.hook to chest.left {
+            free_length: slack,
+            force: webbing,
+            damping: 30 N*s/m,
+        }
         line strap_right from world.hook to chest.right { free_length: 0.9 m, force: webbing }
         line tether from chest.com to ball { free_length: 0.5 m, force: cord, damping: 2 N*s/m }
         line band from world.hook to ball { free_length: 0 m, force: cord }

@@ -17,8 +17,13 @@ model! {
             (0 rad, -2 m/s): 1 N, (0 rad, 0 m/s): 0.5 N, (0 rad, 2 m/s): 2 N,
             (1 rad, -2 m/s): 6 N, (1 rad, 0 m/s): 0 N, (1 rad, 2 m/s): 9 N,
         };
-        smooth table density = { -1 m: 1.2 kg/m^3, 0 m: 0.7 kg/m^3, 0.5 m: 0.4 kg/m^3, 1 m: 0.4 kg/m^3 };
-        smooth table field = { (-1 m, -1 m): 0 N, (-1 m, 1 m): 2 N, (0 m, -1 m): 3 N, (0 m, 1 m): 1 N, (1 m, -1 m): 4 N, (1 m, 1 m): 7 N };
+        smooth table density = {
+            -1 m: 1.2 kg/m^3, 0 m: 0.7 kg/m^3, 0.5 m: 0.4 kg/m^3, 1 m: 0.4 kg/m^3,
+        };
+        smooth table field = {
+            (-1 m, -1 m): 0 N, (-1 m, 1 m): 2 N, (0 m, -1 m): 3 N, (0 m, 1 m): 1 N,
+            (1 m, -1 m): 4 N, (1 m, 1 m): 7 N,
+        };
         body wing { mass: 2 kg, inertia: diag(0.1, 0.2, 0.3) kg*m^2 }
         joint loose: free from world to wing.com;
         point ball { mass: 1 kg }

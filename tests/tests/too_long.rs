@@ -212,9 +212,23 @@ model! {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         input push: force = 3 N;
         body cart { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
-        body arm { mass: 1.0 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
-        joint rail: prismatic from world to cart.com { axis: x, stiffness: 40 N/m, damping: 2 N*s/m, start: 0.2 m }
-        joint pin: hinge from cart.com to arm.top { axis: y, damping: 0.05 N*m*s, force: 0.5 N*m * sin(3 rad/s * time), start: 1 rad }
+        body arm {
+            mass: 1.0 kg,
+            inertia: diag(0.1, 0.1, 0.01) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+        }
+        joint rail: prismatic from world to cart.com {
+            axis: x,
+            stiffness: 40 N/m,
+            damping: 2 N*s/m,
+            start: 0.2 m,
+        }
+        joint pin: hinge from cart.com to arm.top {
+            axis: y,
+            damping: 0.05 N*m*s,
+            force: 0.5 N*m * sin(3 rad/s * time),
+            start: 1 rad,
+        }
         load drag on arm = -0.2 kg/m * norm(arm.velocity) * arm.velocity;
         load by_hand on cart = [push, 0.0, 0.0];
     }

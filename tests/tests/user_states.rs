@@ -177,7 +177,9 @@ model! {
         gravity: none;
         param rate = 2;
         state first = 1 { rate: -rate * first }
-        state level[i in 1..64] = 0 { rate: rate * (if(i < 2, first, level[max(i - 1, 1)]) - level[i]) }
+        state level[i in 1..64] = 0 {
+            rate: rate * (if(i < 2, first, level[max(i - 1, 1)]) - level[i]),
+        }
         output last = level[63];
     }
 }

@@ -23,7 +23,9 @@ model! {
         body bob { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2 }
         joint loose: free from world to bob.com;
         line rope from world to bob.com {
-            free_length: 5 m + 1 m * sin(0.4 rad/s * time), stiffness: 2e5 N/m, damping: 200 N*s/m,
+            free_length: 5 m + 1 m * sin(0.4 rad/s * time),
+            stiffness: 2e5 N/m,
+            damping: 200 N*s/m,
         }
     }
 }
@@ -35,7 +37,11 @@ model! {
         input paid: length = 4 m;
         input paying: speed;
         point bob { mass: 3.0 kg }
-        line rope from world to bob { free_length: [paid, paying], stiffness: 5 kN/m, damping: 300 N*s/m }
+        line rope from world to bob {
+            free_length: [paid, paying],
+            stiffness: 5 kN/m,
+            damping: 300 N*s/m,
+        }
     }
 }
 

@@ -40,7 +40,8 @@ pub fn emit(reading: &Reading) -> TokenStream {
             without_equations(reading, errors.collect())
         }
     };
-    let tracked = reading.file.as_deref().map(tracked);
+    let file = reading.file.as_ref().filter(|file| file.found);
+    let tracked = file.map(|file| tracked(&file.path));
     quote!(#warnings #tracked #model)
 }
 
@@ -141,8 +142,8 @@ fn settings(reading: &Reading) -> (NameSpans, Settings) {
     )
 }
 
-/// What to say of a scene whose joints leave nothing to move, or a motor nothing to drive, at the joint that is the cause; `None` where
-/// something moves, by itself or as prescribed.
+/// What to say of a scene whose joints leave nothing to move, or a motor nothing to drive, or a lock nothing to hold, at what is the cause; `None`
+/// where something moves, by itself or as prescribed.
 #[must_use]
 pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
     let scene = reading.scene.as_ref()?;
@@ -155,6 +156,9 @@ pub fn immovable(reading: &Reading, layout: &Layout) -> Option<Message> {
     ) {
         let motor = reading.motors.get(held.joint).copied();
         return message(say::idle_motor(text), motor);
+    }
+    if let Some((lock, text)) = redundancy.idle_lock(scene) {
+        return message(say::idle_lock(&text), of(lock));
     }
     let driven = layout.joints.iter().any(|slots| slots.driven);
     let held = layout.nv > 0 && layout.nodes.is_empty() && layout.freedoms() == 0;

@@ -33,6 +33,9 @@ struct Traced {
     order: Vec<Term>,
 }
 
+/// Entries of the largest mass matrix that is traced, of 4,096 speeds: no run needs it, and nearly all of it is zero.
+const WIDEST: usize = 1 << 24;
+
 impl Equations {
     /// Traces every quantity the scene has a use for.
     #[must_use]
@@ -64,6 +67,7 @@ impl Equations {
             .iter()
             .copied()
             .filter(|&what| layout.spells_out(what))
+            .filter(|&what| what != Quantity::MassMatrix || layout.len(what) <= WIDEST)
             .collect();
         let ((constants, traced), graph) = session(|| trace(scene, &layout, &wanted));
         let derived = derived(&graph, &traced);

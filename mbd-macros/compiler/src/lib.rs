@@ -43,7 +43,7 @@ pub use equations::{Equations, is_matrix};
 pub use expression::{Expr, Graph, Label, Mask, Node, Slot, Term, recorded, session};
 pub use families::Families;
 #[cfg(feature = "format")]
-pub use format::{format_rust, format_text};
+pub use format::{FormattedRust, format_rust, format_text};
 pub use interpret::{Interpreted, Registers};
 pub use kernels::{Driver, Kernel, Kernels, Results, Window};
 pub use lists::{Arguments, Group};
@@ -54,7 +54,9 @@ pub use operation::{Binary, Comparison, Op, Unary};
 pub use partition::{Block, Local, partition};
 pub use phases::misfits;
 pub use program::{Instruction, Operand, Program, Register};
-pub use reading::{Going, Options, Reading, Spans, read_text, read_text_in, read_tokens};
+pub use reading::{
+    Going, NamedFile, Options, Reading, Spans, read_text, read_text_in, read_tokens,
+};
 pub use resolve::{Emitted, Named};
 pub use solution::{Member, Solution};
 pub use strided::{Item, StridedRun};

@@ -38,8 +38,17 @@ pub struct Reading {
     pub going: Vec<Going>,
     /// What is asked for besides the scene.
     pub options: Options,
-    /// The file that it takes in, as it is named, if it could be read.
-    pub file: Option<String>,
+    /// The file that it takes in.
+    pub file: Option<NamedFile>,
+}
+
+/// A file that a declaration takes in.
+#[derive(Clone, Debug)]
+pub struct NamedFile {
+    /// Its path as it is named.
+    pub path: String,
+    /// Whether it could be read.
+    pub found: bool,
 }
 
 /// Where an event names a scene that goes on.
@@ -145,7 +154,10 @@ pub(crate) fn complete(
     let model = file.joined(model, &mut messages);
     let mut reading = finish(&model, &places, messages, file.whole);
     reading.notes.extend(file.notes.iter().cloned());
-    reading.file = file.found.then_some(file.path);
+    reading.file = Some(NamedFile {
+        path: file.path,
+        found: file.found,
+    });
     reading
 }
 

@@ -14,6 +14,8 @@ use crate::units;
 pub struct Vocabulary {
     /// What begins an item or a setting, and what may stand before it.
     pub items: BTreeSet<&'static str>,
+    /// Those of them behind which a name stands.
+    pub naming: BTreeSet<&'static str>,
     /// What stands before a value outside the braces: `from`, `rotated`.
     pub clauses: BTreeSet<&'static str>,
     /// Fields between braces.
@@ -22,6 +24,8 @@ pub struct Vocabulary {
     pub kinds: BTreeSet<&'static str>,
     /// Functions.
     pub functions: BTreeSet<&'static str>,
+    /// Words that stand elsewhere, and are no names: `rpy`, `falls`.
+    pub others: BTreeSet<&'static str>,
     /// Units.
     pub units: BTreeSet<&'static str>,
 }
@@ -46,10 +50,15 @@ impl Vocabulary {
                 .flat_map(|item| [Some(item.word), item.mark])
                 .flatten()
                 .collect(),
+            naming: all()
+                .filter(|item| item.named)
+                .map(|item| item.word)
+                .collect(),
             clauses: all().flat_map(clauses).filter(is_word).collect(),
             fields: of_items.chain(of_joints).chain(of_solids).collect(),
             kinds: joints.chain(Solid::ALL.map(Solid::keyword)).collect(),
             functions: words::FUNCTIONS.iter().copied().collect(),
+            others: words::OTHER_RESERVED.iter().copied().collect(),
             units: units::known().into_iter().collect(),
         }
     }

@@ -262,6 +262,39 @@ fn a_scene_that_cannot_move_is_told_so() {
 }
 
 #[test]
+fn a_lock_that_has_nothing_to_hold_is_told_where_it_is_named_first() {
+    let told = |family: &str, events: &str| {
+        let text = format!(
+            "model Held {{ gravity: none; coordinates: {family};
+    body a {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame tip at [1, 0.2, 0] m }}
+    world {{ frame far at [1.7, 0.3, 0.1] m }}
+    joint p: hinge from world to a.com {{ axis: y }}
+    joint strut: distance from world.far to a.tip {{ length: 0.9 m }}
+    body b {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }}
+    joint q: hinge from world to b.com {{ axis: y }}
+    {events} }}"
+        );
+        let reading = read_text(&text);
+        assert!(reading.errors.is_empty(), "{:?}", reading.errors);
+        let scene = reading.scene.clone().unwrap_or_default();
+        immovable(&reading, &Layout::new(&scene)).map(|told| told.in_file(""))
+    };
+    for family in ["absolute", "relative"] {
+        assert_eq!(
+            told(family, "event one = time rises 1 s { lock: [q, p] }").as_deref(),
+            Some(
+                ":8:44: `p`, `strut` hold `p.angle` already: lock another coordinate, or take away what holds this one"
+            )
+        );
+        let both =
+            "event one = time rises 1 s { lock: p } event two = time rises 2 s { detach: strut }";
+        assert_eq!(told(family, both), None);
+        let twice = "event one = time rises 1 s { lock: q } event two = time rises 2 s { free: q }";
+        assert_eq!(told(family, twice), None);
+    }
+}
+
+#[test]
 fn a_motor_that_has_nothing_to_drive_is_told_with_the_joints_that_hold_its_coordinate() {
     let told = |joints: &str| {
         let bar = |name: &str| {
@@ -304,4 +337,43 @@ fn a_motor_that_has_nothing_to_drive_is_told_with_the_joints_that_hold_its_coord
         told(&pins(motor, motor)),
         "`p4` cannot drive its `angle`: `p1`, `p2`, `p3` hold it; leave this motor out, or take away what holds it"
     );
+}
+
+/// Documentation that tries to end its comment, and turns the direction of writing, so that a reader sees another program than there is.
+#[test]
+fn no_word_of_a_scene_leaves_its_comment_in_the_code_or_turns_the_direction_of_writing() {
+    let text = |doc: &str| {
+        format!(
+            "/// {doc}\npub model Tricks {{ gravity: none;
+             /// {doc}
+             param m = 1 kg;
+             /// {doc}
+             point stone {{ mass: m, start at [0, 0, 1] m }}
+             /// {doc}
+             input push: force;
+             load wind on stone = [push, 0 N, 0 N];
+             /// {doc}
+             output height = stone.position.z; }}"
+        )
+    };
+    let printed = |doc: &str| {
+        let reading = read_text(&text(doc));
+        assert!(reading.errors.is_empty(), "{:?}", reading.errors);
+        mbd_compiler::expand(&reading).expect("Rust")
+    };
+    let plain = printed("plain");
+    let tricky = printed("*/ } fn evil() {} /* \"#] \u{202e}live\u{2066}\u{200f} {} \\");
+    assert!(!tricky.chars().any(mbd_scene::turns_direction));
+    assert!(tricky.contains('\u{fffd}'));
+    let items = |code: &str| syn::parse_file(code).expect("Rust").items.len();
+    assert_eq!(items(&plain), items(&tricky));
+    let code = |text: &str| -> Vec<String> {
+        let lines = text.lines().map(str::trim_start);
+        // The documentation, texts, and the hash of both.
+        let said = |line: &&str| {
+            !line.starts_with("///") && !line.contains('"') && !line.contains("DECL_HASH")
+        };
+        lines.filter(said).map(str::to_owned).collect()
+    };
+    assert!(code(&plain) == code(&tricky), "{tricky}");
 }

@@ -2,6 +2,7 @@
 
 mod dice;
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use dice::Dice;
@@ -81,16 +82,83 @@ fn the_scenes_of_this_repository_are_formatted() {
         let run = text[scene.len()..].trim_start();
         compare(&path, &text, &format!("{}\n{run}", formatted(&scene)));
     }
-    for path in files(&models, "rs") {
+}
+
+/// Every file of Rust of this repository but what is built, and what is an expected answer of the compiler.
+fn sources() -> Vec<PathBuf> {
+    let root = repository();
+    let folders = ["mbd-macros", "mbd-runtime", "models", "tests"];
+    let all = folders
+        .iter()
+        .flat_map(|folder| files(&root.join(folder), "rs"));
+    let own = |path: &PathBuf| {
+        let mut parts = path.components();
+        !parts.any(|part| {
+            ["golden", "target"]
+                .map(OsStr::new)
+                .contains(&part.as_os_str())
+        })
+    };
+    all.filter(own).collect()
+}
+
+#[test]
+fn every_declaration_in_the_sources_of_this_repository_is_formatted() {
+    let (mut count, mut templates) = (0, 0);
+    for path in sources() {
         let text = std::fs::read_to_string(&path).unwrap();
-        let written = format_rust(&text);
         let name = path.display();
-        compare(
-            &path,
-            &text,
-            &written.unwrap_or_else(|errors| panic!("{name}: {errors:?}")),
-        );
+        let written = format_rust(&text).unwrap_or_else(|errors| panic!("{name}: {errors:?}"));
+        compare(&path, &text, &written.text);
+        count += usize::from(text.contains("model! {"));
+        templates += written.left.len();
     }
+    assert!(count > 100 && templates > 0, "{count} {templates}");
+}
+
+/// The examples in the documentation of items, as they stand between the signs of comments.
+#[test]
+fn the_declarations_in_examples_of_the_documentation_are_formatted() {
+    let mut count = 0;
+    for path in sources() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        if !text.contains("```") {
+            continue;
+        }
+        let mut written = String::new();
+        let mut lines = text.split_inclusive('\n').peekable();
+        let margin = |line: &str| {
+            let sign = line.trim_start();
+            let found = ["///", "//!"]
+                .into_iter()
+                .find(|doc| sign.starts_with(doc))?;
+            Some(line[..line.len() - sign.len() + found.len()].to_owned())
+        };
+        while let Some(line) = lines.next() {
+            written.push_str(line);
+            let Some(margin) = margin(line).filter(|margin| line[margin.len()..].trim() == "```")
+            else {
+                continue;
+            };
+            let mut block = String::new();
+            while let Some(line) = lines
+                .next_if(|line| line.starts_with(&margin) && line[margin.len()..].trim() != "```")
+            {
+                let code = &line[margin.len()..];
+                block.push_str(code.strip_prefix(' ').unwrap_or(code));
+            }
+            let formatted = format_rust(&block).map_or_else(|_| block.clone(), |file| file.text);
+            count += usize::from(block.contains("model! {"));
+            for line in formatted.split_inclusive('\n') {
+                let blank = if line.trim().is_empty() { "" } else { " " };
+                written.push_str(&format!("{margin}{blank}{line}"));
+            }
+            // The end of the block begins no other.
+            written.extend(lines.next());
+        }
+        compare(&path, &text, &written);
+    }
+    assert!(count > 10, "{count}");
 }
 
 /// What the pages show as Rust.
@@ -108,7 +176,7 @@ fn the_declarations_on_the_pages_are_formatted() {
         for block in text.split("```rust\n").skip(1) {
             let block = block.split("```").next().unwrap();
             if let Ok(written) = format_rust(block) {
-                all = all.replace(block, &written);
+                all = all.replace(block, &written.text);
                 count += usize::from(block.contains("model! {"));
             }
         }
@@ -245,6 +313,21 @@ fn what_is_too_long_is_broken_where_it_binds_least() {
 }
 
 #[test]
+fn a_long_start_is_broken_before_the_words_of_its_values() {
+    let before = "model A { gravity: none; body a { start at [1.0, 2.0, 3.0] m rotated rpy(0.1, 0.2, 0.3) velocity [1.0, 0.0, 3.0] m/s angular_velocity [1.0, 2.0, 3.0] rad/s } }";
+    let after = "model A {
+    gravity: none;
+    body a {
+        start at [1.0, 2.0, 3.0] m rotated rpy(0.1, 0.2, 0.3) velocity [1.0, 0.0, 3.0] m/s
+            angular_velocity [1.0, 2.0, 3.0] rad/s,
+    }
+}
+";
+    assert_eq!(formatted(before), after);
+    assert_eq!(formatted(after), after);
+}
+
+#[test]
 fn ends_of_lines_stay_what_they_are() {
     let unix = "model A {\n    // Größe\n    gravity: none;\n}\n";
     let other = unix.replace('\n', "\r\n");
@@ -269,16 +352,21 @@ fn what_cannot_be_read_is_told_with_its_place() {
     assert!(format_text("model A { line a from b to c { length: 1 quux } }").is_ok());
 }
 
+fn rust(text: &str) -> String {
+    let file = format_rust(text).unwrap_or_else(|errors| panic!("{text}\n{errors:?}"));
+    file.text
+}
+
 #[test]
 fn every_model_of_a_file_of_rust_is_formatted_and_nothing_else() {
-    let before = "//! Größe: ü\nfn  f( ) { let model = \"model! { no }\"; }\nmod a {\n    mbd_runtime::model! {\n    /// First.\n pub model A { gravity: none; }  }\n}\nmodel!{ model B { gravity: none; } }\nmacro_rules! m { ($x:tt) => { model! {  pub model $x { gravity: none; } } } }\nmodel!(urdf  = \"a.urdf\");";
-    let after = "//! Größe: ü\nfn  f( ) { let model = \"model! { no }\"; }\nmod a {\n    mbd_runtime::model! {\n        /// First.\n        pub model A {\n            gravity: none;\n        }\n    }\n}\nmodel!{\n    model B {\n        gravity: none;\n    }\n}\nmacro_rules! m { ($x:tt) => { model! {  pub model $x { gravity: none; } } } }\nmodel!(urdf  = \"a.urdf\");";
-    assert_eq!(format_rust(before).unwrap(), after);
-    assert_eq!(format_rust(after).unwrap(), after);
+    let before = "//! Größe: ü\nfn  f( ) { let model = \"model! { no }\"; }\nmod a {\n    mbd_runtime::model! {\n    /// First.\n pub model A { gravity: none; }  }\n}\nmodel!{ model B { gravity: none; } }\nmacro_rules! m { ($x:tt) => { model! {  pub model $x { gravity: none; } } } }\n";
+    let after = "//! Größe: ü\nfn  f( ) { let model = \"model! { no }\"; }\nmod a {\n    mbd_runtime::model! {\n        /// First.\n        pub model A {\n            gravity: none;\n        }\n    }\n}\nmodel!{\n    model B {\n        gravity: none;\n    }\n}\nmacro_rules! m { ($x:tt) => { model! {  pub model $x { gravity: none; } } } }\n";
+    assert_eq!(rust(before), after);
+    assert_eq!(rust(after), after);
     let marked = format!("\u{feff}{before}");
-    assert_eq!(format_rust(&marked).unwrap(), format!("\u{feff}{after}"));
+    assert_eq!(rust(&marked), format!("\u{feff}{after}"));
     let other = |text: &str| text.replace('\n', "\r\n");
-    assert_eq!(format_rust(&other(before)).unwrap(), other(after));
+    assert_eq!(rust(&other(before)), other(after));
     let errors = format_rust("fn a() {}\nmodel! {\n  model A { gravity none; } }").unwrap_err();
     assert!(
         errors[0].in_file("a.rs").starts_with("a.rs:3:21: "),
@@ -286,7 +374,58 @@ fn every_model_of_a_file_of_rust_is_formatted_and_nothing_else() {
     );
     let errors = format_rust("fn a() {\n  (").unwrap_err();
     assert!(errors[0].in_file("a.rs").contains("no Rust"), "{errors:?}");
-    assert_eq!(format_rust("").unwrap(), "");
+    assert_eq!(rust(""), "");
+}
+
+#[test]
+fn calls_with_any_brackets_are_formatted() {
+    for (open, close) in [("{", "}"), ("(", ");"), ("[", "];")] {
+        let before = format!("    model!{open} model A {{ gravity:none; }}\n {close}\n");
+        let after = format!(
+            "    model!{open}\n        model A {{\n            gravity: none;\n        }}\n    {close}\n"
+        );
+        assert_eq!(rust(&before), after);
+        assert_eq!(rust(&after), after);
+    }
+}
+
+#[test]
+fn a_robot_alone_stays_on_its_line_and_more_than_that_has_an_item_a_line() {
+    for (before, after) in [
+        ("model!( urdf=\"a.urdf\" );", "model!(urdf = \"a.urdf\");"),
+        ("model!{urdf = \"a.urdf\"}", "model!{ urdf = \"a.urdf\" }"),
+        (
+            "model!(\n\n urdf  = \"a.urdf\"\n);",
+            "model!(urdf = \"a.urdf\");",
+        ),
+        (
+            "model!(urdf=\"a.urdf\", gravity:none;output a=pin.angle;);",
+            "model!(\n    urdf = \"a.urdf\",\n    gravity: none;\n    output a = pin.angle;\n);",
+        ),
+        (
+            "model!(urdf=\"a.urdf\" // mine\n);",
+            "model!(\n    urdf = \"a.urdf\" // mine\n);",
+        ),
+    ] {
+        assert_eq!(rust(before), after);
+        assert_eq!(rust(after), after);
+    }
+    let long = format!("model!(urdf = \"{}.urdf\");", "a".repeat(90));
+    let broken = format!("model!(\n    urdf = \"{}.urdf\"\n);", "a".repeat(90));
+    assert_eq!(rust(&long), broken);
+}
+
+#[test]
+fn what_stays_as_it_is_is_told_with_its_place() {
+    let text = "model! { model A { gravity:none; } }\nmacro_rules! m {\n    ($x:tt) => { model!(  model $x { gravity:none; } ); };\n}\n";
+    let file = format_rust(text).unwrap();
+    assert!(file.text.ends_with(text.split_once('\n').unwrap().1));
+    let told: Vec<String> = file.left.iter().map(|it| it.in_file("a.rs")).collect();
+    assert_eq!(told.len(), 1);
+    assert!(
+        told[0].starts_with("a.rs:3:24: this declaration has a `$` in it"),
+        "{told:?}"
+    );
 }
 
 /// Blanks, ends of lines and comments thrown between the lexemes of every declaration.

@@ -476,6 +476,13 @@ fn a_file_that_is_too_large_or_too_deep_is_refused_soon() {
         told(&read_urdf(&format!("<robot>{links}</robot>")))
             .contains("5000 links are more than 2000")
     );
+    let attributes: String = (0..5000).map(|i| format!("a{i}=\"1\" ")).collect();
+    assert_eq!(
+        told(&read_urdf(&format!(
+            "<robot name=\"r\">\n  <link {attributes}/></robot>"
+        ))),
+        "arm.urdf:2:3: 5000 attributes are more than 1000, which no element of a robot has"
+    );
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mbd_runtime::scene::metrics::COLUMNS_OF_RESULTS;
@@ -11,7 +11,7 @@ use mbd_runtime::{
     Batch, Case, Content, FailedCase, Finished, Model, RunError, Sampling, Simulation, StepError,
     Trajectory,
 };
-use toml::Table;
+use toml::{Table, Value};
 
 use crate::columns;
 use crate::dispersion::{Dispersions, Written};
@@ -89,6 +89,21 @@ impl Campaign {
         let folder = file.parent().unwrap_or(Path::new(""));
         Campaign::new(&written, folder, model, settings)
             .map_err(|error| Failure::Invalid(format!("{name}: {error}")))
+    }
+
+    /// The tables of numbers that a campaign file names, as far as it can be read.
+    #[must_use]
+    pub fn tables(file: &Path) -> Vec<PathBuf> {
+        let text = fs::read_to_string(file).unwrap_or_default();
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let Ok(written) = toml::from_str::<Written>(&text) else {
+            return Vec::new();
+        };
+        let mut found = Vec::new();
+        for table in [&written.params, &written.start, &written.inputs] {
+            named_files(table, folder, &mut found);
+        }
+        found
     }
 
     fn new(
@@ -351,6 +366,17 @@ fn asked(written: &Written, metrics: &Metrics, last: u64) -> Result<Asked, PlanE
         histories: Choice::new(&histories, &metrics.list, last)?,
         footprints: footprints.collect::<Result<_, _>>()?,
     })
+}
+
+/// Every `file` of distributions, however deep they stand.
+fn named_files(table: &Table, folder: &Path, found: &mut Vec<PathBuf>) {
+    for (key, value) in table {
+        match value {
+            Value::String(file) if key == "file" => found.push(folder.join(file)),
+            Value::Table(inner) => named_files(inner, folder, found),
+            _ => {}
+        }
+    }
 }
 
 /// Refuses a metric that has the name of another column.

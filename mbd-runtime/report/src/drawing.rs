@@ -16,6 +16,13 @@ type Place = [f64; 2];
 pub enum Shape {
     /// A rigid body: the convex hull of these places; a line for two, a square mark for one.
     Body(Vec<Place>),
+    /// A solid: the convex hull of these places, and the rims of what is flat and looks at the reader.
+    Solid {
+        /// Places whose convex hull is filled.
+        outline: Vec<Place>,
+        /// Closed lines on it.
+        rims: Vec<Vec<Place>>,
+    },
     /// A line between two places, slack or taut.
     Line([Place; 2], bool),
     /// The way between the two places of a joint that slides.
@@ -31,7 +38,10 @@ pub enum Shape {
 impl Shape {
     fn places(&self) -> &[Place] {
         match self {
-            Shape::Body(places) => places,
+            Shape::Body(places)
+            | Shape::Solid {
+                outline: places, ..
+            } => places,
             Shape::Line(ends, _) | Shape::Rail(ends) => ends,
             Shape::Joint(at) | Shape::Pivot(at) | Shape::Point(at) => std::slice::from_ref(at),
         }
@@ -44,7 +54,7 @@ impl Shape {
         let at = [0.5 * SAMPLE[0], middle];
         match self {
             Shape::Body(places) if places.len() == 1 => (Shape::Body(vec![at]), "body"),
-            Shape::Body(_) => (Shape::Body(ends.to_vec()), "body"),
+            Shape::Body(_) | Shape::Solid { .. } => (Shape::Body(ends.to_vec()), "body"),
             Shape::Line(_, true) => (Shape::Line(ends, true), "slack line"),
             Shape::Line(_, false) => (Shape::Line(ends, false), "line"),
             Shape::Rail(_) => (Shape::Rail(ends), "between the places of a joint"),
@@ -57,7 +67,7 @@ impl Shape {
     /// Later ones lie on top.
     fn layer(&self) -> usize {
         match self {
-            Shape::Body(_) => 0,
+            Shape::Body(_) | Shape::Solid { .. } => 0,
             Shape::Line(..) | Shape::Rail(_) => 1,
             Shape::Pivot(_) => 2,
             Shape::Joint(_) | Shape::Point(_) => 3,
@@ -265,15 +275,14 @@ pub(super) fn fitted(bounds: [[f64; 2]; 2], widest: f64) -> ([[f64; 2]; 2], [f64
 
 fn draw_shape(svg: &mut Svg, shape: &Shape, at: &impl Fn(&Place) -> Option<Place>) {
     match shape {
-        Shape::Body(places) => {
-            let places: Vec<Place> = places.iter().filter_map(at).collect();
-            match hull(places).as_slice() {
-                [] => {}
-                [[x, y]] => {
-                    let corner = [x - MARK, y - MARK];
-                    svg.rect("mbd-body", corner, [2.0 * MARK, 2.0 * MARK]);
+        Shape::Body(places) => draw_hull(svg, "mbd-body", places, at),
+        Shape::Solid { outline, rims } => {
+            draw_hull(svg, "mbd-solid", outline, at);
+            for rim in rims {
+                let rim = hull(rim.iter().filter_map(at).collect());
+                if rim.len() > 2 {
+                    svg.polygon("mbd-rim", &rim);
                 }
-                corners => svg.polygon("mbd-body", corners),
             }
         }
         Shape::Line([from, to], slack) => {
@@ -304,6 +313,18 @@ fn draw_shape(svg: &mut Svg, shape: &Shape, at: &impl Fn(&Place) -> Option<Place
                 svg.circle("mbd-dot", place, 3.2);
             }
         }
+    }
+}
+
+/// The convex hull of places: a line for two, a square mark for one.
+fn draw_hull(svg: &mut Svg, class: &str, places: &[Place], at: &impl Fn(&Place) -> Option<Place>) {
+    match hull(places.iter().filter_map(at).collect()).as_slice() {
+        [] => {}
+        [[x, y]] => {
+            let corner = [x - MARK, y - MARK];
+            svg.rect(class, corner, [2.0 * MARK, 2.0 * MARK]);
+        }
+        corners => svg.polygon(class, corners),
     }
 }
 

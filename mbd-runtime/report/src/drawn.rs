@@ -4,6 +4,7 @@ use mbd_runtime::scene::Place;
 use serde::Serialize;
 
 use super::packing::Packed;
+use super::surface::Surface;
 use super::svg::visible;
 
 /// What the script of the page reads. Lengths in metres, forces in newtons, world axes.
@@ -14,6 +15,8 @@ pub(super) struct Drawn {
     pub up: [f64; 3],
     /// Where a planar scene is looked at from.
     pub from: Option<[f64; 3]>,
+    /// Every solid once.
+    pub solids: Vec<DrawnSolid>,
     pub bodies: Vec<DrawnBody>,
     pub points: Vec<DrawnPoint>,
     pub frames: Vec<DrawnFrame>,
@@ -32,6 +35,8 @@ pub(super) struct DrawnBody {
     pub q: Packed,
     /// Frames from the centre of mass, body axes.
     pub arms: Vec<[f64; 3]>,
+    /// Which of them are joined to the centre of mass by a line.
+    pub rods: Vec<usize>,
     /// Their names.
     pub ends: Vec<String>,
     /// Half axes of the homogeneous ellipsoid of the same mass and inertia, body axes.
@@ -43,11 +48,37 @@ pub(super) struct DrawnBody {
 
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct DrawnShape {
-    pub kind: &'static str,
-    pub size: Vec<f64>,
+    /// Which of the solids.
+    pub solid: usize,
     pub at: [f64; 3],
     /// Rows of the matrix from the axes of the shape to those of the body.
     pub turn: [[f64; 3]; 3],
+}
+
+/// The surface of a solid, in its own axes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct DrawnSolid {
+    /// Radius and length of a ball that is parted along z: it needs no faces.
+    pub ball: Option<[f64; 2]>,
+    /// Corners.
+    pub p: Packed,
+    /// Faces by their corners, per part.
+    pub parts: Vec<Vec<Vec<usize>>>,
+}
+
+impl DrawnSolid {
+    pub fn of(surface: &Surface) -> Self {
+        let (places, parts): (&[_], &[_]) = match surface.ball {
+            Some(_) => (&[], &[]),
+            None => (&surface.places, &surface.parts),
+        };
+        let corners = places.iter().flat_map(|place| <[f64; 3]>::from(*place));
+        DrawnSolid {
+            ball: surface.ball,
+            p: Packed::floats(corners),
+            parts: parts.iter().map(|part| part.faces.clone()).collect(),
+        }
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -120,7 +151,14 @@ impl Drawn {
                 frame,
             )
         };
-        self.bodies.extend(other.bodies);
+        let solids = self.solids.len();
+        self.solids.extend(other.solids);
+        self.bodies.extend(other.bodies.into_iter().map(|mut body| {
+            for shape in &mut body.shapes {
+                shape.solid += solids;
+            }
+            body
+        }));
         self.points.extend(other.points);
         self.frames.extend(other.frames);
         self.joints.extend(other.joints.into_iter().map(|joint| {

@@ -1,14 +1,12 @@
 //! The instants of a history that a page shows: every thing of the scene at each of them.
 
 use mbd_runtime::nalgebra::{Matrix3, Vector3};
-use mbd_runtime::scene::laws::{BodyNumbers, FrameNumbers, GravityNumbers, constant};
-use mbd_runtime::scene::{
-    Axis, Coordinate, Formula, Joint, LoadKind, Measure, Place, PointKind, Scene, Triple,
-};
+use mbd_runtime::scene::laws::{BodyNumbers, FrameNumbers, GravityNumbers};
+use mbd_runtime::scene::{Axis, Coordinate, Joint, LoadKind, Measure, Place, PointKind};
 
 use super::drawn::{
-    Drawn, DrawnArrow, DrawnBody, DrawnFrame, DrawnJoint, DrawnLine, DrawnPoint, DrawnShape, place,
-    safe,
+    Drawn, DrawnArrow, DrawnBody, DrawnFrame, DrawnJoint, DrawnLine, DrawnPoint, DrawnShape,
+    DrawnSolid, place, safe,
 };
 use super::mechanism::{upwards, views};
 use super::packing::Packed;
@@ -108,13 +106,14 @@ impl<'a> Film<'a> {
         });
         // What flies freely is held by nothing.
         let held = scene.joints.iter().filter(|joint| joint.law.rows() > 0);
+        let mut solids = Vec::new();
+        let bodies = (0..scene.bodies.len()).filter_map(|k| self.body(k, &mut solids));
         Drawn {
+            bodies: bodies.collect(),
+            solids,
             times: Packed::floats(self.instants.iter().map(|instant| instant.time)),
             up,
             from,
-            bodies: (0..scene.bodies.len())
-                .filter_map(|k| self.body(k))
-                .collect(),
             points: (0..scene.points.len())
                 .filter_map(|k| self.point(k))
                 .collect(),
@@ -144,7 +143,8 @@ impl<'a> Film<'a> {
         Packed::floats(instants.flat_map(|instant| <[f64; 3]>::from(vector(instant))))
     }
 
-    fn body(&self, index: usize) -> Option<DrawnBody> {
+    /// A body; what its shapes look like is added to the solids, if it is not among them.
+    fn body(&self, index: usize, solids: &mut Vec<DrawnSolid>) -> Option<DrawnBody> {
         let (scene, numbers) = (self.stage.scene, &self.stage.numbers);
         let (body, numbers) = (scene.bodies.get(index)?, numbers.bodies.get(index)?);
         let track = self.stage.bodies.get(index)?.as_ref();
@@ -160,20 +160,31 @@ impl<'a> Film<'a> {
             }
         };
         let ellipsoid = ellipsoid(numbers);
-        let shapes = shapes(scene, &self.stage.numbers.params, index);
-        let reach = |k: usize| {
-            let axes = ellipsoid.iter().flatten();
-            let own = axes.map(|axis| axis[k] * axis[k]).sum::<f64>().sqrt();
-            // Of a shape its largest size, whatever way it lies.
-            let sizes = shapes.iter().map(|shape| {
-                let largest = shape.size.iter().copied().fold(0.0, f64::max);
-                shape.at[k].abs() + largest
+        let mut reach = Vector3::zeros();
+        let mut extend = |place: Vector3<f64>| reach = place.abs().sup(&reach);
+        let mut shapes = Vec::new();
+        for placed in self.stage.solids(index) {
+            let surface = placed.surface();
+            let places = surface.places.iter();
+            places.for_each(|place| extend(placed.on_body(place)));
+            let drawn = DrawnSolid::of(&surface);
+            let known = solids.iter().position(|solid| *solid == drawn);
+            let solid = known.unwrap_or_else(|| {
+                solids.push(drawn);
+                solids.len() - 1
             });
-            match shapes.is_empty() {
-                true => own,
-                false => sizes.fold(0.0, f64::max),
-            }
-        };
+            let rows = [0, 1, 2].map(|k| placed.turn.row(k).transpose().into());
+            shapes.push(DrawnShape {
+                solid,
+                at: placed.at.into(),
+                turn: rows,
+            });
+        }
+        if shapes.is_empty() {
+            let axes = ellipsoid.iter().flatten().map(|axis| Vector3::from(*axis));
+            let squares = axes.map(|axis| axis.component_mul(&axis));
+            extend(squares.sum::<Vector3<f64>>().map(f64::sqrt));
+        }
         Some(DrawnBody {
             name: safe(&body.name),
             p: self.vectors(|row| track?.position(row)),
@@ -183,8 +194,9 @@ impl<'a> Film<'a> {
                 .iter()
                 .map(|frame| frame.position.into())
                 .collect(),
+            rods: self.stage.arms(index),
             ends: body.frames.iter().map(|frame| safe(&frame.name)).collect(),
-            reach: [0, 1, 2].map(reach),
+            reach: reach.into(),
             ellipsoid,
             shapes,
         })
@@ -360,21 +372,4 @@ pub(super) fn ellipsoid(numbers: &BodyNumbers<f64>) -> Option<[[f64; 3]; 3]> {
 
 fn length([x, y, z]: &[f64; 3]) -> f64 {
     x.hypot(*y).hypot(*z)
-}
-
-/// The declared shapes of a body.
-fn shapes(scene: &Scene, params: &[f64], body: usize) -> Vec<DrawnShape> {
-    let number = |formula: &Formula| constant(scene, params, formula);
-    let triple = |triple: &Triple| triple.each_ref().map(number);
-    let own = scene.shapes.iter().filter(|shape| shape.body == body);
-    own.map(|shape| DrawnShape {
-        kind: shape.solid.keyword(),
-        size: shape.sizes.iter().map(number).collect(),
-        at: triple(&shape.position),
-        turn: match &shape.rotation {
-            Some(rows) => rows.each_ref().map(triple),
-            None => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        },
-    })
-    .collect()
 }

@@ -34,6 +34,7 @@ mod plots;
 mod series;
 mod spectrum;
 mod stage;
+mod surface;
 mod svg;
 mod table;
 mod thin;

@@ -79,13 +79,15 @@ pub(super) fn style_sheet() -> String {
          .mbd-frame{stroke:#444;stroke-width:1;fill:none}.mbd-level{stroke:#444;stroke-width:.9;stroke-dasharray:2 3}\
          .mbd-text{fill:#111;font-family:Helvetica,Arial,\"DejaVu Sans\",sans-serif}.mbd-series{fill:none;stroke-linejoin:round;stroke-linecap:butt}\
          .mbd-halo{stroke:#fff;stroke-width:3;stroke-linejoin:round;paint-order:stroke}\
-         .mbd-body{stroke:#1a1a1a;stroke-width:2.6;stroke-linejoin:round;stroke-linecap:round;fill:#56b4e9;fill-opacity:.25}.mbd-rope{stroke:#0072b2;stroke-width:1.3}\
+         .mbd-body{stroke:#1a1a1a;stroke-width:2.6;stroke-linejoin:round;stroke-linecap:round;fill:#56b4e9;fill-opacity:.25}\
+         .mbd-solid{stroke:#1a1a1a;stroke-width:1.3;stroke-linejoin:round;fill:#56b4e9;fill-opacity:.25}.mbd-rim{stroke:#1a1a1a;stroke-width:.8;stroke-linejoin:round;fill:none}\
+         .mbd-rope{stroke:#0072b2;stroke-width:1.3}\
          .mbd-slack{stroke:#0072b2;stroke-width:1.3;stroke-dasharray:2 4}.mbd-joint{stroke:#1a1a1a;stroke-width:1.4;fill:#fff}.mbd-pivot{stroke:#1a1a1a;stroke-width:1.4;fill:#bbb}\
          .mbd-dot{fill:#1a1a1a}.mbd-rail{stroke:#6b6b6b;stroke-width:1.2;stroke-dasharray:1.5 3}",
     );
     let mut dark = String::from(
         ".mbd-ground{fill:#16181c}.mbd-grid{stroke:#34383f}.mbd-minor{stroke:#25282e}.mbd-frame{stroke:#aaa}\
-         .mbd-level{stroke:#aaa}.mbd-text{fill:#e8e8e8}.mbd-halo{stroke:#16181c}.mbd-body{stroke:#e8e8e8}.mbd-rope{stroke:#6cb8ff}.mbd-slack{stroke:#6cb8ff}\
+         .mbd-level{stroke:#aaa}.mbd-text{fill:#e8e8e8}.mbd-halo{stroke:#16181c}.mbd-body,.mbd-solid,.mbd-rim{stroke:#e8e8e8}.mbd-rope{stroke:#6cb8ff}.mbd-slack{stroke:#6cb8ff}\
          .mbd-joint{stroke:#e8e8e8;fill:#16181c}.mbd-pivot{stroke:#e8e8e8;fill:#555}.mbd-dot{fill:#e8e8e8}.mbd-rail{stroke:#b0b0b0}",
     );
     for look in Look::ALL {

@@ -1,12 +1,13 @@
 //! The mechanism of a run at several instants, drawn in the plane in which it extends most; a planar scene in its own.
 
 use mbd_runtime::Trajectory;
-use mbd_runtime::nalgebra::Vector3;
+use mbd_runtime::nalgebra::{Matrix3, Vector3};
 use mbd_runtime::scene::laws::{GravityNumbers, Numbers};
 use mbd_runtime::scene::{Place, Plane, PointKind, Scene};
 
 use super::drawing::{Drawing, Shape};
 use super::stage::{AXES, Stage, Track};
+use super::surface::{Part as SurfacePart, Placed};
 
 /// The instants of a drawing when none are asked for.
 const INSTANTS: usize = 5;
@@ -22,6 +23,7 @@ const APART: f64 = 1e-9;
 /// A part of the mechanism in space.
 enum Part {
     Body(Vec<Vector3<f64>>),
+    Solid(Skin),
     Line([Vector3<f64>; 2], bool),
     /// Between the two places of a joint that slides.
     Rail([Vector3<f64>; 2]),
@@ -30,23 +32,81 @@ enum Part {
     Point(Vector3<f64>),
 }
 
+/// The surface of a solid in space.
+struct Skin {
+    places: Vec<Vector3<f64>>,
+    /// Of each flat part the direction outwards, and its rims by their places.
+    flats: Vec<(Vector3<f64>, Vec<Vec<usize>>)>,
+}
+
+impl Skin {
+    /// That of a solid of a body whose centre of mass is there, and whose axes are turned so.
+    fn of(placed: &Placed, (middle, turn): (&Vector3<f64>, &Matrix3<f64>)) -> Skin {
+        let surface = placed.surface();
+        let places = surface.places.iter();
+        let places = places.map(|place| middle + turn * placed.on_body(place));
+        let flat = |part: &SurfacePart| {
+            let outwards = turn * (placed.turn * part.flat()?);
+            Some((outwards, part.rims.clone()))
+        };
+        Skin {
+            places: places.collect(),
+            flats: surface.parts.iter().filter_map(flat).collect(),
+        }
+    }
+
+    /// Its outline, and the rims of what is flat and looks at the reader.
+    fn seen(&self, view: &View) -> Shape {
+        let on_paper = |corner: &usize| self.places.get(*corner).map(|place| view.place(place));
+        let rim = |rim: &Vec<usize>| rim.iter().filter_map(on_paper).collect();
+        let facing = self
+            .flats
+            .iter()
+            .filter(|(outwards, _)| view.sees(outwards));
+        let rims = facing.flat_map(|(_, rims)| rims.iter().map(rim));
+        Shape::Solid {
+            outline: self.places.iter().map(|place| view.place(place)).collect(),
+            rims: rims.collect(),
+        }
+    }
+}
+
+/// A plane in space that is drawn: the axes across and up.
+struct View([usize; 2]);
+
+impl View {
+    fn place(&self, place: &Vector3<f64>) -> [f64; 2] {
+        self.0.map(|axis| place[axis])
+    }
+
+    /// Whether a reader sees what looks in this direction.
+    fn sees(&self, outwards: &Vector3<f64>) -> bool {
+        let axis = |k: usize| Vector3::from_fn(|i, _| f64::from(u8::from(i == k)));
+        let [across, up] = self.0.map(axis);
+        across.cross(&up).dot(outwards) > 1e-9
+    }
+}
+
 impl Part {
     fn places(&self) -> &[Vector3<f64>] {
         match self {
             Part::Body(places) => places,
+            Part::Solid(skin) => &skin.places,
             Part::Line(ends, _) | Part::Rail(ends) => ends,
             Part::Joint(at) | Part::Pivot(at) | Part::Point(at) => std::slice::from_ref(at),
         }
     }
 
-    fn seen(&self, view: &impl Fn(&Vector3<f64>) -> [f64; 2]) -> Shape {
+    fn seen(&self, view: &View) -> Shape {
+        let on_paper = |place: &Vector3<f64>| view.place(place);
         match self {
-            Part::Body(places) => Shape::Body(places.iter().map(view).collect()),
-            Part::Line(ends, slack) => Shape::Line(ends.each_ref().map(view), *slack),
-            Part::Rail(ends) => Shape::Rail(ends.each_ref().map(view)),
-            Part::Joint(at) => Shape::Joint(view(at)),
-            Part::Pivot(at) => Shape::Pivot(view(at)),
-            Part::Point(at) => Shape::Point(view(at)),
+            Part::Body(places) => Shape::Body(places.iter().map(on_paper).collect()),
+            Part::Solid(skin) => skin.seen(view),
+            Part::Line(ends, slack) => Shape::Line(ends.each_ref().map(on_paper), *slack),
+            Part::Rail(ends) => Shape::Rail(ends.each_ref().map(on_paper)),
+            Part::Joint(at) => Shape::Joint(view.place(at)),
+            Part::Pivot(at) => Shape::Pivot(view.place(at)),
+            Part::Point(at) => Shape::Point(view.place(at)),
         }
     }
 }
@@ -104,7 +164,7 @@ fn draw(
     paths: &[(String, Vec<Vector3<f64>>)],
     caption: &str,
 ) -> Drawing {
-    let view = |place: &Vector3<f64>| plane.map(|axis| place[axis]);
+    let view = View(plane);
     let names = plane.map(|axis| AXES.get(axis).copied().unwrap_or_default());
     let title = format!(
         "{}: the mechanism, {}{} plane",
@@ -115,7 +175,7 @@ fn draw(
         drawing = drawing.instant(parts.iter().map(|part| part.seen(&view)));
     }
     for (name, places) in paths {
-        drawing = drawing.path(name, places.iter().map(view).collect());
+        drawing = drawing.path(name, places.iter().map(|place| view.place(place)).collect());
     }
     drawing
 }
@@ -153,6 +213,16 @@ impl Stage<'_> {
         let scene = self.scene;
         let mut parts = Vec::new();
         for (body, declared) in scene.bodies.iter().enumerate() {
+            let skins = self.skins(body, row);
+            if !skins.is_empty() {
+                parts.extend(skins.into_iter().map(Part::Solid));
+                let arms = self.arms(body).into_iter().filter_map(|frame| {
+                    let ends = [0, frame].map(|frame| self.place(Place::Body(body, frame), row));
+                    Some(Part::Body(vec![ends[0]?, ends[1]?]))
+                });
+                parts.extend(arms);
+                continue;
+            }
             // A body between two of its places; its centre of mass is one of them where it has no other two.
             let first = usize::from(declared.frames.len() > 2);
             let frames = (first..declared.frames.len()).map(|frame| Place::Body(body, frame));
@@ -204,6 +274,20 @@ impl Stage<'_> {
         parts
     }
 
+    /// The shapes of a body where it is; none where it has none, or the history does not hold where it is.
+    fn skins(&self, body: usize, row: usize) -> Vec<Skin> {
+        let track = self.bodies.get(body).and_then(Option::as_ref);
+        let pose = track.and_then(|track| Some((track.position(row)?, track.turn(row)?)));
+        let Some((middle, turn)) = pose else {
+            return Vec::new();
+        };
+        let solids = self.solids(body);
+        let solids = solids.iter();
+        solids
+            .map(|placed| Skin::of(placed, (&middle, &turn)))
+            .collect()
+    }
+
     /// Paths of the centres of mass and of the points with mass.
     fn paths(&self, rows: std::ops::RangeInclusive<usize>) -> Vec<(String, Vec<Vector3<f64>>)> {
         let bodies = self.scene.bodies.iter().zip(&self.bodies);
@@ -249,7 +333,9 @@ fn about_itself(instants: &mut [Vec<Part>], paths: &mut Vec<(String, Vec<Vector3
         let middle = 0.5 * (low + high);
         for part in parts {
             match part {
-                Part::Body(places) => places.iter_mut().for_each(|place| *place -= middle),
+                Part::Body(places) | Part::Solid(Skin { places, .. }) => {
+                    places.iter_mut().for_each(|place| *place -= middle)
+                }
                 Part::Line(ends, _) | Part::Rail(ends) => {
                     ends.iter_mut().for_each(|end| *end -= middle)
                 }

@@ -116,10 +116,18 @@ impl Plot<'_> {
             true => format!("max-width:{width:.0}px;aspect-ratio:{width:.0}/{height:.0}"),
             false => format!("height:{height:.0}px"),
         };
+        // The name of the axis across stands under the middle of the panel.
+        let under = match self.equal {
+            true => format!(
+                " style=\"margin-left:{:.0}px;max-width:{width:.0}px\"",
+                self.left - 20.0
+            ),
+            false => String::new(),
+        };
         let [x, y] = self.labels.each_ref().map(|label| escape(label));
         html += &format!(
             "<div class=\"up\">{y}</div>\n<div class=\"panel\" style=\"margin-left:{:.0}px;{shape}\">\
-             <svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{}\">\n{}</svg></div>\n<div class=\"across\">{x}</div>\n",
+             <svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{}\">\n{}</svg></div>\n<div class=\"across\"{under}>{x}</div>\n",
             self.left - 20.0,
             escape(&plain(self.title)),
             self.content

@@ -5,6 +5,10 @@ use mbd_runtime::nalgebra::{Matrix3, Vector3};
 use mbd_runtime::scene::laws::{Numbers, ground};
 use mbd_runtime::scene::{Place, Plane, Scene, rotation};
 
+use super::surface::Placed;
+
+/// What is nearer to a solid than this share of its distance from the centre of mass touches it.
+const CLEAR: f64 = 0.02;
 /// Names of positions.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -121,6 +125,33 @@ impl<'a> Stage<'a> {
                 })
                 .collect(),
         }
+    }
+
+    /// The solids of a body.
+    pub fn solids(&self, body: usize) -> Vec<Placed> {
+        Placed::of_body(self.scene, &self.numbers.params, body)
+    }
+
+    /// The frames of a body that are joined to its centre of mass by a line, since no solid of it shows where they are: all of a body without
+    /// solids, otherwise those that something is held by and that stand clear of all of them.
+    pub fn arms(&self, body: usize) -> Vec<usize> {
+        let solids = self.solids(body);
+        let Some(numbers) = self.numbers.bodies.get(body) else {
+            return Vec::new();
+        };
+        let scene = self.scene;
+        let joints = scene.joints.iter().filter(|joint| joint.law.rows() > 0);
+        let joints = joints.flat_map(|joint| [joint.parent, joint.child]);
+        let lines = scene.lines.iter().flat_map(|line| [line.from, line.to]);
+        let held: Vec<Place> = joints.chain(lines).collect();
+        let frames = numbers.frames.iter().enumerate();
+        let shown = frames.filter(|(frame, numbers)| {
+            let place = &numbers.position;
+            let inside = |solid: &Placed| solid.contains(place, CLEAR * place.norm());
+            let bare = || held.contains(&Place::Body(body, *frame)) && !solids.iter().any(inside);
+            place.norm() > 0.0 && (solids.is_empty() || bare())
+        });
+        shown.map(|(frame, _)| frame).collect()
     }
 
     /// The column of a thing, `riser.tension`.

@@ -1,5 +1,7 @@
 //! A small writer of SVG: elements, escaped text, nothing else.
 
+use mbd_runtime::scene::turns_direction;
+
 use super::number::pixel;
 
 /// Where a text is anchored.
@@ -35,9 +37,8 @@ pub(super) fn escape(text: &str) -> String {
 
 /// The character, or `�` for one that is forbidden in XML or turns the direction of writing.
 pub(super) fn visible(character: char) -> char {
-    let turns = matches!(character, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let forbidden = character.is_control() || matches!(character, '\u{fffe}' | '\u{ffff}');
-    match turns || forbidden {
+    match turns_direction(character) || forbidden {
         true => '\u{fffd}',
         false => character,
     }

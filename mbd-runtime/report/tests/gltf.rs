@@ -12,7 +12,8 @@ model! {
         body brick {
             mass: 2 kg,
             shape: [box [0.2, 0.3, 0.4] m, sphere { radius: 5 cm } at [0.0, 0.0, 0.3] m],
-            start at [0.0, 1.0, 0.0] m velocity [1.0, 0.0, 3.0] m/s angular_velocity [1.0, 2.0, 3.0] rad/s
+            start at [0.0, 1.0, 0.0] m velocity [1.0, 0.0, 3.0] m/s
+                angular_velocity [1.0, 2.0, 3.0] rad/s,
         }
         body plain { mass: 1 kg, inertia: diag(0.1, 0.2, 0.3) kg*m^2 }
         point stone { mass: 1 kg, start at [0.5, 0.0, 1.0] m }

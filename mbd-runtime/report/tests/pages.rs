@@ -10,7 +10,11 @@ model! {
     /// A bob under a knot that two lines hold, and a door.
     model Toy {
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        world { frame left at [-1.0, 0.0, 2.0] m, frame right at [1.0, 0.0, 2.0] m, frame post at [3.0, 0.0, 1.0] m }
+        world {
+            frame left at [-1.0, 0.0, 2.0] m,
+            frame right at [1.0, 0.0, 2.0] m,
+            frame post at [3.0, 0.0, 1.0] m,
+        }
         body door {
             mass: 3 kg,
             inertia: diag(1.0, 1.2, 0.3) kg*m^2,

@@ -8,6 +8,7 @@
 //!
 //! This crate knows no tokens and does no input or output.
 
+mod direction;
 mod elimination;
 mod evaluate;
 mod event;
@@ -33,6 +34,7 @@ mod starts;
 mod tree;
 mod vocabulary;
 
+pub use direction::turns_direction;
 pub use evaluate::{
     Handed, Scratch, commands, evaluate, evaluate_with_multipliers, handed, impulses,
     jumping_angles, locked, masses, sensitivity, settings,
@@ -68,7 +70,7 @@ pub use scene::{
     Input, Joint, Let, Line, Load, LoadKind, NodeModel, Output, Parameter, PartStart, Point,
     PointKind, Scene, Starts, State, Triple,
 };
-pub use starts::{declared_parts, place_bodies, place_declared};
+pub use starts::{declared_beside, declared_parts, place_bodies, place_declared};
 pub use tree::to_relative;
 pub use vocabulary::{
     AngularVelocity, Arguments, At, Axis, Coordinate, Cost, Differentiated, Dimension, Directions,

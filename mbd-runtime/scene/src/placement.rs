@@ -28,6 +28,8 @@ const ITERATIONS: usize = 100;
 const REACHES: [f64; 8] = [0.0, 0.1, 0.3, 0.3, 1.0, 1.0, 2.0, 3.0];
 /// A loop is closed when its rows are below this [m or 1].
 const CLOSED: f64 = 1e-11;
+/// Freedoms of a body that floats.
+pub(crate) const FREE: usize = 6;
 /// The step of the differences that linearise (3).
 const DIFFERENCE: f64 = 1e-6;
 
@@ -171,7 +173,8 @@ struct Placement<'a> {
 }
 
 /// Writes the bodies and points that joints place into a state, for the joint coordinates that are given; those of motors are what their
-/// courses say. `fixed` stay where the state has them. With nothing given and no motor nothing is placed.
+/// courses say. `fixed` stay where the state has them. With nothing given coordinates are zero, and what hangs on a loop that is open there stays
+/// where the state has it.
 ///
 /// # Errors
 /// A coordinate that is decided otherwise; loops that the other coordinates cannot close.
@@ -198,7 +201,11 @@ pub(crate) fn place_near(
     fixed: &[Part],
     state: &mut [f64],
 ) -> Result<(), PlacementError> {
-    if given.is_empty() || state.len() != layout.nx() {
+    if state.len() != layout.nx() {
+        return Ok(());
+    }
+    let links = tree(scene, layout, given, fixed)?;
+    if links.is_empty() && given.is_empty() {
         return Ok(());
     }
     let numbers = Numbers::new(scene, params);
@@ -216,7 +223,7 @@ pub(crate) fn place_near(
         layout,
         ground: frames,
         time,
-        links: tree(scene, layout, given, fixed)?,
+        links,
         q: scene.joints.iter().map(zero).collect(),
         u: scene
             .joints
@@ -256,7 +263,11 @@ pub(crate) fn place_near(
             });
         }
     }
-    placement.solve(&all, state)
+    match given.is_empty() {
+        true => placement.rest(&all, state),
+        false => placement.solve(&all, state)?,
+    }
+    Ok(())
 }
 
 /// The spanning tree, in the order in which it is walked.
@@ -267,12 +278,18 @@ fn tree(
     fixed: &[Part],
 ) -> Result<Vec<Link>, PlacementError> {
     let asked = |joint: usize| given.iter().any(|start| start.joint == joint);
+    // What flies from another body starts where that is.
+    let flies = |joint: usize| {
+        let from_body = matches!(scene.joints[joint].parent, Place::Body(..));
+        from_body && scene.joints[joint].law.freedoms() == FREE
+    };
     let mut order: Vec<usize> = (0..layout.joints.len())
         .filter(|&joint| {
-            layout.starts_joined(joint) && scene.joints[joint].law.couples().is_empty()
+            let holds = layout.starts_joined(joint);
+            (holds && scene.joints[joint].law.couples().is_empty()) || flies(joint)
         })
         .collect();
-    order.sort_by_key(|&joint| (!asked(joint), scene.joints[joint].cut));
+    order.sort_by_key(|&joint| (flies(joint), !asked(joint), scene.joints[joint].cut));
     // What hangs together; the world and everything fixed are one.
     let mut together: Vec<Vec<Option<Part>>> = vec![vec![None]];
     together[0].extend(fixed.iter().copied().map(Some));
@@ -336,6 +353,10 @@ impl Placement<'_> {
         let (mut unknowns, mut rates) = (Vec::new(), Vec::new());
         for link in &self.links {
             let joint = link.joint;
+            // What flies closes no loop.
+            if self.scene.joints[joint].law.freedoms() == FREE {
+                continue;
+            }
             for (k, q) in self.q[joint].iter_mut().enumerate() {
                 match find(joint, k).and_then(|start| start.value) {
                     Some(value) => *q = value,
@@ -353,6 +374,62 @@ impl Placement<'_> {
         self.close_rates(&rates, state);
         self.walk(state);
         Ok(())
+    }
+
+    /// All coordinates zero but these: parts between the ends of a joint that does not hold then, and all that hangs on them, stay where they are.
+    fn rest(&mut self, motors: &[JointStart], state: &mut [f64]) {
+        for motor in motors {
+            let lists = [&mut self.q, &mut self.u];
+            for (list, number) in lists.into_iter().zip([motor.value, motor.rate]) {
+                let slot = list.get_mut(motor.joint);
+                let slot = slot.and_then(|list| list.get_mut(motor.coordinate));
+                if let (Some(slot), Some(number)) = (slot, number) {
+                    *slot = number;
+                }
+            }
+        }
+        let before = state.to_vec();
+        let gaps = self.rows(Quantity::Constraint, state);
+        let mut open: Vec<Part> = Vec::new();
+        for (joint, slots) in self.layout.joints.iter().enumerate() {
+            let mut rows = gaps.iter().skip(slots.row).take(slots.len);
+            let holds = rows.all(|gap| gap.abs() <= CLOSED.sqrt());
+            if !holds && self.layout.starts_joined(joint) {
+                let paths: Vec<Vec<Part>> = (slots.ends.iter().flatten())
+                    .map(|end| self.path(*end))
+                    .collect();
+                let common =
+                    |part: &Part| paths.len() > 1 && paths.iter().all(|path| path.contains(part));
+                open.extend(paths.iter().flatten().filter(|part| !common(part)));
+            }
+        }
+        for link in &self.links {
+            let on = self.from(link);
+            if on.is_some_and(|on| open.contains(&on)) {
+                open.push(link.to);
+            }
+        }
+        state.copy_from_slice(&before);
+        self.links.retain(|link| !open.contains(&link.to));
+        self.walk(state);
+    }
+
+    /// The part that a link starts from; `None`: the world.
+    fn from(&self, link: &Link) -> Option<Part> {
+        let ends = &self.layout.joints.get(link.joint)?.ends;
+        *ends.get(usize::from(link.to_parent))?
+    }
+
+    /// A part and those it hangs on, one after the other.
+    fn path(&self, part: Part) -> Vec<Part> {
+        let mut path = vec![part];
+        while let Some(link) = self.links.iter().find(|link| Some(&link.to) == path.last()) {
+            match self.from(link) {
+                Some(on) => path.push(on),
+                None => break,
+            }
+        }
+        path
     }
 
     /// Whether every joint is on the branch it means: rows have more roots than that.

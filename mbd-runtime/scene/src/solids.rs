@@ -105,6 +105,27 @@ impl Solid {
         }
     }
 
+    /// Whether a place in its axes is inside of a solid of these sizes, or nearer to it than the margin, along each of its axes [m].
+    #[must_use]
+    pub fn contains(self, sizes: &[f64], [x, y, z]: [f64; 3], margin: f64) -> bool {
+        let size = |k: usize| sizes.get(k).copied().unwrap_or(f64::NAN);
+        let within = |place: f64, half: f64| place.abs() <= half + margin;
+        let (across, axis) = (x.hypot(y), |length: f64| within(z, 0.5 * length));
+        match self {
+            Solid::Box => {
+                let mut places = [x, y, z].into_iter().enumerate();
+                places.all(|(k, place)| within(place, 0.5 * size(k)))
+            }
+            Solid::Cylinder => within(across, size(0)) && axis(size(1)),
+            Solid::Tube => within(across, size(0)) && across >= size(1) - margin && axis(size(2)),
+            Solid::Sphere => within(across.hypot(z), size(0)),
+            Solid::Capsule => {
+                let beyond = (z.abs() - 0.5 * size(1)).max(0.0);
+                within(across.hypot(beyond), size(0))
+            }
+        }
+    }
+
     /// Volume [m³] and J of (1) [m⁵] of these sizes [m]. Not numbers, where sizes are missing.
     #[must_use]
     pub fn volume_and_moments<N: Size>(self, sizes: &[N]) -> (N, [N; 3]) {
@@ -262,11 +283,8 @@ fn steiner<N: Size>(d: &[N; 3], i: usize, j: usize) -> N {
 mod tests {
     use super::*;
 
-    /// Whether a place is inside of a solid.
-    type Inside = fn([f64; 3]) -> bool;
-
     /// J and the volume as sums over small cubes, of a solid inside a cube of half width `half`.
-    fn summed(half: f64, inside: Inside) -> (f64, [f64; 3]) {
+    fn summed(half: f64, solid: Solid, sizes: &[f64]) -> (f64, [f64; 3]) {
         const CELLS: i32 = 120;
         let edge = 2.0 * half / f64::from(CELLS);
         let (mut volume, mut moments) = (0.0, [0.0; 3]);
@@ -275,7 +293,7 @@ mod tests {
             for j in 0..CELLS {
                 for k in 0..CELLS {
                     let [x, y, z] = [at(i), at(j), at(k)];
-                    if inside([x, y, z]) {
+                    if solid.contains(sizes, [x, y, z], 0.0) {
                         let v = edge * edge * edge;
                         volume += v;
                         let squares = [y * y + z * z, x * x + z * z, x * x + y * y];
@@ -291,24 +309,16 @@ mod tests {
 
     #[test]
     fn volumes_and_moments_are_the_integrals_they_stand_for() {
-        let cases: [(Solid, &[f64], Inside); 5] = [
-            (Solid::Box, &[1.2, 0.8, 1.6], |[x, y, z]| {
-                x.abs() < 0.6 && y.abs() < 0.4 && z.abs() < 0.8
-            }),
-            (Solid::Cylinder, &[0.5, 1.4], |[x, y, z]| {
-                x.hypot(y) < 0.5 && z.abs() < 0.7
-            }),
-            (Solid::Tube, &[0.8, 0.5, 1.4], |[x, y, z]| {
-                x.hypot(y) < 0.8 && x.hypot(y) > 0.5 && z.abs() < 0.7
-            }),
-            (Solid::Sphere, &[0.7], |[x, y, z]| x.hypot(y).hypot(z) < 0.7),
-            (Solid::Capsule, &[0.4, 1.0], |[x, y, z]| {
-                x.hypot(y).hypot((z.abs() - 0.5).max(0.0)) < 0.4
-            }),
+        let cases: [(Solid, &[f64]); 5] = [
+            (Solid::Box, &[1.2, 0.8, 1.6]),
+            (Solid::Cylinder, &[0.5, 1.4]),
+            (Solid::Tube, &[0.8, 0.5, 1.4]),
+            (Solid::Sphere, &[0.7]),
+            (Solid::Capsule, &[0.4, 1.0]),
         ];
-        for (solid, sizes, inside) in cases {
+        for (solid, sizes) in cases {
             let (volume, moments) = solid.volume_and_moments(sizes);
-            let (about, sums) = summed(0.9, inside);
+            let (about, sums) = summed(0.9, solid, sizes);
             assert!(
                 (volume / about - 1.0).abs() < 0.01,
                 "{solid:?}: {volume} {about}"
@@ -319,6 +329,18 @@ mod tests {
                     "{solid:?}: {moment} {sum}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn a_margin_takes_in_what_touches_and_what_has_no_sizes_holds_nothing() {
+        let edge = [0.6, 0.4, 0.8];
+        let sizes = [1.2, 0.8, 1.6];
+        assert!(Solid::Box.contains(&sizes, edge, 1e-9));
+        assert!(!Solid::Box.contains(&sizes, [0.7, 0.4, 0.8], 0.05));
+        assert!(!Solid::Tube.contains(&[0.4, 0.3, 1.0], [0.0; 3], 0.01));
+        for solid in Solid::ALL {
+            assert!(!solid.contains(&[], [0.0; 3], 1.0), "{solid:?}");
         }
     }
 

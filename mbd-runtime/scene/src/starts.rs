@@ -5,9 +5,9 @@ use nalgebra::{Matrix3, Vector3};
 use crate::laws::body::attitude_of;
 use crate::laws::constant;
 use crate::laws::line::DETACHED;
-use crate::placement::place_near;
+use crate::placement::{FREE, place_near};
 use crate::tree::Absolute;
-use crate::{Arguments, Formula, JointStart, Layout, Part, PlacementError, Scene, Triple};
+use crate::{Arguments, Formula, JointStart, Layout, Part, Place, PlacementError, Scene, Triple};
 
 impl Arguments<f64> {
     /// A state before anything has run: the defaults of the inputs, what is detached at the start, nodes and their lines not solved.
@@ -69,6 +69,25 @@ pub fn declared_parts(
         }
     }
     parts
+}
+
+/// In relative coordinates the same scene in absolute ones, with a state in these: as it is, and as the declared starts of bodies and points would
+/// have it; `None` where bodies have slots of their own or none has a declared start.
+#[must_use]
+pub fn declared_beside(
+    scene: &Scene,
+    layout: &Layout,
+    from: (&[f64], f64),
+    state: &[f64],
+) -> Option<(Scene, Layout, [Vec<f64>; 2])> {
+    if layout.tree.is_none() || scene.starts.parts.is_empty() || state.len() != layout.nx() {
+        return None;
+    }
+    let absolute = Absolute::of(scene);
+    let here = absolute.state((scene, layout), from, state);
+    let mut declared = here.clone();
+    declared_parts(&absolute.scene, &absolute.layout, from.0, &mut declared);
+    Some((absolute.scene, absolute.layout, [here, declared]))
 }
 
 /// Puts bodies of a scene in relative coordinates where they are known: per body its numbers as in absolute coordinates (position, attitude, velocity,
@@ -183,7 +202,11 @@ fn place_along_tree(
         .joints
         .iter()
         .any(|joint| joint.motors().next().is_some());
-    let nothing = given.is_empty() && scene.starts.coordinates.is_empty() && !motors;
+    let flies = |joint: &crate::Joint| {
+        matches!(joint.parent, Place::Body(..)) && joint.law.freedoms() == FREE
+    };
+    let flying = scene.joints.iter().any(flies);
+    let nothing = given.is_empty() && scene.starts.coordinates.is_empty() && !motors && !flying;
     if nothing || state.len() != layout.nx() {
         return Ok(());
     }

@@ -535,7 +535,11 @@ impl<T: Scalar> Linearisation<T> {
 ///         gravity: [0.0, 0.0, -9.81] m/s^2;
 ///         emit: [derivative];
 ///         input motor: torque;
-///         body arm { mass: 2.0 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+///         body arm {
+///             mass: 2.0 kg,
+///             inertia: diag(0.1, 0.1, 0.01) kg*m^2,
+///             frame top at [0.0, 0.0, 0.5] m,
+///         }
 ///         joint pin: hinge from world to arm.top { axis: y, damping: 0.3 N*m*s, force: motor }
 ///     }
 /// }

@@ -7,7 +7,7 @@
 //! the end of a step only (a margin can leave and return inside it).
 
 use mbd_scene::laws::LineNumbers;
-use mbd_scene::{Direction, Float, Layout, Model, Place, Scene};
+use mbd_scene::{Direction, Float, Formula, Layout, Model, Place, Scene};
 
 use crate::approach::FEW_LOOKS;
 use crate::moving::moving;
@@ -58,6 +58,9 @@ pub(crate) struct Margins {
     watched: Vec<Watched>,
     /// Whether each declared event's guard is positive now.
     pub sides: Vec<bool>,
+    /// Per watched margin, of an event whose guard depends on nothing but coordinates that may be locked, the places of these locks in the modes:
+    /// while they hold, what its guard shows is rounding.
+    locks: Vec<Vec<usize>>,
     /// How far a line's margin must be passed to count in this step, whatever its own tolerance [m].
     resolved: f64,
     /// The longest C/K of a watched line [s].
@@ -146,6 +149,11 @@ impl Margins {
                     acts: declared.actions.changes(),
                 }),
         );
+        let locks = |watched: &Watched| match *watched {
+            Watched::Element { .. } => Vec::new(),
+            Watched::Declared { event, .. } => locks_of_guard(scene, layout, event),
+        };
+        let locks = watched.iter().map(locks).collect();
         let count = watched.len();
         let turning = layout.stops.iter().any(|stop| {
             let found = scene.coordinate(stop.joint, stop.coordinate);
@@ -163,6 +171,7 @@ impl Margins {
         }
         Margins {
             watched,
+            locks,
             sides: vec![false; scene.events.len()],
             resolved: 0.0,
             delay: longest_delay(model.lines()),
@@ -237,8 +246,10 @@ impl Margins {
     /// Reads the margins from the value of `Quantity::Guards`.
     pub(crate) fn read<T: Float>(&mut self, guards: &[T], modes: &[Mode]) {
         let guard = |index: usize| guards.get(index).map_or(f64::NAN, |x| x.to_f64());
-        for (margin, watched) in self.now.iter_mut().zip(&self.watched) {
+        let all = self.now.iter_mut().zip(&self.watched).zip(&self.locks);
+        for ((margin, watched), locks) in all {
             *margin = match *watched {
+                Watched::Declared { .. } if is_locked(locks, modes) => f64::INFINITY,
                 Watched::Element {
                     element,
                     softness,
@@ -326,8 +337,16 @@ impl Margins {
     }
 
     /// Sets the side of every declared event from the guards, and reports through `crossed` those that changed in a direction that counts.
-    pub(crate) fn take_sides<T: Float>(&mut self, guards: &[T], mut crossed: impl FnMut(usize)) {
-        for watched in &self.watched {
+    pub(crate) fn take_sides<T: Float>(
+        &mut self,
+        guards: &[T],
+        modes: &[Mode],
+        mut crossed: impl FnMut(usize),
+    ) {
+        for (watched, locks) in self.watched.iter().zip(&self.locks) {
+            if is_locked(locks, modes) {
+                continue;
+            }
             let Watched::Declared {
                 event,
                 at,
@@ -354,6 +373,45 @@ impl Margins {
             }
         }
     }
+}
+
+/// The places of the locks of all coordinates that the guard of an event depends on; none where it depends on anything else that changes.
+fn locks_of_guard(scene: &Scene, layout: &Layout, event: usize) -> Vec<usize> {
+    let Some(declared) = scene.events.get(event) else {
+        return Vec::new();
+    };
+    let lock_of = |coordinate: (usize, usize)| {
+        let mut joints = scene.joints.iter().zip(&layout.joints);
+        joints.find_map(|(joint, slots)| {
+            let locks = slots.held.is_some() && joint.law.couples() == [coordinate];
+            slots.switch.filter(|_| locks)
+        })
+    };
+    let set = scene.set_by_events();
+    let mut locks = Some(Vec::new());
+    scene.walk(&declared.guard, &mut |part| match *part {
+        Formula::Number(_) | Formula::Const(_) => {}
+        Formula::Param(param) if !set.contains(&param) => {}
+        Formula::Vector(_)
+        | Formula::Component(..)
+        | Formula::Apply(..)
+        | Formula::Let(_)
+        | Formula::Lookup(..) => {}
+        Formula::Coordinate(joint, coordinate) | Formula::CoordinateRate(joint, coordinate) => {
+            match (lock_of((joint, coordinate)), &mut locks) {
+                (Some(lock), Some(locks)) => locks.push(lock),
+                _ => locks = None,
+            }
+        }
+        _ => locks = None,
+    });
+    locks.unwrap_or_default()
+}
+
+/// Whether these locks hold, all of them.
+fn is_locked(locks: &[usize], modes: &[Mode]) -> bool {
+    let holds = |lock: &usize| modes.get(*lock).is_some_and(|mode| *mode != Mode::Detached);
+    !locks.is_empty() && locks.iter().all(holds)
 }
 
 /// The distance to the other side; a guard at zero is on the negative side.

@@ -421,7 +421,8 @@ impl<T: Float> Simulation<T> {
         self.inside.copy_from_slice(&self.state);
         self.read_margins(self.time, 0.0)?;
         let guards = self.scratch.get(..self.guards).unwrap_or(&[]);
-        self.margins.take_sides(guards, crossed);
+        self.margins
+            .take_sides(guards, self.system.modes(), crossed);
         // The sides are part of the margins of declared events.
         self.margins.read(guards, self.system.modes());
         self.margins.start.copy_from_slice(&self.margins.now);

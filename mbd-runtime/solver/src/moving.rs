@@ -86,6 +86,53 @@ pub(crate) fn moving(layout: &Layout) -> impl Iterator<Item = Moving> + '_ {
     bodies.chain(joints).chain(points)
 }
 
+/// Which of [`moving`] a place is on, without looking at all of them.
+#[derive(Debug)]
+pub(crate) struct Owners {
+    bodies: Vec<Option<usize>>,
+    points: Vec<Option<usize>>,
+}
+
+impl Owners {
+    /// Those of a layout.
+    pub fn of(layout: &Layout) -> Self {
+        let mut owners = Owners {
+            bodies: vec![None; layout.bodies.len()],
+            points: vec![None; layout.points.len()],
+        };
+        for (number, part) in moving(layout).enumerate() {
+            let slot = match (part.body(), part.part) {
+                (Some(body), _) => owners.bodies.get_mut(body),
+                (None, Part::Point(point)) => owners.points.get_mut(point),
+                (None, _) => None,
+            };
+            if let Some(slot) = slot {
+                *slot = Some(number);
+            }
+        }
+        owners
+    }
+
+    /// The number of one of them.
+    pub fn place_of(&self, part: &Moving) -> Option<usize> {
+        match (part.body(), part.part) {
+            (Some(body), _) => self.at(Place::Body(body, 0)),
+            (None, Part::Point(point)) => self.at(Place::Point(point)),
+            (None, _) => None,
+        }
+    }
+
+    /// The number of what a place is on; `None` of the world, and of points without mass.
+    pub fn at(&self, place: Place) -> Option<usize> {
+        let own = match place {
+            Place::Body(body, _) => self.bodies.get(body),
+            Place::Point(point) => self.points.get(point),
+            Place::World(_) => None,
+        };
+        own.copied().flatten()
+    }
+}
+
 /// One of them: first what moves along, `moves` numbers, then what turns, so many coordinates and speeds.
 fn place(
     layout: &Layout,

@@ -204,14 +204,11 @@ fn followed(layout: &Layout, part: Part) -> Option<Slots> {
     if let Some(slots) = layout.own_slots(part) {
         return Some(slots);
     }
-    let (Part::Body(body), Some(tree)) = (part, &layout.tree) else {
+    let Part::Body(body) = part else {
         return None;
     };
-    let mut link = tree.links.iter().find(|link| link.body == body)?;
-    while let Some(inboard) = link.inboard {
-        link = tree.links.get(inboard)?;
-    }
-    link.joint.is_none().then_some(link.slots)
+    let root = layout.root_link(body)?;
+    root.joint.is_none().then_some(root.slots)
 }
 
 impl<T: Float> System<T> {

@@ -6,15 +6,16 @@
 //! ε |p|         against   the longest arm of the joints                                                          (2)
 //! ```
 //!
-//! p is measured from where the state is measured from: where the origin follows something only what ends in the world has the distance to it.
+//! p is measured from where the state is measured from: where the origin follows something only what ends in the world, and what joints carry from
+//! there, has the distance to it.
 //! ε of the scalar, |p| the largest coordinate of a body, one that a joint of the tree carries included, ΣK of what holds it, m the largest mass that it is tied to, V and L the scales of the run: a
 //! light point passes on the forces between heavy bodies, and it is these that must have digits. So a light body that hangs on a heavy one is
 //! measured against the heavy one, too. Source: derived, from a stretch d − L0 whose d comes from positions rounded to ε |p|.
 
-use mbd_scene::{Directions, Float, Joint, Layout, Part};
+use mbd_scene::{Directions, Float, Joint, Layout, Part, Place};
 
 use crate::integrate::Scales;
-use crate::moving::{Moving, moving};
+use crate::moving::{Moving, Owners, moving};
 use crate::stiffness::Stiffness;
 
 /// From this part of a on a run is refused, or ends: one digit is left.
@@ -23,13 +24,26 @@ pub(crate) const REFUSED: f64 = 0.1;
 /// What is known of (1) and (2) before a run.
 #[derive(Debug)]
 pub(crate) struct Rounding {
-    /// Bodies and points with what holds them over the largest mass that they are tied to, and the part of it that ends in the world [1/s²].
-    parts: Vec<(Moving, [f64; 2])>,
+    parts: Vec<Held>,
     /// The least that an acceleration is measured against [m/s²].
     acceleration: f64,
     /// The longest arm of the joints [m]; `None` without rows.
     arm: Option<f64>,
     directions: Directions,
+}
+
+/// A body or a point with mass, and what holds it.
+#[derive(Debug)]
+struct Held {
+    moving: Moving,
+    /// What lines and springs hold it with, over the largest mass that it is tied to [1/s²].
+    rate: f64,
+    /// The part of that which ends in the world [1/s²].
+    to_world: f64,
+    /// Whether rows of a joint hold it to the world.
+    on_world: bool,
+    /// Whether joints of the tree carry it from the world.
+    from_world: bool,
 }
 
 /// The body or point whose forces rounding changes most.
@@ -52,17 +66,35 @@ impl Rounding {
     ) -> Self {
         let parts: Vec<Moving> = moving(layout).collect();
         let tied = stiffness.heaviest_tied(joints, &parts);
-        let rates = parts.iter().zip(tied).map(|(part, mass)| {
-            let stiffness = [stiffness.moving(part, false), stiffness.to_world(part)];
-            stiffness.map(|stiffness| match stiffness / mass {
+        let owners = Owners::of(layout);
+        let mut on_world = vec![false; parts.len()];
+        let tying = joints
+            .iter()
+            .filter_map(|joint| owners.at(tied_to_world(joint)?));
+        tying.for_each(|at| on_world[at] = true);
+        let parts = parts.into_iter().zip(on_world).zip(tied);
+        let parts = parts.map(|((moving, on_world), mass)| {
+            let stiffness = [
+                stiffness.moving(&moving, false),
+                stiffness.to_world(&moving),
+            ];
+            let [rate, to_world] = stiffness.map(|stiffness| match stiffness / mass {
                 rate if rate.is_finite() => rate,
                 _ => 0.0,
-            })
+            });
+            Held {
+                on_world,
+                from_world: (moving.carried)
+                    .and_then(|body| layout.root_link(body)?.joint)
+                    .is_some(),
+                moving,
+                rate,
+                to_world,
+            }
         });
-        let rates: Vec<[f64; 2]> = rates.collect();
         let own = scales.speed * scales.speed / scales.length;
         Rounding {
-            parts: parts.into_iter().zip(rates).collect(),
+            parts: parts.collect(),
             acceleration: own.max(stiffness.gravity()),
             arm,
             directions: layout.directions,
@@ -84,25 +116,43 @@ impl Rounding {
             own.iter()
                 .fold(0.0, |most: f64, x| most.max(x.to_f64().abs()))
         };
-        let affected = self.parts.iter().map(|(part, [rate, to_world])| {
+        let affected = self.parts.iter().map(|held| {
+            let part = &held.moving;
             let carried = part.carried.map_or(0..0, |body| {
                 let first = self.directions.motion() * body;
                 first..first + self.directions.translations().len()
             });
-            let carried = (largest(bodies, carried) - origin).max(0.0);
+            let carried = match held.from_world {
+                true => largest(bodies, carried) + origin,
+                false => (largest(bodies, carried) - origin).max(0.0),
+            };
             let distance = largest(state, part.position.clone()).max(carried);
             let acceleration = self.acceleration.max(largest(rates, part.velocity.clone()));
             let far = distance + origin;
-            let held = distance * rate;
-            let tied = if origin > 0.0 { far * to_world } else { 0.0 };
-            let force = precision * held.max(tied) / acceleration;
-            let gap = self.arm.map_or(0.0, |arm| precision * distance / arm);
+            let own = distance * held.rate;
+            let tied = if origin > 0.0 {
+                far * held.to_world
+            } else {
+                0.0
+            };
+            let force = precision * own.max(tied) / acceleration;
+            let off = if held.on_world { far } else { distance };
+            let gap = self.arm.map_or(0.0, |arm| precision * off / arm);
             Affected {
                 part: part.part,
-                distance: if tied > held { far } else { distance },
+                distance: if tied > own { far } else { off },
                 share: force.max(gap),
             }
         });
         affected.max_by(|a, b| a.share.total_cmp(&b.share))
+    }
+}
+
+/// What rows of a joint hold to the world.
+fn tied_to_world(joint: &Joint) -> Option<Place> {
+    let holds = joint.law.rows() > 0 && joint.law.couples().is_empty();
+    match (joint.parent, joint.child) {
+        (Place::World(_), other) | (other, Place::World(_)) if holds => Some(other),
+        _ => None,
     }
 }

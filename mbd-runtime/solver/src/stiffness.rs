@@ -10,6 +10,8 @@ use crate::unilateral::is_node_line;
 pub(crate) struct Stiffness {
     numbers: Numbers<f64>,
     lines: Vec<Element>,
+    /// Per body, then per point, the lines that end on it, each once.
+    lines_of: Vec<Vec<usize>>,
     coordinates: Vec<Coordinate>,
 }
 
@@ -44,8 +46,19 @@ impl Stiffness {
                 .kind
                 .stiffest(&scene.tables, numbers.stiffness.to_f64()),
         });
+        let lines: Vec<Element> = lines.collect();
+        let mut lines_of = vec![Vec::new(); numbers.bodies.len() + numbers.points.len()];
+        for (index, line) in lines.iter().enumerate() {
+            for place in line.ends {
+                let own = number(&numbers, place).and_then(|at| lines_of.get_mut(at));
+                if let Some(own) = own.filter(|own| own.last() != Some(&index)) {
+                    own.push(index);
+                }
+            }
+        }
         Stiffness {
-            lines: lines.collect(),
+            lines,
+            lines_of,
             coordinates: coordinates(model, &numbers),
             numbers,
         }
@@ -54,19 +67,30 @@ impl Stiffness {
     /// The stiffness against a translation: the sum over what holds it [N/m]. `unilateral`: of stops alone, and of lines that pull only and
     /// end at no equilibrium point.
     pub(crate) fn moving(&self, owner: &Moving, unilateral: bool) -> f64 {
-        let lines = self.lines.iter().filter(|line| {
-            (line.unilateral || !unilateral) && line.ends.iter().any(|end| owner.holds(*end))
-        });
+        let lines = self.lines_on(owner);
+        let lines = lines.filter(|line| line.unilateral || !unilateral);
         lines.map(|line| line.stiffness).sum::<f64>() + self.along(owner, false, unilateral)
     }
 
     /// The same of lines and springs whose other end is in the world.
     pub(crate) fn to_world(&self, owner: &Moving) -> f64 {
         let world = |end: &Place| matches!(end, Place::World(_));
-        let lines = self.lines.iter().filter(|line| {
-            line.ends.iter().any(world) && line.ends.iter().any(|end| owner.holds(*end))
-        });
+        let lines = self.lines_on(owner);
+        let lines = lines.filter(|line| line.ends.iter().any(world));
         lines.map(|line| line.stiffness).sum()
+    }
+
+    /// The lines that end on it.
+    fn lines_on(&self, owner: &Moving) -> impl Iterator<Item = &Element> {
+        let place = match (owner.body(), owner.part) {
+            (Some(body), _) => Some(Place::Body(body, 0)),
+            (None, Part::Point(point)) => Some(Place::Point(point)),
+            (None, _) => None,
+        };
+        let at = place.and_then(|place| number(&self.numbers, place));
+        let own = at.and_then(|at| self.lines_of.get(at));
+        let own = own.into_iter().flatten();
+        own.filter_map(|index| self.lines.get(*index))
     }
 
     /// The stiffness against a rotation, of joint coordinates [N m].
@@ -117,13 +141,9 @@ impl Stiffness {
     pub(crate) fn heaviest_tied(&self, joints: &[Joint], parts: &[Moving]) -> Vec<f64> {
         let lines = self.lines.iter().map(|line| line.ends);
         let ends = lines.chain(joints.iter().map(|joint| [joint.parent, joint.child]));
-        // Bodies, then points, those without mass among them: they tie what their lines lead to.
+        // Points without mass tie what their lines lead to.
         let bodies = self.numbers.bodies.len();
-        let number = |place: Place| match place {
-            Place::Body(body, _) => Some(body),
-            Place::Point(point) => Some(bodies + point),
-            Place::World(_) => None,
-        };
+        let number = |place: Place| number(&self.numbers, place);
         let mut groups = Groups::of(bodies + self.numbers.points.len());
         for [a, b] in ends {
             if let (Some(a), Some(b)) = (number(a), number(b)) {
@@ -164,10 +184,19 @@ impl Stiffness {
             }
             _ => None,
         };
-        let lines = self.lines.iter().filter(|line| line.unilateral);
+        let lines = self.lines_on(owner).filter(|line| line.unilateral);
         let ends = lines.flat_map(|line| line.ends.map(|end| (end, line.stiffness)));
         ends.filter_map(|(end, stiffness)| Some(stiffness * lever(end)?))
             .sum()
+    }
+}
+
+/// The number of what a place is on: bodies first, then points, those without mass among them; `None` of the world.
+fn number(numbers: &Numbers<f64>, place: Place) -> Option<usize> {
+    match place {
+        Place::Body(body, _) => Some(body),
+        Place::Point(point) => Some(numbers.bodies.len() + point),
+        Place::World(_) => None,
     }
 }
 

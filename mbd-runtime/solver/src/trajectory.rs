@@ -255,7 +255,7 @@ impl Trajectory {
         &self.sampling
     }
 
-    /// Writes comma-separated values; the header holds names with units and remarks, `riser.tension [N]`, `close.force.x [N, not unique]`. A
+    /// Writes comma-separated values; the header holds names with units and remarks, `riser.tension [N]`, `close.force.x [N; not unique]`. A
     /// number that there is not is an empty cell.
     ///
     /// # Errors
@@ -267,7 +267,7 @@ impl Trajectory {
             match (column.unit.as_str(), column.remark.as_str()) {
                 ("", "") => {}
                 (unit, "") => write!(to, " [{unit}]")?,
-                (unit, remark) => write!(to, " [{unit}, {remark}]")?,
+                (unit, remark) => write!(to, " [{unit}; {remark}]")?,
             }
         }
         writeln!(to)?;

@@ -15,7 +15,7 @@ use super::scene_file::read_file;
 /// What to format.
 #[derive(Args, Debug)]
 pub struct FmtArgs {
-    /// Scene files (`.mbd`) and files of Rust (`.rs`), whose `model! { … }` are formatted; `-` is the standard input, written to the standard output.
+    /// Scene files (`.mbd`) and files of Rust (`.rs`), whose `model! { … }`, in any brackets, are formatted; `-` is the standard input, written to the standard output.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write nothing: name the files that would change, and exit with 1 if there are any.
@@ -45,29 +45,33 @@ pub fn fmt(args: &FmtArgs) -> Result<String, Failure> {
         }
         return of_input(args, std::io::stdin());
     }
-    let mut changing = Vec::new();
+    let (mut changing, mut left) = (Vec::new(), Vec::new());
     let mut failures = Vec::new();
     for file in &args.files {
         match of_file(file, args.check) {
-            Ok(changed) => changing.extend(changed),
+            Ok((changed, kept)) => {
+                changing.extend(changed);
+                left.extend(kept);
+            }
             Err(failure) => failures.push(failure),
         }
     }
     if let Some(failure) = together(failures) {
         return Err(failure);
     }
-    told(args, changing)
+    told(args, &changing, &left)
 }
 
-/// What is said at the end: nothing, or with `--check` which files would change.
-fn told(args: &FmtArgs, changing: Vec<String>) -> Result<String, Failure> {
+/// What is said at the end: which declarations stay as they are, and with `--check` which files would change.
+fn told(args: &FmtArgs, changing: &[String], left: &[String]) -> Result<String, Failure> {
+    let left: String = left.iter().map(|line| format!("{line}\n")).collect();
     match args.check && !changing.is_empty() {
         true => Err(Failure::Usage(format!(
-            "{}\n`mbd fmt` without `--check` formats {}",
+            "{left}{}\n`mbd fmt` without `--check` formats {}",
             changing.join("\n"),
             if changing.len() == 1 { "it" } else { "them" }
         ))),
-        false => Ok(String::new()),
+        false => Ok(left),
     }
 }
 
@@ -78,18 +82,18 @@ fn of_input(args: &FmtArgs, mut input: impl Read) -> Result<String, Failure> {
         .read_to_string(&mut text)
         .map_err(|error| Failure::Usage(format!("cannot read the standard input: {error}")))?;
     let form = if args.rust { Form::Rust } else { Form::Scene };
-    let formatted = formatted(&text, form, "<stdin>")?;
-    match args.check {
-        true => told(
-            args,
-            changed("<stdin>", &text, &formatted).into_iter().collect(),
-        ),
-        false => Ok(formatted),
+    let (formatted, left) = formatted(&text, form, "<stdin>")?;
+    if args.check {
+        let changing: Vec<String> = changed("<stdin>", &text, &formatted).into_iter().collect();
+        return told(args, &changing, &left);
     }
+    // The standard output holds the text alone.
+    left.iter().for_each(|line| eprintln!("{line}"));
+    Ok(formatted)
 }
 
-/// Formats one file; where it would change, or did, is told.
-fn of_file(file: &Path, check: bool) -> Result<Option<String>, Failure> {
+/// Formats one file; told is where it would change, or did, and what stays in it.
+fn of_file(file: &Path, check: bool) -> Result<(Option<String>, Vec<String>), Failure> {
     let form = match file.extension().and_then(|end| end.to_str()) {
         Some("rs") => Form::Rust,
         Some("mbd") => Form::Scene,
@@ -102,12 +106,12 @@ fn of_file(file: &Path, check: bool) -> Result<Option<String>, Failure> {
     };
     let name = file.display().to_string();
     let text = read_file(file)?;
-    let formatted = formatted(&text, form, &name)?;
+    let (formatted, left) = formatted(&text, form, &name)?;
     let changed = changed(&name, &text, &formatted);
     if !check && changed.is_some() {
         overwrite(file, &formatted)?;
     }
-    Ok(changed)
+    Ok((changed, left))
 }
 
 /// Writes a file that is there, whole or not at all. A link stays one, and who may not write the file cannot replace it.
@@ -138,13 +142,17 @@ fn changed(name: &str, before: &str, after: &str) -> Option<String> {
     Some(format!("{name}:{}: is not formatted", same + 1))
 }
 
-/// A text with its blanks in order. The settings of a run behind a scene stay as they are.
-fn formatted(text: &str, form: Form, name: &str) -> Result<String, Failure> {
+/// A text with its blanks in order, and what of it stays as it is. The settings of a run behind a scene do, without a word.
+fn formatted(text: &str, form: Form, name: &str) -> Result<(String, Vec<String>), Failure> {
     let result = match form {
-        Form::Rust => format_rust(text),
-        Form::Scene => scene(text),
+        Form::Rust => format_rust(text).map(|file| (file.text, file.left)),
+        Form::Scene => scene(text).map(|text| (text, Vec::new())),
     };
-    result.map_err(|errors| {
+    let told = |(text, left): (String, Vec<Message>)| {
+        let left = left.iter().map(|message| message.in_file(name));
+        (text, left.collect())
+    };
+    result.map(told).map_err(|errors| {
         Failure::Mistakes(Mistakes {
             file: name.to_owned(),
             source: text.to_owned(),

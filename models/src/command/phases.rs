@@ -11,7 +11,7 @@ use super::mistakes::Mistakes;
 use super::scene_file::SceneFile;
 
 /// More files than this are no run.
-const MOST: usize = 64;
+pub const MOST: usize = 64;
 
 /// Scene files, the one that begins first.
 #[derive(Debug)]

@@ -14,7 +14,7 @@ use toml::Value;
 
 use super::failure::Failure;
 use super::list;
-use super::phases::{Phases, Typed};
+use super::phases::{MOST, Phases, Typed};
 use super::scene_file::SceneFile;
 
 /// What to run, and how; flags go before the `[run]` table of the file.
@@ -72,6 +72,27 @@ impl RunArgs {
     /// The scene as it was typed.
     pub fn scene(&self) -> &Path {
         &self.scene
+    }
+
+    /// Everything that the run is made of: the scene file, what it names, what these name; the campaign with its tables. Whether the scenes can be read.
+    pub fn files(&self) -> (Vec<PathBuf>, bool) {
+        let (mut files, mut whole, mut next) = (vec![self.scene.clone()], true, 0);
+        while let Some(file) = files.get(next) {
+            let (named, read) = SceneFile::names(file);
+            whole &= read;
+            for file in named {
+                // Scenes may lead back to each other.
+                if !files.contains(&file) && files.len() < MOST {
+                    files.push(file);
+                }
+            }
+            next += 1;
+        }
+        if let Some(campaign) = &self.campaign {
+            files.extend(Campaign::tables(campaign));
+            files.push(campaign.clone());
+        }
+        (files, whole)
     }
 
     /// The folder that the run is written into.

@@ -1,6 +1,6 @@
 //! Scenes by name or file: reading them, and telling every mistake of a file with its place.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mbd_compiler::{
@@ -62,6 +62,15 @@ impl Form {
             (true, _) => Form::Toml,
             (_, true) => Form::Urdf,
             _ => Form::Text,
+        }
+    }
+
+    /// What is read of a scene without the settings of its run; files that it names lie relative to `folder`.
+    fn reading(self, scene: &str, folder: &Path) -> Reading {
+        match self {
+            Form::Toml => read_toml_in(scene, folder),
+            Form::Text => read_text_in(scene, folder),
+            Form::Urdf => read_urdf(scene),
         }
     }
 }
@@ -147,6 +156,24 @@ impl SceneFile {
         SceneFile::of_text(&read_file(path)?, path, Form::of(path))
     }
 
+    /// What a scene file is made of besides itself: a URDF that it takes in, the scenes that its events let go on; as far as it can be read. Whether all of it can.
+    pub fn names(path: &Path) -> (Vec<PathBuf>, bool) {
+        let Ok(text) = read_file(path) else {
+            return (Vec::new(), false);
+        };
+        let form = Form::of(path);
+        if form == Form::Urdf {
+            return (Vec::new(), true);
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let reading = form.reading(&split(&text).0, folder);
+        let events = reading.skeleton.events.iter();
+        let next = events.filter_map(|event| Some(event.actions.next.as_ref()?.file.as_str()));
+        let taken = reading.file.iter().map(|file| file.path.as_str());
+        let named = taken.chain(next).map(|name| folder.join(name));
+        (named.collect(), reading.errors.is_empty())
+    }
+
     /// Reads a text; `path` is the file's name in messages, and what it names lies beside it.
     fn of_text(text: &str, path: &Path, form: Form) -> Result<SceneFile, Failure> {
         let name = &path.display().to_string();
@@ -155,11 +182,7 @@ impl SceneFile {
             Form::Urdf => (text.to_owned(), String::new()),
             Form::Toml | Form::Text => split(text),
         };
-        let reading = match form {
-            Form::Toml => read_toml_in(&scene, folder),
-            Form::Text => read_text_in(&scene, folder),
-            Form::Urdf => read_urdf(&scene),
-        };
+        let reading = form.reading(&scene, folder);
         let document = (form == Form::Toml).then(|| scene.clone());
         let settings = Settings::read(&run);
         let mut errors = reading.errors.clone();

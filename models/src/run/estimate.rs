@@ -29,9 +29,7 @@ pub struct Estimate {
 
 /// Flies the plan again with finer steps, and compares outputs and lines, or where there are none the motion of bodies and points.
 pub fn estimate(model: &dyn Model<f64>, plan: &Plan, first: &Trajectory) -> Option<Estimate> {
-    let mut events = model.scene().events.iter();
-    let acts = events.any(|event| event.actions.changes());
-    let rows = rows(first, acts);
+    let rows = rows(first);
     let times: Vec<f64> = rows
         .iter()
         .filter_map(|row| first.times().get(*row))
@@ -85,18 +83,21 @@ pub fn estimate(model: &dyn Model<f64>, plan: &Plan, first: &Trajectory) -> Opti
     estimates.max_by(|a, b| a.relative.total_cmp(&b.relative))
 }
 
-/// Rows at increasing times, evenly chosen; of rows at one time, an event, the last, or none where events act (`acts`): what jumps there has two values.
-fn rows(history: &Trajectory, acts: bool) -> Vec<usize> {
+/// Rows at increasing times, evenly chosen; none at the instant of an event or a switch: what jumps there has two values, and of two runs one may stand
+/// before it and one behind.
+fn rows(history: &Trajectory) -> Vec<usize> {
     let times = history.times();
     let alone = |row: usize| {
-        let own = times.get(row);
-        let before = row.checked_sub(1).and_then(|before| times.get(before));
-        before != own && times.get(row + 1) != own
+        let Some(own) = times.get(row) else {
+            return false;
+        };
+        let mut jumps = history.events.iter().map(|(at, _)| at);
+        !jumps.any(|at| (at - own).abs() <= NOTHING * own.abs().max(NOTHING))
     };
     let every = times.len().div_ceil(ROWS).max(1);
     let last = times.len().saturating_sub(1);
     let chosen = (0..times.len()).filter(|row| row % every == 0 || *row == last);
-    let chosen = chosen.filter(|row| !acts || alone(*row));
+    let chosen = chosen.filter(|row| alone(*row));
     let mut rows: Vec<usize> = Vec::new();
     for row in chosen {
         let before = rows.last().and_then(|before| times.get(*before));

@@ -12,14 +12,14 @@ const FAR: f64 = 1e-3;
 /// Nor is one that is rotated by more [rad].
 const ROTATED: f64 = 1e-3;
 
-/// What the start moved most of what was placed by the settings, if that is more than rounding.
+/// What the start moved most of what the declaration or the settings place, if that is more than rounding.
 #[must_use]
 pub fn moved<'a>(plan: &Plan, outcome: &'a Outcome) -> Option<&'a Moved> {
     let placed = |moved: &&Moved| plan.placed.contains(&moved.name);
     outcome.moved.iter().find(placed)
 }
 
-/// One sentence where a body that the settings place starts somewhere else; `None` where all start where they were asked to.
+/// One sentence where a body that the declaration or the settings place starts somewhere else; `None` where all start where they were asked to.
 #[must_use]
 pub fn warning(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> {
     let far = |moved: &&Moved| {
@@ -34,7 +34,7 @@ pub fn warning(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Option<String> 
         n => format!(" (and {} others)", n - 1),
     };
     Some(format!(
-        "warning: `{}` does not start where [run.start] puts it: its joints do not hold there, and the nearest place where they do is {} away, rotated by {}{others}; \
+        "warning: `{}` does not start where `start at` or [run.start] puts it: its joints do not hold there, and the nearest place where they do is {} away, rotated by {}{others}; \
          give positions and attitudes that fit each other",
         worst.name,
         format_args!("{:.3e} m", worst.distance),

@@ -60,11 +60,25 @@ model! {
         gravity: [0, 0, -9.81];
         param cord_stiffness = 800 in 100 ..= 2000;
         world { frame eye at [1, 0, 1] }
-        body crank { mass: 2, inertia: diag(0.1, 0.1, 0.02), frame pin at [0, 0, 0.3], frame tip at [0, 0, -0.3] }
-        body rod { mass: 1, inertia: diag(0.05, 0.05, 0.01), frame top at [0, 0, 0.4], frame end at [0, 0, -0.4] }
+        body crank {
+            mass: 2,
+            inertia: diag(0.1, 0.1, 0.02),
+            frame pin at [0, 0, 0.3],
+            frame tip at [0, 0, -0.3],
+        }
+        body rod {
+            mass: 1,
+            inertia: diag(0.05, 0.05, 0.01),
+            frame top at [0, 0, 0.4],
+            frame end at [0, 0, -0.4],
+        }
         joint shoulder: hinge from world to crank.pin { axis: [0, 1, 0] };
         joint elbow: universal from crank.tip to rod.top;
-        line cord from world.eye to rod.end { free_length: 1.9, stiffness: cord_stiffness, damping: 5 }
+        line cord from world.eye to rod.end {
+            free_length: 1.9,
+            stiffness: cord_stiffness,
+            damping: 5,
+        }
         event low = rod.end.position.z crosses -0.9;
         output pull = cord.tension;
     }
@@ -84,8 +98,14 @@ model! {
             frame tip at [0, 0, 0.15],
         }
         joint base: hinge from world to link[0].root { axis: [0, 0, 1], force: torque[0] }
-        joint bend[i in 0..3]: hinge from link[2 * i].tip to link[2 * i + 1].root { axis: [0, 1, 0], force: torque[2 * i + 1] }
-        joint roll[i in 0..3]: hinge from link[2 * i + 1].tip to link[2 * i + 2].root { axis: [0, 0, 1], force: torque[2 * i + 2] }
+        joint bend[i in 0..3]: hinge from link[2 * i].tip to link[2 * i + 1].root {
+            axis: [0, 1, 0],
+            force: torque[2 * i + 1],
+        }
+        joint roll[i in 0..3]: hinge from link[2 * i + 1].tip to link[2 * i + 2].root {
+            axis: [0, 0, 1],
+            force: torque[2 * i + 2],
+        }
     }
 }
 
@@ -96,9 +116,24 @@ model! {
         coordinates: relative;
         gravity: [0, 0, -9.81];
         world { frame stand at [1.2, 0, 0], frame eye at [0, 1, 1] }
-        body lever { mass: 2, inertia: diag(0.1, 0.1, 0.02), frame pin at [0, 0, 0.3], frame tip at [0, 0, -0.3] }
-        body nut { mass: 1, inertia: diag(0.05, 0.05, 0.01), frame hole at [0, 0, 0.1], frame ear at [0.2, 0, 0] }
-        body rod { mass: 0.5, inertia: diag(0.02, 0.02, 0.002), frame top at [0, 0, 0.3], frame end at [0, 0, -0.3] }
+        body lever {
+            mass: 2,
+            inertia: diag(0.1, 0.1, 0.02),
+            frame pin at [0, 0, 0.3],
+            frame tip at [0, 0, -0.3],
+        }
+        body nut {
+            mass: 1,
+            inertia: diag(0.05, 0.05, 0.01),
+            frame hole at [0, 0, 0.1],
+            frame ear at [0.2, 0, 0],
+        }
+        body rod {
+            mass: 0.5,
+            inertia: diag(0.02, 0.02, 0.002),
+            frame top at [0, 0, 0.3],
+            frame end at [0, 0, -0.3],
+        }
         joint pin: hinge from world to lever.pin { axis: [0.6, 0.8, 0] };
         joint thread: screw from lever.tip to nut.hole { axis: [0, 0.6, 0.8], pitch: 0.1 };
         joint ball: spherical from rod.top to nut.ear;

@@ -11,8 +11,18 @@ model! {
     model Stack {
         gravity: none;
         input thrust: force = 5 N;
-        body lower { mass: 30 kg, inertia: diag(5, 5, 1) kg*m^2, frame head at [0.0, 0.0, 1.0] m, start at [1.0, 2.0, 3.0] m rotated rpy(0.1, 0.2, 0.3) velocity [2.0, 0.0, 50.0] m/s angular_velocity [0.2, 0.1, 1.0] rad/s }
-        body upper { mass: 10 kg, inertia: diag(2, 2, 0.5) kg*m^2, frame foot at [0.0, 0.0, -1.0] m }
+        body lower {
+            mass: 30 kg,
+            inertia: diag(5, 5, 1) kg*m^2,
+            frame head at [0.0, 0.0, 1.0] m,
+            start at [1.0, 2.0, 3.0] m rotated rpy(0.1, 0.2, 0.3) velocity [2.0, 0.0, 50.0] m/s
+                angular_velocity [0.2, 0.1, 1.0] rad/s,
+        }
+        body upper {
+            mass: 10 kg,
+            inertia: diag(2, 2, 0.5) kg*m^2,
+            frame foot at [0.0, 0.0, -1.0] m,
+        }
         joint lower_free: free from world to lower.com;
         joint clamp: rigid from lower.head to upper.foot;
         state burnt = 0 s { rate: 1 }
@@ -157,7 +167,11 @@ model! {
         coordinates: relative;
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body mast { mass: 4 kg, inertia: diag(1, 1, 0.5) kg*m^2, frame top at [0.0, 0.0, 0.8] m }
-        body arm { mass: 2 kg, inertia: diag(0.1, 0.2, 0.2) kg*m^2, frame root at [-0.4, 0.0, 0.0] m }
+        body arm {
+            mass: 2 kg,
+            inertia: diag(0.1, 0.2, 0.2) kg*m^2,
+            frame root at [-0.4, 0.0, 0.0] m,
+        }
         joint pin: hinge from world to mast.com { axis: z, start: 10 deg, start_rate: 25 rad/s }
         joint elbow: hinge from mast.top to arm.root { axis: y, start: 20 deg, start_rate: 2 rad/s }
         event reached = time rises 0.4 s { then: stop }
@@ -170,7 +184,11 @@ model! {
         coordinates: relative;
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body mast { mass: 4 kg, inertia: diag(1, 1, 0.5) kg*m^2, frame top at [0.0, 0.0, 0.8] m }
-        body arm { mass: 2 kg, inertia: diag(0.1, 0.2, 0.2) kg*m^2, frame root at [-0.4, 0.0, 0.0] m }
+        body arm {
+            mass: 2 kg,
+            inertia: diag(0.1, 0.2, 0.2) kg*m^2,
+            frame root at [-0.4, 0.0, 0.0] m,
+        }
         joint pin: hinge from world to mast.com { axis: z }
         joint elbow: universal from mast.top to arm.root { axes: [y, z] }
     }
@@ -182,7 +200,11 @@ model! {
         coordinates: relative;
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body mast { mass: 4 kg, inertia: diag(1, 1, 0.5) kg*m^2, frame top at [0.0, 0.0, 0.8] m }
-        body arm { mass: 2 kg, inertia: diag(0.1, 0.2, 0.2) kg*m^2, frame root at [-0.4, 0.0, 0.0] m }
+        body arm {
+            mass: 2 kg,
+            inertia: diag(0.1, 0.2, 0.2) kg*m^2,
+            frame root at [-0.4, 0.0, 0.0] m,
+        }
         joint pin: hinge from world to mast.com { axis: z }
         joint elbow: hinge from mast.top to arm.root { axis: [0.0, -1.0, 0.0] }
     }
@@ -193,7 +215,11 @@ model! {
     model Absolute {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body mast { mass: 4 kg, inertia: diag(1, 1, 0.5) kg*m^2, frame top at [0.0, 0.0, 0.8] m }
-        body arm { mass: 2 kg, inertia: diag(0.1, 0.2, 0.2) kg*m^2, frame root at [-0.4, 0.0, 0.0] m }
+        body arm {
+            mass: 2 kg,
+            inertia: diag(0.1, 0.2, 0.2) kg*m^2,
+            frame root at [-0.4, 0.0, 0.0] m,
+        }
         joint pin: hinge from world to mast.com { axis: z }
         joint elbow: hinge from mast.top to arm.root { axis: y }
     }

@@ -11,8 +11,17 @@ model! {
     /// A pendulum that is let go after 0.7 s.
     pub model Released<T> {
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        body bob { mass: 2.0 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
-        joint pin: hinge from world to bob.top { axis: y, start: 1 rad, damping: 0.1 N*m*s, stiffness: 2 N*m/rad }
+        body bob {
+            mass: 2.0 kg,
+            inertia: diag(0.1, 0.2, 0.15) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+        }
+        joint pin: hinge from world to bob.top {
+            axis: y,
+            start: 1 rad,
+            damping: 0.1 N*m*s,
+            stiffness: 2 N*m/rad,
+        }
         event let_go = time rises 0.7 s { detach: pin }
         output held = norm(pin.force);
         output stored = energy.potential;
@@ -24,7 +33,11 @@ model! {
     pub model Flat {
         planar: xz;
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        body bob { mass: 2.0 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+        body bob {
+            mass: 2.0 kg,
+            inertia: diag(0.1, 0.2, 0.15) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+        }
         joint pin: hinge from world to bob.top { axis: y, start: 1 rad }
         event let_go = time rises 0.7 s { detach: pin }
     }
@@ -35,8 +48,10 @@ model! {
     pub model Chain {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         body link[i in 0..3] {
-            mass: 1.0 kg, inertia: diag(0.09, 0.1, 0.02) kg*m^2,
-            frame top at [0.0, 0.0, 0.5] m, frame tip at [0.0, 0.0, -0.5] m,
+            mass: 1.0 kg,
+            inertia: diag(0.09, 0.1, 0.02) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+            frame tip at [0.0, 0.0, -0.5] m,
         }
         joint first: hinge from world to link[0].top { axis: y, start: 0.8 rad }
         joint second: spherical from link[0].tip to link[1].top;
@@ -50,7 +65,11 @@ model! {
     pub model Latched {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         world { frame seat at [0.0, 0.0, -0.5] m }
-        body bob { mass: 2.0 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+        body bob {
+            mass: 2.0 kg,
+            inertia: diag(0.1, 0.2, 0.15) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+        }
         joint pin: hinge from world to bob.top { axis: y, start: 1 rad }
         joint latch: rigid from world.seat to bob.com { at_start: detached }
         event caught = pin.angle falls 0 rad { attach: latch, acts: once }
@@ -62,7 +81,11 @@ model! {
     pub model Clutched {
         gravity: none;
         body driver { mass: 2.0 kg, inertia: diag(0.2, 0.2, 0.3) kg*m^2 }
-        body driven { mass: 1.0 kg, inertia: diag(0.1, 0.1, 0.2) kg*m^2, frame plate at [0.0, 0.0, 0.0] m rotated rpy(0.0, 0.0, 1.0) }
+        body driven {
+            mass: 1.0 kg,
+            inertia: diag(0.1, 0.1, 0.2) kg*m^2,
+            frame plate at [0.0, 0.0, 0.0] m rotated rpy(0.0, 0.0, 1.0),
+        }
         joint front: hinge from world to driver.com { axis: z, start_rate: 3 rad/s }
         joint back: hinge from world to driven.com { axis: z }
         joint clutch: hinge from driver.com to driven.plate { axis: y, at_start: detached }
@@ -74,8 +97,20 @@ model! {
     /// Two stages that a compressed spring pushes apart once the clamp opens.
     pub model Staged {
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        body lower { mass: 30 kg, inertia: diag(5, 5, 1) kg*m^2, frame head at [0.0, 0.0, 1.0] m, start at [0.0, 0.0, 100.0] m velocity [2.0, 0.0, 50.0] m/s angular_velocity [0.2, 0.1, 1.0] rad/s }
-        body upper { mass: 10 kg, inertia: diag(2, 2, 0.5) kg*m^2, frame foot at [0.0, 0.0, -1.0] m, start at [0.0, 0.0, 102.0] m velocity [2.0, 0.0, 50.0] m/s angular_velocity [0.2, 0.1, 1.0] rad/s }
+        body lower {
+            mass: 30 kg,
+            inertia: diag(5, 5, 1) kg*m^2,
+            frame head at [0.0, 0.0, 1.0] m,
+            start at [0.0, 0.0, 100.0] m velocity [2.0, 0.0, 50.0] m/s
+                angular_velocity [0.2, 0.1, 1.0] rad/s,
+        }
+        body upper {
+            mass: 10 kg,
+            inertia: diag(2, 2, 0.5) kg*m^2,
+            frame foot at [0.0, 0.0, -1.0] m,
+            start at [0.0, 0.0, 102.0] m velocity [2.0, 0.0, 50.0] m/s
+                angular_velocity [0.2, 0.1, 1.0] rad/s,
+        }
         joint lower_free: free from world to lower.com;
         joint clamp: rigid from lower.head to upper.foot;
         spring push from lower.com to upper.com { free_length: 2.3 m, stiffness: 4 kN/m }
@@ -370,7 +405,11 @@ model! {
     /// A body that is let go and asked back when it is elsewhere.
     model Missed {
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        body bob { mass: 2.0 kg, inertia: diag(0.1, 0.2, 0.15) kg*m^2, frame top at [0.0, 0.0, 0.5] m }
+        body bob {
+            mass: 2.0 kg,
+            inertia: diag(0.1, 0.2, 0.15) kg*m^2,
+            frame top at [0.0, 0.0, 0.5] m,
+        }
         joint pin: hinge from world to bob.top { axis: y }
         event off = time rises 1 s { detach: pin }
         event back = time rises 1.5 s { attach: pin }

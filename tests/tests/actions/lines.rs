@@ -26,7 +26,11 @@ model! {
     /// A load on two lines from the walls that meet in a knot, and a third that goes after half a second and comes back after one.
     model Knotted {
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        world { frame left at [-1.0, 0.0, 2.0] m, frame right at [1.0, 0.0, 2.0] m, frame aside at [-2.0, 0.0, 1.0] m }
+        world {
+            frame left at [-1.0, 0.0, 2.0] m,
+            frame right at [1.0, 0.0, 2.0] m,
+            frame aside at [-2.0, 0.0, 1.0] m,
+        }
         point bulk { mass: 3.0 kg, start at [-0.4, 0.0, 0.2] m }
         point knot { equilibrium: static }
         line a from world.left to knot { free_length: 1.2 m, stiffness: 60 N/m }
@@ -42,12 +46,20 @@ model! {
     /// The same with damped lines and a node with a velocity.
     model Damped {
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        world { frame left at [-1.0, 0.0, 2.0] m, frame right at [1.0, 0.0, 2.0] m, frame aside at [-2.0, 0.0, 1.0] m }
+        world {
+            frame left at [-1.0, 0.0, 2.0] m,
+            frame right at [1.0, 0.0, 2.0] m,
+            frame aside at [-2.0, 0.0, 1.0] m,
+        }
         point bulk { mass: 3.0 kg, start at [-0.4, 0.0, 0.2] m }
         point knot { equilibrium: rate }
         line a from world.left to knot { free_length: 1.2 m, stiffness: 60 N/m, damping: 3 N*s/m }
         line b from world.right to knot { free_length: 1.2 m, stiffness: 60 N/m, damping: 3 N*s/m }
-        line pulled from world.aside to knot { free_length: 0.5 m, stiffness: 10 N/m, damping: 3 N*s/m }
+        line pulled from world.aside to knot {
+            free_length: 0.5 m,
+            stiffness: 10 N/m,
+            damping: 3 N*s/m,
+        }
         line cord from knot to bulk { free_length: 0.5 m, stiffness: 60 N/m, damping: 3 N*s/m }
         event gone = time rises 0.5 s { detach: pulled }
         event back = time rises 1 s { attach: pulled }
@@ -58,12 +70,20 @@ model! {
     /// The same with damping by differences.
     model Stepwise {
         gravity: [0.0, 0.0, -9.81] m/s^2;
-        world { frame left at [-1.0, 0.0, 2.0] m, frame right at [1.0, 0.0, 2.0] m, frame aside at [-2.0, 0.0, 1.0] m }
+        world {
+            frame left at [-1.0, 0.0, 2.0] m,
+            frame right at [1.0, 0.0, 2.0] m,
+            frame aside at [-2.0, 0.0, 1.0] m,
+        }
         point bulk { mass: 3.0 kg, start at [-0.4, 0.0, 0.2] m }
         point knot { equilibrium: stepwise }
         line a from world.left to knot { free_length: 1.2 m, stiffness: 60 N/m, damping: 3 N*s/m }
         line b from world.right to knot { free_length: 1.2 m, stiffness: 60 N/m, damping: 3 N*s/m }
-        line pulled from world.aside to knot { free_length: 0.5 m, stiffness: 10 N/m, damping: 3 N*s/m }
+        line pulled from world.aside to knot {
+            free_length: 0.5 m,
+            stiffness: 10 N/m,
+            damping: 3 N*s/m,
+        }
         line cord from knot to bulk { free_length: 0.5 m, stiffness: 60 N/m, damping: 3 N*s/m }
         event gone = time rises 0.5 s { detach: pulled }
         event back = time rises 1 s { attach: pulled }

@@ -200,28 +200,132 @@ fn what_counts_turns_and_what_slides_stays_where_it_was_locked() {
     }
 }
 
+/// A parallel crank, one freedom, driven by 1.7 N m on an inertia of 2 (0.1 + 0.25) + 1 = 1.7 kg m² about its angle; held by these joints and events.
+fn crank(family: &str, more: &str) -> mbd_scene::Scene {
+    read(&format!(
+        "model Crank {{ gravity: none; coordinates: {family};
+            body a {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame foot at [0, 0, -0.5] m, frame head at [0, 0, 0.5] m, start at [0, 0, 0.5] m }}
+            body b {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame foot at [0, 0, -0.5] m, frame head at [0, 0, 0.5] m, start at [1.2, 0, 0.5] m }}
+            body bar {{ mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame left at [-0.6, 0, 0] m, frame right at [0.6, 0, 0] m, start at [0.6, 0, 1] m }}
+            world {{ frame near at [0, 0, 0] m, frame far at [1.2, 0, 0] m }}
+            joint p: hinge from world.near to a.foot {{ axis: y }}
+            joint q: hinge from world.far to b.foot {{ axis: y }}
+            joint r: hinge from a.head to bar.left {{ axis: y }}
+            joint s: hinge from b.head to bar.right {{ axis: y }}
+            load torque on a = [0, 1.7, 0] N*m;
+            output leaning = p.angle;
+            {more} }}"
+    ))
+}
+
 #[test]
-fn locks_that_hold_what_others_hold_are_refused_by_name() {
-    // A parallel crank: one freedom, two locks.
+fn two_locks_of_one_freedom_hold_it_in_turn_and_together() {
+    // Locked by p from 1 s to 2 s, by q from 3 s, by both from 3.2 s, by p alone from 3.4 s to 4 s; between, a second of 1 rad/s² from rest each.
+    let events =
+        "event first = time rises 1 s { lock: p } event second = time rises 2 s { free: p }
+        event third = time rises 3 s { lock: q } event fourth = time rises 3.2 s { lock: p }
+        event fifth = time rises 3.4 s { free: q } event sixth = time rises 4 s { free: p }";
+    let expected = [
+        (1.0, 0.5),
+        (1.9, 0.5),
+        (2.5, 0.625),
+        (3.0, 1.0),
+        (3.1, 1.0),
+        (3.3, 1.0),
+        (3.9, 1.0),
+        (4.5, 1.125),
+    ];
+    for family in ["absolute", "relative"] {
+        let scene = crank(family, events);
+        let generic = Generic::<f64>::with_defaults(scene.clone()).expect("defaults");
+        let interpreted = Interpreted::<f64>::new(scene, &[]).expect("defaults");
+        for model in [&generic as &dyn Model<f64>, &interpreted] {
+            for options in [
+                Options::rk4(1e-2),
+                Options::tsit5(1e-9),
+                Options::rodas5p(1e-9),
+            ] {
+                let mut run = Simulation::new(model, options).expect("options");
+                for (time, angle) in expected {
+                    run.run(time)
+                        .unwrap_or_else(|error| panic!("{family}: {error}"));
+                    let mut outputs = [0.0];
+                    run.evaluate(Quantity::Outputs, &mut outputs)
+                        .expect("outputs");
+                    assert!(
+                        (outputs[0] - angle).abs() < 1e-7,
+                        "{family} {} at {time} s: {} for {angle}",
+                        options.method.name(),
+                        outputs[0]
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn locks_of_what_joints_hold_for_ever_are_refused_by_name() {
+    let strut = "joint strut: distance from world.far to a.head { length: sqrt(2.44) * 1 m }";
+    for family in ["absolute", "relative"] {
+        let scene = crank(
+            family,
+            &format!("{strut} event one = time rises 1 s {{ lock: q.angle }}"),
+        );
+        let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+        let refused = Simulation::new(&model, Options::rk4(1e-3)).map(|_| ());
+        let error = refused.expect_err("it holds nothing");
+        assert!(
+            matches!(error.cause, StepError::Unsupported { .. }),
+            "{error}"
+        );
+        assert!(
+            error.to_string().contains("`strut` hold `q.angle` already"),
+            "{error}"
+        );
+        // One that may be detached leaves it something to hold.
+        let scene = crank(
+            family,
+            &format!(
+                "{strut} event one = time rises 1 s {{ lock: q.angle }} event two = time rises 2 s {{ detach: strut }}"
+            ),
+        );
+        let model = Generic::<f64>::with_defaults(scene).expect("defaults");
+        let mut run = Simulation::new(&model, Options::tsit5(1e-8)).expect("options");
+        run.run(3.0)
+            .unwrap_or_else(|error| panic!("{family}: {error}"));
+        let mut outputs = [1.0];
+        run.evaluate(Quantity::Outputs, &mut outputs)
+            .expect("outputs");
+        assert!(outputs[0].abs() < 1e-9, "{family}: {outputs:?}");
+    }
+}
+
+#[test]
+fn what_rounding_leaves_of_a_locked_coordinate_is_no_event() {
     let scene = read(
-        "model Crank { gravity: none;
-            body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame foot at [0, 0, -0.5] m, frame head at [0, 0, 0.5] m, start at [0, 0, 0.5] m }
-            body b { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame foot at [0, 0, -0.5] m, frame head at [0, 0, 0.5] m, start at [1, 0, 0.5] m }
-            body bar { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame left at [-0.5, 0, 0] m, frame right at [0.5, 0, 0] m, start at [0.5, 0, 1] m }
-            world { frame near at [0, 0, 0] m, frame far at [1, 0, 0] m }
-            joint p: hinge from world.near to a.foot { axis: y }
-            joint q: hinge from world.far to b.foot { axis: y }
-            joint r: hinge from a.head to bar.left { axis: y }
-            joint s: hinge from b.head to bar.right { axis: y }
-            event one = time rises 1 s { lock: p }
-            event two = time rises 2 s { lock: q.angle } }",
+        "model Clutch {
+            gravity: none;
+            body a { mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2 }
+            body b { mass: 1 kg, inertia: diag(2, 2, 3) kg*m^2 }
+            joint drive: hinge from world to a.com { axis: z, start_rate: 10 rad/s, force: 1 N*m }
+            joint driven: hinge from world to b.com { axis: z }
+            loop joint slip: hinge from a.com to b.com { axis: z, force: -2 N*m * sign(slip.angle_rate) * slips }
+            param slips = 1;
+            event gripped = slip.angle_rate rises 0 rad/s { lock: slip, set: slips = 0, acts: once }
+            event turned = slip.angle_rate crosses 0 rad/s;
+        }",
     );
     let model = Generic::<f64>::with_defaults(scene).expect("defaults");
-    let refused = Simulation::new(&model, Options::rk4(1e-3)).map(|_| ());
-    let error = refused.expect_err("one of them holds nothing");
-    assert!(
-        matches!(error.cause, StepError::Unsupported { .. }),
-        "{error}"
-    );
-    assert!(error.to_string().contains("`q.angle`"), "{error}");
+    for options in [Options::rk4(1e-3), Options::tsit5(1e-8)] {
+        let mut run = Simulation::new(&model, options).expect("a start");
+        run.run(8.0).expect("a run");
+        // J_b ω̇_b = 2 N m, J_a ω̇_a = −1 N m from −10 rad/s on: 10/(1 + 2/3) = 6 s.
+        let times: Vec<f64> = run.events().iter().map(|event| event.time).collect();
+        assert_eq!(times.len(), 2, "{times:?}");
+        assert!(
+            times.iter().all(|time| (time - 6.0).abs() < 1e-8),
+            "{times:?}"
+        );
+    }
 }

@@ -19,7 +19,11 @@ model! {
     model Longer {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         param length = 1 m;
-        body bob { mass: 1.0 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame top at [0.0, 0.0, length] }
+        body bob {
+            mass: 1.0 kg,
+            inertia: diag(0.1, 0.1, 0.1) kg*m^2,
+            frame top at [0.0, 0.0, length],
+        }
         joint pin: hinge from world to bob.top { axis: y, start: 0.3 rad }
         event longer = time rises 1 s { set: length = 1.5 m }
     }

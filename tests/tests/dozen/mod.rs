@@ -3,18 +3,40 @@
 mbd_runtime::model! {
     pub model Random0<T> {
         angular_velocity: body;
-        gravity: oblate { mu: 4.2828e13 m^3/s^2, center: [1000.0, 0.0, -3404590.0] m, radius: 3396190.0 m, j2: 0.00196, axis: [0.6, 0.0, 0.8] };
+        gravity: oblate {
+            mu: 4.2828e13 m^3/s^2,
+            center: [1000.0, 0.0, -3404590.0] m,
+            radius: 3396190.0 m,
+            j2: 0.00196,
+            axis: [0.6, 0.0, 0.8],
+        };
         world {
             frame anchor0 at [-3.789, 3.767, -3.149] m,
             frame anchor1 at [-1.381, -2.609, 2.172] m,
             frame anchor2 at [-2.034, 3.616, -0.828] m,
         }
         point ball0 { mass: 2.7150 kg }
-        line plain0 from ball0 to world.anchor1 { free_length: 1.3884 m, stiffness: 4236.3602 N/m, damping: 17.1330 N*s/m }
+        line plain0 from ball0 to world.anchor1 {
+            free_length: 1.3884 m,
+            stiffness: 4236.3602 N/m,
+            damping: 17.1330 N*s/m,
+        }
         point knot0 { equilibrium: rate }
-        line leg0_0 from world.anchor2 to knot0 { free_length: 0.2878 m, stiffness: p0, damping: C1 }
-        line leg0_1 from knot0 to ball0 { free_length: 1.1346 m, stiffness: 2207.3801 N/m, damping: 2.5048 N*s/m }
-        line leg0_2 from knot0 to world.anchor0 { free_length: C2, stiffness: 1296.6573 N/m, damping: C3 }
+        line leg0_0 from world.anchor2 to knot0 {
+            free_length: 0.2878 m,
+            stiffness: p0,
+            damping: C1,
+        }
+        line leg0_1 from knot0 to ball0 {
+            free_length: 1.1346 m,
+            stiffness: 2207.3801 N/m,
+            damping: 2.5048 N*s/m,
+        }
+        line leg0_2 from knot0 to world.anchor0 {
+            free_length: C2,
+            stiffness: 1296.6573 N/m,
+            damping: C3,
+        }
         line leg0_3 from knot0 to ball0 { free_length: C5, stiffness: p4, damping: C6 }
         point knot1 { equilibrium: static }
         line leg1_0 from knot1 to world.anchor1 { free_length: 0.6656 m, stiffness: 913.1330 N/m }
@@ -45,7 +67,14 @@ mbd_runtime::model! {
         gravity: [0.3, -0.2, -9.81] m/s^2;
         body link0 {
             mass: p0,
-            inertia: full { xx: 2.444, yy: 2.763, zz: 2.877, xy: -0.086, xz: 0.118, yz: -0.038 } kg*m^2 (matrix elements),
+            inertia: full {
+                xx: 2.444,
+                yy: 2.763,
+                zz: 2.877,
+                xy: -0.086,
+                xz: 0.118,
+                yz: -0.038,
+            } kg*m^2 (matrix elements),
             frame f0 at [0.211, -0.090, 0.060] m,
             frame f1 at [-0.666, 0.291, 0.631] m,
             frame f2 at [0.0, 0.0, -0.837] m,
@@ -53,7 +82,14 @@ mbd_runtime::model! {
         joint free0: free from world to link0.com;
         body link1 {
             mass: 7.0323 kg,
-            inertia: full { xx: 2.048, yy: 2.516, zz: 2.714, xy: 0.199, xz: 0.039, yz: 0.035 } kg*m^2 (matrix elements),
+            inertia: full {
+                xx: 2.048,
+                yy: 2.516,
+                zz: 2.714,
+                xy: 0.199,
+                xz: 0.039,
+                yz: 0.035,
+            } kg*m^2 (matrix elements),
             frame f0 at [-0.206, -0.122, -0.493] m,
             frame f1 at [0.087, 0.496, 0.636] m,
             frame f2 at [0.724, 0.416, -0.527] m,
@@ -78,7 +114,8 @@ mbd_runtime::model! {
         output tip0 = link0.f1.position;
         output tilt1 = angle(link1.z, world.z);
         output tip1 = link1.f1.position;
-        load couple2 on link2 at com = [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link2.x, [0.0, 0.0, 2.0] N*m);
+        load couple2 on link2 at com =
+            [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link2.x, [0.0, 0.0, 2.0] N*m);
         output tilt2 = angle(link2.z, world.z);
         output tip2 = link2.f1.position;
         param p0 = 48.5791 kg in 24.2896 kg ..= 97.1583 kg;
@@ -94,7 +131,14 @@ mbd_runtime::model! {
         gravity: point_mass { mu: 4.2828e13 m^3/s^2, center: [0.0, 0.0, -3404590.0] m };
         body link0 {
             mass: 30.1863 kg,
-            inertia: full { xx: 2.312, yy: 2.347, zz: 2.726, xy: -0.100, xz: 0.091, yz: -0.064 } kg*m^2 (matrix elements),
+            inertia: full {
+                xx: 2.312,
+                yy: 2.347,
+                zz: 2.726,
+                xy: -0.100,
+                xz: 0.091,
+                yz: -0.064,
+            } kg*m^2 (matrix elements),
             frame f0 at [-0.124, 0.112, -0.252] m,
             frame f1 at [-0.593, -0.600, -0.272] m,
             frame f2 at [0.0, 0.0, 0.055] m,
@@ -102,7 +146,14 @@ mbd_runtime::model! {
         joint free0: free from world to link0.com;
         body link1 {
             mass: C0,
-            inertia: full { xx: 2.740, yy: 2.525, zz: 2.620, xy: -0.080, xz: 0.147, yz: 0.041 } kg*m^2 (matrix elements),
+            inertia: full {
+                xx: 2.740,
+                yy: 2.525,
+                zz: 2.620,
+                xy: -0.080,
+                xz: 0.147,
+                yz: 0.041,
+            } kg*m^2 (matrix elements),
             frame f0 at [-0.466, -0.314, 0.767] m,
             frame f1 at [0.0, 0.0, 0.804] m,
             frame f2 at [0.0, 0.0, -0.984] m,
@@ -116,8 +167,16 @@ mbd_runtime::model! {
         line plain0 from link1.f2 to world.anchor1 { free_length: C1, stiffness: 928.0638 N/m }
         point knot0 { equilibrium: stepwise }
         line leg0_0 from knot0 to link0.f2 { free_length: p3, stiffness: C2, damping: C4 }
-        line leg0_1 from knot0 to world.anchor0 { free_length: 1.1880 m, stiffness: 2194.3792 N/m, damping: p5 }
-        line leg0_2 from world.anchor1 to knot0 { free_length: p7, stiffness: p6, damping: 38.2252 N*s/m }
+        line leg0_1 from knot0 to world.anchor0 {
+            free_length: 1.1880 m,
+            stiffness: 2194.3792 N/m,
+            damping: p5,
+        }
+        line leg0_2 from world.anchor1 to knot0 {
+            free_length: p7,
+            stiffness: p6,
+            damping: 38.2252 N*s/m,
+        }
         line leg0_3 from world.anchor0 to knot0 { free_length: C9, stiffness: C8, damping: p10 }
         load drag0 on link0 at f0 = -(C11) * norm(link0.f0.velocity) * link0.f0.velocity;
         output tilt0 = angle(link0.z, world.z);
@@ -158,16 +217,37 @@ mbd_runtime::model! {
         }
         point ball0 { mass: 3.5368 kg }
         point ball1 { mass: p1 }
-        line plain0 from link0.f2 to world.anchor0 { free_length: 1.1144 m, stiffness: 1911.4769 N/m, damping: C2 }
-        line plain1 from link0.f1 to world.anchor1 { free_length: C3, stiffness: 3514.5278 N/m, damping: p4 }
+        line plain0 from link0.f2 to world.anchor0 {
+            free_length: 1.1144 m,
+            stiffness: 1911.4769 N/m,
+            damping: C2,
+        }
+        line plain1 from link0.f1 to world.anchor1 {
+            free_length: C3,
+            stiffness: 3514.5278 N/m,
+            damping: p4,
+        }
         line plain2 from world.anchor1 to ball1 { free_length: C6, stiffness: C5 }
         point knot0 { equilibrium: rate }
-        line leg0_0 from knot0 to link0.f1 { free_length: C7, stiffness: 2844.6994 N/m, damping: C8 }
+        line leg0_0 from knot0 to link0.f1 {
+            free_length: C7,
+            stiffness: 2844.6994 N/m,
+            damping: C8,
+        }
         line leg0_1 from ball1 to knot0 { free_length: p9, stiffness: 4027.8931 N/m, damping: C10 }
         line leg0_2 from knot0 to ball0 { free_length: C12, stiffness: p11, damping: 19.9093 N*s/m }
-        line leg0_3 from knot0 to link0.f2 { free_length: 1.8001 m, stiffness: 4352.7308 N/m, damping: p13 }
-        line leg0_4 from world.anchor1 to knot0 { free_length: 0.8014 m, stiffness: 2940.1190 N/m, damping: C14 }
-        load couple0 on link0 at com = [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link0.x, [0.0, 0.0, 2.0] N*m);
+        line leg0_3 from knot0 to link0.f2 {
+            free_length: 1.8001 m,
+            stiffness: 4352.7308 N/m,
+            damping: p13,
+        }
+        line leg0_4 from world.anchor1 to knot0 {
+            free_length: 0.8014 m,
+            stiffness: 2940.1190 N/m,
+            damping: C14,
+        }
+        load couple0 on link0 at com =
+            [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link0.x, [0.0, 0.0, 2.0] N*m);
         output tilt0 = angle(link0.z, world.z);
         output tip0 = link0.f1.position;
         param p0 = 31.0358 kg in 15.5179 kg ..= 62.0715 kg;
@@ -198,10 +278,26 @@ mbd_runtime::model! {
             frame anchor2 at [-2.546, 0.301, 2.352] m,
         }
         point knot0 { equilibrium: rate }
-        line leg0_0 from world.anchor0 to knot0 { free_length: 0.8589 m, stiffness: C0, damping: p1 }
-        line leg0_1 from knot0 to world.anchor1 { free_length: 0.6495 m, stiffness: 2864.5162 N/m, damping: C2 }
-        line leg0_2 from knot0 to world.anchor1 { free_length: C4, stiffness: C3, damping: 42.1324 N*s/m }
-        line leg0_3 from world.anchor0 to knot0 { free_length: 0.4911 m, stiffness: p5, damping: C6 }
+        line leg0_0 from world.anchor0 to knot0 {
+            free_length: 0.8589 m,
+            stiffness: C0,
+            damping: p1,
+        }
+        line leg0_1 from knot0 to world.anchor1 {
+            free_length: 0.6495 m,
+            stiffness: 2864.5162 N/m,
+            damping: C2,
+        }
+        line leg0_2 from knot0 to world.anchor1 {
+            free_length: C4,
+            stiffness: C3,
+            damping: 42.1324 N*s/m,
+        }
+        line leg0_3 from world.anchor0 to knot0 {
+            free_length: 0.4911 m,
+            stiffness: p5,
+            damping: C6,
+        }
         const C0 = 3831.3192 N/m;
         param p1 = 31.0718 N*s/m in 15.5359 N*s/m ..= 62.1436 N*s/m;
         const C2 = 46.8646 N*s/m;
@@ -253,15 +349,32 @@ mbd_runtime::model! {
         }
         point ball0 { mass: p0 }
         point ball1 { mass: C1 }
-        line plain0 from ball1 to world.anchor2 { free_length: 0.6058 m, stiffness: p2, damping: p3 }
-        line plain1 from link0.f0 to world.anchor1 { free_length: C5, stiffness: C4, damping: 23.0713 N*s/m }
-        spring plain2 from link0.f0 to world.anchor0 { free_length: 0.5777 m, stiffness: 1290.1324 N/m, damping: 37.2902 N*s/m }
+        line plain0 from ball1 to world.anchor2 {
+            free_length: 0.6058 m,
+            stiffness: p2,
+            damping: p3,
+        }
+        line plain1 from link0.f0 to world.anchor1 {
+            free_length: C5,
+            stiffness: C4,
+            damping: 23.0713 N*s/m,
+        }
+        spring plain2 from link0.f0 to world.anchor0 {
+            free_length: 0.5777 m,
+            stiffness: 1290.1324 N/m,
+            damping: 37.2902 N*s/m,
+        }
         point knot0 { equilibrium: stepwise }
         line leg0_0 from link0.f0 to knot0 { free_length: p7, stiffness: p6, damping: p8 }
         line leg0_1 from ball1 to knot0 { free_length: p10, stiffness: p9, damping: C11 }
-        line leg0_2 from knot0 to world.anchor2 { free_length: C12, stiffness: 2194.8141 N/m, damping: C13 }
+        line leg0_2 from knot0 to world.anchor2 {
+            free_length: C12,
+            stiffness: 2194.8141 N/m,
+            damping: C13,
+        }
         line leg0_3 from ball1 to knot0 { free_length: p15, stiffness: C14, damping: p16 }
-        load couple0 on link0 at com = [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link0.x, [0.0, 0.0, 2.0] N*m);
+        load couple0 on link0 at com =
+            [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link0.x, [0.0, 0.0, 2.0] N*m);
         output tilt0 = angle(link0.z, world.z);
         output tip0 = link0.f1.position;
         param p0 = 2.8409 kg in 1.4204 kg ..= 5.6817 kg;
@@ -287,7 +400,13 @@ mbd_runtime::model! {
 mbd_runtime::model! {
     pub model Random7<T> {
         angular_velocity: world;
-        gravity: oblate { mu: 4.2828e13 m^3/s^2, center: [1000.0, 0.0, -3404590.0] m, radius: 3396190.0 m, j2: 0.00196, axis: [0.6, 0.0, 0.8] };
+        gravity: oblate {
+            mu: 4.2828e13 m^3/s^2,
+            center: [1000.0, 0.0, -3404590.0] m,
+            radius: 3396190.0 m,
+            j2: 0.00196,
+            axis: [0.6, 0.0, 0.8],
+        };
         world {
             frame anchor0 at [3.206, 0.663, -0.380] m,
             frame anchor1 at [-2.005, -0.256, -1.375] m,
@@ -295,7 +414,11 @@ mbd_runtime::model! {
         }
         point ball0 { mass: C0 }
         line plain0 from world.anchor0 to ball0 { free_length: p2, stiffness: C1 }
-        spring plain1 from ball0 to world.anchor0 { free_length: C3, stiffness: 2094.5158 N/m, damping: 3.6578 N*s/m }
+        spring plain1 from ball0 to world.anchor0 {
+            free_length: C3,
+            stiffness: 2094.5158 N/m,
+            damping: 3.6578 N*s/m,
+        }
         const C0 = 4.6065 kg;
         const C1 = 3810.8777 N/m;
         param p2 = 0.3920 m in 0.1960 m ..= 0.7841 m;
@@ -322,7 +445,11 @@ mbd_runtime::model! {
         }
         point ball0 { mass: p1 }
         line plain0 from ball0 to link0.f1 { free_length: p3, stiffness: p2 }
-        spring plain1 from ball0 to link0.f0 { free_length: C4, stiffness: 3957.4125 N/m, damping: p5 }
+        spring plain1 from ball0 to link0.f0 {
+            free_length: C4,
+            stiffness: 3957.4125 N/m,
+            damping: p5,
+        }
         line plain2 from world.anchor2 to link0.f0 { free_length: p7, stiffness: C6 }
         output tilt0 = angle(link0.z, world.z);
         output tip0 = link0.f1.position;
@@ -343,7 +470,14 @@ mbd_runtime::model! {
         gravity: none;
         body link0 {
             mass: 14.0008 kg,
-            inertia: full { xx: 2.263, yy: 2.115, zz: 2.646, xy: -0.112, xz: 0.116, yz: 0.036 } kg*m^2 (matrix elements),
+            inertia: full {
+                xx: 2.263,
+                yy: 2.115,
+                zz: 2.646,
+                xy: -0.112,
+                xz: 0.116,
+                yz: 0.036,
+            } kg*m^2 (matrix elements),
             frame f0 at [-0.570, 0.972, -0.519] m,
             frame f1 at [0.772, 0.131, -0.606] m,
             frame f2 at [0.353, 0.533, -0.838] m,
@@ -364,16 +498,34 @@ mbd_runtime::model! {
         }
         point ball0 { mass: 2.1936 kg }
         line plain0 from world.anchor0 to link1.f2 { free_length: C1, stiffness: p0, damping: C2 }
-        line plain1 from world.anchor0 to ball0 { free_length: 1.8974 m, stiffness: p3, damping: C4 }
-        line plain2 from link1.f2 to world.anchor1 { free_length: p6, stiffness: p5, damping: 2.7889 N*s/m }
+        line plain1 from world.anchor0 to ball0 {
+            free_length: 1.8974 m,
+            stiffness: p3,
+            damping: C4,
+        }
+        line plain2 from link1.f2 to world.anchor1 {
+            free_length: p6,
+            stiffness: p5,
+            damping: 2.7889 N*s/m,
+        }
         point knot0 { equilibrium: stepwise }
-        line leg0_0 from knot0 to link1.f1 { free_length: p8, stiffness: C7, damping: 20.9733 N*s/m }
-        line leg0_1 from knot0 to link1.f1 { free_length: 0.9195 m, stiffness: 2553.9427 N/m, damping: 21.0885 N*s/m }
+        line leg0_0 from knot0 to link1.f1 {
+            free_length: p8,
+            stiffness: C7,
+            damping: 20.9733 N*s/m,
+        }
+        line leg0_1 from knot0 to link1.f1 {
+            free_length: 0.9195 m,
+            stiffness: 2553.9427 N/m,
+            damping: 21.0885 N*s/m,
+        }
         line leg0_2 from knot0 to link0.f1 { free_length: 0.7046 m, stiffness: p9, damping: p10 }
-        load couple0 on link0 at com = [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link0.x, [0.0, 0.0, 2.0] N*m);
+        load couple0 on link0 at com =
+            [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link0.x, [0.0, 0.0, 2.0] N*m);
         output tilt0 = angle(link0.z, world.z);
         output tip0 = link0.f1.position;
-        load couple1 on link1 at com = [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link1.x, [0.0, 0.0, 2.0] N*m);
+        load couple1 on link1 at com =
+            [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link1.x, [0.0, 0.0, 2.0] N*m);
         output tilt1 = angle(link1.z, world.z);
         output tip1 = link1.f1.position;
         param p0 = 2582.3176 N/m in 1291.1588 N/m ..= 5164.6353 N/m;
@@ -396,7 +548,14 @@ mbd_runtime::model! {
         gravity: point_mass { mu: 4.2828e13 m^3/s^2, center: [0.0, 0.0, -3404590.0] m };
         body link0 {
             mass: C0,
-            inertia: full { xx: 2.856, yy: 2.949, zz: 2.787, xy: 0.189, xz: -0.083, yz: -0.104 } kg*m^2 (matrix elements),
+            inertia: full {
+                xx: 2.856,
+                yy: 2.949,
+                zz: 2.787,
+                xy: 0.189,
+                xz: -0.083,
+                yz: -0.104,
+            } kg*m^2 (matrix elements),
             frame f0 at [-0.423, -0.997, 0.799] m,
             frame f1 at [-0.415, -0.554, 0.838] m,
             frame f2 at [0.0, 0.0, 0.163] m,
@@ -419,7 +578,8 @@ mbd_runtime::model! {
         load drag0 on link0 at f0 = -(1.0140 kg/m) * norm(link0.f0.velocity) * link0.f0.velocity;
         output tilt0 = angle(link0.z, world.z);
         output tip0 = link0.f1.position;
-        load couple1 on link1 at com = [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link1.x, [0.0, 0.0, 2.0] N*m);
+        load couple1 on link1 at com =
+            [0.1, sin(time / 1.0 s), 0.3] N*m - cross(link1.x, [0.0, 0.0, 2.0] N*m);
         output tilt1 = angle(link1.z, world.z);
         output tip1 = link1.f1.position;
         const C0 = 7.4177 kg;

@@ -115,9 +115,24 @@ model! {
         planar: xy;
         gravity: [0.0, -0.0, 0.0] m/s^2;
         world { frame p0 at [0, 0, 0] m, frame p1 at [2, 0, 0] m }
-        body crank0 { mass: 1 kg, inertia: diag(0.3333333333333333, 0.3333333333333333, 0.3333333333333333) kg*m^2, frame root at [-1, 0, 0] m, frame tip at [1, 0, 0] m }
-        body crank1 { mass: 1 kg, inertia: diag(0.3333333333333333, 0.3333333333333333, 0.3333333333333333) kg*m^2, frame root at [-1, 0, 0] m, frame tip at [1, 0, 0] m }
-        body beam { mass: 1 kg, inertia: diag(0.3333333333333333, 0.3333333333333333, 0.3333333333333333) kg*m^2, frame p0 at [-1, 0, 0] m, frame p1 at [1, 0, 0] m }
+        body crank0 {
+            mass: 1 kg,
+            inertia: diag(0.3333333333333333, 0.3333333333333333, 0.3333333333333333) kg*m^2,
+            frame root at [-1, 0, 0] m,
+            frame tip at [1, 0, 0] m,
+        }
+        body crank1 {
+            mass: 1 kg,
+            inertia: diag(0.3333333333333333, 0.3333333333333333, 0.3333333333333333) kg*m^2,
+            frame root at [-1, 0, 0] m,
+            frame tip at [1, 0, 0] m,
+        }
+        body beam {
+            mass: 1 kg,
+            inertia: diag(0.3333333333333333, 0.3333333333333333, 0.3333333333333333) kg*m^2,
+            frame p0 at [-1, 0, 0] m,
+            frame p1 at [1, 0, 0] m,
+        }
         joint root0: hinge from world.p0 to crank0.root { axis: z }
         joint tip0: hinge from crank0.tip to beam.p0 { axis: z }
         joint root1: hinge from world.p1 to crank1.root { axis: z }

@@ -155,16 +155,22 @@ model! {
         gravity: [0.0, 0.0, -9.81] m/s^2;
         world { frame far at [1.9, 0.0, 0.0] m }
         body crank {
-            mass: 1.0 kg, inertia: diag(0.03, 0.05, 0.06) kg*m^2,
-            frame root at [0.0, 0.0, -0.4] m, frame tip at [0.0, 0.0, 0.4] m,
+            mass: 1.0 kg,
+            inertia: diag(0.03, 0.05, 0.06) kg*m^2,
+            frame root at [0.0, 0.0, -0.4] m,
+            frame tip at [0.0, 0.0, 0.4] m,
         }
         body bar {
-            mass: 1.2 kg, inertia: diag(0.02, 0.07, 0.06) kg*m^2,
-            frame left at [-0.9, 0.0, 0.0] m, frame right at [0.9, 0.0, 0.0] m,
+            mass: 1.2 kg,
+            inertia: diag(0.02, 0.07, 0.06) kg*m^2,
+            frame left at [-0.9, 0.0, 0.0] m,
+            frame right at [0.9, 0.0, 0.0] m,
         }
         body rocker {
-            mass: 1.4 kg, inertia: diag(0.03, 0.05, 0.06) kg*m^2,
-            frame root at [0.0, 0.0, -0.6] m, frame tip at [0.0, 0.0, 0.6] m,
+            mass: 1.4 kg,
+            inertia: diag(0.03, 0.05, 0.06) kg*m^2,
+            frame root at [0.0, 0.0, -0.6] m,
+            frame tip at [0.0, 0.0, 0.6] m,
         }
         joint a: hinge from world to crank.root { axis: y }
         joint b: hinge from crank.tip to bar.left { axis: y }

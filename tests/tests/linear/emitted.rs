@@ -17,12 +17,24 @@ mbd_runtime::model! {
         emit: [partial];
         param rod_mass = 0.7 kg in 0.1 kg ..= 2.0 kg;
         input torque: torque;
-        body crank { mass: 0.5 kg, inertia: diag(0.001, 0.01, 0.01) kg*m^2,
-            frame axle at [-0.1, 0.0, 0.0] m, frame pin at [0.1, 0.0, 0.0] m }
-        body rod { mass: rod_mass, inertia: diag(0.001, 0.05, 0.05) kg*m^2,
-            frame big at [-0.3, 0.0, 0.0] m, frame small at [0.3, 0.0, 0.0] m }
+        body crank {
+            mass: 0.5 kg,
+            inertia: diag(0.001, 0.01, 0.01) kg*m^2,
+            frame axle at [-0.1, 0.0, 0.0] m,
+            frame pin at [0.1, 0.0, 0.0] m,
+        }
+        body rod {
+            mass: rod_mass,
+            inertia: diag(0.001, 0.05, 0.05) kg*m^2,
+            frame big at [-0.3, 0.0, 0.0] m,
+            frame small at [0.3, 0.0, 0.0] m,
+        }
         body block { mass: 1.2 kg, inertia: diag(0.01, 0.01, 0.01) kg*m^2 }
-        joint main: hinge from world to crank.axle { axis: y, damping: 0.05 N*m*s, force: torque + 0.5 * lag }
+        joint main: hinge from world to crank.axle {
+            axis: y,
+            damping: 0.05 N*m*s,
+            force: torque + 0.5 * lag,
+        }
         state lag = 0 N*m { rate: (torque - lag) / (50 ms) }
         joint big_end: hinge from crank.pin to rod.big { axis: y }
         joint small_end: spherical from rod.small to block.com;

@@ -2,13 +2,11 @@
 
 use crate::common::{COLUMNS, Run, body, frame, line, node, parachute, state_of};
 use mbd_runtime::Mode;
-use mbd_runtime::node::{NodeError, NodeMemory, RateNode, Spread, Stage};
+use mbd_runtime::node::{NodeError, NodeMemory, Stage};
 use mbd_runtime::{Generic, Model, Options, Quantity, Simulation};
-use mbd_scene::laws::LineNumbers;
 use mbd_scene::{
     Clamp, Difference, Gravity, LineKind, Load, LoadKind, NodeModel, Place, PointKind, Scene,
 };
-use nalgebra::Vector3;
 use tests::random::Random;
 use tests::reference::{load, numbers};
 
@@ -461,72 +459,6 @@ fn a_rate_node_thrown_out_of_line_is_caught_when_its_lines_straighten() {
         println!("{options:?}: {error} m, {:?}", simulation.statistics());
         assert!(error < 1e-3, "{options:?}: {error} m");
     }
-}
-
-/// The fastest that a line lets its end move by itself: K s/C and the velocities of the anchors [m/s].
-fn fastest(node: &RateNode<f64>) -> f64 {
-    let legs = node.legs().iter();
-    legs.map(|leg| {
-        leg.numbers.stiffness * leg.stretch.max(0.0) / leg.numbers.damping + leg.velocity.norm()
-    })
-    .sum()
-}
-
-#[test]
-fn rate_problems_are_decided_as_the_convex_minimum_demands() {
-    let mut random = Random::new(3);
-    let (mut spreads, mut open) = ([0; 3], 0.0_f64);
-    for _ in 0..20_000 {
-        let n = 2 + random.below(7);
-        let mut node: RateNode<f64> = RateNode::new(n);
-        for i in 0..n {
-            let stiffness = random.decades(4.0, 5.0);
-            let numbers = LineNumbers {
-                stiffness,
-                damping: stiffness * random.uniform(0.005, 0.02),
-                free_length: random.uniform(0.8, 1.2),
-            };
-            let direction = Vector3::from(random.vector(1.0)).normalize();
-            node.set_leg(
-                i,
-                direction * random.uniform(0.95, 1.2),
-                Vector3::from(random.vector(3.0)),
-                numbers,
-            );
-            node.set_mode(i, true, random.below(2) == 0);
-        }
-        node.place(Vector3::zeros(), Vector3::zeros());
-        node.taut_by_stretch();
-        assert!(node.decide(), "{:?}", node.legs());
-        assert!(node.velocity().norm() < 1e3 * fastest(&node));
-        let (mut force, mut scale) = (Vector3::zeros(), 0.0);
-        for leg in node.legs().iter().filter(|leg| leg.taut) {
-            scale += leg.pull.abs() + 10.0 * leg.numbers.damping;
-            if leg.active {
-                force += leg.anchor.normalize() * leg.pull;
-            }
-        }
-        if node.spread() == Spread::Algebraic {
-            let pulls: f64 = node
-                .legs()
-                .iter()
-                .filter(|leg| leg.active)
-                .map(|leg| leg.pull)
-                .sum();
-            // As good as in one plane: what is open is a force across it.
-            open = (force.norm() / pulls).max(open);
-            spreads[2] += 1;
-            continue;
-        }
-        for leg in node.legs().iter().filter(|leg| leg.taut) {
-            let wrong = if leg.active { -leg.pull } else { leg.pull };
-            assert!(wrong <= 1e-5 * scale, "{:?}", node.legs());
-        }
-        assert!(force.norm() <= 1e-9 * scale, "{force:?} of {scale}");
-        spreads[usize::from(node.spread() == Spread::Idle)] += 1;
-    }
-    println!("full, idle, algebraic: {spreads:?}, open {open:e} of the pulls");
-    assert!(spreads[0] > 1000 && spreads[1] > 1000 && spreads[2] < 100 && open < 1e-2);
 }
 
 #[test]

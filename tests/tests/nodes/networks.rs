@@ -5,6 +5,7 @@ use mbd_runtime::node::{Balance, BlockCholesky, Evaluation, NodeError, Outcome, 
 use mbd_runtime::{Generic, Options, Simulation, StepError};
 use nalgebra::DMatrix;
 use tests::assert_close;
+use tests::networks::Kind;
 use tests::random::Random;
 use tests::reference::{field, load, numbers};
 use tests::web::{Confluence, Tie, Web, WebBalance, WebLine};
@@ -263,35 +264,11 @@ fn confluences_agree_with_forty_digit_references() {
     assert_eq!(seen, 6);
 }
 
-/// Nodes held by lines of stiffness 1e4 or `stiff` [N/m], each tied to an anchor or to a node that is.
-fn uneven_network(random: &mut Random, nodes: usize, stiff: f64) -> Web<f64> {
-    let anchors: Vec<[f64; 3]> = (0..3 + nodes).map(|_| random.vector(2.0)).collect();
-    let lines = (0..3 * nodes)
-        .map(|i| {
-            let node = i % nodes;
-            let to = match random.below(2) {
-                1 if node > 0 => Tie::Node(random.below(node)),
-                _ => Tie::Anchor(random.below(anchors.len())),
-            };
-            WebLine {
-                ends: [Tie::Node(node), to],
-                stiffness: if random.below(2) == 0 { 1e4 } else { stiff },
-                free_length: random.uniform(0.1, 2.0),
-            }
-        })
-        .collect();
-    Web {
-        loads: (0..nodes).map(|_| random.vector(1e3)).collect(),
-        anchors,
-        lines,
-    }
-}
-
 /// Of `count` networks: how many found no balance and named two lines, how many named none, and the most steps a balance took.
 fn unsolved(random: &mut Random, count: usize, nodes: usize, stiff: f64) -> [usize; 3] {
     let (mut named, mut unnamed, mut most) = (0, 0, 0);
     for _ in 0..count {
-        let web = uneven_network(random, nodes, stiff);
+        let web = Kind::Uneven(stiff / 1e4).network(random, nodes);
         let start: Vec<[f64; 3]> = web.loads.iter().map(|_| random.vector(2.0)).collect();
         match web.solve(&start, Tolerance::inside_step()) {
             Ok(found) => most = most.max(found.outcome.iterations()),
@@ -366,7 +343,7 @@ fn a_run_that_finds_no_balance_names_its_softest_and_its_stiffest_line_and_says_
     let stiff = 1e16;
     let mut told = 0;
     for _ in 0..60 {
-        let web = uneven_network(&mut random, 5, stiff);
+        let web = Kind::Uneven(stiff / 1e4).network(&mut random, 5);
         let scene = read_text(&declaration(&web)).scene.expect("a network");
         let model = Generic::<f64>::with_defaults(scene).expect("no params");
         let mut run = Simulation::<f64>::new(&model, Options::rk4(1e-3)).expect("options");

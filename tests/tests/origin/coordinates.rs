@@ -7,7 +7,13 @@ model! {
     /// A capsule with a lid, under lines that meet at a point, over a planet.
     pub model Absolute<T> {
         coordinates: absolute;
-        gravity: oblate { mu: 40 m^3/s^2, center: [0, 0, -9] m, radius: 5 m, j2: 0.01, axis: [0, 0, 1] };
+        gravity: oblate {
+            mu: 40 m^3/s^2,
+            center: [0, 0, -9] m,
+            radius: 5 m,
+            j2: 0.01,
+            axis: [0, 0, 1],
+        };
         origin: follows capsule;
         verify;
         world { frame mast at [0, 0, 5] m, frame crane at [sin(1 rad/s * time) * 1 m, 0 m, 4 m] }
@@ -16,8 +22,16 @@ model! {
         joint float: free from world to capsule.com;
         joint hinge: hinge from capsule.top to lid.rim { axis: x, damping: 0.1 N*m*s }
         point left { mass: 1 kg }
-        spring tether from world.mast to left { free_length: 1 m, stiffness: 2 N/m, damping: 0.1 N*s/m }
-        line hoist from world.crane to capsule.top { free_length: 1 m, stiffness: 20 N/m, damping: 0.2 N*s/m }
+        spring tether from world.mast to left {
+            free_length: 1 m,
+            stiffness: 2 N/m,
+            damping: 0.1 N*s/m,
+        }
+        line hoist from world.crane to capsule.top {
+            free_length: 1 m,
+            stiffness: 20 N/m,
+            damping: 0.2 N*s/m,
+        }
         load drag on left = -0.02 kg/m * norm(left.velocity) * left.velocity;
         load wind on lid = [0.1 N/m * left.position.x, 0 N, 30 N];
         state flown = 0 m { rate: norm(capsule.velocity) }
@@ -42,10 +56,18 @@ model! {
         point left { mass: 1 kg }
         point right { mass: 1 kg }
         point knot { equilibrium: rate }
-        line riser from capsule.top to knot { free_length: 1 m, stiffness: 20 N/m, damping: 2 N*s/m }
+        line riser from capsule.top to knot {
+            free_length: 1 m,
+            stiffness: 20 N/m,
+            damping: 2 N*s/m,
+        }
         line a from knot to left { free_length: 1 m, stiffness: 10 N/m, damping: 1 N*s/m }
         line b from knot to right { free_length: 1 m, stiffness: 10 N/m, damping: 1 N*s/m }
-        line tether from world.mast to knot { free_length: 1 m, stiffness: 2 N/m, damping: 0.1 N*s/m }
+        line tether from world.mast to knot {
+            free_length: 1 m,
+            stiffness: 2 N/m,
+            damping: 0.1 N*s/m,
+        }
         load drag on left = -0.02 kg/m * norm(left.velocity) * left.velocity;
         output gap = left.position - capsule.top.position;
         output height = knot.position;

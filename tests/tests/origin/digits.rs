@@ -12,7 +12,10 @@ model! {
         param away = 1000000000 m;
         param speed = 7600 m/s;
         point left { mass: 2 kg, start at [away, 0 m, away] velocity [speed, 0 m/s, 0 m/s] }
-        point right { mass: 3 kg, start at [away + 1.25 m, 0 m, away] velocity [speed, 0 m/s, 0 m/s] }
+        point right {
+            mass: 3 kg,
+            start at [away + 1.25 m, 0 m, away] velocity [speed, 0 m/s, 0 m/s],
+        }
         spring tie from left to right { free_length: 1 m, stiffness: 120 N/m }
         output stretch = tie.stretch;
         output gap = right.position - left.position;
@@ -26,7 +29,10 @@ model! {
         gravity: point_mass { mu: 398600441800000 m^3/s^2, center: [0, 0, 0] m };
         origin: follows left;
         point left { mass: 2 kg, start at [1000000000, 0, 0] m velocity [0, 631.3481146, 0] m/s }
-        point right { mass: 3 kg, start at [1000000001.25, 0, 0] m velocity [0, 631.3481146, 0] m/s }
+        point right {
+            mass: 3 kg,
+            start at [1000000001.25, 0, 0] m velocity [0, 631.3481146, 0] m/s,
+        }
         spring tie from left to right { free_length: 1 m, stiffness: 120 N/m }
         output stretch = tie.stretch;
         output gap = right.position - left.position;

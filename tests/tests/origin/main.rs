@@ -3,3 +3,4 @@
 mod coordinates;
 mod digits;
 mod outside;
+mod tied;

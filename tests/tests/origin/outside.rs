@@ -101,6 +101,31 @@ fn every_number_that_is_told_is_that_of_a_run_whose_origin_stays() {
     }
 }
 
+#[test]
+fn a_stepwise_node_with_its_memory_is_the_same_wherever_the_origin_is() {
+    for family in [["absolute", "capsule"], ["relative", "lid"]] {
+        for formula in ["stepwise", "stepwise { formula: bdf2 }"] {
+            let follows = fleet(&format!("{{ equilibrium: {formula} }}"), family);
+            let mut stays = follows.clone();
+            stays.runs.origin = None;
+            let options = Options::rk4(2e-3);
+            let (still, rested) = flown(stays, options);
+            let (moving, moved) = flown(follows, options);
+            for name in moving.names() {
+                let name = &name.name;
+                let [a, b] =
+                    [&moving, &still].map(|history| history.column(name).expect("a column"));
+                let what = format!("{formula} {family:?} {name}");
+                let size = b.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+                assert_close(a, b, 0.0, 1e-8 * size, &what);
+            }
+            assert_close(moved.nodes(), rested.nodes(), 1e-9, 1e-9, "nodes");
+            let (_, near) = moved.near_origin().expect("it follows");
+            assert!(near[..3].iter().all(|x| x.abs() < 101.0), "{near:?}");
+        }
+    }
+}
+
 mod runs {
     //! Runs that are stopped, driven, gone on with.
 

@@ -59,12 +59,34 @@ model! {
         gravity: [0.0, -9.81, 0.0] m/s^2;
         verify;
         world { frame b at [1.0, 0.0, 0.0] m, frame c at [1.7, 0.0, 0.0] m }
-        body one { mass: 1 kg, inertia: diag(0.03, 0.04, 0.05) kg*m^2, frame root at [0.0, -0.25, 0.0] m, frame tip at [0.0, 0.25, 0.0] m }
-        body two { mass: 1 kg, inertia: diag(0.03, 0.04, 0.05) kg*m^2, frame root at [0.0, -0.25, 0.0] m, frame tip at [0.0, 0.25, 0.0] m }
-        body three { mass: 1 kg, inertia: diag(0.03, 0.04, 0.05) kg*m^2, frame root at [0.0, -0.25, 0.0] m, frame tip at [0.0, 0.25, 0.0] m }
-        body beam { mass: 2 kg, inertia: diag(0.3, 0.4, 0.5) kg*m^2,
-            frame a at [-0.85, 0.0, 0.0] m, frame b at [0.15, 0.0, 0.0] m, frame c at [0.85, 0.0, 0.0] m }
-        joint root_one: hinge from world to one.root { motor: 0.5 rad + 0.4 rad * sin(2 rad/s * time) }
+        body one {
+            mass: 1 kg,
+            inertia: diag(0.03, 0.04, 0.05) kg*m^2,
+            frame root at [0.0, -0.25, 0.0] m,
+            frame tip at [0.0, 0.25, 0.0] m,
+        }
+        body two {
+            mass: 1 kg,
+            inertia: diag(0.03, 0.04, 0.05) kg*m^2,
+            frame root at [0.0, -0.25, 0.0] m,
+            frame tip at [0.0, 0.25, 0.0] m,
+        }
+        body three {
+            mass: 1 kg,
+            inertia: diag(0.03, 0.04, 0.05) kg*m^2,
+            frame root at [0.0, -0.25, 0.0] m,
+            frame tip at [0.0, 0.25, 0.0] m,
+        }
+        body beam {
+            mass: 2 kg,
+            inertia: diag(0.3, 0.4, 0.5) kg*m^2,
+            frame a at [-0.85, 0.0, 0.0] m,
+            frame b at [0.15, 0.0, 0.0] m,
+            frame c at [0.85, 0.0, 0.0] m,
+        }
+        joint root_one: hinge from world to one.root {
+            motor: 0.5 rad + 0.4 rad * sin(2 rad/s * time),
+        }
         joint root_two: hinge from world.b to two.root;
         joint root_three: hinge from world.c to three.root;
         joint tip_one: hinge from one.tip to beam.a;

@@ -237,17 +237,35 @@ model! {
     /// A crane that floats: a mast on a skew hinge, a boom on a universal joint, a ball, a weight on a spring.
     model Crane {
         coordinates: relative;
-        emit: [inverse_dynamics, gravity_force, centre_of_mass, centre_of_mass_jacobian, frame_jacobian(boom.tip), frame_jacobian(ball.com)];
+        emit: [
+            inverse_dynamics, gravity_force, centre_of_mass, centre_of_mass_jacobian,
+            frame_jacobian(boom.tip), frame_jacobian(ball.com),
+        ];
         gravity: [0.3, -0.2, -9.7] m/s^2;
         param cargo = 0.7 kg in 0.1 kg ..= 2 kg;
         joint afloat: free from world to hull.com;
         body hull {
-            mass: 9 kg, inertia: full { xx: 1.2, yy: 2.0, zz: 2.4, xy: 0.1 } kg*m^2 (matrix elements),
+            mass: 9 kg,
+            inertia: full { xx: 1.2, yy: 2.0, zz: 2.4, xy: 0.1 } kg*m^2 (matrix elements),
             frame deck at [0.4, 0.1, 0.3] m rotated rpy(10 deg, 20 deg, 0.0),
         }
-        body mast { mass: 2 kg, inertia: diag(0.2, 0.2, 0.05) kg*m^2, frame foot at [0.0, 0.0, -0.5] m, frame head at [0.0, 0.05, 0.5] m }
-        body boom { mass: 1 kg, inertia: diag(0.02, 0.1, 0.1) kg*m^2, frame heel at [-0.6, 0.0, 0.0] m, frame tip at [0.6, 0.0, 0.1] m }
-        body ball { mass: 0.5 kg, inertia: diag(0.01, 0.01, 0.01) kg*m^2, frame eye at [0.0, 0.0, 0.2] m }
+        body mast {
+            mass: 2 kg,
+            inertia: diag(0.2, 0.2, 0.05) kg*m^2,
+            frame foot at [0.0, 0.0, -0.5] m,
+            frame head at [0.0, 0.05, 0.5] m,
+        }
+        body boom {
+            mass: 1 kg,
+            inertia: diag(0.02, 0.1, 0.1) kg*m^2,
+            frame heel at [-0.6, 0.0, 0.0] m,
+            frame tip at [0.6, 0.0, 0.1] m,
+        }
+        body ball {
+            mass: 0.5 kg,
+            inertia: diag(0.01, 0.01, 0.01) kg*m^2,
+            frame eye at [0.0, 0.0, 0.2] m,
+        }
         point weight { mass: cargo }
         joint slew: hinge from hull.deck to mast.foot { axis: [1, 2, 3] }
         joint luff: universal from mast.head to boom.heel { axes: [y, z] }

@@ -4,7 +4,7 @@ use mbd_scene::Scene;
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::literal::{ident, whole};
+use super::literal::{ident, readable, whole};
 use crate::equations::Equations;
 use crate::kernels::Kernels;
 
@@ -209,6 +209,7 @@ fn fields<'n>(names: impl Iterator<Item = &'n str>, spans: &[Span]) -> Vec<Ident
 
 /// One `#[doc]` a line.
 pub fn docs(text: &str) -> TokenStream {
+    let text = readable(text);
     let lines = text.lines().map(|line| {
         if line.is_empty() {
             String::new()

@@ -1,5 +1,6 @@
 //! Numbers, scenes and documentation as Rust text.
 
+use mbd_scene::turns_direction;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 
 use crate::syntax::words;
@@ -62,9 +63,18 @@ pub fn ident(name: &str, span: Span) -> Ident {
     }
 }
 
+/// A text of the declaration without characters that turn the direction of writing: rustc refuses them in what is printed, and a reader is misled.
+pub fn readable(text: &str) -> String {
+    let visible = |character| match turns_direction(character) {
+        true => char::REPLACEMENT_CHARACTER,
+        false => character,
+    };
+    text.chars().map(visible).collect()
+}
+
 /// A line of documentation.
 pub fn document(out: &mut String, line: &str) {
     out.push_str("#[doc = ");
-    out.push_str(&format!("{line:?}"));
+    out.push_str(&format!("{:?}", readable(line)));
     out.push_str("]\n");
 }

@@ -9,7 +9,7 @@ use super::execution;
 use super::explain;
 use super::function::{function, solution};
 use super::kernel;
-use super::literal::{number, whole};
+use super::literal::{number, readable, whole};
 use super::methods::methods;
 use super::quantity;
 use crate::equations::is_matrix;
@@ -251,7 +251,7 @@ fn construction(context: &Context) -> TokenStream {
     );
     let scene = context.scene().packed();
     let plan = context.equations.layout.plan().packed();
-    let explanation = explain::explanation(context);
+    let explanation = readable(&explain::explanation(context));
     quote! {
         impl #float #name #used {
             /// A model with these parameters.

@@ -12,8 +12,13 @@ use crate::syntax::{Item, Model, words};
 pub enum Margin {
     /// Nothing: it is a file.
     File,
-    /// The braces of a macro call, on a line that begins with these blanks.
-    Braces(String),
+    /// The brackets of a macro call.
+    Call {
+        /// What its line begins with.
+        blanks: String,
+        /// Whether the brackets are braces.
+        in_braces: bool,
+    },
 }
 
 /// A declaration as it is written line by line.
@@ -27,6 +32,8 @@ pub struct Layout<'a> {
     blanks: Vec<bool>,
     /// Whether a token is the brace that holds the fields of an item.
     fields: Vec<bool>,
+    /// Whether a token is the word before one of several values of an item: `velocity`, `rotated`.
+    pub(super) clauses: Vec<bool>,
     /// How wide everything before a token is on one line, and how often it cannot be on one: sums, so that those of a part are differences.
     widths: Vec<usize>,
     broken: Vec<usize>,
@@ -58,6 +65,7 @@ impl<'a> Layout<'a> {
             margin,
             blanks: blanks(tokens, lexemes, &marks),
             fields: vec![false; lexemes.len()],
+            clauses: vec![false; lexemes.len()],
             widths: vec![0],
             broken: vec![0],
             out: String::new(),
@@ -77,6 +85,14 @@ impl<'a> Layout<'a> {
             let open = first.and_then(|first| self.before_docs(first));
             if let Some(is) = open.and_then(|open| self.fields.get_mut(open)) {
                 *is = true;
+            }
+            // What is equal to something is broken at the signs of that.
+            if item.clauses.iter().all(|given| given.sign != "=") {
+                for given in item.clauses.iter().skip(1) {
+                    if let Some(is) = self.clauses.get_mut(given.at.first.index()) {
+                        *is = true;
+                    }
+                }
             }
             self.find_fields(&item.block);
         }
@@ -166,23 +182,47 @@ impl<'a> Layout<'a> {
     pub fn written(mut self) -> String {
         let (indent, end) = match &self.margin {
             Margin::File => (0, 0),
-            Margin::Braces(blanks) => {
+            Margin::Call { blanks, in_braces } => {
                 let width = blanks
                     .chars()
                     .map(|c| if c == '\t' { LEVEL } else { 1 })
                     .sum();
+                if self.is_only_a_robot(width) {
+                    let blank = if *in_braces { " " } else { "" };
+                    self.push(blank);
+                    self.on_line(0, self.tokens.len() - 1, width);
+                    self.push(blank);
+                    return self.out;
+                }
                 (width + LEVEL, width)
             }
         };
         self.model(indent);
         let rest = self.rest;
-        if matches!(self.margin, Margin::Braces(_)) {
+        if matches!(self.margin, Margin::Call { .. }) {
             self.lines(rest, end, Edge::Close);
             self.push("");
         } else {
             self.lines(rest, end, Edge::End);
         }
         self.out
+    }
+
+    /// Whether all there is names a file, on a line that begins at this column: `model!(urdf = "arm.urdf")`.
+    fn is_only_a_robot(&self, column: usize) -> bool {
+        let (Some(last), [only]) = (
+            self.tokens.len().checked_sub(1),
+            self.model.items.as_slice(),
+        ) else {
+            return false;
+        };
+        let sign = self.lexemes.get(1).map(|sign| &sign.kind);
+        let comments = !self.rest.comments.is_empty() || !self.tokens[0].gap.comments.is_empty();
+        let tail = "model!();".len();
+        only.word.text == "urdf"
+            && sign.is_some_and(|sign| is_sign(sign, '='))
+            && !comments
+            && self.fits_from(column, 0, last, tail)
     }
 
     fn model(&mut self, indent: usize) {
@@ -376,7 +416,7 @@ impl<'a> Layout<'a> {
 
     /// Whether something stands on the line, or the declaration follows a brace.
     fn has_line(&self) -> bool {
-        !self.out.is_empty() || matches!(self.margin, Margin::Braces(_))
+        !self.out.is_empty() || matches!(self.margin, Margin::Call { .. })
     }
 
     /// The comments before a comma that has been written.
@@ -447,7 +487,7 @@ impl<'a> Layout<'a> {
         if let Some(indent) = self.indent.take() {
             let own = match &self.margin {
                 Margin::File => "",
-                Margin::Braces(blanks) => blanks.as_str(),
+                Margin::Call { blanks, .. } => blanks.as_str(),
             };
             let width: usize = own.chars().map(|c| if c == '\t' { LEVEL } else { 1 }).sum();
             self.out.push_str(own);

@@ -17,7 +17,7 @@ use crate::syntax::model;
 use layout::{Layout, Margin};
 use tokens::Tokens;
 
-pub use rust::format_rust;
+pub use rust::{FormattedRust, format_rust};
 
 /// The longest line, in characters.
 const WIDTH: usize = 100;

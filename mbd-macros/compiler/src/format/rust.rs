@@ -7,14 +7,23 @@ use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 use super::layout::Margin;
 use super::{Part, line_end};
 use crate::lexeme::{Bracket, Kind, Lines, Region, from_tokens};
-use crate::messages::{Location, Message, syntax as say};
+use crate::messages::{Location, Message, Report, syntax as say};
 
-/// Formats what stands between the braces of every `model! { … }` of a file of Rust, and leaves all else as it is. What has a `$` in it is a part
-/// of `macro_rules!` and stays, too, as do calls with other brackets.
+/// A file of Rust whose declarations are formatted.
+#[derive(Clone, Debug)]
+pub struct FormattedRust {
+    /// The file.
+    pub text: String,
+    /// The declarations that stay as they are, and why.
+    pub left: Vec<Message>,
+}
+
+/// Formats what stands between the brackets of every `model! { … }`, `model!(…)` and `model![…]` of a file of Rust, and leaves all else as it is. What
+/// has a `$` in it is a part of `macro_rules!`: it stays, and is told.
 ///
 /// # Errors
 /// What is wrong with one of the declarations, or where the file is no Rust.
-pub fn format_rust(text: &str) -> Result<String, Vec<Message>> {
+pub fn format_rust(text: &str) -> Result<FormattedRust, Vec<Message>> {
     let (mark, code) = match text.strip_prefix('\u{feff}') {
         Some(code) => ("\u{feff}", code),
         None => ("", text),
@@ -23,8 +32,12 @@ pub fn format_rust(text: &str) -> Result<String, Vec<Message>> {
     let mut calls = Vec::new();
     find(tokens, &mut calls);
     let (mut written, mut at) = (mark.to_owned(), 0);
-    let mut errors = Vec::new();
+    let (mut errors, mut left) = (Vec::new(), Vec::new());
     for call in &calls {
+        if call.is_template {
+            left.push(call.told(code, say::template));
+            continue;
+        }
         match call.formatted(code) {
             Ok(inside) => {
                 written.push_str(&code[at..call.inside.start]);
@@ -36,17 +49,24 @@ pub fn format_rust(text: &str) -> Result<String, Vec<Message>> {
     }
     written.push_str(&code[at..]);
     match errors.is_empty() {
-        true => Ok(written),
+        true => Ok(FormattedRust {
+            text: written,
+            left,
+        }),
         false => Err(errors),
     }
 }
 
 /// A declaration in a file.
 struct Call {
-    /// The bytes between its braces.
+    /// The bytes between its brackets.
     inside: Range<usize>,
     /// Its tokens.
     tokens: TokenStream,
+    /// Whether its brackets are braces.
+    in_braces: bool,
+    /// Whether it is a part of `macro_rules!`.
+    is_template: bool,
 }
 
 impl Call {
@@ -57,20 +77,24 @@ impl Call {
             text: code,
             start: self.inside.start,
             end: self.inside.end,
-            margin: Margin::Braces(line[..blanks].to_owned()),
+            margin: Margin::Call {
+                blanks: line[..blanks].to_owned(),
+                in_braces: self.in_braces,
+            },
         };
         let written = part.formatted()?;
         // Rust divides a text in its own way; it has to find the same.
         match tokens(&written).map(said) {
             Ok(now) if now == said(self.tokens.clone()) => Ok(written),
-            _ => Err(vec![self.changed(code)]),
+            _ => Err(vec![self.told(code, say::would_change)]),
         }
     }
 
-    fn changed(&self, code: &str) -> Message {
-        let (line, column) = Lines::new(code).position(self.inside.start);
-        let report = say::would_change(Region::START);
-        Message::new(report.text, Location::Text { line, column })
+    /// What is said of it, at its first bracket.
+    fn told(&self, code: &str, what: fn(Region) -> Report) -> Message {
+        let start = self.inside.start.saturating_sub(1);
+        let (line, column) = Lines::new(code).position(start);
+        Message::new(what(Region::START).text, Location::Text { line, column })
     }
 }
 
@@ -104,7 +128,7 @@ fn tokens(code: &str) -> Result<TokenStream, Vec<Message>> {
     })
 }
 
-/// Adds every `model! { … }` without a `$` in it.
+/// Adds every call of `model!`.
 fn find(tokens: TokenStream, calls: &mut Vec<Call>) {
     let mut before = [false; 2];
     for token in tokens {
@@ -117,15 +141,14 @@ fn find(tokens: TokenStream, calls: &mut Vec<Call>) {
         let TokenTree::Group(group) = token else {
             continue;
         };
-        if is_call && group.delimiter() == Delimiter::Brace {
-            calls.extend(call(&group));
-        } else {
-            find(group.stream(), calls);
+        match is_call {
+            true => calls.push(call(&group)),
+            false => find(group.stream(), calls),
         }
     }
 }
 
-fn call(group: &Group) -> Option<Call> {
+fn call(group: &Group) -> Call {
     fn is_template(tokens: TokenStream) -> bool {
         tokens.into_iter().any(|token| match token {
             TokenTree::Punct(sign) => sign.as_char() == '$',
@@ -137,8 +160,10 @@ fn call(group: &Group) -> Option<Call> {
         group.span_open().byte_range(),
         group.span_close().byte_range(),
     );
-    (!is_template(group.stream())).then(|| Call {
+    Call {
         inside: open.end..close.start,
         tokens: group.stream(),
-    })
+        in_braces: group.delimiter() == Delimiter::Brace,
+        is_template: is_template(group.stream()),
+    }
 }

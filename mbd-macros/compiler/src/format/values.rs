@@ -38,6 +38,10 @@ impl Layout<'_> {
             self.next_line(value, indent + LEVEL, Edge::Start);
             return self.on_line(value, last, indent + LEVEL);
         }
+        let clauses = self.clauses(first, last);
+        if !clauses.is_empty() {
+            return self.filled((first, last), &clauses, indent, tail, deep);
+        }
         let branches = self.branches(first, last);
         if !branches.is_empty() {
             return self.around((first, last), &branches, indent, deep);
@@ -52,6 +56,11 @@ impl Layout<'_> {
             Some(widest) => self.around((first, last), &[widest], indent, deep),
             None => self.on_line(first, last, indent),
         }
+    }
+
+    /// The words before the values of an item, but for that of the first.
+    fn clauses(&self, first: usize, last: usize) -> Vec<usize> {
+        (first + 1..=last).filter(|&at| self.clauses[at]).collect()
     }
 
     /// The braces of `if a < b { this } else { that }`.

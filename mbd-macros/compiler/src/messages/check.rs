@@ -198,6 +198,10 @@ pub fn idle_motor(sentence: &str) -> String {
     format!("{sentence}; leave this motor out, or take away what holds it")
 }
 
+pub fn idle_lock(sentence: &str) -> String {
+    format!("{sentence}: lock another coordinate, or take away what holds this one")
+}
+
 pub fn immovable(model: &str, rows: usize, speeds: usize) -> String {
     format!(
         "model `{model}` cannot move: the {rows} rows of its joints hold all {speeds} speeds; take a joint away, or one that forbids less"

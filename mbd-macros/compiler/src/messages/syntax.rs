@@ -46,6 +46,14 @@ pub fn would_change(at: Region) -> Report {
     )
 }
 
+#[cfg(feature = "format")]
+pub fn template(at: Region) -> Report {
+    Report::new(
+        at,
+        "this declaration has a `$` in it, so that it is a template of `macro_rules!`; it stays as it is",
+    )
+}
+
 pub fn open_comment(at: Region) -> Report {
     Report::new(at, "this comment is never closed: add `*/`")
 }

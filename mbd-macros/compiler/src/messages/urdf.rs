@@ -32,6 +32,13 @@ pub fn too_many(at: At, found: usize, most: usize) -> Report {
     )
 }
 
+pub fn too_many_attributes(at: At, found: usize, most: usize) -> Report {
+    told(
+        at,
+        format!("{found} attributes are more than {most}, which no element of a robot has"),
+    )
+}
+
 pub fn no_robot(at: At, found: &str) -> Report {
     let what = match found {
         "sdf" => "this is SDF",

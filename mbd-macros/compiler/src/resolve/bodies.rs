@@ -3,7 +3,7 @@
 use mbd_scene::{Formula, Function, Inertia, Unit};
 
 use super::fields::Accept;
-use super::{Instance, Named, Resolver, Scope, Stage, Typed, fold};
+use super::{Instance, Named, Resolver, Scope, Stage, fold};
 use crate::check::WrongInertia;
 use crate::lexeme::{Bracket, Kind, Lexeme, Region};
 use crate::messages::resolve as say;
@@ -461,11 +461,8 @@ impl Resolver<'_> {
         unit: Option<&Unit>,
         scope: Scope<'_>,
     ) -> Option<Formula> {
-        let typed: Typed = self.value(value, scope)?;
-        let typed = match unit {
-            Some(unit) => self.with_unit(typed, unit)?,
-            None => typed,
-        };
+        let typed = self.value(value, scope)?;
+        let typed = self.in_brackets(typed, unit)?;
         self.fits(typed, field, false, units::INERTIA)
     }
 }

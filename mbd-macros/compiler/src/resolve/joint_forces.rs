@@ -489,10 +489,7 @@ impl Resolver<'_> {
                 return Some(None);
             }
             let typed = self.value(*part, owner.scope)?;
-            let typed = match &unit {
-                Some(unit) => self.with_unit(typed, unit)?,
-                None => typed,
-            };
+            let typed = self.in_brackets(typed, unit.as_ref())?;
             self.obeying(typed, &STOPS, owner).map(Some)
         };
         let (low, high) = (read(low), read(high));

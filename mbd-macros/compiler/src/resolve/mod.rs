@@ -181,7 +181,6 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.lets();
     resolver.part_starts();
     resolver.gravity(model);
-    resolver.origin(model);
     resolver.states();
     resolver.windings();
     resolver.loads();
@@ -189,6 +188,7 @@ pub fn resolve<'a>(model: &'a Model<'a>) -> Resolver<'a> {
     resolver.events();
     resolver.metrics();
     resolver.detached_starts();
+    resolver.origin(model);
     resolver.emitted(model);
     resolver
 }

@@ -1,6 +1,7 @@
 //! Names: what every word of the declaration refers to.
 
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use crate::lexeme::Region;
 
@@ -77,8 +78,8 @@ impl Named {
 pub enum Members {
     /// One thing.
     One(Named),
-    /// Several, by index: `leg[0]`, `leg[1]`.
-    Many(BTreeMap<i64, Named>),
+    /// Several, by index: `leg[0]`, `leg[1]`. Shared, because whoever looks one of them up keeps the word.
+    Many(Rc<BTreeMap<i64, Named>>),
 }
 
 /// A word with what it stands for and where it was declared.
@@ -132,7 +133,7 @@ impl Namespace {
                         // All of them are of the kind of the first.
                         && members.values().next().is_none_or(|other| other.kind() == named.kind()) =>
                 {
-                    members.insert(index, named);
+                    Rc::make_mut(members).insert(index, named);
                     Ok(())
                 }
                 _ => Err(entry.at),
@@ -140,7 +141,7 @@ impl Namespace {
         }
         let members = match index {
             None => Members::One(named),
-            Some(index) => Members::Many([(index, named)].into()),
+            Some(index) => Members::Many(Rc::new([(index, named)].into())),
         };
         self.order.push(word.to_string());
         self.entries.insert(word.to_string(), Entry { members, at });
@@ -153,7 +154,7 @@ impl Namespace {
             Some(entry) if matches!(entry.members, Members::One(_)) => Err(entry.at),
             Some(_) => Ok(()),
             None => {
-                let members = Members::Many(BTreeMap::new());
+                let members = Members::Many(Rc::default());
                 self.order.push(word.to_string());
                 self.entries.insert(word.to_string(), Entry { members, at });
                 Ok(())

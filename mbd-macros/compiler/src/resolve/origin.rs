@@ -1,6 +1,6 @@
 //! The origin of positions: that of the world, or one that follows a body or a point with mass.
 
-use mbd_scene::{Part, Place, PointKind};
+use mbd_scene::{Detachable, Part, Place, PointKind};
 
 use super::{Named, Resolver, Scope, Stage};
 use crate::lexeme::Region;
@@ -13,7 +13,7 @@ impl Resolver<'_> {
         let item = model.items.iter().find(|item| item.word.text == "origin");
         if let Some(value) = item.and_then(|item| item.clause(":"))
             && let Some(part) = self.followed(value)
-            && self.goes_far(value.at)
+            && self.goes_far(part, value.at)
         {
             self.scene.runs.origin = Some(part);
         }
@@ -59,18 +59,45 @@ impl Resolver<'_> {
         }
     }
 
-    /// Whether no joint holds anything to the world; `free` ones hold nothing.
-    fn goes_far(&mut self, at: Region) -> bool {
-        let in_world = |place: Place| matches!(place, Place::World(_));
-        let mut joints = self.scene.joints.iter();
-        let tied = joints.find(|joint| {
-            let holds = joint.law.rows() > 0 || !joint.forces.is_empty();
-            holds && (in_world(joint.parent) || in_world(joint.child))
-        });
-        let Some(name) = tied.map(|joint| joint.name.clone()) else {
-            return true;
+    /// Whether no joint that lasts holds to the world what is followed, or what it hangs together with; `free` ones hold nothing.
+    fn goes_far(&mut self, followed: Part, at: Region) -> bool {
+        let part = |place: Place| match place {
+            Place::World(_) => None,
+            Place::Body(body, _) => Some(Part::Body(body)),
+            Place::Point(point) => Some(Part::Point(point)),
         };
-        self.messages.push(say::origin_tied(at, &name));
-        false
+        let lasting = self
+            .scene
+            .joints
+            .iter()
+            .enumerate()
+            .filter(|(index, joint)| {
+                let holds = joint.law.rows() > 0 || !joint.forces.is_empty();
+                let holds = holds && joint.law.couples().is_empty();
+                holds && !self.scene.is_detachable(Detachable::Joint(*index))
+            });
+        let ends = lasting.map(|(_, joint)| (joint, [joint.parent, joint.child].map(part)));
+        let ends: Vec<_> = ends.collect();
+        let mut together = vec![followed];
+        let mut next = 0;
+        while let Some(&part) = together.get(next) {
+            next += 1;
+            for (joint, [a, b]) in &ends {
+                let other = match (*a, *b) {
+                    (Some(own), other) | (other, Some(own)) if own == part => other,
+                    _ => continue,
+                };
+                match other {
+                    None => {
+                        let report = say::origin_tied(at, &joint.name);
+                        self.messages.push(report);
+                        return false;
+                    }
+                    Some(other) if !together.contains(&other) => together.push(other),
+                    Some(_) => {}
+                }
+            }
+        }
+        true
     }
 }

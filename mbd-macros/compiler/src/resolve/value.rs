@@ -228,18 +228,14 @@ impl Resolver<'_> {
                     None => bare = None,
                 }
             }
-            match unit {
-                Some(unit) => formulas.push(self.with_unit(part, unit)?.formula),
-                None => {
-                    if let (Some(first), Some(this)) = (dimension, part.dimension)
-                        && first != this
-                    {
-                        return self.fail(say::mixed_components(part.at, first, this));
-                    }
-                    dimension = dimension.or(part.dimension);
-                    formulas.push(part.formula);
-                }
+            let part = self.in_brackets(part, unit)?;
+            if let (Some(first), Some(this)) = (dimension, part.dimension)
+                && first != this
+            {
+                return self.fail(say::mixed_components(part.at, first, this));
             }
+            dimension = dimension.or(part.dimension);
+            formulas.push(part.formula);
         }
         Some(Typed {
             formula: Formula::Vector(formulas),
@@ -252,8 +248,20 @@ impl Resolver<'_> {
         })
     }
 
-    /// A pure number with a unit that stands behind its bracket.
-    pub fn with_unit(&mut self, typed: Typed, unit: &Unit) -> Option<Typed> {
+    /// A value inside brackets, with the unit behind them. Without one, and where bare numbers are SI, a pure number fits there as a bare one does: it may
+    /// have had its unit behind the brackets before it was written in SI.
+    pub fn in_brackets(&mut self, typed: Typed, unit: Option<&Unit>) -> Option<Typed> {
+        match unit {
+            Some(unit) => self.with_unit(typed, unit),
+            None if self.si => Some(Typed {
+                dimension: typed.dimension.filter(|found| *found != units::NONE),
+                ..typed
+            }),
+            None => Some(typed),
+        }
+    }
+
+    fn with_unit(&mut self, typed: Typed, unit: &Unit) -> Option<Typed> {
         if typed.dimension.is_some_and(|d| d != units::NONE) || typed.angle != 0 {
             return self.fail(say::unit_twice(typed.at, &unit.text));
         }

@@ -373,7 +373,7 @@ pub const EMITTED: &[&str] = &[
 const FREE_FUNCTIONS: &[&str] = &["floor", "sign", "clamp", "ln", "tan"];
 
 /// Words of the language besides item keywords, functions and units.
-const OTHER_RESERVED: &[&str] = &[
+pub const OTHER_RESERVED: &[&str] = &[
     "model",
     "frame",
     "from",

@@ -16,6 +16,8 @@ pub const LARGEST: usize = 10_000_000;
 const NODES: u32 = 1_000_000;
 /// More links are no robot: the equations would not be compiled.
 const LINKS: usize = 2_000;
+/// An element with more attributes is none of a robot; the parser compares each with all others.
+const ATTRIBUTES: usize = 1_000;
 /// More mistakes help nobody.
 const MOST: usize = 100;
 
@@ -32,6 +34,11 @@ pub fn read(text: &str, lexer: &mut Lexer, messages: &mut Messages) -> Option<Ro
     let start = reader.at(0);
     if text.len() > LARGEST {
         reader.tell(say::too_large(start, text.len()));
+        return None;
+    }
+    if let Some((offset, found)) = crowded(text) {
+        let at = reader.at(offset);
+        reader.tell(say::too_many_attributes(at, found, ATTRIBUTES));
         return None;
     }
     // Entities are refused by the parser: a robot needs none, and they may be endless.
@@ -68,6 +75,18 @@ struct Reader<'r, 't> {
     /// How many mistakes were told.
     told: usize,
     unread: BTreeMap<String, usize>,
+}
+
+/// The first element with more attributes than any has, and how many: counted by their signs, whatever else is wrong with it.
+fn crowded(text: &str) -> Option<(usize, usize)> {
+    let mut elements = text.split_inclusive('>');
+    let mut offset = 0;
+    elements.find_map(|part| {
+        let start = offset + part.find('<').unwrap_or(0);
+        offset += part.len();
+        let found = part.bytes().filter(|byte| *byte == b'=').count();
+        (found > ATTRIBUTES).then_some((start, found))
+    })
 }
 
 /// The elements inside an element.

@@ -77,6 +77,7 @@ impl Plan {
         let params = params(scene, &settings.params)?;
         let placed = placed(scene, &settings.start);
         let (state, nodes) = start((scene, layout), &params, &settings.start, &placed)?;
+        let placed = with_declared(scene, &settings.start, placed);
         let instants = settings.instants.as_deref().unwrap_or_default();
         let instants = instants
             .iter()
@@ -129,7 +130,7 @@ impl Plan {
     ) -> Result<(), PlanError> {
         let placed = placed(scene.0, given);
         (self.state, self.nodes) = start(scene, &self.params, given, &placed)?;
-        self.placed = placed;
+        self.placed = with_declared(scene.0, given, placed);
         Ok(())
     }
 
@@ -349,6 +350,23 @@ fn placed(scene: &Scene, given: &Table) -> Vec<String> {
     let mut owners: Vec<String> = owners.collect();
     owners.dedup();
     owners
+}
+
+/// Those and the bodies and points that the declaration puts somewhere, unless joint coordinates are given, which go before.
+fn with_declared(scene: &Scene, given: &Table, mut placed: Vec<String>) -> Vec<String> {
+    let mut names = flat(given).into_iter();
+    if names.any(|(name, _)| scene.joint_coordinate(&name).is_some()) {
+        return placed;
+    }
+    for start in &scene.starts.parts {
+        let name = match start.part {
+            Part::Body(body) => scene.bodies.get(body).map(|body| &body.name),
+            Part::Point(point) => scene.points.get(point).map(|point| &point.name),
+            _ => None,
+        };
+        placed.extend(name.filter(|name| !placed.contains(name)).cloned());
+    }
+    placed
 }
 
 /// Makes a quaternion a unit one; it needs a direction for that.

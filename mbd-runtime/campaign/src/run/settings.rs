@@ -22,6 +22,7 @@
 //! wind = ["3 m/s", 0.0, 0.0]
 //! ```
 
+use mbd_compiler::read_number;
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -98,7 +99,26 @@ impl Settings {
         }
         toml::from_str::<Whole>(text)
             .map(|whole| whole.run)
-            .map_err(|error| error.to_string())
+            .map_err(|error| format!("{error}{}", in_quotes(text, &error)))
+    }
+}
+
+/// What to write instead of a value with a unit that stands without quotes; nothing after another mistake.
+fn in_quotes(text: &str, error: &toml::de::Error) -> String {
+    let line = error.span().and_then(|place| {
+        let before = text.get(..place.start)?.lines().count();
+        text.lines().nth(before.saturating_sub(1))
+    });
+    let Some((key, value)) = line.and_then(|line| line.split_once('=')) else {
+        return String::new();
+    };
+    let value = value.split('#').next().unwrap_or_default().trim();
+    match read_number(value) {
+        Ok(_) => format!(
+            "write a value with its unit in quotes: `{} = \"{value}\"`",
+            key.trim()
+        ),
+        Err(_) => String::new(),
     }
 }
 
@@ -129,6 +149,21 @@ mod tests {
             "{error}"
         );
         assert_eq!(Settings::read(""), Ok(Settings::default()));
+    }
+
+    #[test]
+    fn a_value_with_a_unit_without_quotes_is_told_how_to_be_written() {
+        let told = |line: &str| Settings::read(&format!("[run]\n{line}\n")).unwrap_err();
+        for (line, remedy) in [
+            ("until = 10 s", "`until = \"10 s\"`"),
+            ("every=20 ms # often", "`every = \"20 ms\"`"),
+            ("step = 1e-3 min", "`step = \"1e-3 min\"`"),
+        ] {
+            let told = told(line);
+            assert!(told.contains("line 2") && told.contains(remedy), "{told}");
+        }
+        assert!(!told("until = ten").contains("in quotes"));
+        assert!(!told("untl = 3").contains("in quotes"));
     }
 
     #[test]

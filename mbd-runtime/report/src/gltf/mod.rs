@@ -6,7 +6,6 @@ mod mesh;
 
 use mbd_runtime::nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use mbd_runtime::scene::Place;
-use mbd_runtime::scene::laws::constant;
 use mbd_runtime::scene::solids::Solid;
 use serde_json::{Value, json};
 
@@ -15,6 +14,7 @@ use super::film::ellipsoid;
 use super::mechanism::upwards;
 use super::playback::rows;
 use super::stage::{Stage, Track};
+use super::surface::Surface;
 use super::views::Run;
 use buffer::Buffer;
 use mesh::Mesh;
@@ -144,29 +144,18 @@ impl Writer<'_> {
         let (scene, numbers) = (stage.scene, stage.numbers.bodies.get(index)?);
         let track = stage.bodies.get(index)?.as_ref()?;
         let material = self.material(index);
-        let number = |formula| constant(scene, &stage.numbers.params, formula);
         let mut parts = Vec::new();
-        for shape in scene.shapes.iter().filter(|shape| shape.body == index) {
-            let sizes: Vec<f64> = shape.sizes.iter().map(number).collect();
-            let mesh = self.mesh(&Mesh::of(shape.solid, &sizes), material);
-            let at = shape.position.each_ref().map(number);
-            let turn = match &shape.rotation {
-                Some(rows) => {
-                    let rows = rows
-                        .each_ref()
-                        .map(|row| Vector3::from(row.each_ref().map(number)).transpose());
-                    attitude(&Matrix3::from_rows(&rows))
-                }
-                None => UnitQuaternion::identity(),
-            };
+        for placed in stage.solids(index) {
+            let mesh = self.mesh(&placed.surface(), material);
+            let at = <[f64; 3]>::from(placed.at);
             parts.push(self.node(json!({
-                "mesh": mesh, "translation": at, "rotation": quaternion(&turn),
+                "mesh": mesh, "translation": at, "rotation": quaternion(&attitude(&placed.turn)),
             })));
         }
         if parts.is_empty()
             && let Some(axes) = ellipsoid(numbers)
         {
-            let mesh = self.mesh(&Mesh::of(Solid::Sphere, &[1.0]), material);
+            let mesh = self.mesh(&Surface::of(Solid::Sphere, &[1.0]), material);
             let axes = axes.map(Vector3::from);
             // What is flat has no thickness of its own; a scale of zero has no inverse.
             let scale = axes.map(|axis| axis.norm().max(1e-4 * self.size));
@@ -206,7 +195,7 @@ impl Writer<'_> {
     fn point(&mut self, index: usize) -> Option<usize> {
         let track = self.stage.points.get(index)?.as_ref()?;
         let material = self.material(index + 3);
-        let mesh = self.mesh(&Mesh::of(Solid::Sphere, &[POINT * self.size]), material);
+        let mesh = self.mesh(&Surface::of(Solid::Sphere, &[POINT * self.size]), material);
         let name = safe(&self.stage.scene.points.get(index)?.name);
         let node = self.node(json!({ "name": name, "mesh": mesh }));
         self.moves(node, track);
@@ -240,7 +229,10 @@ impl Writer<'_> {
             return None;
         }
         let material = self.material(usize::MAX);
-        let mesh = self.mesh(&Mesh::cylinder(LINE * self.size, 1.0), material);
+        let mesh = self.mesh(
+            &Surface::of(Solid::Cylinder, &[LINE * self.size, 1.0]),
+            material,
+        );
         let node = self.node(json!({ "name": safe(&line.name), "mesh": mesh }));
         let courses = [
             ("translation", self.buffer.course(&middles, "VEC3")),
@@ -290,7 +282,8 @@ impl Writer<'_> {
         self.nodes.len() - 1
     }
 
-    fn mesh(&mut self, mesh: &Mesh, material: usize) -> usize {
+    fn mesh(&mut self, surface: &Surface, material: usize) -> usize {
+        let mesh = Mesh::of(surface);
         let places = self.buffer.vertices(&mesh.places);
         let normals = self.buffer.vertices(&mesh.normals);
         let corners = self.buffer.indices(&mesh.corners);

@@ -41,6 +41,8 @@ class Painter {
     const now = stage.at(t);
     camera.target = follow(now) || camera.target;
     camera.aim(width, height);
+    // From above the shoulder.
+    this.light = unit(add(add(camera.back, camera.up, 0.8), camera.right, -0.4));
     this.items = [];
     this.hot = [];
     if (this.show.ground) this.drawGround();
@@ -60,10 +62,17 @@ class Painter {
     this.items.push({ depth, paint });
   }
 
-  /** Remembers where a name may be asked for. */
+  /** Remembers where a name may be asked for; `text` is a text, or makes one. */
   name(place, text) {
-    const seen = this.camera.see(place);
-    if (seen) this.hot.push({ x: seen[0], y: seen[1], text });
+    this.hot.push({ place, text });
+  }
+
+  /** The names with their places on the canvas. */
+  *names() {
+    for (const { place, text } of this.hot) {
+      const seen = finite(place) && this.camera.see(place);
+      if (seen) yield { x: seen[0], y: seen[1], text: typeof text === 'string' ? text : text() };
+    }
   }
 
   stroke(places, style, width, dash = []) {
@@ -76,13 +85,25 @@ class Painter {
     context.stroke();
   }
 
+  /** How large marks are at a depth, as a share: where bodies are small, so are the marks between them. */
+  mark(depth) {
+    return Math.min(1, 0.04 * this.stage.grain * this.camera.scale(depth));
+  }
+
   dot(place, radius, fill, stroke) {
     const seen = finite(place) && this.camera.see(place);
     if (!seen) return;
-    this.add(seen[2] * 0.999, () => {
+    const [x, y, depth] = seen;
+    const r = radius * this.mark(depth);
+    this.add(depth * 0.999, () => {
       const { context } = this;
+      if (r < 1.5) {
+        context.fillStyle = stroke || fill;
+        context.fillRect(x - r, y - r, 2 * r, 2 * r);
+        return;
+      }
       context.beginPath();
-      context.arc(seen[0], seen[1], radius, 0, 2 * Math.PI);
+      context.arc(x, y, r, 0, 2 * Math.PI);
       context.setLineDash([]);
       context.fillStyle = fill;
       context.fill();
@@ -93,7 +114,10 @@ class Painter {
   segment(a, b, style, width, dash) {
     if (!finite(a) || !finite(b)) return;
     const ends = this.camera.seeLine(a, b);
-    if (ends) this.add((ends[0][2] + ends[1][2]) / 2, () => this.stroke(ends, style, width, dash));
+    if (!ends) return;
+    // Dashes cost more than they say where there is no room for three of them.
+    const room = dash && Math.hypot(ends[0][0] - ends[1][0], ends[0][1] - ends[1][1]) > 3 * (dash[0] + dash[1]);
+    this.add((ends[0][2] + ends[1][2]) / 2, () => this.stroke(ends, style, width, room ? dash : []));
   }
 
   /** A grid on the ground, its squares a round number of metres. */
@@ -137,15 +161,9 @@ class Painter {
   addBody(body, now, index) {
     if (!finite(now.p)) return;
     const { camera } = this;
-    if (body.shapes.length) {
-      for (const shape of body.shapes) this.addShape(shape, now, index);
-    } else {
-      this.addEllipsoid(body, now, index);
-      const arms = body.arms.filter((arm) => norm(arm) > 0);
-      for (const arm of arms) {
-        this.segment(now.p, add(now.p, turn(now.m, arm)), this.ink, 2.2);
-      }
-    }
+    if (!body.shapes.length) this.addEllipsoid(body, now, index);
+    for (const shape of body.shapes) this.addShape(shape, now, index);
+    for (const k of body.rods) this.segment(now.p, add(now.p, turn(now.m, body.arms[k])), this.ink, 2.2);
     if (this.show.axes) {
       const length = 0.06 * this.stage.size;
       const colours = ['#d0342c', '#2c9a3f', '#2f6fd0'];
@@ -153,7 +171,7 @@ class Painter {
     }
     if (!body.shapes.length) this.dot(now.p, 3, this.ink);
     this.name(now.p, body.name);
-    body.arms.forEach((arm, k) => { if (body.ends[k] !== 'com') this.name(add(now.p, turn(now.m, arm)), `${body.name}.${body.ends[k]}`); });
+    body.arms.forEach((arm, k) => { if (body.ends[k] !== 'com') this.name(add(now.p, turn(now.m, arm)), () => `${body.name}.${body.ends[k]}`); });
   }
 
   /** The homogeneous ellipsoid with the same mass and inertia: its outline is an ellipse. */
@@ -182,54 +200,32 @@ class Painter {
     });
   }
 
-  /** One shape of a body: round ones by their outline, others face by face. */
+  /** One shape of a body: what is a ball by its outline, others by their faces. */
   addShape(shape, now, index) {
+    const { camera, context } = this;
+    const solid = this.stage.solids[shape.solid];
     const m = product(now.m, shape.turn);
     const middle = add(now.p, turn(now.m, shape.at));
-    const { camera, context } = this;
-    if (shape.kind === 'sphere' || shape.kind === 'capsule') {
-      const [radius, length = 0] = shape.size;
-      const ends = [-0.5, 0.5].map((s) => camera.see(add(middle, m.map((row) => row[2]), s * length)));
-      if (!ends[0] || !ends[1]) return;
-      const depth = (ends[0][2] + ends[1][2]) / 2;
-      const paint = (grow, style) => {
-        context.lineWidth = 2 * (radius * camera.scale(depth) + grow);
-        context.setLineDash([]);
-        context.strokeStyle = style;
-        context.beginPath();
-        context.moveTo(ends[0][0], ends[0][1]);
-        context.lineTo(ends[1][0] + 0.01, ends[1][1]);
-        context.stroke();
-      };
-      this.add(depth, () => { paint(0.7, this.ink); paint(-0.4, this.hue(index, 0.5)); });
+    if (!solid.ball) {
+      this.add(camera.depth(middle), () => {
+        if (solid.project(camera, middle, m, this.light)) solid.paint(context, (light) => this.hue(index, light), this.hue(index, -0.5));
+      });
       return;
     }
-    if (!shape.faces) shape.faces = (FACES[shape.kind] || (() => []))(shape.size);
-    for (const face of shape.faces) {
-      const corners = face.map((corner) => camera.see(add(middle, turn(m, corner))));
-      if (corners.some((corner) => !corner)) continue;
-      let area = 0, depth = 0;
-      corners.forEach(([x, y, z], k) => {
-        const next = corners[(k + 1) % corners.length];
-        area += x * next[1] - next[0] * y;
-        depth += z / corners.length;
-      });
-      // Faces that look away are hidden by the others; on the canvas y points down.
-      if (area >= 0) continue;
-      const normal = unit(cross(add(face[1], face[0], -1), add(face[2], face[0], -1)));
-      const light = 0.5 + 0.5 * Math.max(0, dot(turn(m, normal), unit(add(add(camera.back, camera.up, 0.8), camera.right, -0.4))));
-      this.add(depth, () => {
-        context.beginPath();
-        corners.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));
-        context.closePath();
-        context.setLineDash([]);
-        context.fillStyle = this.hue(index, light - 0.25);
-        context.fill();
-        context.strokeStyle = this.hue(index, -0.2, 0.8);
-        context.lineWidth = 0.7;
-        context.stroke();
-      });
-    }
+    const [radius, length] = solid.ball;
+    const ends = [-0.5, 0.5].map((s) => camera.see(add(middle, m.map((row) => row[2]), s * length)));
+    if (!ends[0] || !ends[1]) return;
+    const depth = (ends[0][2] + ends[1][2]) / 2;
+    const paint = (grow, style) => {
+      context.lineWidth = 2 * (radius * camera.scale(depth) + grow);
+      context.setLineDash([]);
+      context.strokeStyle = style;
+      context.beginPath();
+      context.moveTo(ends[0][0], ends[0][1]);
+      context.lineTo(ends[1][0] + 0.01, ends[1][1]);
+      context.stroke();
+    };
+    this.add(depth, () => { paint(0.4, this.hue(index, -0.5)); paint(-0.4, this.hue(index, 0.5)); });
   }
 
   /** Lines: red where they pull most, dashed where they are slack. */
@@ -240,24 +236,28 @@ class Painter {
       const tension = blend(line.tension, now.row);
       const slack = line.slack[now.row[0]] === 1;
       this.segment(a, b, slack ? this.soft : tensionColour(Math.abs(tension) / (pull || 1), this.dark), slack ? 1.2 : 2, slack ? [3, 4] : []);
-      this.name(add(a, add(b, a, -1), 0.5), `${line.name}: ${slack ? 'slack' : `${shown(tension)} N`}`);
+      this.name(add(a, add(b, a, -1), 0.5), () => `${line.name}: ${slack ? 'slack' : `${shown(tension)} N`}`);
     }
   }
 
   addJoints(now) {
-    const { data, size } = this.stage;
+    const { data, size, grain } = this.stage;
+    const reach = Math.min(0.05 * size, 0.4 * grain);
     for (const joint of data.joints) {
       const [a, b] = [now.place(joint.a), now.place(joint.b)];
-      if (norm(add(a, b, -1)) > 1e-6 * size) this.segment(a, b, this.soft, 1.2, [2, 3]);
+      const apart = norm(add(a, b, -1)) > 1e-6 * size;
+      if (apart) this.segment(a, b, this.soft, 1.2, [2, 3]);
       for (const [axis, body, place] of joint.axes) {
         const direction = body < 0 ? axis : turn(now.bodies[body].m, axis);
         const origin = place ? b : a;
-        this.segment(add(origin, direction, -0.05 * size), add(origin, direction, 0.05 * size), this.ink, 1, [6, 2, 1, 2]);
+        this.segment(add(origin, direction, -reach), add(origin, direction, reach), this.ink, 1, [6, 2, 1, 2]);
       }
+      // Ends that meet have one mark.
+      const held = [joint.a, joint.b].some((end) => end[0] === 0);
       for (const [end, place] of [[joint.a, a], [joint.b, b]]) {
-        if (end[0] === 0) this.addHeld(place); else this.dot(place, 3.6, this.ground, this.ink);
+        if (end[0] === 0) this.addHeld(place); else if (apart || (!held && place === b)) this.dot(place, 3.6, this.ground, this.ink);
       }
-      this.name(b, `${joint.name} (${joint.kind})`);
+      this.name(b, () => `${joint.name} (${joint.kind})`);
     }
     for (const line of data.lines) {
       for (const end of [line.a, line.b]) if (end[0] === 0) this.addHeld(now.place(end));
@@ -268,13 +268,14 @@ class Painter {
   addHeld(place) {
     const seen = finite(place) && this.camera.see(place);
     if (!seen) return;
+    const s = this.mark(seen[2]);
     this.add(seen[2], () => {
       const [x, y] = seen, { context } = this;
       context.beginPath();
-      context.moveTo(x, y); context.lineTo(x - 7, y + 11); context.lineTo(x + 7, y + 11); context.closePath();
+      context.moveTo(x, y); context.lineTo(x - 7 * s, y + 11 * s); context.lineTo(x + 7 * s, y + 11 * s); context.closePath();
       context.setLineDash([]);
       context.fillStyle = this.faint; context.fill();
-      context.strokeStyle = this.ink; context.lineWidth = 1.2; context.stroke();
+      context.strokeStyle = this.ink; context.lineWidth = Math.min(1.2, 2 * s); context.stroke();
     });
     this.dot(place, 3.2, this.ground, this.ink);
   }
@@ -308,7 +309,7 @@ class Painter {
         // A couple has two heads.
         if (arrow.unit !== 'N') this.stroke([wing(0.4), [x1, y1], wing(-0.4)].map(([x, y]) => [x - 5 * Math.cos(angle), y - 5 * Math.sin(angle)]), style, 2);
       });
-      this.name(to, `${arrow.name}: ${shown(force)} ${arrow.unit}`);
+      this.name(to, () => `${arrow.name}: ${shown(force)} ${arrow.unit}`);
     }
   }
 
@@ -317,7 +318,7 @@ class Painter {
     context.font = '11px Helvetica,Arial,sans-serif';
     context.textAlign = 'left';
     const taken = [];
-    for (const { x, y, text } of this.hot) {
+    for (const { x, y, text } of this.names()) {
       if (taken.some(([a, b]) => Math.abs(a - x) < 60 && Math.abs(b - y) < 12)) continue;
       taken.push([x, y]);
       context.lineWidth = 3;

@@ -18,11 +18,22 @@ class Player {
       zoom: (window) => this.zoom(window),
       playing: () => this.playing,
     }));
+    this.inSight();
     this.choices(data);
     this.controls();
     this.mouse();
     this.reset();
     this.set(this.start);
+  }
+
+  /** Keeps the plots that are in sight: while it plays, only these follow. */
+  inSight() {
+    this.seen = new Set();
+    const watch = new IntersectionObserver((entries) => entries.forEach(({ target, isIntersecting }) => {
+      const plot = this.plots.find(({ figure }) => figure === target);
+      if (isIntersecting) { this.seen.add(plot); plot.mark(this.time); } else this.seen.delete(plot);
+    }));
+    this.plots.forEach(({ figure }) => watch.observe(figure));
   }
 
   /** Fills the lists of speeds and of what can be followed. */
@@ -116,7 +127,7 @@ class Player {
     const box = this.canvas.getBoundingClientRect();
     const [x, y] = [event.clientX - box.left, event.clientY - box.top];
     let [near, best] = [null, 16];
-    for (const hot of this.painter.hot) {
+    for (const hot of this.painter.names()) {
       const away = Math.hypot(hot.x - x, hot.y - y);
       if (away < best) { near = hot; best = away; }
     }
@@ -132,13 +143,13 @@ class Player {
   /** Where the camera follows to. */
   followed(now) {
     const [kind, index] = this.find('follow').value.split(' ');
-    const place = { body: () => now.bodies[index].p, point: () => now.points[index], middle: () => this.stage.middle(this.time) }[kind];
+    const place = { body: () => now.bodies[index].p, point: () => now.points[index], middle: () => this.stage.middle(now) }[kind];
     const found = place ? place() : this.stage.centre;
     return finite(found) ? found : null;
   }
 
   reset() {
-    this.camera.target = this.stage.travels ? this.stage.middle(this.time) : this.stage.centre;
+    this.camera.target = this.stage.travels ? this.stage.middle(this.stage.at(this.time)) : this.stage.centre;
     this.camera.fit(this.stage.radius);
   }
 
@@ -148,7 +159,7 @@ class Player {
     const share = this.end > this.start ? (this.time - this.start) / (this.end - this.start) : 0;
     this.find('time').value = Math.round(share * 10000);
     this.find('now').textContent = `${this.time.toFixed(this.end - this.start < 10 ? 3 : 2)} s`;
-    this.plots.forEach((plot) => plot.mark(this.time));
+    (this.playing ? this.seen : this.plots).forEach((plot) => plot.mark(this.time));
     this.request();
   }
 
@@ -168,7 +179,8 @@ class Player {
 
   play(on) {
     this.playing = on && this.end > this.start;
-    if (this.playing && this.time >= this.end) this.set(this.start);
+    if (!this.playing) this.set(this.time);
+    else if (this.time >= this.end) this.set(this.start);
     this.find('play').textContent = this.playing ? 'Pause' : 'Play';
     this.last = null;
     this.request();

@@ -13,6 +13,7 @@ class Stage {
       line.slack = unpack(Uint8Array, line.slack);
     });
     data.arrows.forEach((arrow) => { arrow.v = unpack(Float32Array, arrow.v); });
+    this.solids = data.solids.map((solid) => new Solid(solid));
     const most = (list) => list.reduce((most, x) => (Math.abs(x) > most ? Math.abs(x) : most), 0);
     this.pull = Math.max(...data.lines.map((line) => most(line.tension)), 0);
     this.longest = {};
@@ -41,9 +42,8 @@ class Stage {
     return { row, bodies, points, frames, place };
   }
 
-  /** The lowest and the highest corner of everything at a time; null of nothing. */
-  bounds(t) {
-    const now = this.at(t);
+  /** The lowest and the highest corner of everything as it is; null of nothing. */
+  bounds(now) {
     const places = [...now.points, ...this.data.frames.map((frame, k) => (frame.used ? now.frames[k] : [NaN, 0, 0]))];
     this.data.bodies.forEach((body, k) => {
       const { p, m } = now.bodies[k];
@@ -59,7 +59,7 @@ class Stage {
   measure() {
     const [start, end] = [this.times[0], this.times[this.times.length - 1]];
     const boxes = [];
-    for (let k = 0; k <= 40; k++) boxes.push(this.bounds(start + ((end - start) * k) / 40));
+    for (let k = 0; k <= 40; k++) boxes.push(this.bounds(this.at(start + ((end - start) * k) / 40)));
     const seen = boxes.filter(Boolean);
     const [low, high] = union(seen) || [[0, 0, 0], [0, 0, 0]];
     const length = ([low, high]) => norm(add(high, low, -1));
@@ -70,15 +70,18 @@ class Stage {
     this.centre = add(low, add(high, low, -1), 0.5);
     this.radius = Math.max((this.travels ? own : whole) / 2, 1e-9);
     this.size = 2 * this.radius;
+    // How large a body is, as most are.
+    const sizes = this.data.bodies.map((body) => 2 * Math.max(norm(body.reach), ...body.arms.map(norm))).sort((a, b) => a - b);
+    this.grain = sizes[sizes.length >> 1] || this.size;
     // The ground of the world where it is in reach, else below everything.
     const { up } = this.data;
     const least = Math.min(dot(low, up), dot(high, up));
     this.floor = least >= 0 && least < whole ? 0 : least;
   }
 
-  /** The middle of everything at a time. */
-  middle(t) {
-    const box = this.bounds(t);
+  /** The middle of everything as it is. */
+  middle(now) {
+    const box = this.bounds(now);
     return box ? add(box[0], add(box[1], box[0], -1), 0.5) : this.centre;
   }
 }

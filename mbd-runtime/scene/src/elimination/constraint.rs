@@ -335,7 +335,7 @@ impl<S: Real> Constraints<S> {
             };
             let rows = in_system(layout, index, &self.rows, &self.kept);
             for (row, &unknown) in rows.iter().zip(unknowns) {
-                power += unknown * row.time;
+                power += unknown * evaluation.prescribed_in_world(index, row);
             }
         }
         power

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::laws::evaluation::Evaluation;
 use crate::laws::formula;
 use crate::laws::kinematics::Kinematics;
-use crate::rows::{End, Ends, Rotation, Rows};
+use crate::rows::{End, Ends, Rotation, Row, Rows};
 use crate::{
     AngularVelocity, At, Coordinate, Formula, Jet, Joint, Layout, Part, Place, PointSlots, Real,
     RowSet, Scene,
@@ -86,6 +86,18 @@ impl<S: Real> Evaluation<'_, S> {
         }
     }
 
+    /// Φ_t of a row in the world, where what stands still prescribes nothing: that from the origin less what the origin's motion makes of ends there.
+    pub(crate) fn prescribed_in_world(&self, joint: usize, row: &Row<S>) -> S {
+        let (Some(origin), Some(slots)) = (self.origin, self.layout.joints.get(joint)) else {
+            return row.time;
+        };
+        let ends = slots.ends.iter().zip(row.columns.iter());
+        let on_ground = ends.filter(|(end, _)| end.is_none());
+        on_ground.fold(row.time, |time, (_, columns)| {
+            time + columns.linear.dot(&origin.velocity)
+        })
+    }
+
     /// The coordinates of a joint that motors drive, and their courses.
     pub(crate) fn motors<'e>(
         &'e self,
@@ -127,6 +139,10 @@ impl<S: Real> Evaluation<'_, S> {
                 Some(End {
                     position: self.position_from_origin(end.position),
                     velocity: self.velocity_from_origin(end.velocity),
+                    // From an origin that moves, what stands still moves.
+                    prescribed: end
+                        .prescribed
+                        .or(self.origin.map(|_| [Vector3::zeros(); 2])),
                     ..end
                 })
             }

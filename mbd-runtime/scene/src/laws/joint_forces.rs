@@ -252,7 +252,8 @@ impl<S: Real> JointForcesAt<'_, S> {
         }
         let mut row = self.row();
         row.prescribe(&self.ends);
-        Some(self.effort() * row.time)
+        let moved = self.evaluation.prescribed_in_world(self.joint, &row);
+        Some(self.effort() * moved)
     }
 
     /// The two ends: what each sits on.

@@ -47,9 +47,11 @@ impl<S: Real> Kinematics<S> {
         at: &'a At<'a, S>,
     ) -> Evaluation<'a, S> {
         ground(scene, numbers, at.time, &mut self.ground);
+        let origin = scene.runs.origin.map(|_| Origin::read(layout, at));
         if layout.tree.is_some() {
             let scene = (scene, layout, numbers);
-            tree::read(scene, at, &self.ground, &mut self.links, &mut self.motions);
+            let world = (&self.ground[..], origin);
+            tree::read(scene, at, world, &mut self.links, &mut self.motions);
         } else {
             for (body, slots) in layout.own_bodies() {
                 S::section(&scene.bodies[body].name);
@@ -78,7 +80,7 @@ impl<S: Real> Kinematics<S> {
             reactions: &[],
             accelerations: &[],
             body_accelerations: &[],
-            origin: scene.runs.origin.map(|_| Origin::read(layout, at)),
+            origin,
         }
     }
 }

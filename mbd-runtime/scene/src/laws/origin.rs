@@ -9,7 +9,7 @@
 //! away are those of o alone, which only what refers to the world reads:
 //!
 //! ```text
-//! an end of a line on a frame of the world at a     a − o, moving with ȧ − w                                     (2)
+//! an end on a frame of the world at a               a − o, moving with ȧ − w                                     (2)
 //! gravity that depends on the place                 g(o + x)                                                     (3)
 //! positions and velocities in formulas              o + x, w + ẋ; of two in a difference x₁ − x₂                 (4)
 //! energy, momentum, work of loads, bodies           with o + x and w + ẋ                                         (5)
@@ -56,5 +56,10 @@ impl<S: Real> Origin<S> {
             position: labelled(position, ["o_x", "o_y", "o_z"]),
             velocity,
         }
+    }
+
+    /// Position and velocity from it of what has these in the world, by (2).
+    pub(crate) fn sees(&self, [position, velocity]: [Vector3<S>; 2]) -> [Vector3<S>; 2] {
+        [position - self.position, velocity - self.velocity]
     }
 }

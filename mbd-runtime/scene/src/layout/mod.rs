@@ -132,6 +132,17 @@ impl Layout {
         joints.filter_map(|joint| Some((joint, self.carried(joint)?)))
     }
 
+    /// The link that carries a body's tree: its joint is one to the world, or there is none, and it floats. `None` in absolute coordinates.
+    #[must_use]
+    pub fn root_link(&self, body: usize) -> Option<&Link> {
+        let tree = self.tree.as_ref()?;
+        let mut link = tree.links.get(*tree.of_body.get(body)?)?;
+        while let Some(inboard) = link.inboard {
+            link = tree.links.get(inboard)?;
+        }
+        Some(link)
+    }
+
     /// The bodies that have coordinates of their own: all in absolute coordinates, those that float in relative ones.
     pub fn own_bodies(&self) -> impl Iterator<Item = (usize, Slots)> + '_ {
         let bodies = self.bodies.iter().enumerate();

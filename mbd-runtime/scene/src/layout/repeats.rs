@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{RowSet, Scene};
+use crate::{Detachable, RowSet, Scene};
 
 /// A joint some of whose rows repeat those of others.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -72,6 +72,24 @@ impl Redundancy {
         self.held.iter().filter_map(sentence).collect()
     }
 
+    /// The first lock that never holds anything, by index among the joints, and what holds its coordinate: "`a`, `b` hold `crank.angle` already".
+    /// Where a lock repeats what may be freed or detached, too, it holds once that is gone.
+    #[must_use]
+    pub fn idle_lock(&self, scene: &Scene) -> Option<(usize, String)> {
+        let lasting = |joint: &usize| !scene.is_detachable(Detachable::Joint(*joint));
+        self.repeats.iter().find_map(|repeat| {
+            let coordinate = scene.locked(Detachable::Joint(repeat.joint))?;
+            let idle = repeat.kept.within(repeat.rows).is_empty() && repeat.of.iter().all(lasting);
+            let verb = if repeat.of.len() == 1 {
+                "holds"
+            } else {
+                "hold"
+            };
+            let sentence = format!("{} {verb} `{coordinate}` already", named(scene, &repeat.of));
+            idle.then_some((repeat.joint, sentence))
+        })
+    }
+
     /// One sentence for every joint that loses rows: "`close` repeats rows of `a`, `b`, `c`: 3 of 5".
     #[must_use]
     pub fn sentences(&self, scene: &Scene) -> Vec<String> {
@@ -88,11 +106,14 @@ impl Redundancy {
     }
 }
 
-/// `a`, `b`, `c`.
+/// `a`, `b`, the lock of `c.angle`.
 fn named(scene: &Scene, joints: &[usize]) -> String {
-    let name = |joint: &usize| {
-        let joint = scene.joints.get(*joint);
-        format!("`{}`", joint.map_or("?", |joint| &joint.name))
+    let name = |joint: &usize| match scene.locked(Detachable::Joint(*joint)) {
+        Some(coordinate) => format!("the lock of `{coordinate}`"),
+        None => {
+            let joint = scene.joints.get(*joint);
+            format!("`{}`", joint.map_or("?", |joint| &joint.name))
+        }
     };
     let names: Vec<String> = joints.iter().map(name).collect();
     names.join(", ")

@@ -9,7 +9,7 @@ use crate::redundancy::local::{Hold, PartMotion, columns, speeds};
 use crate::redundancy::tree::{Group, Link};
 use crate::rows::{Row, Rows};
 use crate::scalar::orthogonal::dot;
-use crate::{Layout, Part, Pose, Relative, Scene, Twist};
+use crate::{Detachable, Layout, Part, Pose, Relative, Scene, Twist};
 
 /// States looked for in a group.
 const STATES: usize = 5;
@@ -367,7 +367,10 @@ impl Assembly<'_> {
         let motions = self.sensitivities()?;
         let group = self.group;
         let (mut lines, mut values) = (Vec::new(), Vec::new());
-        for &joint in &group.closing {
+        // A lock holds its coordinate wherever it is: it closes nothing, and would only resist.
+        let scene = self.scene;
+        let locked = |joint: usize| scene.locked(Detachable::Joint(joint)).is_some();
+        for &joint in group.closing.iter().filter(|joint| !locked(**joint)) {
             self.configuration.rows(joint, &mut self.rows);
             let rows = joint_rows(&self.rows, self.layout, joint, self.length);
             lines.extend(self.over_tree(&rows, &motions));
@@ -380,7 +383,7 @@ impl Assembly<'_> {
                     .map(|(row, size)| row.value / size),
             );
         }
-        let count = lines.first()?.len();
+        let count = motions.first().map_or(0, DMatrix::ncols);
         let matrix = DMatrix::from_fn(lines.len(), count, |i, k| lines[i][k]);
         let finite = matrix.iter().chain(&values).all(|x| x.is_finite());
         finite.then(|| (matrix, DVector::from_vec(values)))

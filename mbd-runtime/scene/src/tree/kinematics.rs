@@ -20,6 +20,7 @@ use super::link_axes::as_seen;
 use super::turn::Turn;
 use crate::laws::body::{Attitude, BodyMotion};
 use crate::laws::numbers::{BodyNumbers, FrameNumbers, Numbers};
+use crate::laws::origin::Origin;
 use crate::scalar::Few;
 use crate::scalar::algebra::labelled;
 use crate::{
@@ -168,13 +169,15 @@ struct Instant<'a, S: Real> {
     numbers: &'a Numbers<S>,
     at: &'a At<'a, S>,
     ground: &'a [Option<FrameMotion<S>>],
+    /// What positions and velocities are measured from; `None`: the world.
+    origin: Option<Origin<S>>,
 }
 
 /// Reads every link, and the bodies on them, at an instant.
 pub(crate) fn read<'a, S: Real>(
     (scene, layout, numbers): (&'a Scene, &'a Layout, &'a Numbers<S>),
     at: &'a At<'a, S>,
-    ground: &'a [Option<FrameMotion<S>>],
+    (ground, origin): (&'a [Option<FrameMotion<S>>], Option<Origin<S>>),
     links: &mut [LinkMotion<S>],
     motions: &mut [BodyMotion<S>],
 ) {
@@ -184,6 +187,7 @@ pub(crate) fn read<'a, S: Real>(
         numbers,
         at,
         ground,
+        origin,
     };
     let declared = layout.tree.iter().flat_map(|tree| &tree.links);
     for (index, link) in declared.enumerate() {
@@ -309,11 +313,15 @@ impl<S: Real> Instant<'_, S> {
             Place::World(frame) => Some(match self.ground.get(frame)?.as_ref() {
                 Some(motion) => {
                     let axes = motion.rotation.unwrap_or_else(Matrix3::identity);
+                    let [position, velocity] = match self.origin {
+                        Some(origin) => origin.sees([motion.position, motion.velocity]),
+                        None => [motion.position, motion.velocity],
+                    };
                     Inboard {
                         axes,
-                        origin: motion.position,
+                        origin: position,
                         omega: axes.transpose() * motion.omega,
-                        velocity: axes.transpose() * motion.velocity,
+                        velocity: axes.transpose() * velocity,
                         place: Vector3::zeros(),
                         frame: Matrix3::identity(),
                         body: axes,
@@ -322,11 +330,14 @@ impl<S: Real> Instant<'_, S> {
                 }
                 None => {
                     let frame = self.numbers.world_frames.get(frame)?;
+                    let still = [Vector3::zeros(); 2];
+                    let [position, velocity] =
+                        self.origin.map_or(still, |origin| origin.sees(still));
                     Inboard {
                         axes: Matrix3::identity(),
-                        origin: Vector3::zeros(),
+                        origin: position,
                         omega: Vector3::zeros(),
-                        velocity: Vector3::zeros(),
+                        velocity,
                         place: frame.position,
                         frame: axes_of(frame),
                         body: Matrix3::identity(),

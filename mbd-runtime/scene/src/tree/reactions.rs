@@ -122,7 +122,7 @@ impl<S: Real> TreeSystem<S> {
         }
         for slots in driven() {
             for row in slots.row..slots.row + slots.len {
-                power -= self.multipliers[row] * self.rows.levels[row].time;
+                power -= self.multipliers[row] * self.rows.levels[row].drive;
             }
         }
         let moving = |link: &Link| {
@@ -142,7 +142,8 @@ impl<S: Real> TreeSystem<S> {
                 // On the frame acts the opposite; the reaction is told on the child about frame 2.
                 let sign = if link.reversed { -S::one() } else { S::one() };
                 let child = evaluation.position_of(evaluation.scene.joints[joint].child);
-                let arm = child.unwrap_or(frame.position) - frame.position;
+                let place = evaluation.position_from_origin(frame.position);
+                let arm = child.unwrap_or(place) - place;
                 let about = torque + arm.cross(&force);
                 power += sign * (force.dot(&frame.velocity) + about.dot(&frame.omega));
             }

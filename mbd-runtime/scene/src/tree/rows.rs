@@ -21,6 +21,8 @@ use crate::{AngularVelocity, Layout, Part, PointSlots, Quantity, Real, Twist};
 pub(super) struct Level<S> {
     pub value: S,
     pub time: S,
+    /// Φ_t in the world, whatever positions are measured from.
+    pub drive: S,
     pub bias: S,
 }
 
@@ -47,6 +49,7 @@ impl<S: Real> TreeRows<S> {
                 Level {
                     value: S::zero(),
                     time: S::zero(),
+                    drive: S::zero(),
                     bias: S::zero(),
                 };
                 layout.nc
@@ -69,6 +72,7 @@ impl<S: Real> TreeRows<S> {
                     self.levels[row] = Level {
                         value: evaluation.at.state[link.slots.q + index] - course.value,
                         time: -course.rate,
+                        drive: -course.rate,
                         bias: course.curve,
                     };
                 }
@@ -88,6 +92,7 @@ impl<S: Real> TreeRows<S> {
                 self.levels[dependent.row] = Level {
                     value: coupling.value(sum),
                     time: S::zero(),
+                    drive: S::zero(),
                     bias: S::zero(),
                 };
             }
@@ -196,6 +201,7 @@ impl<S: Real> TreeRows<S> {
         self.levels[number] = Level {
             value: row.value,
             time: row.time,
+            drive: evaluation.prescribed_in_world(joint, row),
             bias,
         };
     }

@@ -4,7 +4,7 @@ use mbd_scene::Layout;
 
 use super::Scales;
 use crate::event::Acting;
-use crate::moving::{Moving, moving};
+use crate::moving::{Moving, Owners, moving};
 use crate::stiffness::Stiffness;
 
 /// What counts as one unit of error of the position [m] and of the attitude [rad] of each body and point: the scales of the run, and where lines and
@@ -13,7 +13,8 @@ use crate::stiffness::Stiffness;
 #[derive(Debug)]
 pub(crate) struct Resolution {
     scales: Scales,
-    sizes: Vec<(Moving, [f64; 2])>,
+    sizes: Vec<[f64; 2]>,
+    owners: Owners,
 }
 
 impl Resolution {
@@ -27,16 +28,16 @@ impl Resolution {
         };
         Resolution {
             scales,
-            sizes: moving(layout)
-                .map(|part| (part.clone(), size(&part)))
-                .collect(),
+            sizes: moving(layout).map(|part| size(&part)).collect(),
+            owners: Owners::of(layout),
         }
     }
 
     /// Of a body or a point: length [m] and angle [rad].
     pub(crate) fn of(&self, part: &Moving) -> [f64; 2] {
-        let own = self.sizes.iter().find(|(other, _)| other.part == part.part);
-        own.map_or([self.scales.length, self.scales.angle], |(_, sizes)| *sizes)
+        let own = self.owners.place_of(part);
+        let own = own.and_then(|at| self.sizes.get(at).copied());
+        own.unwrap_or([self.scales.length, self.scales.angle])
     }
 
     /// Of the stretch of an element, or of its depth [m or rad]: that of the finer resolved of the two that it acts between, and what their velocities
@@ -49,10 +50,10 @@ impl Resolution {
         if acting.at_node {
             return scale;
         }
-        let held = self.sizes.iter();
-        let held = held.filter(|(part, _)| acting.ends.iter().any(|end| part.holds(*end)));
+        let ends = acting.ends.iter();
+        let held = ends.filter_map(|end| self.sizes.get(self.owners.at(*end)?));
         let finest = held
-            .map(|(_, sizes)| sizes[usize::from(acting.angle)])
+            .map(|sizes| sizes[usize::from(acting.angle)])
             .fold(scale, f64::min);
         scale.min(finest + acting.delay * rate)
     }

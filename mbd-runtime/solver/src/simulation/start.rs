@@ -7,11 +7,11 @@ use mbd_scene::laws::starts;
 use mbd_scene::similar::did_you_mean;
 use mbd_scene::{
     Float, InputSlots, InputSource, JointStart, Layout, Model, NodeModel, PlacementError, Quantity,
-    Scene, declared_parts, place_declared,
+    Scene, declared_beside, declared_parts, place_declared,
 };
 
 use super::act::Changes;
-use super::moved::moved;
+use super::moved::{Moved, moved};
 use super::stability::Meter;
 use super::{Pace, Shown, Simulation, Snapshot};
 use crate::chatter::Chatter;
@@ -226,8 +226,7 @@ impl<T: Float> Simulation<T> {
 
     /// After other params the declared start is another one, unless a state has been set or run.
     pub(crate) fn start_again(&mut self) {
-        let scene = self.system.model.scene();
-        if !self.as_declared || (scene.starts.is_empty() && scene.states.is_empty()) {
+        if !self.as_declared {
             return;
         }
         if let Ok(start) = declared_start(&*self.system.model, self.time) {
@@ -325,6 +324,29 @@ impl<T: Float> Simulation<T> {
         })
     }
 
+    /// In relative coordinates joints hold whatever the state: bodies and points that are not where the declaration puts them, in a run that
+    /// begins as declared (`set`).
+    fn displaced(&self, set: &[T]) -> Vec<Moved> {
+        let model = &*self.system.model;
+        let (scene, layout) = (model.scene(), model.layout());
+        let numbers = |list: &[T]| -> Vec<f64> { list.iter().map(|x| x.to_f64()).collect() };
+        let (params, state) = (numbers(model.params()), numbers(&self.state[..set.len()]));
+        let from = (&params[..], self.time);
+        let Some((scene, layout, [here, declared])) = declared_beside(scene, layout, from, &state)
+        else {
+            return Vec::new();
+        };
+        let start = declared_start(model, self.time).unwrap_or_default();
+        match start
+            .iter()
+            .map(|x| T::from_f64(*x))
+            .eq(set.iter().copied())
+        {
+            true => moved((&scene, &layout), &declared, &here),
+            false => Vec::new(),
+        }
+    }
+
     fn consistent_start(&mut self) -> Result<(), StepError> {
         self.stale = false;
         self.left.clear();
@@ -347,6 +369,8 @@ impl<T: Float> Simulation<T> {
         let (model, nx) = (&self.system.model, self.system.nx);
         let scene = (model.scene(), model.layout());
         self.moved = moved(scene, &set[..nx], &self.state[..nx]);
+        let displaced = self.displaced(&set[..nx]);
+        self.moved.extend(displaced);
         assembled?;
         self.system
             .start(self.time, &mut self.state, self.guess.as_deref())?;
@@ -378,7 +402,8 @@ impl<T: Float> Simulation<T> {
     }
 }
 
-/// The state in the world at the declared start: what no start is declared of is at the world origin, at rest, unturned; declared states where they begin.
+/// The state in the world at the declared start: joint coordinates of which no start is declared are zero, what flies is at the world origin, at rest,
+/// unturned; declared states where they begin.
 pub(crate) fn declared_start<T: Float>(
     model: &dyn Model<T>,
     time: f64,
@@ -394,11 +419,9 @@ pub(crate) fn declared_start<T: Float>(
     let own = state.iter_mut().skip(layout.states());
     own.zip(starts(scene, &params))
         .for_each(|(state, start)| *state = start);
-    if !scene.starts.is_empty() {
-        declared_parts(scene, layout, &params, &mut state);
-        place_declared(scene, layout, (&params, time), &[], &[], &mut state)
-            .map_err(|error| misplaced(scene, error))?;
-    }
+    declared_parts(scene, layout, &params, &mut state);
+    place_declared(scene, layout, (&params, time), &[], &[], &mut state)
+        .map_err(|error| misplaced(scene, error))?;
     let own = state.iter_mut().skip(layout.states());
     own.zip(starts(scene, model.params()))
         .for_each(|(state, start)| *state = start.to_f64());
@@ -423,13 +446,10 @@ fn offered<T: Float>(model: &dyn Model<T>, options: &Options) -> Result<(), Step
                 .into(),
         });
     }
-    let joints = model.scene().joints.iter().zip(&model.layout().joints);
-    let mut locks = joints.filter(|(_, slots)| slots.held.is_some());
-    if let Some((lock, _)) = locks.find(|(_, slots)| slots.kept.is_empty()) {
-        let (what, other) = lock.name.rsplit_once('.').unwrap_or((&lock.name, ""));
+    if let Some((_, held)) = model.layout().redundancy.idle_lock(model.scene()) {
         return Err(StepError::Unsupported {
-            what: format!("the {other} of `{what}`, which other joints and locks hold already,"),
-            instead: "lock another coordinate, or one of them only".into(),
+            what: format!("a lock where {held}"),
+            instead: "lock another coordinate, or take away what holds this one".into(),
         });
     }
     let mut events = model.scene().events.iter();

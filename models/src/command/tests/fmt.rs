@@ -107,6 +107,21 @@ fn who_may_write_a_file_and_what_leads_to_it_stay() {
 }
 
 #[test]
+fn a_template_of_a_macro_stays_and_is_told_and_is_no_reason_to_fail() {
+    let folder = Folder::new("fmt_template");
+    let text = "macro_rules! m {\n    ($x:tt) => { model! { model $x {} } };\n}\n";
+    let rust = folder.file("a.rs", text);
+    for arguments in [&["fmt", "--check", &rust][..], &["fmt", &rust]] {
+        let told = run(arguments).unwrap();
+        assert!(
+            told.contains("a.rs:2:25: ") && told.contains("stays as it is"),
+            "{told}"
+        );
+    }
+    assert_eq!(read(&rust), text);
+}
+
+#[test]
 fn what_is_converted_into_text_is_formatted() {
     for name in ["swing", "drop", "four_bar", "arm", "parachute"] {
         let folder = Folder::new(&format!("fmt_{name}"));

@@ -42,7 +42,7 @@ pub fn origin_tied(at: Region, joint: &str) -> Report {
     Report::new(
         at,
         format!(
-            "the origin follows what goes far from the world, and the joint `{joint}` holds this scene to it: leave `origin` out, or tie it by a line"
+            "the origin follows what goes far from the world, and the joint `{joint}` holds it there: follow something else, or let an event detach `{joint}`"
         ),
     )
 }

@@ -1,0 +1,126 @@
+//! `mbd check`: what a scene contains, for people and for programs; mistakes with their places.
+
+use super::*;
+
+#[test]
+fn check_tells_bodies_nodes_and_operations() {
+    let folder = Folder::new("check");
+    let told = run(&[
+        "check",
+        &folder.file("drop.toml", include_str!("../../../scenes/drop.toml")),
+    ])
+    .unwrap();
+    for word in [
+        "Scene Drop",
+        "capsule",
+        "stepwise (bdf2)",
+        "leg[2]",
+        "derivative of the state",
+        "riser_k",
+    ] {
+        assert!(told.contains(word), "{word}:\n{told}");
+    }
+    let expanded = run(&[
+        "expand",
+        &folder.file("again.toml", include_str!("../../../scenes/drop.toml")),
+    ])
+    .unwrap();
+    assert!(expanded.contains("struct DropParams"));
+}
+
+#[test]
+fn every_mistake_of_a_file_is_told_with_its_place() {
+    let folder = Folder::new("mistakes");
+    let drop = include_str!("../../../scenes/drop.toml");
+    let text = drop
+        .replace("\"16 kg\"", "\"16 kgs\"")
+        .replace("\"chute.riser_end\"", "\"chute.riser\"")
+        .replace("until =", "untl =");
+    let path = folder.file("scene.toml", &text);
+    for command in ["check", "run", "expand", "convert"] {
+        let error = run(&[command, &path]).unwrap_err();
+        assert_eq!(error.code(), 2);
+        let told = error.to_string();
+        let place = |what: &str| text.lines().position(|line| line.contains(what)).unwrap() + 1;
+        for (what, word) in [("16 kgs", "`kgs`"), ("\"chute.riser\"", "`riser`")] {
+            let line = told
+                .lines()
+                .find(|line| line.contains(word))
+                .unwrap_or_else(|| panic!("{told}"));
+            assert!(
+                line.starts_with(&format!("{path}:{}:", place(what))),
+                "{told}"
+            );
+        }
+        // The line itself, and a caret under the word.
+        let shown = format!(" {} | mass = \"16 kgs\"", place("16 kgs"));
+        let (_, after) = told.split_once(&shown).unwrap_or_else(|| panic!("{told}"));
+        assert_eq!(
+            after.lines().nth(1).map(str::trim_end),
+            Some("    |            ^^^")
+        );
+        assert!(!told.contains('\x1b'), "{told}");
+        assert!(
+            told.contains(&format!("line {}", place("untl")))
+                && told.contains("unknown field `untl`"),
+            "{told}"
+        );
+        assert!(told.ends_with("3 errors"), "{told}");
+    }
+}
+
+#[test]
+fn mistakes_are_coloured_for_a_terminal_only() {
+    let folder = Folder::new("coloured");
+    let file = folder.file("m.mbd", "model M {\n\tgravity: nome;\n}\n");
+    let Err(Failure::Mistakes(mistakes)) = run(&["check", &file]) else {
+        panic!("accepted");
+    };
+    let (plain, coloured) = (mistakes.text(Paint::Plain), mistakes.text(Paint::Coloured));
+    // A tab stays a tab, so that the caret stands under its word.
+    assert!(
+        plain.contains(" 2 | \tgravity: nome;\n   | \t         ^^^^"),
+        "{plain}"
+    );
+    assert!(
+        !plain.contains('\x1b') && coloured.contains("\x1b[1;31m^^^^\x1b[0m"),
+        "{coloured}"
+    );
+    let mut bare = coloured.clone();
+    for code in ["\x1b[1m", "\x1b[1;31m", "\x1b[1;34m", "\x1b[0m"] {
+        bare = bare.replace(code, "");
+    }
+    assert_eq!(bare, plain);
+}
+
+#[test]
+fn check_tells_programs_what_a_scene_contains_and_where_it_is_wrong() {
+    let told: serde_json::Value =
+        serde_json::from_str(&run(&["check", "swing", "--json"]).unwrap()).unwrap();
+    assert_eq!(told["valid"], true);
+    assert_eq!(told["scene"], "Swing");
+    assert_eq!(told["lines"][2], "fall");
+    assert_eq!(told["params"][0]["name"], "k");
+    assert_eq!(told["params"][0]["range"][1], 100e3);
+    assert_eq!(told["outputs"][0]["unit"], "m");
+    let folder = Folder::new("json");
+    let file = folder.file(
+        "m.mbd",
+        "model M {\n  gravity: nome;\n  body a { mass: 1 }\n}\n",
+    );
+    let failure = run(&["check", &file, "--json"]).unwrap_err();
+    assert_eq!(failure.code(), 2);
+    let told: serde_json::Value = serde_json::from_str(&failure.to_string()).unwrap();
+    assert_eq!(told["valid"], false);
+    let places: Vec<_> = told["errors"].as_array().unwrap().iter().collect();
+    assert_eq!(places[0]["line"], 2);
+    assert_eq!(places[0]["column"], 12);
+    assert!(
+        places[0]["text"]
+            .as_str()
+            .unwrap()
+            .contains("did you mean `none`"),
+        "{told}"
+    );
+    assert_eq!(places[1]["line"], 3);
+}

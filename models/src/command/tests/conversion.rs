@@ -1,0 +1,61 @@
+//! A scene in both forms says the same and runs the same.
+
+use super::*;
+
+#[test]
+fn a_compiled_scene_and_its_toml_run_to_the_same_history() {
+    let folder = Folder::new("compiled");
+    let toml = folder.file(
+        "pendulum.toml",
+        &run(&["convert", "double_pendulum"]).unwrap(),
+    );
+    let histories = ["double_pendulum", &toml].map(|scene| {
+        let out = folder.0.join("out").display().to_string();
+        run(&["run", scene, "--out", &out, "--until", "0.5 s"]).unwrap();
+        assert!(folder.0.join("out/mechanism.svg").is_file());
+        std::fs::read(folder.0.join("out/history.csv")).unwrap()
+    });
+    assert_eq!(histories[0], histories[1]);
+}
+
+#[test]
+fn a_scene_survives_conversion_to_toml_and_runs_to_the_same_history() {
+    let folder = Folder::new("convert");
+    let text = folder.file("swing.mbd", include_str!("../../../scenes/swing.mbd"));
+    let toml = folder.file("swing.toml", &run(&["convert", &text]).unwrap());
+    let histories = [&text, &toml].map(|path| {
+        let out = folder.0.join("out").display().to_string();
+        run(&["run", path, "--out", &out, "--until", "0.5 s"]).unwrap();
+        std::fs::read(folder.0.join("out/history.csv")).unwrap()
+    });
+    assert_eq!(histories[0], histories[1]);
+}
+
+#[test]
+fn every_ready_scene_is_the_same_in_both_forms() {
+    for name in list::names() {
+        let folder = Folder::new(&format!("forms_{name}"));
+        let (toml, text) = (
+            run(&["convert", name]).unwrap(),
+            run(&["convert", name, "--to", "mbd"]).unwrap(),
+        );
+        let read = |file: &str| SceneFile::find(file.as_ref()).unwrap();
+        let toml = read(&folder.file("scene.toml", &toml));
+        let text = read(&folder.file("scene.mbd", &text));
+        assert_eq!(toml.scene, text.scene, "{name}");
+        assert_eq!(toml.settings, text.settings, "{name}");
+    }
+    // A document keeps its repetitions and units; any other form is an error that names both.
+    let text = run(&["convert", "drop", "--to", "mbd"]).unwrap();
+    for kept in [
+        "pub model Drop<T> {",
+        "line leg[i in 0..3] from capsule.bridle[i]",
+        "const RHO = 0.014 kg/m^3;",
+    ] {
+        assert!(text.contains(kept), "{kept}\n{text}");
+    }
+    let error = run(&["convert", "drop", "--to", "json"])
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("toml, mbd"), "{error}");
+}

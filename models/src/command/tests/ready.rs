@@ -1,0 +1,108 @@
+//! The ready scenes by their names: checked, listed, expanded, run.
+
+use super::*;
+
+#[test]
+fn the_quantities_of_a_scene_are_listed_with_units() {
+    let text = run(&["list", "quantities", "four_bar"]).unwrap();
+    for part in [
+        "rad/s^2",
+        "outputs, metrics, events",
+        ".force",
+        "_acceleration",
+        "m/s",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert_eq!(run(&["list", "quantities", "swnig"]).unwrap_err().code(), 1);
+}
+
+#[test]
+fn a_ready_scene_expands_to_the_functions_it_was_compiled_with() {
+    // `emit: [outputs, energy, lines, reactions, mass_matrix];`
+    let text = run(&["expand", "four_bar"]).unwrap();
+    for emitted in [
+        "fn derivative",
+        "fn reactions",
+        "fn mass_matrix",
+        "fn projection_step",
+    ] {
+        assert!(text.contains(emitted), "{emitted}");
+    }
+    for absent in ["fn multipliers", "fn momentum", "fn constraint_bias"] {
+        assert!(!text.contains(absent), "{absent}");
+    }
+}
+
+#[test]
+fn a_ready_scene_is_checked_expanded_and_converted_by_its_name() {
+    for (name, word) in [
+        ("heavy_top", "HeavyTop"),
+        ("drop", "Drop"),
+        ("parachute", "ParachuteRate"),
+    ] {
+        let told = run(&["check", name]).unwrap();
+        assert!(
+            told.contains(&format!("Scene {word}")) && !told.contains("warning"),
+            "{told}"
+        );
+        assert!(
+            run(&["expand", name])
+                .unwrap()
+                .contains(&format!("struct {word}Params"))
+        );
+        let toml = run(&["convert", name]).unwrap();
+        assert!(toml.contains(&format!("model = \"{word}")) && toml.contains("[run.start]"));
+    }
+    for command in ["check", "expand", "convert", "run"] {
+        let error = run(&[command, "heavytop"]).unwrap_err();
+        assert_eq!(error.code(), 1);
+        assert!(
+            error.to_string().contains("did you mean `heavy_top`"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_ready_scene_expands_without_warnings_about_what_its_data_no_longer_uses() {
+    for name in list::names() {
+        let text = run(&["expand", name]).unwrap();
+        // What an unused name becomes: see `unused` of the compiler.
+        for warned in [
+            "struct Declaration",
+            "deprecated",
+            "#[allow(non_snake_case, non_upper_case_globals)]",
+        ] {
+            assert!(!text.contains(warned), "{name}: {warned}");
+        }
+    }
+}
+
+#[test]
+fn every_listed_scene_runs() {
+    for name in list::names() {
+        let folder = Folder::new(&format!("list_{name}"));
+        let out = folder.0.join("out").display().to_string();
+        let told = run(&["run", name, "--out", &out, "--until", "0.3"]).unwrap();
+        assert!(told.contains("report.html"), "{told}");
+        assert!(folder.0.join("out/summary.json").is_file());
+    }
+}
+
+#[test]
+fn linearise_tells_coordinates_and_frequencies_of_a_ready_scene() {
+    let text = run(&["linearise", "double_pendulum"]).unwrap();
+    assert!(
+        text.contains("Eigenvalues") && text.contains("damping"),
+        "{text}"
+    );
+    let error = run(&["linearise", "linkage", "--along", "crank.angel"]).unwrap_err();
+    assert_eq!(error.code(), 2);
+    assert!(
+        error.to_string().contains("`crank.angel` is no coordinate"),
+        "{error}"
+    );
+    let text = run(&["linearise", "linkage", "--trim"]).unwrap();
+    assert!(text.contains("about the rest"), "{text}");
+}

@@ -1,0 +1,101 @@
+//! Where a run starts: bodies in their places, joint coordinates.
+
+use super::*;
+
+/// A pendulum of 1 m whose start says where its bob is, and nothing of its attitude.
+const PENDULUM: &str = "pub model Pendulum {
+    gravity: [0.0, 0.0, -9.81] m/s^2;
+    body rod { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame pivot at [0, 0, 1] m }
+    joint pin: hinge from world to rod.pivot { axis: y }
+}";
+
+#[test]
+fn a_start_that_the_joints_do_not_allow_is_told() {
+    let folder = Folder::new("start");
+    let out = folder.0.join("out").display().to_string();
+    let flown = |start: &str| {
+        let run_table = format!("[run]\nuntil = \"0.1 s\"\n[run.start]\n{start}");
+        let file = folder.file("pendulum.mbd", &format!("{PENDULUM}\n{run_table}\n"));
+        run(&["run", &file, "--out", &out]).unwrap()
+    };
+    // 30°, of the position alone: the nearest that the hinge allows is another angle.
+    let told = flown("rod.x = \"-0.5 m\"\nrod.z = \"-0.8660254 m\"");
+    let first = told.lines().next().unwrap();
+    assert!(
+        first.starts_with("warning: `rod` does not start where"),
+        "{told}"
+    );
+    // The attitude with it, to the digits that a person writes: 30° about y.
+    let fits = flown("rod.x = \"-0.5 m\"\nrod.z = \"-0.866 m\"\nrod.qw = 0.9659\nrod.qy = 0.2588");
+    assert!(!fits.contains("warning"), "{fits}");
+    let json = std::fs::read_to_string(folder.0.join("out/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let moved = &summary["start_moved"];
+    assert_eq!(moved["name"], "rod");
+    assert!(moved["distance_m"].as_f64().unwrap() < 1e-3, "{moved}");
+}
+
+#[test]
+fn a_start_is_said_in_joint_coordinates() {
+    let folder = Folder::new("joint_start");
+    let out = folder.0.join("out").display().to_string();
+    let flown = |start: &str| {
+        let run_table = format!("[run]\nuntil = \"0.1 s\"\n[run.start]\n{start}");
+        let file = folder.file("pendulum.mbd", &format!("{PENDULUM}\n{run_table}\n"));
+        run(&["run", &file, "--out", &out])
+    };
+    let told = flown("pin.angle = \"30 deg\"\npin.angle_rate = \"1 rad/s\"").unwrap();
+    assert!(!told.contains("warning"), "{told}");
+    let history = std::fs::read_to_string(folder.0.join("out/history.csv")).unwrap();
+    let mut lines = history.lines().filter(|line| !line.starts_with('#'));
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let first: Vec<f64> = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .map(|x| x.parse().unwrap_or(f64::NAN))
+        .collect();
+    let column = |name: &str| {
+        first[header
+            .iter()
+            .position(|known| known.starts_with(name))
+            .unwrap()]
+    };
+    let (sin, cos) = 30f64.to_radians().sin_cos();
+    assert!((column("rod.x") + sin).abs() < 1e-12 && (column("rod.z") + cos).abs() < 1e-12);
+    assert!((column("rod.vx") + cos).abs() < 1e-12, "1 m at 1 rad/s");
+    for (start, said) in [
+        ("pin.angel = \"30 deg\"", "did you mean `pin.angle`"),
+        ("pin.angle = \"30 m\"", "wrong unit"),
+        (
+            "pin.angle = \"30 deg\"\nrod.x = \"0.1 m\"",
+            "placed already",
+        ),
+    ] {
+        let error = flown(start).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}
+
+#[test]
+fn a_declared_start_that_the_joints_do_not_allow_is_told_in_both_families() {
+    let folder = Folder::new("declared_start");
+    let out = folder.0.join("out").display().to_string();
+    for family in ["absolute", "relative"] {
+        let flown = |place: &str| {
+            let text = PENDULUM
+                .replace("gravity:", &format!("coordinates: {family}; gravity:"))
+                .replace("frame pivot", &format!("start {place}, frame pivot"));
+            let file = folder.file(
+                "pendulum.mbd",
+                &format!("{text}\n[run]\nuntil = \"0.1 s\"\n"),
+            );
+            run(&["run", &file, "--out", &out]).unwrap()
+        };
+        let told = flown("at [-0.5, 0, -0.866] m");
+        let warned = told.starts_with("warning: `rod` does not start where `start at`");
+        assert!(warned, "{family}: {told}");
+        let fits = flown("at [-0.5, 0, -0.8660254] m rotated rpy(0, 30 deg, 0)");
+        assert!(!fits.contains("warning"), "{family}: {fits}");
+    }
+}

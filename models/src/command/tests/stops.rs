@@ -1,0 +1,98 @@
+//! Runs that stop early, and runs that are less accurate than they look.
+
+use super::*;
+
+#[test]
+fn a_run_that_stops_early_says_why_and_keeps_its_files() {
+    let folder = Folder::new("early");
+    let out = folder.0.join("out").display().to_string();
+    let error = run(&[
+        "run",
+        "swing",
+        "--out",
+        &out,
+        "--set",
+        "k=100 kN/m",
+        "--set",
+        "m_bob=0.1 kg",
+        "--dt",
+        "0.05",
+        "--until",
+        "50",
+    ])
+    .unwrap_err();
+    assert_eq!(error.code(), 4);
+    assert!(folder.0.join("out/history.csv").is_file());
+}
+
+#[test]
+fn a_motor_without_a_value_is_named_as_the_cause() {
+    let folder = Folder::new("nan_motor");
+    let text = "model M { planar: xz; gravity: none;
+          body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.1) kg*m^2, frame one at [0, 0, 0.5] m }
+          joint pin: hinge from world to a.one { axis: y, motor: sqrt(0.5 - time * 1 rad/s) } }
+        [run]\nuntil = \"2 s\"\nstep = \"10 ms\"\n";
+    let out = folder.0.join("out").display().to_string();
+    for (text, time) in [
+        (text.to_owned(), "at 0.5"),
+        (text.replace("0.5 - time", "-0.5 - time"), "at 0.0"),
+    ] {
+        let error = run(&["run", &folder.file("m.mbd", &text), "--out", &out]).unwrap_err();
+        let told = error.to_string();
+        println!("{told}");
+        assert_eq!(error.code(), 4);
+        assert!(
+            told.contains("`pin`") && told.contains("motor") && told.contains(time),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn a_run_is_given_up_after_the_steps_it_may_take() {
+    let folder = Folder::new("max_steps");
+    let out = folder.0.join("out").display().to_string();
+    let error = run(&[
+        "run",
+        "swing",
+        "--out",
+        &out,
+        "--dt",
+        "1 ms",
+        "--max-steps",
+        "20",
+    ])
+    .unwrap_err();
+    assert_eq!(error.code(), 4);
+    assert!(error.to_string().contains("20 steps"), "{error}");
+    let none = run(&["run", "swing", "--out", &out, "--max-steps", "0"]).unwrap_err();
+    assert_eq!(none.code(), 2);
+}
+
+#[test]
+fn a_run_that_is_less_accurate_than_one_percent_says_what_to_change() {
+    let folder = Folder::new("inaccurate");
+    let out = folder.0.join("out").display().to_string();
+    // A double pendulum at a loose tolerance for half a minute: chaos.
+    let text = "model Wild { gravity: [0, 0, -9.81] m/s^2;
+          body a { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m, frame end at [0, 0, -0.5] m }
+          body b { mass: 1 kg, inertia: diag(0.1, 0.1, 0.01) kg*m^2, frame top at [0, 0, 0.5] m }
+          joint p: hinge from world to a.top { axis: y, start: 3.0 rad }
+          joint q: hinge from a.end to b.top { axis: y, start: 0.1 rad }
+          output swing = b.position.x; }
+        [run]\nuntil = \"30 s\"\ntolerance = 1e-4\n";
+    let file = folder.file("wild.mbd", text);
+    let error = run(&["run", &file, "--out", &out]).unwrap_err();
+    assert_eq!(error.code(), 3, "{error}");
+    let told = error.to_string();
+    for part in [
+        "warning: Wild: `swing` is off by about",
+        "tighter tolerance",
+        "written to",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    // Without the second run there is only the energy, which is kept well enough.
+    let told = run(&["run", &file, "--out", &out, "--no-estimate"]);
+    assert!(told.is_ok_and(|told| !told.contains("off most")));
+}

@@ -1,0 +1,188 @@
+//! How many things a declaration declares, counted without the compiler, and how many a scene has.
+
+use std::collections::BTreeMap;
+
+use mbd_scene::Scene;
+use mbd_scene::joints::JointLaw;
+use toml::Table;
+
+/// Per kind the number of things; `None` where a repetition has bounds that are not written as numbers.
+pub type Counts = BTreeMap<&'static str, Option<usize>>;
+
+/// The kinds that are counted.
+const KINDS: &[&str] = &[
+    "const", "param", "input", "table", "let", "state", "body", "point", "joint", "line", "spring",
+    "load", "output", "event", "metric",
+];
+
+/// Words that may stand before the word of an item.
+const MARKS: &[&str] = &["loop", "smooth"];
+
+fn add(counts: &mut Counts, kind: &'static str, number: Option<usize>) {
+    let slot = counts.entry(kind).or_insert(Some(0));
+    *slot = slot.zip(number).map(|(sum, number)| sum + number);
+}
+
+fn none() -> Counts {
+    KINDS.iter().map(|kind| (*kind, Some(0))).collect()
+}
+
+/// How often an item is there: `name` once, `name[i in 0..3]` three times.
+fn times(name: &str) -> Option<usize> {
+    let Some((_, rest)) = name.split_once('[') else {
+        return Some(1);
+    };
+    let (_, range) = rest.split_once(" in ")?;
+    let (range, _) = range.split_once(']')?;
+    let (low, high) = range.split_once("..")?;
+    let (high, more) = match high.trim().strip_prefix('=') {
+        Some(high) => (high, 1),
+        None => (high, 0),
+    };
+    let number = |text: &str| text.trim().parse::<i64>().ok();
+    usize::try_from(number(high)? - number(low)? + more).ok()
+}
+
+/// The text without comments and strings: what is left of them is a space.
+fn bare(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let skipped = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            comment(rest)
+        } else if c == '"' {
+            rest[1..].find('"').map_or(rest.len(), |end| end + 2)
+        } else {
+            out.push(c);
+            rest = &rest[c.len_utf8()..];
+            continue;
+        };
+        out.push(' ');
+        rest = &rest[skipped..];
+    }
+    out
+}
+
+/// The length of the comment that a text begins with; comments nest.
+fn comment(text: &str) -> usize {
+    let (mut depth, mut at) = (0, 0);
+    while at < text.len() {
+        let rest = &text.as_bytes()[at..];
+        if rest.starts_with(b"/*") {
+            (depth, at) = (depth + 1, at + 2);
+        } else if rest.starts_with(b"*/") {
+            (depth, at) = (depth - 1, at + 2);
+        } else {
+            at += 1;
+        }
+        if depth == 0 {
+            break;
+        }
+    }
+    // A comment may end inside a letter only where it has no end.
+    at.min(text.len())
+}
+
+/// What the text of a declaration declares, by the words that its items begin with.
+#[must_use]
+pub fn declared_in_text(text: &str) -> Counts {
+    let mut counts = none();
+    let text = bare(text);
+    let Some((_, inside)) = text.split_once('{') else {
+        return counts;
+    };
+    let (mut depth, mut start) = (0_i32, 0);
+    let mut heads = Vec::new();
+    for (at, c) in inside.char_indices() {
+        match c {
+            '{' | '[' | '(' => depth += 1,
+            '}' | ']' | ')' => depth -= 1,
+            _ => {}
+        }
+        if depth < 0 {
+            break;
+        }
+        if depth == 0 && matches!(c, ';' | '}') {
+            heads.push(&inside[start..at]);
+            start = at + 1;
+        }
+    }
+    for head in heads {
+        let mut words = head.trim_start();
+        for mark in MARKS {
+            words = words.strip_prefix(mark).unwrap_or(words).trim_start();
+        }
+        let letters = |c: char| c.is_alphanumeric() || c == '_';
+        let end = words.find(|c| !letters(c)).unwrap_or(words.len());
+        let (word, rest) = words.split_at(end);
+        if let Some(kind) = KINDS.iter().find(|kind| **kind == word) {
+            let rest = rest.trim_start();
+            let end = rest.find(|c| !letters(c)).unwrap_or(rest.len());
+            let named = rest[end..].trim_start();
+            let repeated = named.starts_with('[');
+            add(
+                &mut counts,
+                kind,
+                if repeated { times(named) } else { Some(1) },
+            );
+        }
+    }
+    counts
+}
+
+/// What a document declares, by its keys; `None` if it is no TOML.
+#[must_use]
+pub fn declared_in_toml(text: &str) -> Option<Counts> {
+    let document: Table = text.parse().ok()?;
+    let mut counts = none();
+    for kind in KINDS {
+        let named = document.get(*kind).and_then(|value| value.as_table());
+        for name in named.into_iter().flatten().map(|(name, _)| name) {
+            add(&mut counts, kind, times(name));
+        }
+    }
+    Some(counts)
+}
+
+/// What a scene has.
+#[must_use]
+pub fn resolved(scene: &Scene) -> Counts {
+    let springs = scene
+        .lines
+        .iter()
+        .filter(|line| !line.kind.is_unilateral())
+        .count();
+    // The value of a metric is an output of its name.
+    let metrics = scene.runs.metrics.iter();
+    let own = metrics.filter(|metric| {
+        let output = metric.output.and_then(|output| scene.outputs.get(output));
+        output.is_some_and(|output| output.name == metric.name)
+    });
+    let outputs = scene.outputs.len() - own.count();
+    // Filters of motors bring states of their own: `pin.angle`.
+    let states = scene.states.iter();
+    let states = states.filter(|state| !state.name.contains('.')).count();
+    let locks = scene.joints.iter();
+    let locks = locks.filter(|joint| matches!(joint.law, JointLaw::Lock(_)));
+    let joints = scene.joints.len() - locks.count();
+    let numbers = [
+        ("const", scene.consts.len()),
+        ("param", scene.params.len()),
+        ("input", scene.inputs.len()),
+        ("table", scene.tables.len()),
+        ("let", scene.lets.len()),
+        ("state", states),
+        ("body", scene.bodies.len()),
+        ("point", scene.points.len()),
+        ("joint", joints),
+        ("line", scene.lines.len() - springs),
+        ("spring", springs),
+        ("load", scene.loads.len()),
+        ("output", outputs),
+        ("event", scene.events.len()),
+        ("metric", scene.runs.metrics.len()),
+    ];
+    numbers.map(|(kind, number)| (kind, Some(number))).into()
+}
