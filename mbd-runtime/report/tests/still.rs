@@ -129,6 +129,7 @@ model! {
         }
         joint pin: hinge from world.hitch to trailer.hitch { axis: y }
         spring tyre from world.ground to trailer.wheel { free_length: 0.7 m, stiffness: 1 kN/m }
+        output above = trailer.nothing.position.z;
     }
 }
 

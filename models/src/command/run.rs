@@ -6,6 +6,7 @@ use clap::Args;
 use mbd_campaign::Campaign;
 use mbd_runtime::scene::Scene;
 use models::progress::Progress;
+use models::report::Table;
 use models::run::{
     Outcome, Phase, Plan, Segment, Settings, doubt, fly_model, fly_phases, phases_json, publish,
     publish_gltf, publish_phases, summary_json, warning,
@@ -249,7 +250,7 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, Failure> {
         remarks,
     } = fly(args, file)?;
     let folder = args.folder();
-    let table = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
+    let tables = publish(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
     let unmoved = args.gltf
         && !publish_gltf(&scene, &plan, &outcome, &folder).map_err(|error| unwritten(&error))?;
     let unmoved = unmoved
@@ -266,7 +267,9 @@ fn run_one(args: &RunArgs, file: SceneFile) -> Result<String, Failure> {
     } else {
         let remarks = remarks.iter().chain(&warning);
         let remarks: String = remarks.map(|remark| format!("{remark}\n")).collect();
-        format!("{remarks}{}\n{}", table.text(), written(&outcome, &folder))
+        let tables: Vec<String> = tables.iter().map(Table::text).collect();
+        let tables = tables.join("\n");
+        format!("{remarks}{tables}\n{}", written(&outcome, &folder))
     };
     match &outcome.error {
         None if doubt.is_some() => Err(Failure::Inaccurate(told)),

@@ -13,11 +13,16 @@ use crate::report::{Report, Run, Table, Views, gltf, metrics_table};
 use crate::{describe, files};
 use mbd_campaign::run::Plan;
 
-/// Writes everything into a folder and gives the table of the run.
+/// Writes everything into a folder and gives the table of the run and that of its metrics, if it has any.
 ///
 /// # Errors
 /// The folder or a file cannot be written; the error names it. Every file is whole, and the summary is only there if all others are.
-pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> io::Result<Table> {
+pub fn publish(
+    scene: &Scene,
+    plan: &Plan,
+    outcome: &Outcome,
+    folder: &Path,
+) -> io::Result<Vec<Table>> {
     files::make_folder(folder)?;
     // The summary is written last: where it is, everything is.
     let summary = folder.join("summary.json");
@@ -53,7 +58,8 @@ pub fn publish(scene: &Scene, plan: &Plan, outcome: &Outcome, folder: &Path) -> 
     }
     report.write(folder.join("report.html"))?;
     files::write_text(&summary, &summary_json(scene, plan, outcome)?)?;
-    Ok(table)
+    let tables = [table, metrics].into_iter();
+    Ok(tables.filter(|table| !table.is_empty()).collect())
 }
 
 /// What is shown of a run.

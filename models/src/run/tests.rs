@@ -254,8 +254,8 @@ fn a_swing_is_flown_and_leaves_its_files() {
     assert_eq!(outcome.error, None);
     assert_eq!(outcome.trajectory.len(), 51);
     let folder = std::env::temp_dir().join(format!("mbd_swing_{}", std::process::id()));
-    let table = publish(&scene, &plan, &outcome, &folder).unwrap();
-    assert!(table.text().contains("RK4, fixed step 0.002 s"));
+    let tables = publish(&scene, &plan, &outcome, &folder).unwrap();
+    assert!(tables[0].text().contains("RK4, fixed step 0.002 s"));
     for file in [
         "history.csv",
         "report.html",

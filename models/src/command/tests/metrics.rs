@@ -147,3 +147,19 @@ fn runs_side_by_side_are_compared_by_their_metrics() {
     assert!(fall.is_some_and(|line| line.contains('2')), "{told}");
     assert!(!told.contains("metric risen"), "{told}");
 }
+
+#[test]
+fn a_run_tells_its_metrics_on_the_terminal() {
+    let folder = Folder::new("told_metrics");
+    let out = folder.0.join("out").display().to_string();
+    let told = run(&["run", "swing", "--until", "1", "--out", &out]).unwrap();
+    let names: Vec<String> = (models::scenes::READY.iter())
+        .filter(|ready| ready.name == "swing")
+        .flat_map(|ready| (ready.scene)().runs.metrics)
+        .map(|metric| metric.name)
+        .collect();
+    assert!(
+        !names.is_empty() && names.iter().all(|name| told.contains(name)),
+        "{told}"
+    );
+}
