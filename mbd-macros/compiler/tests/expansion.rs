@@ -206,6 +206,30 @@ fn after_an_error_every_name_is_still_there() {
 }
 
 #[test]
+fn the_documentation_of_an_input_says_its_unit_and_its_default() {
+    let tokens: TokenStream = "pub model Kite {
+        gravity: none;
+        /// Air over ground.
+        input wind: [speed; 3];
+        input push: torque = 2000 N*m;
+        body kite { mass: 2.0 kg, inertia: diag(1.0, 1.0, 1.0) kg*m^2 }
+        joint pin: hinge from world to kite.com { axis: y, force: push }
+        load drag on kite at com = 1 kg/s * wind;
+        load rudder on kite at com: external;
+    }"
+    .parse()
+    .expect("tokens");
+    let text = formatted(compile(tokens));
+    for doc in [
+        r"Air over ground. \[m/s\]",
+        r"\[N*m\], 2000 by default",
+        r"Force \[N\] and couple \[N m\], world axes.",
+    ] {
+        assert!(text.contains(doc), "{doc} is missing");
+    }
+}
+
+#[test]
 fn something_unused_is_a_warning_at_its_place() {
     let tokens: TokenStream = "pub model Bob {
         gravity: none;

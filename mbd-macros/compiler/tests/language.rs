@@ -150,6 +150,14 @@ fn tokens_and_text_are_the_same_language() {
 }
 
 #[test]
+fn a_comment_of_another_language_is_told_once_in_a_macro_call() {
+    let tokens = "model S { gravity: none; # the bob\n point bob { mass: 1 kg } }".parse();
+    let reading = read_tokens(tokens.unwrap());
+    let texts: Vec<&str> = reading.errors.iter().map(|m| m.text.as_str()).collect();
+    assert_eq!(texts, ["a comment begins with `//`"]);
+}
+
+#[test]
 fn every_place_of_a_message_is_a_compile_error_of_its_own() {
     let twice = "model S { gravity: none; const a = 1.0 m; const a = 2.0 m; }";
     let reading = read_tokens(twice.parse().unwrap());

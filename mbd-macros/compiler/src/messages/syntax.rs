@@ -259,6 +259,13 @@ pub fn field_alone(at: Region, field: &str) -> Report {
     Report::new(at, text)
 }
 
+pub fn equals_for_colon(at: Region, field: &str) -> Report {
+    Report::new(
+        at,
+        format!("a value stands behind a colon: `{field}: …` instead of `{field} = …`"),
+    )
+}
+
 pub fn no_colon(at: Region, field: &str, value: &str) -> Report {
     Report::new(
         at,

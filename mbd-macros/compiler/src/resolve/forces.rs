@@ -2,7 +2,7 @@
 
 use mbd_scene::{Formula, Function, LoadKind, Place, PointKind, Unit};
 
-use super::value::counts_turns;
+use super::turns::counts_turns;
 use super::{Instance, Named, Resolver, Scope, Stage, Typed};
 use crate::lexeme::{Kind, Region};
 use crate::messages::resolve as say;

@@ -3,7 +3,7 @@
 
 use mbd_scene::Formula;
 
-use super::value::counts_turns;
+use super::turns::counts_turns;
 use super::{Instance, Known, Named, Resolver, Scope, Stage};
 use crate::describe;
 use crate::lexeme::Region;

@@ -28,6 +28,7 @@ mod shapes;
 mod starts;
 mod states;
 mod tables;
+mod turns;
 mod value;
 
 use std::collections::{BTreeMap, BTreeSet};

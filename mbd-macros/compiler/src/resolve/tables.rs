@@ -3,7 +3,8 @@
 use mbd_scene::{Dimension, Formula, SecondArgument, Unit};
 
 use super::numbers::written_unit;
-use super::value::{angle_of, counts_turns};
+use super::turns::counts_turns;
+use super::value::angle_of;
 use super::{Instance, Resolver, Scope, Stage, Typed};
 use crate::lexeme::{Bracket, Region};
 use crate::messages::resolve as say;

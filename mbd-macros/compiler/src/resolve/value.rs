@@ -1,7 +1,8 @@
 //! Values: an expression becomes a formula, checked for shape, dimension and what it may depend on.
 
-use mbd_scene::{Dimension, Formula, Function, Scene, Unit};
+use mbd_scene::{Dimension, Formula, Function, Unit};
 
+use super::turns::counts_turns;
 use super::{Named, Resolver, fold};
 use crate::lexeme::Region;
 use crate::messages::{Report, resolve as say};
@@ -66,14 +67,6 @@ impl Typed {
             bare: None,
             at,
         }
-    }
-
-    /// Whether a product with it makes radians of turns: an angle, or a whole multiple of π.
-    fn makes_radians(&self, scene: &Scene) -> bool {
-        let known = fold::known(&self.formula, scene, false).and_then(|known| known.scalar());
-        let half_turns = known.map_or(0.0, |number| number / std::f64::consts::PI);
-        let whole = (half_turns - half_turns.round()).abs() < 1e-9 * half_turns.abs();
-        self.angle != 0 || half_turns != 0.0 && whole
     }
 
     /// Its SI unit; angles are told apart from pure numbers where that is known.
@@ -445,14 +438,6 @@ impl Resolver<'_> {
         })
     }
 
-    /// Refuses turns where an angle in radians, or its rate, is meant: `2 Hz` would be 2 rad/s without a word.
-    pub fn in_radians(&mut self, typed: &Typed, what: &str) -> Option<()> {
-        match typed.turns {
-            true => self.fail(say::turns_for_radians(typed.at, what)),
-            false => Some(()),
-        }
-    }
-
     /// Checks a value against what a field holds, and gives its formula.
     pub fn fits(
         &mut self,
@@ -508,12 +493,6 @@ fn shown(formula: &Formula) -> Option<String> {
         Formula::Number(value) => Some(value.to_string()),
         _ => None,
     }
-}
-
-/// Whether a unit counts turns: `Hz`, `m*Hz`.
-pub fn counts_turns(unit: &Unit) -> bool {
-    let mut words = unit.text.split(|c: char| !c.is_ascii_alphabetic());
-    words.any(|word| word == "Hz")
 }
 
 /// The exponent of radians in a unit as written.

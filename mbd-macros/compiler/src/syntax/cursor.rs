@@ -167,9 +167,6 @@ impl<'a> Cursor<'a> {
             return report;
         }
         match self.peek() {
-            Some(lexeme) if let Some(answer) = self.foreign_operator() => {
-                Report::new(lexeme.at.into(), answer)
-            }
             Some(lexeme) => say::expected(lexeme.at.into(), what, &lexeme.shown()),
             None => say::expected_at_end(self.before(), what),
         }
@@ -206,6 +203,22 @@ impl<'a> Cursor<'a> {
         };
         let found = operators.find(|(operator, _)| begins(operator));
         found.map(|(_, answer)| *answer)
+    }
+
+    /// The same inside an expression, where an operator of another language may stand.
+    pub fn operand_expected(&self, what: &str) -> Report {
+        match self.foreign_operator() {
+            Some(answer) => Report::new(self.here(), answer),
+            None => self.expected(what),
+        }
+    }
+
+    /// An error unless an expression ends here.
+    pub fn finish_expression(&self, what: &str) -> Result<(), Report> {
+        match self.at_end() {
+            true => Ok(()),
+            false => Err(self.operand_expected(what)),
+        }
     }
 
     /// An error unless nothing is left.

@@ -106,7 +106,7 @@ pub fn whole(value: Value<'_>) -> Result<Expression, Report> {
     let mut cursor = Cursor::new(value);
     // A comparison is read here, so that it is refused by what it is.
     let parsed = Parser { depth: 0 }.comparison(&mut cursor)?.0;
-    cursor.finish("an operator or the end")?;
+    cursor.finish_expression("an operator or the end")?;
     Ok(parsed)
 }
 
@@ -258,7 +258,7 @@ impl Parser {
                 self.enter(here)?;
                 let mut inner = Cursor::new(group);
                 let parsed = self.sum(&mut inner)?;
-                inner.finish("an operator or `)`")?;
+                inner.finish_expression("an operator or `)`")?;
                 self.depth -= 1;
                 Ok(parsed)
             }
@@ -272,7 +272,7 @@ impl Parser {
                 Ok((Expression::Vector { parts, unit, at }, depth + 1))
             }
             Some(Kind::Word(_)) => self.named(cursor),
-            _ => Err(cursor.expected("a number, a name, `(` or `[`")),
+            _ => Err(cursor.operand_expected("a number, a name, `(` or `[`")),
         }
     }
 
@@ -352,7 +352,7 @@ impl Parser {
         *cursor = ahead;
         let mut inner = Cursor::new(group);
         let condition = self.comparison(&mut inner)?;
-        inner.finish("an operator or `)`")?;
+        inner.finish_expression("an operator or `)`")?;
         Ok(condition)
     }
 
@@ -361,7 +361,7 @@ impl Parser {
         let group = cursor.group(Bracket::Brace);
         let mut inner = Cursor::new(group.ok_or_else(|| say::two_branches(at))?);
         let parsed = self.sum(&mut inner)?;
-        inner.finish("an operator or `}`")?;
+        inner.finish_expression("an operator or `}`")?;
         Ok(parsed)
     }
 
@@ -373,7 +373,7 @@ impl Parser {
         for part in Cursor::new(group).comma_separated() {
             let mut inner = Cursor::new(part);
             let (parsed, depth) = self.comparison(&mut inner)?;
-            inner.finish("an operator or `,`")?;
+            inner.finish_expression("an operator or `,`")?;
             parts.push(parsed);
             deepest = deepest.max(depth);
         }

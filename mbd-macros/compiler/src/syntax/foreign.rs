@@ -301,7 +301,7 @@ pub const OPERATORS: Dictionary = &[
     ("!", "there is no `!`: swap the two values of the `if`"),
     ("<", COMPARISON),
     (">", COMPARISON),
-    ("=", COMPARISON),
+    ("==", COMPARISON),
     ("as", "a unit stands behind `in`, such as `in deg`"),
 ];
 

@@ -25,8 +25,13 @@ pub fn items<'a>(mut cursor: Cursor<'a>, inside: bool, messages: &mut Messages) 
             continue;
         }
         if let Some(at) = cursor.sign('#') {
-            messages.push(say::attribute(at.into()));
-            cursor.group(Bracket::Square);
+            cursor.sign('!');
+            if cursor.group(Bracket::Square).is_some() {
+                messages.push(say::attribute(at.into()));
+            } else {
+                messages.push(say::hash_comment(at.into()));
+                recover(&mut cursor, inside);
+            }
             continue;
         }
         if inside && begins_outside(&cursor) {
@@ -134,6 +139,9 @@ fn no_colon(cursor: &Cursor<'_>, field: &Word) -> Report {
         return say::field_alone(field.at.into(), &field.text);
     }
     let mut behind = *cursor;
+    if behind.sign('=').is_some() {
+        return say::equals_for_colon(cursor.here(), &field.text);
+    }
     match behind.word() {
         Some(value) if ends(&behind, true) => {
             say::no_colon(value.at.into(), &field.text, &value.text)
@@ -252,7 +260,7 @@ fn clause_value<'a>(
         }
         let next = cursor.peek().map(|lexeme| &lexeme.kind);
         if next == Some(&Kind::Sign('?')) {
-            return Err(cursor.expected("the end of the value"));
+            return Err(cursor.operand_expected("the end of the value"));
         }
         let over = cursor.peek_word().is_some_and(|word| OVER.contains(&word));
         if over && ["line", "spring"].contains(&spec.word) {

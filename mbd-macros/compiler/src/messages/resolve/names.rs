@@ -124,7 +124,7 @@ pub fn no_index_of_value(step: &Step, vector: bool) -> Report {
                 && units::find(&only.word.text).is_some() =>
         {
             let unit = &only.word.text;
-            format!("the unit of a result stands behind `in`: `{word} in {unit}`")
+            format!("the unit of a result stands behind it: `in {unit}` instead of `[{unit}]`")
         }
         Some(Expression::Number { value, .. }) if vector => {
             let axis = match value {
