@@ -47,6 +47,7 @@ fn the_compiled_dozen_is_what_the_generator_of_random_scenes_writes() {
         }
         text += "}\n";
     }
+    let text = mbd_compiler::format_rust(&text).expect("declarations").text;
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/dozen/mod.rs");
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
         std::fs::write(path, &text).expect("the repository can be written");

@@ -206,7 +206,10 @@ fn place_along_tree(
         matches!(joint.parent, Place::Body(..)) && joint.law.freedoms() == FREE
     };
     let flying = scene.joints.iter().any(flies);
-    let nothing = given.is_empty() && scene.starts.coordinates.is_empty() && !motors && !flying;
+    // What rows hold, on a frame of the world that moves, say, has no coordinate of the tree that is zero.
+    let rows = (0..scene.joints.len()).any(|joint| layout.starts_joined(joint));
+    let nothing = given.is_empty() && scene.starts.coordinates.is_empty();
+    let nothing = nothing && !(motors || flying || rows);
     if nothing || state.len() != layout.nx() {
         return Ok(());
     }

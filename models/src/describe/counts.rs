@@ -12,6 +12,8 @@ pub fn counts(scene: &Scene) -> Table {
         let kinds = scene.lines.iter().map(|line| line.kind);
         kinds.filter(|kind| kind.is_unilateral() == one_way).count()
     };
+    let locks = layout.joints.iter().filter(|slots| slots.held.is_some());
+    let locks = locks.count();
     let rows: [(&str, usize); 19] = [
         ("bodies", scene.bodies.len()),
         ("points with mass", scene.points.len() - layout.nodes.len()),
@@ -20,10 +22,13 @@ pub fn counts(scene: &Scene) -> Table {
             "networks of them, each solved together",
             layout.networks.len(),
         ),
-        ("joints", scene.joints.len()),
+        ("joints", scene.joints.len() - locks),
         ("rows of the joints", layout.nc),
         ("of them independent", layout.rank()),
-        ("loops of joints", layout.redundancy.loops),
+        (
+            "loops of joints",
+            layout.redundancy.loops.saturating_sub(locks),
+        ),
         ("lines (tension only)", lines(true)),
         ("springs (both ways)", lines(false)),
         ("loads", scene.loads.len()),
@@ -54,9 +59,19 @@ pub fn counts(scene: &Scene) -> Table {
 }
 
 /// Freedoms by Grübler's count, which takes rows as independent (6 a body, 3 a point with mass, in a plane 3 and 2, in relative coordinates the
-/// speeds of the tree, less the rows of the joints), and by the true rank; loops.
+/// speeds of the tree, less the rows of the joints), and by the true rank; loops. Rows of locks and of joints that are detached at the start are told
+/// apart: they hold nothing then.
 fn freedoms(scene: &Scene, layout: &Layout) -> String {
-    let (bodies, rows, rank) = (scene.bodies.len(), layout.nc, layout.rank());
+    let later = layout.joints.iter().enumerate();
+    let later = later.filter(|(joint, slots)| slots.len > 0 && !layout.starts_joined(*joint));
+    let later = later.map(|(_, slots)| {
+        let is_lock = slots.held.is_some();
+        [slots.len, slots.kept.len(), usize::from(is_lock)]
+    });
+    let [later, later_kept, locks] =
+        later.fold([0; 3], |sum, one| [0, 1, 2].map(|k| sum[k] + one[k]));
+    let (bodies, rows) = (scene.bodies.len(), layout.nc.saturating_sub(later));
+    let rank = layout.rank().saturating_sub(later_kept);
     let points = scene.points.len() - layout.nodes.len();
     let (body, point) = (
         layout.directions.speeds(),
@@ -69,8 +84,13 @@ fn freedoms(scene: &Scene, layout: &Layout) -> String {
     };
     let mut text = format!("{speeds} − {rows} = {}", count(rows));
     if rows > 0 {
-        let (left, loops) = (count(rank), layout.redundancy.loops);
+        let left = count(rank);
+        let loops = layout.redundancy.loops.saturating_sub(locks);
         text += &format!("; by the rank {rank} of the rows: {left}; loops: {loops}");
+    }
+    if later > 0 {
+        let rows = if later == 1 { "row" } else { "rows" };
+        text += &format!("; {later} {rows} more where events lock or attach");
     }
     text
 }

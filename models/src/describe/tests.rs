@@ -152,3 +152,31 @@ fn every_quantity_of_a_scene_has_its_operations() {
     let text = operations(&Equations::trace(&swing())).text();
     assert!(text.contains("derivative of the state") && text.contains("∂derivative/∂params"));
 }
+
+#[test]
+fn a_lock_that_an_event_may_set_takes_no_freedom_and_closes_no_loop_at_the_start() {
+    for (family, speeds) in [
+        ("absolute", "6·1 + 3·0 − 5"),
+        ("relative", "tree and of points − 0"),
+    ] {
+        let reading = mbd_compiler::read_text(&format!(
+            "model Latched {{ coordinates: {family};
+                gravity: [0, 0, -9.81] m/s^2;
+                body rod {{ mass: 1 kg, inertia: diag(1, 1, 1) kg*m^2, frame top at [0, 0, 1] m }}
+                joint pin: hinge from world to rod.top {{ axis: y, start: 30 deg }}
+                event caught = pin.angle falls 0 deg {{ lock: pin }}
+            }}"
+        ));
+        let text = counts(&reading.scene.expect("a scene")).text();
+        assert!(text.contains(&format!("{speeds} = 1")), "{text}");
+        assert!(
+            text.contains("1 row more where events lock or attach"),
+            "{text}"
+        );
+        let loops = text.lines().find(|line| line.contains("loops of joints"));
+        assert!(
+            loops.is_some_and(|line| line.trim_end().ends_with('0')),
+            "{text}"
+        );
+    }
+}

@@ -66,13 +66,27 @@ fn a_new_crate_made_by_following_the_readme_compiles_and_runs() {
     assert_eq!(rows.count(), 9, "{out}");
 }
 
-/// The profile that the README gives to users is the one that this workspace is tested with.
+/// What runs a model is compiled in the profile that the README gives to users as it is in that which this workspace is tested with.
 #[test]
-fn the_profile_of_the_readme_is_that_of_the_workspace() {
+fn the_profile_of_the_readme_compiles_the_solvers_as_the_workspace_does() {
     let readme = text("README.md");
     let workspace = text("Cargo.toml");
-    for entry in blocks(&readme, "toml")[1].split("\n\n") {
-        assert!(workspace.contains(entry), "{entry}");
+    let profile = blocks(&readme, "toml")[1];
+    for entry in [
+        "[profile.dev]\nopt-level = 1\n",
+        "[profile.dev.build-override]\nopt-level = 1\n",
+    ] {
+        assert!(
+            profile.contains(entry) && workspace.contains(entry),
+            "{entry}"
+        );
+    }
+    assert!(workspace.contains("[profile.dev.package.\"*\"]\nopt-level = 2\n"));
+    for name in ["mbd-scene", "mbd-solver"] {
+        let own = format!("{name} = {{ opt-level = 2, codegen-units = 1,");
+        assert!(profile.contains(&own), "{own}");
+        let units = format!("{name}.codegen-units = 1\n");
+        assert!(workspace.contains(&units), "{units}");
     }
 }
 
