@@ -388,6 +388,10 @@ impl Placement<'_> {
                 }
             }
         }
+        if self.holds_anywhere() {
+            self.walk(state);
+            return;
+        }
         let before = state.to_vec();
         let gaps = self.rows(Quantity::Constraint, state);
         let mut open: Vec<Part> = Vec::new();
@@ -412,6 +416,17 @@ impl Placement<'_> {
         state.copy_from_slice(&before);
         self.links.retain(|link| !open.contains(&link.to));
         self.walk(state);
+    }
+
+    /// Whether every joint holds whatever the coordinates: all of them place a part, by as many coordinates as they leave free.
+    fn holds_anywhere(&self) -> bool {
+        let places = |joint: usize| {
+            let law = &self.scene.joints[joint].law;
+            let linked = self.links.iter().any(|link| link.joint == joint);
+            linked && law.coordinates() >= law.freedoms()
+        };
+        let mut joined = (0..self.layout.joints.len()).filter(|&j| self.layout.starts_joined(j));
+        joined.all(places)
     }
 
     /// The part that a link starts from; `None`: the world.

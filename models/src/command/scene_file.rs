@@ -232,7 +232,15 @@ pub fn read_file(path: &Path) -> Result<String, Failure> {
     if size > LARGEST {
         return Err(cannot(format!("{size} bytes are no scene")));
     }
-    std::fs::read_to_string(path).map_err(|error| cannot(error.to_string()))
+    let bytes = std::fs::read(path).map_err(|error| cannot(error.to_string()))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let read = error.utf8_error().valid_up_to();
+        let before = error.as_bytes().get(..read).unwrap_or_default();
+        let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+        cannot(format!(
+            "line {line} is no text in UTF-8; save the file as UTF-8"
+        ))
+    })
 }
 
 fn told(messages: &[Message], name: &str) -> Vec<String> {

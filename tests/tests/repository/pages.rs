@@ -83,7 +83,7 @@ fn the_profile_of_the_readme_compiles_the_solvers_as_the_workspace_does() {
     }
     assert!(workspace.contains("[profile.dev.package.\"*\"]\nopt-level = 2\n"));
     for name in ["mbd-scene", "mbd-solver"] {
-        let own = format!("{name} = {{ opt-level = 2, codegen-units = 1,");
+        let own = format!("{name} = {{ opt-level = 2, codegen-units = 4,");
         assert!(profile.contains(&own), "{own}");
         let units = format!("{name}.codegen-units = 1\n");
         assert!(workspace.contains(&units), "{units}");

@@ -102,3 +102,20 @@ fn scene_files_of_one_model_name_have_folders_of_their_own() {
         PathBuf::from("parachute")
     );
 }
+
+#[test]
+fn a_file_in_another_encoding_is_answered_with_its_line() {
+    let folder = Folder::new("encoding");
+    let path = folder.0.join("latin.mbd");
+    std::fs::write(
+        &path,
+        b"model A {\n    // 30\xb0 at the start\n    gravity: none;\n}\n",
+    )
+    .unwrap();
+    let error = run(&["check", &path.display().to_string()]).unwrap_err();
+    let told = error.to_string();
+    assert!(
+        told.contains("line 2 is no text in UTF-8; save the file as UTF-8"),
+        "{told}"
+    );
+}
