@@ -1,0 +1,79 @@
+//! Where nothing is given: all coordinates are zero, and what that cannot hold stays where it is.
+
+use super::{CLOSED, JointStart, Link, Placement};
+use crate::{Part, Quantity};
+
+impl Placement<'_> {
+    /// All coordinates zero but these: parts between the ends of a joint that does not hold then, and all that hangs on them, stay where they are.
+    pub(super) fn rest(&mut self, motors: &[JointStart], state: &mut [f64]) {
+        for motor in motors {
+            let lists = [&mut self.q, &mut self.u];
+            for (list, number) in lists.into_iter().zip([motor.value, motor.rate]) {
+                let slot = list.get_mut(motor.joint);
+                let slot = slot.and_then(|list| list.get_mut(motor.coordinate));
+                if let (Some(slot), Some(number)) = (slot, number) {
+                    *slot = number;
+                }
+            }
+        }
+        if self.holds_anywhere() {
+            self.walk(state);
+            return;
+        }
+        let before = state.to_vec();
+        let gaps = self.rows(Quantity::Constraint, state);
+        let mut open: Vec<Part> = Vec::new();
+        for (joint, slots) in self.layout.joints.iter().enumerate() {
+            let mut rows = gaps.iter().skip(slots.row).take(slots.len);
+            let holds = rows.all(|gap| gap.abs() <= CLOSED.sqrt());
+            if !holds && self.layout.starts_joined(joint) {
+                let paths: Vec<Vec<Part>> = (slots.ends.iter().flatten())
+                    .map(|end| self.path(*end))
+                    .collect();
+                let placed = |part: &Part| self.links.iter().any(|link| link.to == *part);
+                let common =
+                    |part: &Part| paths.len() > 1 && paths.iter().all(|path| path.contains(part));
+                let own = paths.iter().flatten();
+                open.extend(own.filter(|part| placed(part) && !common(part)));
+            }
+        }
+        for link in &self.links {
+            let on = self.from(link);
+            if on.is_some_and(|on| open.contains(&on)) {
+                open.push(link.to);
+            }
+        }
+        state.copy_from_slice(&before);
+        self.links.retain(|link| !open.contains(&link.to));
+        self.walk(state);
+    }
+
+    /// Whether every joint holds whatever the coordinates: all of them place a part, by as many coordinates as they leave free.
+    fn holds_anywhere(&self) -> bool {
+        let places = |joint: usize| {
+            let law = &self.scene.joints[joint].law;
+            let linked = self.links.iter().any(|link| link.joint == joint);
+            linked && law.coordinates() >= law.freedoms()
+        };
+        let mut joined = (0..self.layout.joints.len()).filter(|&j| self.layout.starts_joined(j));
+        joined.all(places)
+    }
+
+    /// The part that a link starts from; `None`: the world.
+    fn from(&self, link: &Link) -> Option<Part> {
+        let ends = &self.layout.joints.get(link.joint)?.ends;
+        *ends.get(usize::from(link.to_parent))?
+    }
+
+    /// A part and those it hangs on, one after the other.
+    fn path(&self, part: Part) -> Vec<Part> {
+        let mut path = vec![part];
+        while let Some(link) = self.links.iter().find(|link| Some(&link.to) == path.last()) {
+            match self.from(link) {
+                Some(on) => path.push(on),
+                None => break,
+            }
+        }
+        path
+    }
+}
