@@ -47,8 +47,6 @@ pub struct Statistics {
     pub rows_regularised: u64,
     /// Decimal digits of the accelerations that uneven masses cost at the start, on the strategy of the run; 0 for masses within three decades.
     pub lost_digits: u64,
-    /// Accepted steps in which an angle with a spring or a stop passed half a turn, where it jumps by a full turn, and the torque with it.
-    pub angle_jumps: u64,
 }
 
 impl Statistics {

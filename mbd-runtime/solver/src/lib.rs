@@ -47,6 +47,7 @@ mod supply;
 mod system;
 mod trajectory;
 mod trim;
+mod turns;
 mod unilateral;
 mod verify;
 mod watch;

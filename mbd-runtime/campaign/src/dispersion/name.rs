@@ -1,7 +1,8 @@
 //! What can be dispersed: params, what the start is said in, inputs. Each by the name that its column of the results has.
 
-use mbd_runtime::scene::{InputSource, Scene};
-use mbd_runtime::{Layout, state_names};
+use mbd_runtime::scene::laws::constant;
+use mbd_runtime::scene::{Arguments, InputSource, Quantity, Scene};
+use mbd_runtime::{Generic, Layout, Model, state_names};
 use toml::Value;
 
 use crate::run::names::{PlanError, unknown};
@@ -52,10 +53,11 @@ pub fn known(
         .collect();
     let states = state_names(scene, layout).into_iter().zip(&plan.state);
     all.extend(states.map(|(name, nominal)| start(name.name, &name.unit, *nominal)));
-    for name in scene.joint_coordinates() {
+    let at_start = coordinates_at_start(scene, layout, plan);
+    for (name, measured) in scene.joint_coordinates().into_iter().zip(at_start) {
         if let Some(unit) = coordinate_unit(scene, &name) {
-            let nominal = written(settings, &name);
-            all.push(start(name, unit, nominal));
+            let said = written(settings, &name).or_else(|| declared(scene, &plan.params, &name));
+            all.push(start(name, unit, said.unwrap_or(measured)));
         }
     }
     for slots in &layout.inputs {
@@ -91,23 +93,59 @@ fn start(name: String, unit: &str, nominal: f64) -> Dispersible {
     }
 }
 
-/// What the settings give a joint coordinate; zero where they say nothing. Numbers were checked when the run was planned.
-fn written(settings: &Settings, name: &str) -> f64 {
+/// The coordinates of all joints with their rates, in the order of their names, where the nominal case begins [m or rad, and per second].
+fn coordinates_at_start(scene: &Scene, layout: &Layout, plan: &RunPlan) -> Vec<f64> {
+    let mut numbers = vec![0.0; layout.len(Quantity::Coordinates)];
+    let Ok(model) = Generic::<f64>::new(scene.clone(), &plan.params) else {
+        return numbers;
+    };
+    let arguments = Arguments {
+        state: plan.state.clone(),
+        nodes: vec![0.0; 3 * layout.nodes.len()],
+        effective: vec![0.0; 2 * layout.effective_lines],
+        hold: vec![0.0; layout.holds()],
+        inputs: plan.inputs.clone(),
+        ..Arguments::default()
+    };
+    let mut work = model.work();
+    model.evaluate(
+        Quantity::Coordinates,
+        &arguments.at(),
+        &mut work,
+        &mut numbers,
+    );
+    numbers
+}
+
+/// Where the declaration starts a joint coordinate, or its rate; `None` where it says nothing.
+fn declared(scene: &Scene, params: &[f64], name: &str) -> Option<f64> {
+    let (joint, number, is_rate) = scene.joint_coordinate(name)?;
+    let mut starts = scene.starts.coordinates.iter();
+    let start = starts.find(|start| (start.joint, start.coordinate) == (joint, number))?;
+    let formula = match is_rate {
+        true => start.rate.as_ref(),
+        false => start.value.as_ref(),
+    };
+    Some(constant(scene, params, formula?))
+}
+
+/// What the settings give a joint coordinate; `None` where they say nothing. Numbers were checked when the run was planned.
+fn written(settings: &Settings, name: &str) -> Option<f64> {
     let mut table = Some(&settings.start);
     let mut words = name.split('.').peekable();
     while let Some(word) = words.next() {
         let value = table.and_then(|table| table.get(word));
         match value {
             Some(Value::Table(inner)) => table = Some(inner),
-            Some(Value::Float(number)) if words.peek().is_none() => return *number,
-            Some(Value::Integer(number)) if words.peek().is_none() => return *number as f64,
+            Some(Value::Float(number)) if words.peek().is_none() => return Some(*number),
+            Some(Value::Integer(number)) if words.peek().is_none() => return Some(*number as f64),
             Some(Value::String(text)) if words.peek().is_none() => {
-                return mbd_compiler::read_number(text).map_or(0.0, |(number, _)| number);
+                return mbd_compiler::read_number(text).ok().map(|(number, _)| number);
             }
-            _ => return 0.0,
+            _ => return None,
         }
     }
-    0.0
+    None
 }
 
 /// Something by its name.
