@@ -2,9 +2,11 @@
 
 pub(crate) mod names;
 pub(crate) mod number;
+mod phases;
 pub(crate) mod plan;
 mod settings;
 
 pub use names::PlanError;
+pub use phases::{Given, Goes, Phase, go_on, settings_of_all};
 pub use plan::Plan;
 pub use settings::{Settings, split};
