@@ -23,6 +23,7 @@ pub mod histories;
 mod manifest;
 mod metric;
 mod page;
+mod parquet;
 pub mod phases;
 pub mod progress;
 mod results;

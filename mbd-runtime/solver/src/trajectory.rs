@@ -220,12 +220,7 @@ impl Trajectory {
     pub fn to_csv(&self, mut to: impl Write) -> io::Result<()> {
         for (index, column) in self.names.iter().enumerate() {
             let comma = if index == 0 { "" } else { "," };
-            write!(to, "{comma}{}", column.name)?;
-            match (column.unit.as_str(), column.remark.as_str()) {
-                ("", "") => {}
-                (unit, "") => write!(to, " [{unit}]")?,
-                (unit, remark) => write!(to, " [{unit}; {remark}]")?,
-            }
+            write!(to, "{comma}{}", column.heading())?;
         }
         writeln!(to)?;
         for row in 0..self.len() {

@@ -19,6 +19,7 @@ use crate::progress::Progress;
 use crate::results::Results;
 use crate::run::Phase;
 use crate::summary::Summary;
+use mbd_report::files;
 
 pub use program::main;
 pub use source::Source;
@@ -152,6 +153,9 @@ impl Gathered {
     fn of(args: &GatherArgs) -> Result<Self, Failure> {
         let envelopes = blocks::gather(&args.folder, args.shards)?;
         let results = Results::read(&args.folder)?;
+        let file = args.folder.join("cases.parquet");
+        files::write_whole(&file, |to| results.to_parquet(to))
+            .map_err(|error| Failure::unwritten(&error))?;
         Ok(Gathered {
             summary: Summary::of(&results),
             results,

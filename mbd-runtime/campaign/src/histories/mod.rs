@@ -1,4 +1,4 @@
-//! Histories of chosen cases: `case_000017.csv` with the columns of `mbd run`, and `case_000017.html`, its page.
+//! Histories of chosen cases: `case_000017.csv` with the columns of `mbd run`, `case_000017.parquet` with the same numbers, and `case_000017.html`, its page.
 //!
 //! Which cases are worst is known when all are there: they are flown again then, which gives the numbers of their rows to the bit.
 
@@ -12,6 +12,7 @@ use std::thread;
 
 use crate::campaign::Campaign;
 use crate::failure::Failure;
+use crate::parquet;
 use crate::progress::Progress;
 use crate::results::Results;
 use mbd_report::files;
@@ -138,6 +139,11 @@ fn write_one(
     let pages = page::pages(campaign, (&row, &parts, &history), chosen, replay);
     let csv = folder.join(history_of(case));
     files::write_whole(&csv, |to| history.to_csv(to))
+        .and_then(|()| {
+            files::write_whole(&csv.with_extension("parquet"), |to| {
+                parquet::write_history(to, &history)
+            })
+        })
         .and_then(|()| {
             let mut pages = pages.iter();
             pages.try_for_each(|(file, page)| page.write(folder.join(file)))

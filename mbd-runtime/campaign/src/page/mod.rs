@@ -15,7 +15,7 @@ use mbd_report::{Cell, Figure, Report, Table, files};
 use crate::envelopes::Envelope;
 use crate::histories::Chosen;
 use crate::results::Results;
-use crate::summary::{CONFIDENCE, Summary};
+use crate::summary::{CONFIDENCE, Summary, Told};
 use spread::Curves;
 
 /// The page of a campaign, beside what its results say.
@@ -70,15 +70,16 @@ impl Page<'_> {
     /// The page.
     #[must_use]
     pub fn html(&self, results: &Results, summary: &Summary) -> Report {
-        let mut report = Report::new(format!("Campaign of {}", results.manifest.model))
-            .section("Result")
-            .paragraph(&opening(summary));
+        let mut report =
+            Report::new(format!("Campaign of {}", results.manifest.model)).section("Result");
         for told in &summary.metrics {
             if let Some(verdict) = &told.verdict {
-                report = report.paragraph(&verdict.sentence(&told.name, &told.unit));
+                let sentence = verdict.sentence(&told.name, &told.unit);
+                report = report.verdict(&sentence, verdict.holds());
             }
         }
-        report = self.over_time(report.table(&overview(summary)));
+        report = report.paragraph(&opening(summary));
+        report = self.over_time(report.table(&overview(results, summary)));
         report = footprints(report, results);
         for told in &summary.metrics {
             report = metric::metric(report, results, told);
@@ -134,15 +135,13 @@ fn opening(summary: &Summary) -> String {
         1 => "1 of them did not reach its end".to_owned(),
         n => format!("{n} of them did not reach their end"),
     };
-    format!(
-        "{} cases beside the nominal; {failures}. Percentiles are order statistics of the cases that have a value, each with an interval that holds \
-         that of the distribution with {:.0} % confidence; where there are not enough cases for an end of it, none is told.",
-        summary.cases,
-        100.0 * CONFIDENCE
-    )
+    format!("{} cases beside the nominal; {failures}.", summary.cases)
 }
 
-fn overview(summary: &Summary) -> Table {
+/// Drivers of a metric that stand beside it.
+const DRIVERS: usize = 2;
+
+fn overview(results: &Results, summary: &Summary) -> Table {
     let mut table = Table::new("Metrics")
         .column("metric", "")
         .column("unit", "")
@@ -151,7 +150,8 @@ fn overview(summary: &Summary) -> Table {
         .number("standard deviation", "", 4)
         .number("smallest", "", 5)
         .number("largest", "", 5)
-        .column("without a value", "cases");
+        .column("without a value", "cases")
+        .column("driven most by", "");
     for told in &summary.metrics {
         let real = |x: f64| {
             if x.is_nan() {
@@ -170,9 +170,34 @@ fn overview(summary: &Summary) -> Table {
             told.sorted.first().copied().into(),
             told.sorted.last().copied().into(),
             Cell::Count(told.without),
+            driven(results, told).as_str().into(),
         ]);
     }
-    table
+    table.note(format!(
+        "Percentiles, below, are order statistics of the cases that have a value, each with an interval that holds that of the distribution with \
+         {:.0} % confidence; where there are not enough cases for an end of it, none is told. Beside a driver stands the share of the variance that it explains \
+         alone, or where that is not known its rank correlation.",
+        100.0 * CONFIDENCE
+    ))
+}
+
+/// The strongest drivers of a metric; nothing that may as well drive nothing.
+fn driven(results: &Results, told: &Told) -> String {
+    let names = &results.manifest.dispersed;
+    let doubt = metric::doubt(told);
+    let drivers = told.drivers.iter().take(DRIVERS);
+    let drivers = drivers.filter(|driver| match driver.index {
+        Some(index) => index >= 0.05,
+        None => driver.correlation.abs() > doubt,
+    });
+    let told = drivers.filter_map(|driver| {
+        let name = &names.get(driver.number)?.name;
+        Some(match driver.index {
+            Some(index) => format!("{name} ({:.0} %)", 100.0 * index),
+            None => format!("{name} ({:+.2})", driver.correlation),
+        })
+    });
+    told.collect::<Vec<_>>().join(", ")
 }
 
 fn dispersed(results: &Results) -> Table {

@@ -153,7 +153,12 @@ fn threads_lanes_and_shards_change_no_byte_and_a_history_is_that_of_the_case_run
     );
     with(&typed(&parts), &["--shard", "1/2", "--lanes", "4"]);
     run(&["gather", &typed(&parts)]).unwrap();
-    let names = ["cases.csv", "envelopes.csv", "manifest.json"];
+    let names = [
+        "cases.csv",
+        "cases.parquet",
+        "envelopes.csv",
+        "manifest.json",
+    ];
     assert_eq!(files(&whole, &names), files(&parts, &names));
 
     run(&["report", &typed(&whole)]).unwrap();
@@ -172,6 +177,7 @@ fn threads_lanes_and_shards_change_no_byte_and_a_history_is_that_of_the_case_run
         [
             page(".csv"),
             page(".html"),
+            page(".parquet"),
             page("_1.html"),
             page("_2.html")
         ]
