@@ -14,22 +14,22 @@ use mbd_runtime::{
 use toml::{Table, Value};
 
 use crate::columns;
-use crate::dispersion::{Dispersions, Written};
+use crate::dispersion::{CampaignFile, Dispersions};
 use crate::envelopes::Envelopes;
 use crate::failure::Failure;
 use crate::footprint::Footprint;
 use crate::histories::Choice;
-use crate::manifest::{Asked, Column, Manifest};
+use crate::manifest::{Manifest, ResultColumn, ResultOptions};
 use crate::metric::Metrics;
-use crate::results::Row;
+use crate::results::CaseRow;
 use crate::run::names::wrong;
-use crate::run::{Goes, Phase, Plan, PlanError, Settings, go_on};
+use crate::run::{GoingRun, Phase, PlanError, RunPlan, Settings, go_on};
 use settled::{given, planned, settings_of};
 
 mod replay;
 mod settled;
 
-pub(crate) use replay::Part;
+pub(crate) use replay::CasePart;
 
 /// Cases that share a file of results, where the campaign file says nothing.
 const BLOCK: u64 = 100;
@@ -38,17 +38,17 @@ const BLOCK: u64 = 100;
 pub struct Campaign {
     model: Arc<dyn Model<f64>>,
     settings: Settings,
-    nominal: Plan,
+    nominal: RunPlan,
     /// Everything that a run may come to, the model with its settings first.
     phases: Vec<Phase>,
     /// How those behind the first are run.
-    later: Vec<Plan>,
+    later: Vec<RunPlan>,
     /// The columns of histories that come to several models.
     columns: Option<Joined>,
     dispersions: Dispersions,
     metrics: Metrics,
     envelopes: Option<Envelopes>,
-    asked: Asked,
+    asked: ResultOptions,
     block: u64,
 }
 
@@ -63,9 +63,9 @@ struct Judged {
 
 /// A case that was flown.
 #[derive(Clone, Debug)]
-pub struct Flown {
+pub struct FlownCase {
     /// Its row in the results.
-    pub row: Row,
+    pub row: CaseRow,
     /// The columns of the envelopes at their instants, one column after the other; `None` where it did not reach its end.
     pub numbers: Option<Vec<f64>>,
     /// The time it took on the clock [s].
@@ -104,7 +104,7 @@ impl Campaign {
         let name = file.display();
         let text = fs::read_to_string(file)
             .map_err(|error| Failure::Usage(format!("cannot read {name}: {error}")))?;
-        let written: Written =
+        let written: CampaignFile =
             toml::from_str(&text).map_err(|error| Failure::Invalid(format!("{name}: {error}")))?;
         let folder = file.parent().unwrap_or(Path::new(""));
         Campaign::new(&written, folder, first, later)
@@ -116,7 +116,7 @@ impl Campaign {
     pub fn tables(file: &Path) -> Vec<PathBuf> {
         let text = fs::read_to_string(file).unwrap_or_default();
         let folder = file.parent().unwrap_or(Path::new(""));
-        let Ok(written) = toml::from_str::<Written>(&text) else {
+        let Ok(written) = toml::from_str::<CampaignFile>(&text) else {
             return Vec::new();
         };
         let mut found = Vec::new();
@@ -127,7 +127,7 @@ impl Campaign {
     }
 
     fn new(
-        written: &Written,
+        written: &CampaignFile,
         folder: &Path,
         mut first: Phase,
         later: Vec<Phase>,
@@ -144,7 +144,7 @@ impl Campaign {
         let settings = phases.first().map(|phase| phase.settings.clone());
         let settings = settings.unwrap_or_default();
         let later = models.iter().skip(1).map(|model| model.scene());
-        let later: Vec<(&Scene, &Plan)> = later.zip(&plans).collect();
+        let later: Vec<(&Scene, &RunPlan)> = later.zip(&plans).collect();
         let scene = (model.scene(), model.layout());
         let run = ((&nominal, &settings), later.as_slice());
         let dispersions = Dispersions::new(written, scene, run, folder)?;
@@ -202,12 +202,12 @@ impl Campaign {
             declaration += &format!("{:?}", next.collect::<Vec<_>>());
             settings += &format!("{:?}", self.later);
         }
-        let dispersed = self.dispersions.varied.iter().map(|varied| Column {
+        let dispersed = self.dispersions.varied.iter().map(|varied| ResultColumn {
             name: varied.known.name.clone(),
             unit: varied.known.unit.clone(),
             require: None,
         });
-        let metrics = self.metrics.list.iter().map(|metric| Column {
+        let metrics = self.metrics.list.iter().map(|metric| ResultColumn {
             name: metric.name.clone(),
             unit: metric.unit.clone(),
             require: metric.require,
@@ -243,7 +243,7 @@ impl Campaign {
     ///
     /// # Errors
     /// There is no such case; its start cannot be; no draw of it obeys the constraints.
-    pub fn plan(&self, case: u64) -> Result<Plan, PlanError> {
+    pub fn plan(&self, case: u64) -> Result<RunPlan, PlanError> {
         self.check(case)?;
         let values = self.dispersions.values(case)?;
         let scene = (self.model.scene(), self.model.layout());
@@ -255,7 +255,7 @@ impl Campaign {
     ///
     /// # Errors
     /// As [`Campaign::plan`].
-    pub fn plans(&self, case: u64) -> Result<Vec<Plan>, PlanError> {
+    pub fn plans(&self, case: u64) -> Result<Vec<RunPlan>, PlanError> {
         let all = 0..self.phases.len();
         all.map(|phase| self.plan_in(case, phase)).collect()
     }
@@ -267,7 +267,7 @@ impl Campaign {
     }
 
     /// The plan of a case in a scene that its run may come to.
-    fn plan_in(&self, case: u64, phase: usize) -> Result<Plan, PlanError> {
+    fn plan_in(&self, case: u64, phase: usize) -> Result<RunPlan, PlanError> {
         let later = phase.checked_sub(1).and_then(|at| self.later.get(at));
         let (Some(nominal), Some(own)) = (later, self.phases.get(phase)) else {
             return self.plan(case);
@@ -282,7 +282,7 @@ impl Campaign {
     }
 
     /// The run that goes on after an event ended one of a case.
-    fn go_on(&self, case: u64, ended: Ended<'_>) -> Result<Option<Goes>, RunError> {
+    fn go_on(&self, case: u64, ended: Ended<'_>) -> Result<Option<GoingRun>, RunError> {
         go_on(&self.phases, ended, &|phase| self.plan_in(case, phase))
     }
 
@@ -292,7 +292,7 @@ impl Campaign {
         count: usize,
         number: &(dyn Fn(usize) -> u64 + Sync),
         resources: Resources,
-        mut deliver: impl FnMut(Flown) -> ControlFlow<()>,
+        mut deliver: impl FnMut(FlownCase) -> ControlFlow<()>,
     ) {
         let sampling = sampling(&self.nominal);
         let mut batch = Batch::new(&*self.model, self.nominal.options, self.nominal.until);
@@ -354,7 +354,7 @@ impl Campaign {
         }
     }
 
-    fn flight(&self, case: u64, finished: Finished<Judged>) -> Flown {
+    fn flight(&self, case: u64, finished: Finished<Judged>) -> FlownCase {
         let Finished {
             result,
             seconds,
@@ -370,7 +370,7 @@ impl Campaign {
             }) => (Ok((end, metrics)), Some(numbers)),
             Err(failed) => (Err(failed), None),
         };
-        Flown {
+        FlownCase {
             row: self.row(case, result),
             numbers,
             seconds,
@@ -378,13 +378,13 @@ impl Campaign {
         }
     }
 
-    fn row(&self, case: u64, result: Result<(f64, Vec<f64>), FailedCase>) -> Row {
+    fn row(&self, case: u64, result: Result<(f64, Vec<f64>), FailedCase>) -> CaseRow {
         // Where nothing was drawn there is nothing to tell.
         let nothing = || vec![f64::NAN; self.dispersions.varied.len()];
         let values = self.dispersions.values(case).unwrap_or_else(|_| nothing());
         let values = self.dispersions.in_units(&values);
         match result {
-            Ok((time, metrics)) => Row {
+            Ok((time, metrics)) => CaseRow {
                 case,
                 status: "ok".to_owned(),
                 time,
@@ -392,7 +392,7 @@ impl Campaign {
                 metrics,
                 why: String::new(),
             },
-            Err(failed) => Row {
+            Err(failed) => CaseRow {
                 case,
                 status: failed.why.status().to_owned(),
                 time: failed.time,
@@ -405,22 +405,22 @@ impl Campaign {
 }
 
 /// When rows of a planned run are written.
-fn sampling(plan: &Plan) -> Sampling {
+fn sampling(plan: &RunPlan) -> Sampling {
     plan.every.map_or(Sampling::Steps, Sampling::Every)
 }
 
 /// The history of a planned run, with nothing in it yet.
-fn empty(plan: &Plan, model: &dyn Model<f64>, content: Content) -> Trajectory {
+fn empty(plan: &RunPlan, model: &dyn Model<f64>, content: Content) -> Trajectory {
     Trajectory::new(model, sampling(plan), content)
 }
 
 /// What the file asks to be told beside the metrics.
-fn asked(written: &Written, metrics: &Metrics, last: u64) -> Result<Asked, PlanError> {
+fn asked(written: &CampaignFile, metrics: &Metrics, last: u64) -> Result<ResultOptions, PlanError> {
     let histories = written.histories.clone().unwrap_or_default();
     let footprints = written.footprint.iter().enumerate().map(|(at, footprint)| {
         Footprint::new(footprint, &metrics.list, &format!("footprint[{at}]"))
     });
-    Ok(Asked {
+    Ok(ResultOptions {
         histories: Choice::new(&histories, &metrics.list, last)?,
         footprints: footprints.collect::<Result<_, _>>()?,
     })

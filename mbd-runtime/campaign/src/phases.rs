@@ -1,12 +1,12 @@
 //! What is told of a run that came to several scenes: a table of its parts, and histories over all of them.
 
-use mbd_report::{Cell, Figure, Report, Series, Table};
+use mbd_report::{Cell, Figure, Report, ReportTable, Series};
 use mbd_runtime::scene::Scene;
 use mbd_runtime::{Handover, Trajectory};
 
 /// A part of a run, flown in one scene.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'p> {
+pub struct FlownPart<'p> {
     /// The scene.
     pub scene: &'p Scene,
     /// When it began [s].
@@ -19,7 +19,7 @@ pub struct Told<'p> {
     pub ended_by: Option<usize>,
 }
 
-impl<'p> Told<'p> {
+impl<'p> FlownPart<'p> {
     /// The name of the event that ended it.
     #[must_use]
     pub fn event(&self) -> Option<&'p str> {
@@ -30,8 +30,8 @@ impl<'p> Told<'p> {
 
 /// The parts of a run, what ended them and what went on.
 #[must_use]
-pub fn table(parts: &[Told<'_>]) -> Table {
-    let mut table = Table::new("Phases")
+pub fn table(parts: &[FlownPart<'_>]) -> ReportTable {
+    let mut table = ReportTable::new("Phases")
         .column("scene", "")
         .number("from", "s", 9)
         .number("to", "s", 9)
@@ -62,7 +62,7 @@ pub fn table(parts: &[Told<'_>]) -> Table {
 
 /// Adds the histories over all parts to a page: outputs, and tensions of lines. `joined` is made of the histories of the parts.
 #[must_use]
-pub fn with_histories(page: Report, parts: &[Told<'_>], joined: &Trajectory) -> Report {
+pub fn with_histories(page: Report, parts: &[FlownPart<'_>], joined: &Trajectory) -> Report {
     let mut page = page.section("Histories");
     for name in joined.names() {
         let owner = name.name.split(['.', ' ']).next().unwrap_or_default();

@@ -5,13 +5,13 @@ use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
 
 use crate::failure::Failure;
-use crate::manifest::{Column, Manifest};
-use crate::parquet::{self, Cells};
+use crate::manifest::{Manifest, ResultColumn};
+use crate::parquet::{self, ParquetCells};
 use crate::table::{cell, cells, heading, number};
 
 /// One case.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct CaseRow {
     /// Its number; 0 is the nominal.
     pub case: u64,
     /// `ok`, or the kind of failure.
@@ -33,7 +33,7 @@ const BEHIND: &str = "why";
 /// The columns of numbers, as they are headed.
 fn numbers(manifest: &Manifest) -> impl Iterator<Item = String> + '_ {
     let columns = manifest.dispersed.iter().chain(&manifest.metrics);
-    columns.map(|Column { name, unit, .. }| heading(name, unit))
+    columns.map(|ResultColumn { name, unit, .. }| heading(name, unit))
 }
 
 /// The head of the table.
@@ -44,7 +44,7 @@ pub fn head(manifest: &Manifest) -> String {
     all.join(",")
 }
 
-impl Row {
+impl CaseRow {
     /// It as a line, without its end.
     #[must_use]
     pub fn line(&self) -> String {
@@ -58,7 +58,7 @@ impl Row {
         all.join(",")
     }
 
-    fn read(line: &str, [values, metrics]: [usize; 2]) -> Option<Row> {
+    fn read(line: &str, [values, metrics]: [usize; 2]) -> Option<CaseRow> {
         let mut cells = cells(line).into_iter();
         let real = |text: String| match text.as_str() {
             "" => Some(f64::NAN),
@@ -72,7 +72,7 @@ impl Row {
         };
         let (values, metrics) = (list(values)?, list(metrics)?);
         let why = cells.next()?;
-        Some(Row {
+        Some(CaseRow {
             case,
             status,
             time,
@@ -109,7 +109,7 @@ pub struct Results {
     /// What they belong to.
     pub manifest: Manifest,
     /// They, in order.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CaseRow>,
 }
 
 impl Results {
@@ -137,7 +137,7 @@ impl Results {
         let mut rows = Vec::new();
         for (at, line) in lines.enumerate() {
             let line = line.map_err(|error| wrong(error.to_string()))?;
-            let row = Row::read(&line, counts).filter(|row| row.case == at as u64);
+            let row = CaseRow::read(&line, counts).filter(|row| row.case == at as u64);
             rows.push(row.ok_or_else(|| wrong(format!("line {} is no row of case {at}", at + 2)))?);
         }
         if rows.len() as u64 != manifest.cases {
@@ -157,14 +157,17 @@ impl Results {
     pub fn to_parquet(&self, to: &mut dyn Write) -> io::Result<()> {
         let [case, status, end] = BEFORE;
         let rows = &self.rows;
-        let column = |name: &str, cells| parquet::Column {
+        let column = |name: &str, cells| parquet::ParquetColumn {
             name: name.to_owned(),
             cells,
         };
         let mut columns = vec![
-            column(case, Cells::Whole(Box::new(|row| rows[row].case))),
-            column(status, Cells::Texts(Box::new(|row| &rows[row].status))),
-            column(end, Cells::Numbers(Box::new(|row| rows[row].time))),
+            column(case, ParquetCells::Whole(Box::new(|row| rows[row].case))),
+            column(
+                status,
+                ParquetCells::Texts(Box::new(|row| &rows[row].status)),
+            ),
+            column(end, ParquetCells::Numbers(Box::new(|row| rows[row].time))),
         ];
         let dispersed = self.manifest.dispersed.len();
         for (at, name) in numbers(&self.manifest).enumerate() {
@@ -172,9 +175,12 @@ impl Results {
                 None => Box::new(move |row: usize| rows[row].values[at]),
                 Some(at) => Box::new(move |row: usize| rows[row].metrics[at]),
             };
-            columns.push(column(&name, Cells::Numbers(cells)));
+            columns.push(column(&name, ParquetCells::Numbers(cells)));
         }
-        columns.push(column(BEHIND, Cells::Texts(Box::new(|row| &rows[row].why))));
+        columns.push(column(
+            BEHIND,
+            ParquetCells::Texts(Box::new(|row| &rows[row].why)),
+        ));
         parquet::write(to, rows.len(), &columns)
     }
 

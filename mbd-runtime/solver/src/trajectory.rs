@@ -11,7 +11,7 @@ use crate::system::{System, WORKS};
 mod joined;
 
 pub use joined::Joined;
-use joined::Part;
+use joined::JoinedPart;
 
 /// When a row is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,7 +119,7 @@ pub struct Trajectory {
     /// Counters of the run at its last row.
     pub statistics: Statistics,
     /// Of a history that was put together, its parts; empty of the history of one model.
-    parts: Vec<Part>,
+    parts: Vec<JoinedPart>,
 }
 
 impl Trajectory {

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use mbd_campaign::run::{Given, Phase, Plan, settings_of_all};
+use mbd_campaign::run::{GivenSettings, Phase, RunPlan, settings_of_all};
 use mbd_compiler::{Location, Message, misfits};
 use models::run::{PlanError, Settings};
 
 use super::campaign::nominal;
-use super::failure::Failure;
+use super::failure::CommandFailure;
 use super::mistakes::Mistakes;
 use super::scene_file::SceneFile;
 
@@ -28,7 +28,7 @@ impl Phases {
     ///
     /// # Errors
     /// A file that cannot be read or does not fit, at the place that names it; mistakes in it, at theirs.
-    pub fn of(first: SceneFile, path: &Path) -> Result<Self, Failure> {
+    pub fn of(first: SceneFile, path: &Path) -> Result<Self, CommandFailure> {
         let mut paths = vec![path.canonicalize().unwrap_or_else(|_| path.to_owned())];
         let mut names = vec![path.to_owned()];
         let mut phases = Phases {
@@ -57,7 +57,7 @@ impl Phases {
                 next[going.event] = Some(known.unwrap_or(paths.len()));
                 if known.is_none() {
                     let read = SceneFile::find(&name).map_err(|failure| match failure {
-                        Failure::Usage(why) => unread(file, going.file, &name, &why),
+                        CommandFailure::Usage(why) => unread(file, going.file, &name, &why),
                         failure => failure,
                     })?;
                     paths.push(whole);
@@ -78,7 +78,7 @@ impl Phases {
     }
 
     /// Refuses scenes that cannot go on from each other.
-    fn fit(&self) -> Result<(), Failure> {
+    fn fit(&self) -> Result<(), CommandFailure> {
         for (file, next) in self.files.iter().zip(&self.next) {
             let going = file.reading.going.iter().enumerate();
             let errors: Vec<Message> = going
@@ -101,13 +101,19 @@ impl Phases {
     ///
     /// # Errors
     /// Settings that a scene cannot be run with.
-    pub fn planned(&self, first: &Settings, given: &Given) -> Result<Vec<Plan>, Failure> {
+    pub fn planned(
+        &self,
+        first: &Settings,
+        given: &GivenSettings,
+    ) -> Result<Vec<RunPlan>, CommandFailure> {
         let files = self.files.iter();
         let own: Vec<_> = files.map(|file| (&file.scene, &file.settings)).collect();
         let settings = settings_of_all(first, given, &own);
         let planned = self.files.iter().zip(&settings).map(|(file, settings)| {
-            let plan = Plan::new(&file.scene, settings);
-            plan.map_err(|error: PlanError| Failure::Invalid(format!("{}: {error}", file.name)))
+            let plan = RunPlan::new(&file.scene, settings);
+            plan.map_err(|error: PlanError| {
+                CommandFailure::Invalid(format!("{}: {error}", file.name))
+            })
         });
         planned.collect()
     }
@@ -116,7 +122,7 @@ impl Phases {
     ///
     /// # Errors
     /// A scene that cannot be run as it is declared.
-    pub fn of_many(&self) -> Result<(Phase, Vec<Phase>), Failure> {
+    pub fn of_many(&self) -> Result<(Phase, Vec<Phase>), CommandFailure> {
         let mut all = Vec::with_capacity(self.files.len());
         for (file, next) in self.files.iter().zip(&self.next) {
             all.push(Phase {
@@ -128,7 +134,7 @@ impl Phases {
         let mut all = all.into_iter();
         match all.next() {
             Some(first) => Ok((first, all.collect())),
-            None => Err(Failure::Usage("there is no scene to run".to_owned())),
+            None => Err(CommandFailure::Usage("there is no scene to run".to_owned())),
         }
     }
 
@@ -175,7 +181,7 @@ fn placed(settings: &Settings) -> Vec<String> {
     settings.start.keys().cloned().collect()
 }
 
-fn unread(file: &SceneFile, at: Location, name: &Path, why: &str) -> Failure {
+fn unread(file: &SceneFile, at: Location, name: &Path, why: &str) -> CommandFailure {
     let why = why.trim_start_matches("cannot read ");
     let name: PathBuf = name.to_owned();
     let text = format!(
@@ -185,8 +191,8 @@ fn unread(file: &SceneFile, at: Location, name: &Path, why: &str) -> Failure {
     mistakes(file, vec![Message::new(text, at)])
 }
 
-fn mistakes(file: &SceneFile, errors: Vec<Message>) -> Failure {
-    Failure::Mistakes(Mistakes {
+fn mistakes(file: &SceneFile, errors: Vec<Message>) -> CommandFailure {
+    CommandFailure::Mistakes(Mistakes {
         file: file.name.clone(),
         source: file.source.clone(),
         errors,

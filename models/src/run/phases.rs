@@ -1,11 +1,11 @@
 //! A run through several scenes: where an event lets another scene go on, that one flies from there.
 
-use mbd_campaign::phases::Told;
-use mbd_campaign::run::{Phase, Plan, go_on};
+use mbd_campaign::phases::FlownPart;
+use mbd_campaign::run::{Phase, RunPlan, go_on};
 use mbd_runtime::{Ended, Handover, Options, Stop};
 
-use super::outcome::{Outcome, begun, fly_on};
-use crate::progress::Progress;
+use super::outcome::{RunOutcome, begun, fly_on};
+use crate::progress::ProgressLine;
 
 /// A part of a run, flown in one phase.
 #[derive(Clone, Debug)]
@@ -13,7 +13,7 @@ pub struct Segment {
     /// Which phase, by index.
     pub phase: usize,
     /// How it was flown, with the params it had.
-    pub plan: Plan,
+    pub plan: RunPlan,
     /// When it began [s].
     pub from: f64,
     /// What it took over; `None` of the first.
@@ -21,14 +21,14 @@ pub struct Segment {
     /// The event that ended it, by index in its scene.
     pub ended_by: Option<usize>,
     /// What came out.
-    pub outcome: Outcome,
+    pub outcome: RunOutcome,
 }
 
 impl Segment {
     /// It, as it is told.
     #[must_use]
-    pub fn told<'s>(&'s self, phase: &'s Phase) -> Told<'s> {
-        Told {
+    pub fn told<'s>(&'s self, phase: &'s Phase) -> FlownPart<'s> {
+        FlownPart {
             scene: phase.model.scene(),
             from: self.from,
             until: self.outcome.time,
@@ -40,13 +40,17 @@ impl Segment {
 
 /// Flies the first phase, whose model has the params of its plan, and what goes on from it, until the end that the first one plans.
 #[must_use]
-pub fn fly_phases(phases: &[Phase], plans: &[Plan], progress: &mut Progress) -> Vec<Segment> {
+pub fn fly_phases(
+    phases: &[Phase],
+    plans: &[RunPlan],
+    progress: &mut ProgressLine,
+) -> Vec<Segment> {
     let mut segments: Vec<Segment> = Vec::new();
     let (Some(first), Some(plan)) = (phases.first(), plans.first()) else {
         return segments;
     };
     // What a run tells of itself asks for its momentum.
-    let told = |plan: &Plan| Plan {
+    let told = |plan: &RunPlan| RunPlan {
         options: Options {
             momentum: true,
             ..plan.options

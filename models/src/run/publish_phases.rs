@@ -4,7 +4,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use mbd_campaign::phases::{Told, table, with_histories};
+use mbd_campaign::phases::{FlownPart, table, with_histories};
 use mbd_runtime::{Joined, Sampling, Trajectory};
 use serde::Serialize;
 use serde_json::Value;
@@ -15,11 +15,11 @@ use super::phases::Segment;
 use super::publish::publish;
 use super::summary::summary_json;
 use crate::files;
-use crate::report::{Report, Table};
+use crate::report::{Report, ReportTable};
 
 /// A part of the run, for programs.
 #[derive(Serialize)]
-struct Part<'a> {
+struct PhaseSummary<'a> {
     from_s: f64,
     ended_by: Option<&'a str>,
     carried: &'a [String],
@@ -53,7 +53,7 @@ pub fn summary(phases: &[Phase], segments: &[Segment]) -> io::Result<String> {
     for (_, phase, segment) in told(phases, segments) {
         let run = summary_json(phase.model.scene(), &segment.plan, &segment.outcome)?;
         let handover = segment.handover.as_ref();
-        parts.push(Part {
+        parts.push(PhaseSummary {
             from_s: segment.from,
             ended_by: segment.told(phase).event(),
             carried: handover.map_or(&[][..], |it| it.carried.as_slice()),
@@ -79,7 +79,11 @@ pub fn summary(phases: &[Phase], segments: &[Segment]) -> io::Result<String> {
 ///
 /// # Errors
 /// The folder or a file cannot be written; the error names it. The summary is only there if all others are.
-pub fn publish_phases(phases: &[Phase], segments: &[Segment], folder: &Path) -> io::Result<Table> {
+pub fn publish_phases(
+    phases: &[Phase],
+    segments: &[Segment],
+    folder: &Path,
+) -> io::Result<ReportTable> {
     files::make_folder(folder)?;
     let file = folder.join("summary.json");
     files::remove(&file)?;
@@ -95,7 +99,7 @@ pub fn publish_phases(phases: &[Phase], segments: &[Segment], folder: &Path) -> 
     let joined = columns.join(&parts.collect::<Vec<_>>());
     files::write_whole(&folder.join("history.csv"), |to| joined.to_csv(to))?;
     let parts = told(phases, segments).map(|(_, phase, segment)| segment.told(phase));
-    let parts: Vec<Told<'_>> = parts.collect();
+    let parts: Vec<FlownPart<'_>> = parts.collect();
     let table = table(&parts);
     page(phases, segments, &table, (&parts, &joined)).write(folder.join("report.html"))?;
     files::write_text(&file, &summary(phases, segments)?)?;
@@ -106,8 +110,8 @@ pub fn publish_phases(phases: &[Phase], segments: &[Segment], folder: &Path) -> 
 fn page(
     phases: &[Phase],
     segments: &[Segment],
-    table: &Table,
-    (parts, joined): (&[Told<'_>], &Trajectory),
+    table: &ReportTable,
+    (parts, joined): (&[FlownPart<'_>], &Trajectory),
 ) -> Report {
     let names: Vec<&str> = told(phases, segments)
         .map(|(_, phase, _)| phase.model.scene().name.as_str())

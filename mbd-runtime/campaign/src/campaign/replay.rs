@@ -7,23 +7,23 @@ use mbd_runtime::{Content, Ended, Handover, Model, RunError, Simulation, Stop, T
 
 use super::{Campaign, Resources, empty};
 use crate::columns;
-use crate::phases::Told;
-use crate::results::Row;
+use crate::phases::FlownPart;
+use crate::results::CaseRow;
 use crate::run::names::wrong;
-use crate::run::{Plan, PlanError};
+use crate::run::{PlanError, RunPlan};
 
 impl Campaign {
     /// Runs one case again, with everything in its history. The row is that of the campaign, to the bit.
     ///
     /// # Errors
     /// There is no such case.
-    pub fn replay(&self, case: u64) -> Result<(Row, Trajectory), PlanError> {
+    pub fn replay(&self, case: u64) -> Result<(CaseRow, Trajectory), PlanError> {
         let (row, parts) = self.replay_parts(case)?;
         Ok((row, self.whole(&parts)))
     }
 
     /// Runs one case again: its row, and the scenes that its run came to; none where it could not begin.
-    pub(crate) fn replay_parts(&self, case: u64) -> Result<(Row, Vec<Part>), PlanError> {
+    pub(crate) fn replay_parts(&self, case: u64) -> Result<(CaseRow, Vec<CasePart>), PlanError> {
         self.check(case)?;
         let mut found = None;
         let resources = Resources {
@@ -42,7 +42,7 @@ impl Campaign {
     }
 
     /// The history of a case over all of its parts.
-    pub(crate) fn whole(&self, parts: &[Part]) -> Trajectory {
+    pub(crate) fn whole(&self, parts: &[CasePart]) -> Trajectory {
         let models: Vec<&dyn Model<f64>> = self.phases.iter().map(|it| &*it.model).collect();
         match parts {
             [alone] if models.len() == 1 => alone.history.clone(),
@@ -54,7 +54,7 @@ impl Campaign {
         }
     }
 
-    fn fly(&self, case: u64, parts: &mut Vec<Part>) -> Result<(), RunError> {
+    fn fly(&self, case: u64, parts: &mut Vec<CasePart>) -> Result<(), RunError> {
         let begun = self.plan(case).ok().and_then(|plan| {
             let model = self.model.with_params(&plan.params).ok()?;
             Some((model, plan))
@@ -64,7 +64,7 @@ impl Campaign {
         };
         let mut run = Simulation::new(&*model, plan.options)?;
         plan.begin(&mut run)?;
-        let mut next = Some(Part::new(0, plan, &run));
+        let mut next = Some(CasePart::new(0, plan, &run));
         while let Some(mut part) = next.take() {
             let stop = run.record(self.nominal.until, &mut part.history);
             part.until = run.time();
@@ -82,7 +82,7 @@ impl Campaign {
             parts.push(part);
             if let Some(goes) = self.go_on(case, ended)? {
                 run = goes.run;
-                let mut part = Part::new(goes.phase, goes.plan, &run);
+                let mut part = CasePart::new(goes.phase, goes.plan, &run);
                 part.handover = Some(goes.handover);
                 next = Some(part);
             }
@@ -92,11 +92,11 @@ impl Campaign {
 }
 
 /// A part of a case, flown in one scene.
-pub(crate) struct Part {
+pub(crate) struct CasePart {
     /// Which phase, by index.
     pub phase: usize,
     /// How it was flown, with the params it had.
-    pub plan: Plan,
+    pub plan: RunPlan,
     /// The model, with these params.
     pub model: Arc<dyn Model<f64>>,
     /// When it began and where it stands [s].
@@ -110,11 +110,11 @@ pub(crate) struct Part {
     pub history: Trajectory,
 }
 
-impl Part {
+impl CasePart {
     /// A part that begins where its run stands.
-    fn new(phase: usize, plan: Plan, run: &Simulation<f64>) -> Self {
+    fn new(phase: usize, plan: RunPlan, run: &Simulation<f64>) -> Self {
         let model = run.model().clone();
-        Part {
+        CasePart {
             phase,
             history: empty(&plan, &*model, Content::ALL),
             plan,
@@ -127,8 +127,8 @@ impl Part {
     }
 
     /// It, as it is told.
-    pub fn told(&self) -> Told<'_> {
-        Told {
+    pub fn told(&self) -> FlownPart<'_> {
+        FlownPart {
             scene: self.model.scene(),
             from: self.from,
             until: self.until,

@@ -4,16 +4,16 @@ use mbd_runtime::Model;
 use mbd_runtime::scene::Scene;
 use toml::Table;
 
-use crate::dispersion::Written;
+use crate::dispersion::CampaignFile;
 use crate::run::names::wrong;
-use crate::run::{Given, Phase, Plan, PlanError, Settings, settings_of_all};
+use crate::run::{GivenSettings, Phase, PlanError, RunPlan, Settings, settings_of_all};
 
 /// The settings that the file gives, and which of them count in every scene.
-pub fn given(written: &Written) -> Result<(Settings, Given), PlanError> {
+pub fn given(written: &CampaignFile) -> Result<(Settings, GivenSettings), PlanError> {
     let own: Settings = toml::Value::Table(written.run.clone())
         .try_into()
         .map_err(|error: toml::de::Error| wrong("run", error.message()))?;
-    let given = Given {
+    let given = GivenSettings {
         method: own.step.is_some() || own.tolerance.is_some() || own.method.is_some(),
         every: own.every.is_some(),
         max_steps: own.max_steps.is_some(),
@@ -60,8 +60,8 @@ fn merge(under: &mut Table, over: Table) {
 /// Everything that a run may come to as it is run, with what the campaign file gives, and the plans of the nominal case.
 pub fn planned(
     mut phases: Vec<Phase>,
-    given: &Given,
-) -> Result<(Vec<Phase>, Vec<Plan>), PlanError> {
+    given: &GivenSettings,
+) -> Result<(Vec<Phase>, Vec<RunPlan>), PlanError> {
     let of = |phase: &Phase| phase.settings.clone();
     let own: Vec<Settings> = phases.iter().map(of).collect();
     let first = own.first().cloned().unwrap_or_default();
@@ -75,7 +75,7 @@ pub fn planned(
     let mut plans = Vec::with_capacity(phases.len());
     for (index, phase) in phases.iter().enumerate() {
         let scene = (phase.model.scene(), phase.model.layout());
-        let plan = Plan::with_layout(scene, &phase.settings);
+        let plan = RunPlan::with_layout(scene, &phase.settings);
         plans.push(plan.map_err(|error| match index {
             0 => error,
             _ => wrong(

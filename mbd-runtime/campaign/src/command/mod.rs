@@ -15,14 +15,14 @@ use crate::campaign::{Campaign, Resources};
 use crate::failure::Failure;
 use crate::histories::{self, Chosen};
 use crate::page::Page;
-use crate::progress::Progress;
+use crate::progress::ProgressLine;
 use crate::results::Results;
 use crate::run::Phase;
-use crate::summary::Summary;
+use crate::summary::CampaignSummary;
 use mbd_report::files;
 
 pub use program::main;
-pub use source::Source;
+pub use source::ResultSource;
 pub use told::text;
 
 /// What to disperse, and where the results go.
@@ -66,7 +66,7 @@ pub struct GatherArgs {
 pub fn campaign(
     args: &CampaignArgs,
     (first, later): (Phase, Vec<Phase>),
-    source: &dyn Fn(&Path) -> Source,
+    source: &dyn Fn(&Path) -> ResultSource,
 ) -> Result<String, Failure> {
     let has_lanes = first.model.beside().is_some();
     let campaign = Campaign::read_phases(&args.file, first, later)?;
@@ -87,7 +87,7 @@ pub fn campaign(
         &folder,
         (shard, args.resume),
         resources,
-        &mut Progress::new(),
+        &mut ProgressLine::new(),
     )?;
     source(&args.file).write(&folder)?;
     let told = format!(
@@ -144,7 +144,7 @@ fn in_lanes(done: &Done, lanes: Option<usize>, has_lanes: bool) -> String {
 /// What the results of a folder say.
 struct Gathered {
     results: Results,
-    summary: Summary,
+    summary: CampaignSummary,
     envelopes: Vec<crate::envelopes::Envelope>,
 }
 
@@ -157,7 +157,7 @@ impl Gathered {
         files::write_whole(&file, |to| results.to_parquet(to))
             .map_err(|error| Failure::unwritten(&error))?;
         Ok(Gathered {
-            summary: Summary::of(&results),
+            summary: CampaignSummary::of(&results),
             results,
             envelopes,
         })
@@ -189,11 +189,11 @@ pub fn gather(args: &GatherArgs) -> Result<String, Failure> {
 /// written without them.
 pub fn report(
     args: &GatherArgs,
-    reopen: &dyn Fn(&Source) -> Result<Campaign, Failure>,
+    reopen: &dyn Fn(&ResultSource) -> Result<Campaign, Failure>,
 ) -> Result<String, Failure> {
     let folder = &args.folder;
     let gathered = Gathered::of(args)?;
-    let source = Source::read(folder);
+    let source = ResultSource::read(folder);
     let results = &gathered.results;
     let chosen = results.manifest.told.histories.of(results);
     let kept = keep_histories(folder, results, &chosen, &|| {
@@ -250,6 +250,6 @@ fn keep_histories(
         &missing,
         (folder, &command),
         all_cores(),
-        &mut Progress::new(),
+        &mut ProgressLine::new(),
     )
 }

@@ -6,11 +6,11 @@ use toml::Value;
 
 use crate::run::names::{PlanError, unknown, wrong};
 use crate::run::plan::coordinate_unit;
-use crate::run::{Plan, Settings};
+use crate::run::{RunPlan, Settings};
 
 /// Where a dispersed number goes.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Target {
+pub enum DispersionTarget {
     /// A param, by index; scenes that go on and have one of its name have the same.
     Param(usize),
     /// A param of scenes that go on, alone.
@@ -23,11 +23,11 @@ pub enum Target {
 
 /// Something that can be dispersed: where it goes, its unit, and its nominal value [SI].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Known {
+pub struct Dispersible {
     /// Its name, as the results have it.
     pub name: String,
     /// Where it goes.
-    pub target: Target,
+    pub target: DispersionTarget,
     /// Its unit.
     pub unit: String,
     /// SI value of one such unit.
@@ -39,10 +39,10 @@ pub struct Known {
 /// Everything that can be dispersed in a scene that is run as planned, and the params of those that go on from it.
 pub fn known(
     (scene, layout): (&Scene, &Layout),
-    (plan, settings): (&Plan, &Settings),
-    later: &[(&Scene, &Plan)],
-) -> Vec<Known> {
-    let known = |param: &Parameter, target: Target, nominal: f64| Known {
+    (plan, settings): (&RunPlan, &Settings),
+    later: &[(&Scene, &RunPlan)],
+) -> Vec<Dispersible> {
+    let known = |param: &Parameter, target: DispersionTarget, nominal: f64| Dispersible {
         name: param.name.clone(),
         target,
         unit: param.unit.text.clone(),
@@ -50,13 +50,13 @@ pub fn known(
         nominal,
     };
     let params = scene.params.iter().zip(&plan.params).enumerate();
-    let mut all: Vec<Known> = params
-        .map(|(index, (param, nominal))| known(param, Target::Param(index), *nominal))
+    let mut all: Vec<Dispersible> = params
+        .map(|(index, (param, nominal))| known(param, DispersionTarget::Param(index), *nominal))
         .collect();
     for (scene, plan) in later {
         for (param, nominal) in scene.params.iter().zip(&plan.params) {
             if !all.iter().any(|known| known.name == param.name) {
-                all.push(known(param, Target::LaterParam, *nominal));
+                all.push(known(param, DispersionTarget::LaterParam, *nominal));
             }
         }
     }
@@ -79,9 +79,9 @@ pub fn known(
             let place = slots.at + component;
             let axis = ["x", "y", "z"].get(component).filter(|_| slots.len > 1);
             let axis = axis.map_or(String::new(), |axis| format!(".{axis}"));
-            all.push(Known {
+            all.push(Dispersible {
                 name: format!("inputs.{}{axis}", input.name),
-                target: Target::Input(place),
+                target: DispersionTarget::Input(place),
                 unit: input.unit.text.clone(),
                 factor: input.unit.factor,
                 nominal: plan.inputs.get(place).copied().unwrap_or(0.0),
@@ -91,13 +91,13 @@ pub fn known(
     all
 }
 
-fn start(name: String, unit: &str, nominal: f64) -> Known {
-    Known {
+fn start(name: String, unit: &str, nominal: f64) -> Dispersible {
+    Dispersible {
         name: format!("start.{name}"),
         unit: unit.to_owned(),
         factor: 1.0,
         nominal,
-        target: Target::Start(name),
+        target: DispersionTarget::Start(name),
     }
 }
 
@@ -122,12 +122,15 @@ fn written(settings: &Settings, name: &str) -> f64 {
 
 /// Refuses to disperse a param that scenes have with different nominal values, or in different units: which of them is meant?
 pub fn is_one(
-    known: &Known,
+    known: &Dispersible,
     setting: &str,
-    first: (&Scene, &Plan),
-    later: &[(&Scene, &Plan)],
+    first: (&Scene, &RunPlan),
+    later: &[(&Scene, &RunPlan)],
 ) -> Result<(), PlanError> {
-    if !matches!(known.target, Target::Param(_) | Target::LaterParam) {
+    if !matches!(
+        known.target,
+        DispersionTarget::Param(_) | DispersionTarget::LaterParam
+    ) {
         return Ok(());
     }
     let scenes = std::iter::once(&first).chain(later);
@@ -159,12 +162,19 @@ pub fn is_one(
 }
 
 /// Something by its name.
-pub fn find<'k>(known: &'k [Known], setting: &str, name: &str) -> Result<&'k Known, PlanError> {
+pub fn find<'k>(
+    known: &'k [Dispersible],
+    setting: &str,
+    name: &str,
+) -> Result<&'k Dispersible, PlanError> {
     let found = known.iter().find(|known| known.name == name);
     found.ok_or_else(|| {
-        let part = |of: &&Known| match name.split_once('.') {
+        let part = |of: &&Dispersible| match name.split_once('.') {
             Some((part @ ("start" | "inputs"), _)) => of.name.starts_with(&format!("{part}.")),
-            _ => matches!(of.target, Target::Param(_) | Target::LaterParam),
+            _ => matches!(
+                of.target,
+                DispersionTarget::Param(_) | DispersionTarget::LaterParam
+            ),
         };
         let alike = known.iter().filter(part);
         unknown(setting, name, alike.map(|known| known.name.as_str()))

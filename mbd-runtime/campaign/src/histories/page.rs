@@ -1,18 +1,18 @@
 //! The page of a case: what it was, how it ended, its run; of a run that came to several scenes, the way it took, and a page of each.
 
-use mbd_report::{Cell, Report, Run, Table, with_run};
+use mbd_report::{Cell, Report, ReportTable, Run, with_run};
 use mbd_runtime::Trajectory;
 
 use super::choice::Chosen;
 use super::{page_of, part_of};
-use crate::campaign::{Campaign, Part};
+use crate::campaign::{Campaign, CasePart};
 use crate::phases;
-use crate::results::Row;
+use crate::results::CaseRow;
 
 /// The pages of a case by the names of their files, from the folder of results: those of the scenes that it came to, where these are several, and its own last.
 pub fn pages(
     campaign: &Campaign,
-    (row, parts, history): (&Row, &[Part], &Trajectory),
+    (row, parts, history): (&CaseRow, &[CasePart], &Trajectory),
     chosen: &Chosen,
     replay: &str,
 ) -> Vec<(String, Report)> {
@@ -30,7 +30,7 @@ pub fn pages(
         (_, []) => {}
         ([_], [part]) => own = with_part(own, part),
         (_, parts) => {
-            let told: Vec<phases::Told<'_>> = parts.iter().map(Part::told).collect();
+            let told: Vec<phases::FlownPart<'_>> = parts.iter().map(CasePart::told).collect();
             own = own.table(&phases::table(&told));
             for (number, part) in (1..).zip(parts) {
                 let name = &part.model.scene().name;
@@ -52,7 +52,7 @@ pub fn pages(
     all
 }
 
-fn opening(title: String, row: &Row, chosen: &Chosen) -> Report {
+fn opening(title: String, row: &CaseRow, chosen: &Chosen) -> Report {
     let end = match row.status.as_str() {
         "ok" => format!("It reached its end at {} s.", row.time),
         status => format!(
@@ -66,7 +66,7 @@ fn opening(title: String, row: &Row, chosen: &Chosen) -> Report {
 }
 
 /// What was flown in one scene.
-fn with_part(report: Report, part: &Part) -> Report {
+fn with_part(report: Report, part: &CasePart) -> Report {
     let shown = Run {
         inputs: Some(&part.plan.inputs),
         instants: &part.plan.instants,
@@ -77,9 +77,9 @@ fn with_part(report: Report, part: &Part) -> Report {
 }
 
 /// What was dispersed, and the metrics, beside those of the nominal.
-fn numbers(campaign: &Campaign, row: &Row) -> Table {
+fn numbers(campaign: &Campaign, row: &CaseRow) -> ReportTable {
     let manifest = campaign.manifest();
-    let mut table = Table::new("Dispersed numbers and metrics")
+    let mut table = ReportTable::new("Dispersed numbers and metrics")
         .column("name", "")
         .column("unit", "")
         .number("here", "", 6);

@@ -9,22 +9,22 @@ mod thrift;
 use std::io::{self, Write};
 
 use mbd_runtime::Trajectory;
-use thrift::{Struct, unsigned};
+use thrift::{ThriftStruct, unsigned};
 
 /// Rows of a group: what is held in memory of a column.
 const GROUP: usize = 65_536;
 const MARK: &[u8] = b"PAR1";
 
 /// A column of a table.
-pub struct Column<'c> {
+pub struct ParquetColumn<'c> {
     /// Its name.
     pub name: String,
     /// Its cells, by row.
-    pub cells: Cells<'c>,
+    pub cells: ParquetCells<'c>,
 }
 
 /// The cells of a column.
-pub enum Cells<'c> {
+pub enum ParquetCells<'c> {
     /// Whole numbers, one in every row.
     Whole(Box<dyn Fn(usize) -> u64 + 'c>),
     /// Numbers; none where it is NaN.
@@ -33,30 +33,30 @@ pub enum Cells<'c> {
     Texts(Box<dyn Fn(usize) -> &'c str + 'c>),
 }
 
-impl Cells<'_> {
+impl ParquetCells<'_> {
     /// The number of its type: INT64, DOUBLE, BYTE_ARRAY.
     fn kind(&self) -> i32 {
         match self {
-            Cells::Whole(_) => 2,
-            Cells::Numbers(_) => 5,
-            Cells::Texts(_) => 6,
+            ParquetCells::Whole(_) => 2,
+            ParquetCells::Numbers(_) => 5,
+            ParquetCells::Texts(_) => 6,
         }
     }
 
     /// 1 where a row may have no value, else 0.
     fn optional(&self) -> i32 {
-        i32::from(!matches!(self, Cells::Whole(_)))
+        i32::from(!matches!(self, ParquetCells::Whole(_)))
     }
 
     /// The bytes of a cell; whether it has a value.
     fn push(&self, row: usize, bytes: &mut Vec<u8>) -> bool {
         match self {
-            Cells::Whole(value) => bytes.extend(value(row).to_le_bytes()),
-            Cells::Numbers(value) => match value(row) {
+            ParquetCells::Whole(value) => bytes.extend(value(row).to_le_bytes()),
+            ParquetCells::Numbers(value) => match value(row) {
                 none if none.is_nan() => return false,
                 value => bytes.extend(value.to_le_bytes()),
             },
-            Cells::Texts(value) => match value(row) {
+            ParquetCells::Texts(value) => match value(row) {
                 "" => return false,
                 text => {
                     bytes.extend((text.len() as u32).to_le_bytes());
@@ -92,13 +92,16 @@ impl Cells<'_> {
             body.extend(levels);
         }
         body.extend(values);
-        let data = Struct::new()
+        let data = ThriftStruct::new()
             .small(1, count as i32)
             .small(2, PLAIN)
             .small(3, RUNS)
             .small(4, RUNS);
         let size = body.len() as i32;
-        let header = Struct::new().small(1, 0).small(2, size).small(3, size);
+        let header = ThriftStruct::new()
+            .small(1, 0)
+            .small(2, size)
+            .small(3, size);
         [header.inner(5, data).end(), body]
     }
 }
@@ -116,9 +119,9 @@ pub fn write_history(to: &mut dyn Write, history: &Trajectory) -> io::Result<()>
     let columns = names.map(|(at, name)| {
         let values = history.values(at);
         let cell = move |row: usize| values.get(row).copied().unwrap_or(f64::NAN);
-        Column {
+        ParquetColumn {
             name: name.heading(),
-            cells: Cells::Numbers(Box::new(cell)),
+            cells: ParquetCells::Numbers(Box::new(cell)),
         }
     });
     write(to, history.len(), &columns.collect::<Vec<_>>())
@@ -128,7 +131,7 @@ pub fn write_history(to: &mut dyn Write, history: &Trajectory) -> io::Result<()>
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write(to: &mut dyn Write, rows: usize, columns: &[Column<'_>]) -> io::Result<()> {
+pub fn write(to: &mut dyn Write, rows: usize, columns: &[ParquetColumn<'_>]) -> io::Result<()> {
     to.write_all(MARK)?;
     let mut at = MARK.len() as u64;
     let mut groups = Vec::new();
@@ -141,7 +144,7 @@ pub fn write(to: &mut dyn Write, rows: usize, columns: &[Column<'_>]) -> io::Res
             to.write_all(&header)?;
             to.write_all(&body)?;
             let size = (header.len() + body.len()) as u64;
-            let described = Struct::new()
+            let described = ThriftStruct::new()
                 .small(1, column.cells.kind())
                 .smalls(2, &[PLAIN, RUNS])
                 .one_text(3, &column.name)
@@ -150,28 +153,28 @@ pub fn write(to: &mut dyn Write, rows: usize, columns: &[Column<'_>]) -> io::Res
                 .large(6, size)
                 .large(7, size)
                 .large(9, at);
-            chunks.push(Struct::new().large(2, at).inner(3, described));
+            chunks.push(ThriftStruct::new().large(2, at).inner(3, described));
             at += size;
         }
-        let group = Struct::new().structs(1, chunks.into_iter());
+        let group = ThriftStruct::new().structs(1, chunks.into_iter());
         groups.push(group.large(2, at - begin).large(3, count));
     }
-    let root = Struct::new()
+    let root = ThriftStruct::new()
         .text(4, "table")
         .small(5, columns.len() as i32);
     let leaves = columns.iter().map(|column| {
-        let leaf = Struct::new()
+        let leaf = ThriftStruct::new()
             .small(1, column.cells.kind())
             .small(3, column.cells.optional())
             .text(4, &column.name);
         match column.cells {
             // UTF-8.
-            Cells::Texts(_) => leaf.small(6, 0),
+            ParquetCells::Texts(_) => leaf.small(6, 0),
             _ => leaf,
         }
     });
-    let schema: Vec<Struct> = std::iter::once(root).chain(leaves).collect();
-    let described = Struct::new()
+    let schema: Vec<ThriftStruct> = std::iter::once(root).chain(leaves).collect();
+    let described = ThriftStruct::new()
         .small(1, 1)
         .structs(2, schema.into_iter())
         .large(3, rows as u64)
@@ -192,17 +195,17 @@ mod tests {
     fn a_small_table_has_the_bytes_that_others_read() {
         let (heights, words) = ([1.5, f64::NAN, -2.0], ["", "", "fell"]);
         let columns = [
-            Column {
+            ParquetColumn {
                 name: "case".to_owned(),
-                cells: Cells::Whole(Box::new(|row| row as u64)),
+                cells: ParquetCells::Whole(Box::new(|row| row as u64)),
             },
-            Column {
+            ParquetColumn {
                 name: "height [m]".to_owned(),
-                cells: Cells::Numbers(Box::new(move |row| heights[row])),
+                cells: ParquetCells::Numbers(Box::new(move |row| heights[row])),
             },
-            Column {
+            ParquetColumn {
                 name: "why".to_owned(),
-                cells: Cells::Texts(Box::new(move |row| words[row])),
+                cells: ParquetCells::Texts(Box::new(move |row| words[row])),
             },
         ];
         let mut bytes = Vec::new();
@@ -213,9 +216,9 @@ mod tests {
 
     #[test]
     fn many_rows_are_several_groups_and_none_is_no_group() {
-        let column = || Column {
+        let column = || ParquetColumn {
             name: "x".to_owned(),
-            cells: Cells::Numbers(Box::new(|row| row as f64)),
+            cells: ParquetCells::Numbers(Box::new(|row| row as f64)),
         };
         let size = |rows: usize| {
             let mut bytes = Vec::new();

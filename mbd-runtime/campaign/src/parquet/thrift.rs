@@ -12,15 +12,15 @@ const STRUCT: u8 = 12;
 
 /// A struct under way: its bytes, and the number of its last field.
 #[derive(Clone, Debug, Default)]
-pub struct Struct {
+pub struct ThriftStruct {
     bytes: Vec<u8>,
     last: u8,
 }
 
-impl Struct {
+impl ThriftStruct {
     /// One without fields.
     pub fn new() -> Self {
-        Struct::default()
+        ThriftStruct::default()
     }
 
     /// A field of 32 bits.
@@ -45,14 +45,18 @@ impl Struct {
     }
 
     /// A struct.
-    pub fn inner(mut self, field: u8, value: Struct) -> Self {
+    pub fn inner(mut self, field: u8, value: ThriftStruct) -> Self {
         self.begin(field, STRUCT);
         self.bytes.extend(value.end());
         self
     }
 
     /// A list of structs.
-    pub fn structs(mut self, field: u8, values: impl ExactSizeIterator<Item = Struct>) -> Self {
+    pub fn structs(
+        mut self,
+        field: u8,
+        values: impl ExactSizeIterator<Item = ThriftStruct>,
+    ) -> Self {
         self.list(field, STRUCT, values.len());
         values.for_each(|value| self.bytes.extend(value.end()));
         self
@@ -135,9 +139,9 @@ mod tests {
 
     #[test]
     fn fields_tell_their_distance_and_long_lists_their_length() {
-        let made = Struct::new().small(1, 3).text(4, "ab").large(6, 1);
+        let made = ThriftStruct::new().small(1, 3).text(4, "ab").large(6, 1);
         assert_eq!(made.end(), [0x15, 6, 0x38, 2, b'a', b'b', 0x26, 2, 0]);
-        let long = Struct::new().smalls(2, &[0; 20]).end();
+        let long = ThriftStruct::new().smalls(2, &[0; 20]).end();
         assert_eq!((&long[..3], long.len()), (&[0x29, 0xf5, 20][..], 24));
     }
 }

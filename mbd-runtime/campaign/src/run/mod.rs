@@ -7,6 +7,6 @@ pub(crate) mod plan;
 mod settings;
 
 pub use names::PlanError;
-pub use phases::{Given, Goes, Phase, go_on, settings_of_all};
-pub use plan::Plan;
+pub use phases::{GivenSettings, GoingRun, Phase, go_on, settings_of_all};
+pub use plan::RunPlan;
 pub use settings::{Settings, split};

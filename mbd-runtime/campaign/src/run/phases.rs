@@ -6,7 +6,7 @@ use mbd_runtime::scene::Scene;
 use mbd_runtime::{Ended, Handover, Model, Progress, RunError, Simulation, StepError};
 
 use super::names::PlanError;
-use super::plan::Plan;
+use super::plan::RunPlan;
 use super::settings::Settings;
 
 /// Scenes that let each other go on more often than this never come to an end.
@@ -37,7 +37,7 @@ impl Phase {
 
 /// Settings that count in every scene of a run, because somebody gave them beside those of the scenes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Given {
+pub struct GivenSettings {
     /// The method, the step or the tolerance.
     pub method: bool,
     /// How often a row is kept.
@@ -49,11 +49,11 @@ pub struct Given {
 }
 
 /// A run that goes on from another one.
-pub struct Goes {
+pub struct GoingRun {
     /// Which phase it is of, by index.
     pub phase: usize,
     /// How it is flown, with the params it has.
-    pub plan: Plan,
+    pub plan: RunPlan,
     /// It, begun.
     pub run: Simulation<f64>,
     /// What it took over.
@@ -65,7 +65,7 @@ pub struct Goes {
 #[must_use]
 pub fn settings_of_all(
     first: &Settings,
-    given: &Given,
+    given: &GivenSettings,
     scenes: &[(&Scene, &Settings)],
 ) -> Vec<Settings> {
     let has = |scene: &Scene, name: &str| scene.params.iter().any(|param| param.name == name);
@@ -88,7 +88,12 @@ pub fn settings_of_all(
 }
 
 /// The settings of a scene that goes on from one with the settings `first`: of its params those that were given count here, too.
-fn after(first: &Settings, own: &Settings, given: &Given, has: &dyn Fn(&str) -> bool) -> Settings {
+fn after(
+    first: &Settings,
+    own: &Settings,
+    given: &GivenSettings,
+    has: &dyn Fn(&str) -> bool,
+) -> Settings {
     let mut settings = own.clone();
     settings.until.clone_from(&first.until);
     if given.method {
@@ -122,8 +127,8 @@ fn after(first: &Settings, own: &Settings, given: &Given, has: &dyn Fn(&str) -> 
 pub fn go_on(
     phases: &[Phase],
     ended: Ended<'_>,
-    plan_of: &dyn Fn(usize) -> Result<Plan, PlanError>,
-) -> Result<Option<Goes>, RunError> {
+    plan_of: &dyn Fn(usize) -> Result<RunPlan, PlanError>,
+) -> Result<Option<GoingRun>, RunError> {
     let Ended {
         run: last,
         model,
@@ -169,7 +174,7 @@ pub fn go_on(
     let mut run = Simulation::new(&*own, plan.options)?;
     plan.begin(&mut run)?;
     let handover = run.take_over_at(last, event, &plan.placed)?;
-    Ok(Some(Goes {
+    Ok(Some(GoingRun {
         phase: index,
         plan,
         run,

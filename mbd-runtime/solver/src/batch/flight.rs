@@ -69,7 +69,7 @@ pub(super) struct Flights<'b, T: Scalar> {
 }
 
 /// A case under way.
-struct Flight<T: Scalar> {
+struct FlyingCase<T: Scalar> {
     case: Case<T>,
     /// Its run, once it has begun; it stays where it stops.
     run: Option<(Simulation<T>, Course)>,
@@ -104,7 +104,7 @@ impl<T: Scalar> Flights<'_, T> {
             width => T::together(&*self.model, width),
         };
         let beside = if together.is_some() { self.beside } else { 1 };
-        let mut flights: Vec<Option<Flight<T>>> = (0..beside).map(|_| None).collect();
+        let mut flights: Vec<Option<FlyingCase<T>>> = (0..beside).map(|_| None).collect();
         // A history is as large as a run: each is used again.
         let mut histories: Vec<Trajectory> = Vec::with_capacity(beside);
         let mut go_on = |_| !(desk.stops() || cancelled());
@@ -145,13 +145,13 @@ impl<T: Scalar> Flights<'_, T> {
         &self,
         (number, mut case): (usize, Case<T>),
         history: Option<Trajectory>,
-    ) -> Flight<T> {
+    ) -> FlyingCase<T> {
         case.number = number;
         let (sampling, content) = &self.record;
         let fresh = || Trajectory::new(&*self.model, sampling.clone(), *content);
         let mut history = history.unwrap_or_else(fresh);
         history.clear();
-        Flight {
+        FlyingCase {
             case,
             run: None,
             model: 0,
@@ -166,7 +166,7 @@ impl<T: Scalar> Flights<'_, T> {
     /// Begins a flight, or tries its next step; all of them where it is alone.
     fn advance(
         &self,
-        flight: &mut Flight<T>,
+        flight: &mut FlyingCase<T>,
         once: bool,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Advance {
@@ -212,7 +212,7 @@ impl<T: Scalar> Flights<'_, T> {
     }
 
     /// Whether another run goes on with a case whose run stopped; that one is under way then.
-    fn goes_on(&self, flight: &mut Flight<T>, stop: Stop) -> Result<bool, RunError> {
+    fn goes_on(&self, flight: &mut FlyingCase<T>, stop: Stop) -> Result<bool, RunError> {
         let (Stop::Event(event), Some(then), Some((run, _))) = (stop, &self.then, &mut flight.run)
         else {
             return Ok(false);
@@ -259,7 +259,7 @@ impl<T: Scalar> Flights<'_, T> {
     }
 }
 
-impl<T: Scalar> Runs<T> for Vec<Option<Flight<T>>> {
+impl<T: Scalar> Runs<T> for Vec<Option<FlyingCase<T>>> {
     fn lane(&mut self, lane: usize) -> Option<Lane<'_, T>> {
         // What goes on is of another model.
         let flight = self.get_mut(lane)?.as_mut();
@@ -269,7 +269,7 @@ impl<T: Scalar> Runs<T> for Vec<Option<Flight<T>>> {
     }
 }
 
-impl<T: Scalar> Flight<T> {
+impl<T: Scalar> FlyingCase<T> {
     /// The result of a flight that ended, `None` where it was given up, and its history in the model of the batch, to be used again.
     fn land<R>(
         self,
@@ -277,7 +277,7 @@ impl<T: Scalar> Flight<T> {
         columns: Option<&Joined>,
         judge: &impl Fn(&Case<T>, &Trajectory) -> R,
     ) -> (Option<Finished<R, T>>, Trajectory) {
-        let Flight {
+        let FlyingCase {
             case,
             run,
             model,

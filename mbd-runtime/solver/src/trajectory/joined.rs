@@ -62,7 +62,7 @@ pub struct Joined {
 
 /// A part of a history that was put together.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Part {
+pub(super) struct JoinedPart {
     rows: Range<usize>,
     /// Where its columns are.
     columns: Vec<usize>,
@@ -125,7 +125,7 @@ impl Joined {
             joined.columns[1].extend(std::iter::repeat_n(f64::from(phase), rows));
             let all = joined.columns.iter_mut();
             all.for_each(|column| column.resize(before + rows, f64::NAN));
-            joined.parts.push(Part {
+            joined.parts.push(JoinedPart {
                 rows: before..before + rows,
                 columns: places.to_vec(),
             });
@@ -144,7 +144,7 @@ impl Trajectory {
     /// The rows of the models that have a column: all rows of the history of one model.
     pub(crate) fn pieces(&self, column: usize) -> impl Iterator<Item = Range<usize>> + '_ {
         let alone = self.parts.is_empty().then(|| 0..self.len());
-        let has = move |part: &&Part| column < 2 || part.columns.contains(&column);
+        let has = move |part: &&JoinedPart| column < 2 || part.columns.contains(&column);
         let parts = self.parts.iter().filter(has);
         alone.into_iter().chain(parts.map(|part| part.rows.clone()))
     }
