@@ -79,7 +79,12 @@ impl Page<'_> {
             }
         }
         report = report.paragraph(&opening(summary));
-        report = self.over_time(report.table(&overview(results, summary)));
+        report = report.table(&overview(summary));
+        let strongest = strongest(results, summary);
+        if !strongest.is_empty() {
+            report = report.table(&strongest);
+        }
+        report = self.over_time(report);
         report = footprints(report, results);
         for told in &summary.metrics {
             report = metric::metric(report, results, told);
@@ -141,7 +146,7 @@ fn opening(summary: &CampaignSummary) -> String {
 /// Drivers of a metric that stand beside it.
 const DRIVERS: usize = 2;
 
-fn overview(results: &Results, summary: &CampaignSummary) -> ReportTable {
+fn overview(summary: &CampaignSummary) -> ReportTable {
     let mut table = ReportTable::new("Metrics")
         .column("metric", "")
         .column("unit", "")
@@ -150,8 +155,7 @@ fn overview(results: &Results, summary: &CampaignSummary) -> ReportTable {
         .number("standard deviation", "", 4)
         .number("smallest", "", 5)
         .number("largest", "", 5)
-        .column("without a value", "cases")
-        .column("driven most by", "");
+        .column("without a value", "cases");
     for told in &summary.metrics {
         let real = |x: f64| {
             if x.is_nan() {
@@ -170,15 +174,27 @@ fn overview(results: &Results, summary: &CampaignSummary) -> ReportTable {
             told.sorted.first().copied().into(),
             told.sorted.last().copied().into(),
             Cell::Count(told.without),
-            driven(results, told).as_str().into(),
         ]);
     }
     table.note(format!(
         "Percentiles, below, are order statistics of the cases that have a value, each with an interval that holds that of the distribution with \
-         {:.0} % confidence; where there are not enough cases for an end of it, none is told. Beside a driver stands the share of the variance that it explains \
-         alone, or where that is not known its rank correlation.",
+         {:.0} % confidence; where there are not enough cases for an end of it, none is told.",
         100.0 * CONFIDENCE
     ))
+}
+
+/// The metrics that something drives, with the strongest of it.
+fn strongest(results: &Results, summary: &CampaignSummary) -> ReportTable {
+    let mut table = ReportTable::new("What drives them most")
+        .column("metric", "")
+        .column("dispersed numbers", "");
+    for told in &summary.metrics {
+        let drivers = driven(results, told);
+        if !drivers.is_empty() {
+            table.push([told.name.as_str().into(), drivers.as_str().into()]);
+        }
+    }
+    table.note("With the share of the variance that each explains alone; where that is not known, with its rank correlation.")
 }
 
 /// The strongest drivers of a metric; nothing that may as well drive nothing.

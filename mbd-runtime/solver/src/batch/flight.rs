@@ -46,11 +46,11 @@ pub struct Onward<T: Float = f64> {
 /// What goes on after an event, by the caller, and the columns of all models.
 pub(super) struct Then<'b, T: Scalar> {
     pub columns: &'b Joined,
-    pub next: Box<Next<'b, T>>,
+    pub next: Box<FindOnward<'b, T>>,
 }
 
 /// Finds the run that goes on with a case, if one does.
-pub(super) type Next<'b, T> =
+pub(super) type FindOnward<'b, T> =
     dyn Fn(&Case<T>, Ended<'_, T>) -> Result<Option<Onward<T>>, RunError> + Sync + 'b;
 
 /// What all cases of a batch share.
