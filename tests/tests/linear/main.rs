@@ -3,6 +3,7 @@
 mod closed_forms;
 mod efforts;
 mod emitted;
+mod mechanisms;
 mod names;
 mod trim;
 

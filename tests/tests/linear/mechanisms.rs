@@ -1,0 +1,243 @@
+//! A, B, C, D of fifty random mechanisms against the mechanism as a function of its minimal coordinates: dual numbers through the whole
+//! elimination, central differences along the joints, and short runs.
+
+use mbd_runtime::{StateSpace, linearise};
+use mbd_scene::joints::JointForces;
+use mbd_scene::{
+    Coordinates, Energy, Formula, Function, Input, Layout, Load, LoadKind, Output, Place, Quantity,
+    Scene, State, Unit,
+};
+use nalgebra::DVector;
+use tests::looped::mechanism;
+use tests::mechanism::evaluate;
+use tests::minimal::{Minimal, in_family};
+use tests::random::Random;
+
+use super::generic;
+
+const MECHANISMS: u64 = 50;
+
+/// A mechanism that is driven and watched, at a motion that it can have.
+struct Driven {
+    scene: Scene,
+    state: Vec<f64>,
+    inputs: Vec<f64>,
+    motor: bool,
+}
+
+fn apply<const N: usize>(function: Function, arguments: [Formula; N]) -> Formula {
+    Formula::Apply(function, arguments.to_vec())
+}
+
+fn add_input(scene: &mut Scene, name: &str, default: f64) -> Formula {
+    scene.inputs.push(Input {
+        default: [default, 0.0, 0.0],
+        name: name.to_owned(),
+        doc: String::new(),
+        components: 1,
+        unit: Unit::default(),
+    });
+    Formula::Input(scene.inputs.len() - 1)
+}
+
+/// A motor whose coordinate, rate and acceleration are inputs, on the first joint of one freedom that nothing else holds.
+fn add_motor(scene: &mut Scene, state: &[f64]) -> bool {
+    let free = Layout::new(scene).freedoms();
+    let measured = evaluate(scene, Quantity::JointCoordinates, state, &[], &[]);
+    let mut number = 0;
+    for joint in 0..scene.joints.len() {
+        let law = &scene.joints[joint].law;
+        let (own, count) = (number, law.measured().count());
+        number += count;
+        if law.freedoms() != 1 || count != 1 {
+            continue;
+        }
+        let mut with = scene.clone();
+        let course = ["course", "course_rate", "course_gain"];
+        let values = [measured[3 * own], measured[3 * own + 1], 0.7];
+        let course = [0, 1, 2].map(|k| add_input(&mut with, course[k], values[k]));
+        with.joints[joint].forces = vec![JointForces {
+            motor: Some(Formula::Vector(course.to_vec())),
+            ..JointForces::default()
+        }];
+        let layout = Layout::new(&with);
+        if layout.redundancy.held.is_empty() && layout.freedoms() + 1 == free && free > 2 {
+            *scene = with;
+            return true;
+        }
+    }
+    false
+}
+
+/// A filter that the scene declares, of an input and of a velocity; it pushes the last body.
+fn add_filter(scene: &mut Scene) {
+    let last = Place::Body(scene.bodies.len() - 1, 0);
+    let wish = add_input(scene, "wish", 0.4);
+    let seen = Formula::Component(vec![Formula::Velocity(last)], 1);
+    let lag = Formula::State(scene.states.len());
+    let asked = apply(Function::Add, [wish, seen]);
+    let missing = apply(Function::Sub, [asked, lag.clone()]);
+    scene.states.push(State {
+        name: "lag".to_owned(),
+        doc: String::new(),
+        start: 0.3.into(),
+        unit: Unit::default(),
+        rate: apply(Function::Div, [missing, 0.2.into()]),
+    });
+    let push = apply(Function::Mul, [lag.clone(), lag]);
+    scene.loads.push(Load {
+        name: "filtered".to_owned(),
+        doc: String::new(),
+        at: last,
+        kind: LoadKind::Force(Formula::Vector(vec![push, 0.2.into(), 0.0.into()])),
+    });
+}
+
+fn watch(scene: &mut Scene, name: &str, value: Formula, components: usize) {
+    scene.outputs.push(Output {
+        name: name.to_owned(),
+        doc: String::new(),
+        value,
+        components,
+        unit: Unit {
+            factor: 1.0,
+            ..Unit::default()
+        },
+    });
+}
+
+fn driven(seed: u64) -> Driven {
+    let (mut scene, mut state) = mechanism(seed);
+    // The last body alone is pushed from outside.
+    scene.loads.drain(..scene.bodies.len() - 1);
+    let motor = !seed.is_multiple_of(3) && add_motor(&mut scene, &state);
+    if seed.is_multiple_of(2) {
+        add_filter(&mut scene);
+        state.push(0.3);
+    }
+    let last = scene.bodies.len() - 1;
+    let place = Place::Body(last, 0);
+    watch(&mut scene, "place", Formula::Position(place), 3);
+    watch(&mut scene, "felt", Formula::Acceleration(place), 3);
+    watch(&mut scene, "spin", Formula::AngularVelocityWorld(last), 3);
+    watch(&mut scene, "kinetic", Formula::Energy(Energy::Kinetic), 1);
+    let layout = Layout::new(&scene);
+    if layout.redundancy.lost() == 0 {
+        watch(&mut scene, "held", Formula::ReactionForce(0), 3);
+    }
+    let mut random = Random::new(seed + 300);
+    let mut inputs = layout.default_inputs(&scene);
+    for slots in &layout.inputs {
+        if let mbd_scene::InputSource::Load(_) = slots.source {
+            inputs[slots.at..slots.at + slots.len].fill_with(|| random.uniform(-2.0, 2.0));
+        }
+    }
+    Driven {
+        scene,
+        state,
+        inputs,
+        motor,
+    }
+}
+
+fn names(space: &StateSpace, rest: usize) -> Vec<&str> {
+    let count = (space.states.len() - rest) / 2;
+    let all = space.states[..count].iter();
+    all.map(|state| state.name.as_str()).collect()
+}
+
+/// A number of s, or of u behind them, as the linear system has it: ξ̇, η̇, ż, o.
+fn column(space: &StateSpace, number: usize) -> Vec<f64> {
+    let n = space.states.len();
+    let (of_states, of_outputs, at) = match number.checked_sub(n) {
+        None => (&space.a, &space.c, number),
+        Some(input) => (&space.b, &space.d, input),
+    };
+    let (above, below) = (of_states.column(at), of_outputs.column(at));
+    above.iter().chain(below.iter()).copied().collect()
+}
+
+/// Every driven mechanism in its family, its linear system and the mechanism in the same coordinates.
+fn each(family: impl Fn(u64) -> Coordinates, mut check: impl FnMut(&str, &StateSpace, &Minimal)) {
+    let (mut loops, mut redundant, mut motors, mut filters) = (0, 0, 0, 0);
+    for seed in 0..MECHANISMS {
+        let Driven {
+            scene,
+            state,
+            inputs,
+            motor,
+        } = driven(seed);
+        let family = family(seed);
+        let what = format!("{family:?}, mechanism {seed}");
+        let (scene, state) = in_family(&scene, &state, family);
+        let layout = Layout::new(&scene);
+        loops += usize::from(layout.redundancy.loops > 0);
+        redundant += usize::from(layout.redundancy.lost() > 0);
+        motors += usize::from(motor);
+        filters += usize::from(layout.ns > 0);
+        let space = linearise(&generic(scene.clone()), 0.0, &state, &inputs);
+        let space = space.unwrap_or_else(|error| panic!("{what}: {error}"));
+        let names = names(&space, layout.nx() - layout.nq - layout.nv);
+        let minimal = Minimal::new(&scene, &names, &state, &inputs);
+        check(&what, &space, &minimal);
+    }
+    assert!(
+        loops >= 20 && redundant >= 8 && motors >= 8 && filters >= 25,
+        "{loops} with loops, {redundant} redundant, {motors} with motors, {filters} with states"
+    );
+}
+
+fn assert_columns(space: &StateSpace, want: impl Fn(usize) -> Vec<f64>, most: f64, what: &str) {
+    let count = space.states.len() + space.inputs.len();
+    let pairs: Vec<[Vec<f64>; 2]> = (0..count)
+        .map(|number| [column(space, number), want(number)])
+        .collect();
+    let all = pairs.iter().flat_map(|[_, want]| want);
+    let size = all.fold(1.0_f64, |most, x| most.max(x.abs()));
+    for (number, [got, want]) in pairs.iter().enumerate() {
+        for (row, (got, want)) in got.iter().zip(want).enumerate() {
+            let apart = (got - want).abs() / size;
+            assert!(
+                apart < most,
+                "{what}, row {row}, column {number} of {}: {got} is not {want} ({apart:.1e})",
+                space.states.len()
+            );
+        }
+    }
+}
+
+#[test]
+fn linear_systems_are_those_of_dual_numbers_through_the_elimination_in_both_families() {
+    for family in [Coordinates::Absolute, Coordinates::Relative] {
+        each(
+            |_| family,
+            |what, space, minimal| {
+                let want = |number| {
+                    let along = minimal.direction(number);
+                    [minimal.swept(&along), minimal.slope(&along)].concat()
+                };
+                assert_columns(space, want, 1e-10, what);
+            },
+        );
+    }
+}
+
+#[test]
+fn linear_systems_are_central_differences_of_mechanisms_in_their_minimal_coordinates() {
+    let family = |seed: u64| match (seed / 10).is_multiple_of(2) {
+        true => Coordinates::Absolute,
+        false => Coordinates::Relative,
+    };
+    each(family, |what, space, minimal| {
+        // The sixth order leaves h⁶ of the seventh derivative, and rounding over h.
+        let h = 3e-5;
+        let want = |number| {
+            let along = minimal.direction(number);
+            let at = |by: f64| DVector::from_vec(minimal.value(&along, by));
+            let [near, mid, far] = [1.0, 2.0, 3.0].map(|k| at(k * h) - at(-k * h));
+            let slope = (near * 45.0 - mid * 9.0 + far) / (60.0 * h);
+            [minimal.swept(&along), slope.as_slice().to_vec()].concat()
+        };
+        assert_columns(space, want, 1e-6, what);
+    });
+}
