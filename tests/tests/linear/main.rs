@@ -5,6 +5,7 @@ mod efforts;
 mod emitted;
 mod mechanisms;
 mod names;
+mod parameters;
 mod trim;
 
 use mbd_runtime::{External, Generic, Options, Simulation, StateSpace, linearise};

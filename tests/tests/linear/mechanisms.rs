@@ -1,11 +1,11 @@
 //! A, B, C, D of fifty random mechanisms against the mechanism as a function of its minimal coordinates: dual numbers through the whole
 //! elimination, central differences along the joints, and short runs.
 
-use mbd_runtime::{StateSpace, linearise};
+use mbd_runtime::{Generic, Options, Simulation, StateSpace, linearise};
 use mbd_scene::joints::JointForces;
 use mbd_scene::{
-    Coordinates, Energy, Formula, Function, Input, Layout, Load, LoadKind, Output, Place, Quantity,
-    Scene, State, Unit,
+    Coordinates, Energy, Formula, Function, Input, Layout, Load, LoadKind, Model, Output, Place,
+    Quantity, Scene, State, Unit,
 };
 use nalgebra::DVector;
 use tests::looped::mechanism;
@@ -13,7 +13,7 @@ use tests::mechanism::evaluate;
 use tests::minimal::{Minimal, in_family};
 use tests::random::Random;
 
-use super::generic;
+use super::{Held, generic};
 
 const MECHANISMS: u64 = 50;
 
@@ -106,10 +106,18 @@ fn watch(scene: &mut Scene, name: &str, value: Formula, components: usize) {
     });
 }
 
-fn driven(seed: u64) -> Driven {
+/// Which bodies are pushed from outside.
+#[derive(Clone, Copy, PartialEq)]
+enum Pushed {
+    Last,
+    Every,
+}
+
+fn driven(seed: u64, pushed: Pushed) -> Driven {
     let (mut scene, mut state) = mechanism(seed);
-    // The last body alone is pushed from outside.
-    scene.loads.drain(..scene.bodies.len() - 1);
+    if pushed == Pushed::Last {
+        scene.loads.drain(..scene.bodies.len() - 1);
+    }
     let motor = !seed.is_multiple_of(3) && add_motor(&mut scene, &state);
     if seed.is_multiple_of(2) {
         add_filter(&mut scene);
@@ -166,7 +174,7 @@ fn each(family: impl Fn(u64) -> Coordinates, mut check: impl FnMut(&str, &StateS
             state,
             inputs,
             motor,
-        } = driven(seed);
+        } = driven(seed, Pushed::Last);
         let family = family(seed);
         let what = format!("{family:?}, mechanism {seed}");
         let (scene, state) = in_family(&scene, &state, family);
@@ -185,6 +193,14 @@ fn each(family: impl Fn(u64) -> Coordinates, mut check: impl FnMut(&str, &StateS
         loops >= 20 && redundant >= 8 && motors >= 8 && filters >= 25,
         "{loops} with loops, {redundant} redundant, {motors} with motors, {filters} with states"
     );
+}
+
+/// Ten mechanisms in one family, ten in the other.
+fn alternately(seed: u64) -> Coordinates {
+    match (seed / 10).is_multiple_of(2) {
+        true => Coordinates::Absolute,
+        false => Coordinates::Relative,
+    }
 }
 
 fn assert_columns(space: &StateSpace, want: impl Fn(usize) -> Vec<f64>, most: f64, what: &str) {
@@ -224,11 +240,7 @@ fn linear_systems_are_those_of_dual_numbers_through_the_elimination_in_both_fami
 
 #[test]
 fn linear_systems_are_central_differences_of_mechanisms_in_their_minimal_coordinates() {
-    let family = |seed: u64| match (seed / 10).is_multiple_of(2) {
-        true => Coordinates::Absolute,
-        false => Coordinates::Relative,
-    };
-    each(family, |what, space, minimal| {
+    each(alternately, |what, space, minimal| {
         // The sixth order leaves h⁶ of the seventh derivative, and rounding over h.
         let h = 3e-5;
         let want = |number| {
@@ -240,4 +252,76 @@ fn linear_systems_are_central_differences_of_mechanisms_in_their_minimal_coordin
         };
         assert_columns(space, want, 1e-6, what);
     });
+}
+
+/// How long mechanisms run about a balance [s].
+const SPAN: f64 = 0.2;
+
+/// The outputs of a run of [`SPAN`] from a state, at inputs that are held.
+fn outputs_after(model: &Generic<f64>, state: &[f64], inputs: &[f64]) -> DVector<f64> {
+    let held = Held(inputs.to_vec());
+    let mut run = Simulation::with_loads(model, Options::tsit5(1e-12), held).expect("options");
+    run.set_state(0.0, state).expect("a state");
+    run.run(SPAN).expect("a smooth motion");
+    let mut out = DVector::zeros(model.layout().len(Quantity::Outputs));
+    run.evaluate(Quantity::Outputs, out.as_mut_slice())
+        .expect("no node");
+    out
+}
+
+#[test]
+fn outputs_of_runs_about_a_balance_are_those_of_the_sampled_linear_system() {
+    for seed in 0..MECHANISMS {
+        let Driven {
+            scene,
+            mut state,
+            mut inputs,
+            motor,
+        } = driven(seed, Pushed::Every);
+        let layout = Layout::new(&scene);
+        state[layout.nq..layout.nq + layout.nv].fill(0.0);
+        if layout.ns > 0 {
+            // The filter is where its input is.
+            state[layout.nq + layout.nv] = 0.4;
+        }
+        // Motors stand still; what they follow does not jump, because their joints would open.
+        let course = if motor { 3 } else { 0 };
+        inputs[..course]
+            .iter_mut()
+            .skip(1)
+            .for_each(|rate| *rate = 0.0);
+        let (scene, state) = in_family(&scene, &state, alternately(seed));
+        let model = generic(scene.clone());
+        // Accelerations are linear in the loads: those that leave none.
+        let there = linearise(&model, 0.0, &state, &inputs).expect("linear");
+        let n = there.accelerations.len() - layout.ns;
+        let by_loads = there.b.rows(n, n);
+        let by_loads = by_loads.columns_range(inputs.len() - 6 * scene.bodies.len()..);
+        let inverse = by_loads.into_owned().pseudo_inverse(1e-9).expect("a bound");
+        let loads = inverse * there.accelerations.rows(0, n);
+        let first = inputs.len() - loads.len();
+        (0..loads.len()).for_each(|k| inputs[first + k] -= loads[k]);
+
+        let space = linearise(&model, 0.0, &state, &inputs).expect("linear");
+        let what = format!("mechanism {seed}");
+        assert!(
+            space.accelerations.amax() < 1e-9,
+            "{what}: {}",
+            space.accelerations
+        );
+        let [_, push] = space.sampled(SPAN).expect("a period");
+        let step = DVector::from_fn(inputs.len(), |k, _| match k < course {
+            true => 0.0,
+            false => (2.4 * (k as f64 + 1.0)).sin(),
+        });
+        let (balance, small) = (DVector::from_vec(inputs), 3e-4);
+        let after = |side: f64| {
+            let given = &balance + &step * (side * small);
+            outputs_after(&model, &state, given.as_slice())
+        };
+        let got = (after(1.0) - after(-1.0)) / (2.0 * small);
+        let want = &space.c * (push * &step) + &space.d * &step;
+        let apart = (&got - &want).amax() / want.amax().max(1.0);
+        assert!(apart < 1e-7, "{what}: {apart:.1e}");
+    }
 }
