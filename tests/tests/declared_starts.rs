@@ -376,7 +376,8 @@ fn a_stewart_platform_is_assembled_from_all_bodies_at_the_origin_and_every_body_
     // Legs of one length: level, and as high as they reach.
     let apart = 0.4_f64.powi(2) + 0.7_f64.powi(2) - 0.56 * 20_f64.to_radians().cos();
     let height = (1.1_f64.powi(2) - apart).sqrt();
-    println!("{:?} {height}", &run.state()[..7]);
+    let level = [0.0, 0.0, height, 1.0, 0.0, 0.0, 0.0];
+    assert_close(&run.state()[..7], &level, 0.0, 1e-9, "the platform");
     let moved = run.start_moved();
     assert_eq!(moved.len(), 13, "{moved:?}");
     let names: Vec<&str> = moved.iter().map(|one| one.name.as_str()).collect();

@@ -298,6 +298,7 @@ fn cable_robot(components: &str) -> mbd_runtime::scene::Scene {
                 frame up[i in 0..2] at [(2 * i - 1) * w, 0, h],
                 frame down[i in 0..2] at [(2 * i - 1) * w, 0, -h],
             }}
+            joint loose: free from world to platform.com;
             line high[i in 0..2] from world.post[i] to platform.up[i] {{
                 free_length: [length[i], rate[i]], stiffness: 20 kN/m, damping: 40 N*s/m
             }}
@@ -327,10 +328,6 @@ fn a_cable_robot_stands_where_its_tensions_carry_its_weight() {
         let mut asked = mbd_runtime::trim(&model);
         for (cable, tension) in [high, high, low, low].into_iter().enumerate() {
             asked = asked.input(&format!("length[{cable}]"), length - tension / 20e3);
-        }
-        if components.is_empty() {
-            // Out of the plane of the cables it stands as well; they do not hold it upright at a place of their own choice.
-            asked = asked.hold("platform.turn_x");
         }
         let found = asked.solve().expect("a balance");
         let place = &found.state[..3];
@@ -380,8 +377,8 @@ fn a_cable_robot_that_is_driven_by_all_its_cables_closes_its_balance() {
     run.set_state(0.0, &x).expect("a state");
     run.start().expect("taut");
     let before = energy(&mut run);
-    for quarter in 1..=12 {
-        let t = 0.5 * f64::from(quarter);
+    for half in 1..=6 {
+        let t = 0.5 * f64::from(half);
         run.run(t).expect("a smooth motion");
         let ([gx, gz], place) = (goal(t), [run.state()[0], run.state()[2]]);
         assert!(
@@ -392,7 +389,8 @@ fn a_cable_robot_that_is_driven_by_all_its_cables_closes_its_balance() {
     let gained = energy(&mut run) - before;
     let [loads, lost, drives] = run.work().expect("asked for");
     assert_eq!(loads, 0.0);
-    assert!(drives > 1.0 && lost < -0.01, "{drives} J, {lost} J");
+    // It lifts the platform by 0.6 m.
+    assert!(drives > 30.0 && lost < -0.01, "{drives} J, {lost} J");
     let error = gained - drives - lost;
     assert!(error.abs() < 1e-6 * drives, "{error:e} of {drives} J");
 }

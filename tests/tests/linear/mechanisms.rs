@@ -4,8 +4,8 @@
 use mbd_runtime::{Generic, Options, Simulation, StateSpace, linearise};
 use mbd_scene::joints::JointForces;
 use mbd_scene::{
-    Coordinates, Energy, Formula, Function, Input, Layout, Load, LoadKind, Model, Output, Place,
-    Quantity, Scene, State, Unit,
+    Coordinates, EnergyKind, Formula, Function, Input, Layout, Load, LoadKind, Model, Output,
+    Place, Quantity, Scene, State, Unit,
 };
 use nalgebra::DVector;
 use tests::looped::mechanism;
@@ -128,7 +128,12 @@ fn driven(seed: u64, pushed: Pushed) -> Driven {
     watch(&mut scene, "place", Formula::Position(place), 3);
     watch(&mut scene, "felt", Formula::Acceleration(place), 3);
     watch(&mut scene, "spin", Formula::AngularVelocityWorld(last), 3);
-    watch(&mut scene, "kinetic", Formula::Energy(Energy::Kinetic), 1);
+    watch(
+        &mut scene,
+        "kinetic",
+        Formula::Energy(EnergyKind::Kinetic),
+        1,
+    );
     let layout = Layout::new(&scene);
     if layout.redundancy.lost() == 0 {
         watch(&mut scene, "held", Formula::ReactionForce(0), 3);
