@@ -154,6 +154,16 @@ pub fn evaluate<S: Real>(
             body_accelerations: bodies,
             ..evaluation
         }
+    } else if what == Quantity::JointCoordinates
+        && let Some(given @ [_, ..]) = at.rows.get(..layout.nv)
+    {
+        // Joints that close loops are measured on the bodies that those of the tree move.
+        solver.body_accelerations(&evaluation, given, bodies);
+        Evaluation {
+            accelerations: given,
+            body_accelerations: bodies,
+            ..evaluation
+        }
     } else {
         evaluation
     };
