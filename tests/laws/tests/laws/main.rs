@@ -4,9 +4,11 @@
 
 mod along;
 mod balances;
+mod formulas;
 mod gravity;
 mod joints;
 mod lines;
+mod motions;
 mod nodes;
 mod relative;
 mod things;

@@ -3,7 +3,7 @@
 use laws::instant::Instant;
 use laws::mechanism::Instance;
 use laws::random::Random;
-use mbd_scene::{Formula, Line, LineKind, Place, Point, PointKind, Scene};
+use mbd_scene::{Body, Formula, Line, LineKind, Place, Point, PointKind, Scene};
 use nalgebra::Vector3;
 
 /// A line or a spring of this law: free length [m], stiffness [N/m], damping [N s/m].
@@ -39,6 +39,14 @@ pub fn vector_output(value: Formula) -> mbd_scene::Output {
         value,
         components: 3,
         unit: mbd_scene::Unit::default(),
+    }
+}
+
+/// The mass of a body of numbers [kg].
+pub fn mass(body: &Body) -> f64 {
+    match body.mass {
+        Formula::Number(mass) => mass,
+        _ => f64::NAN,
     }
 }
 
